@@ -59,9 +59,9 @@ MonotonicTime Announcer::period() const {
 
 // If there are too many to answer, the next announcement to all comes sooner. Otherwise it is
 // repeated soon: a participant may announce itself before it listens (Fast DDS 2.9).
-void Announcer::answer(std::span<const Locator> metatraffic) {
+void Announcer::answer(const GuidPrefix& participant, std::span<const Locator> metatraffic) {
   const bool room = answers_.take(core_.now);
-  if (room) announce(metatraffic);
+  if (room) announce(metatraffic, participant);
   next_ = std::min(next_,
                    room ? core_.now + kRepeatDelay : std::max(core_.now, last_ + kShortestPeriod));
 }
@@ -73,10 +73,10 @@ void Announcer::announce_again() {
 
 // A participant may send to the first address that is announced, whether it leads to us or not
 // (Cyclone DDS 0.10): in each network it hears of our address there alone.
-void Announcer::announce(std::span<const Locator> to) {
+void Announcer::announce(std::span<const Locator> to, const GuidPrefix& charged) {
   const auto own = own_data();
   const auto& interfaces = core_.config.interfaces;
-  if (interfaces.size() < 2) return announce(own, to, kEveryInterface);
+  if (interfaces.size() < 2) return announce(own, {.locators = to, .charged = charged});
   LocatorList elsewhere(to.begin(), to.end());
   for (std::size_t i = 0; i < interfaces.size(); ++i) {
     const auto& interface = interfaces[i];
@@ -88,19 +88,18 @@ void Announcer::announce(std::span<const Locator> to) {
     auto data = own;
     std::erase_if(data.metatraffic_unicast, is_other);
     std::erase_if(data.default_unicast, is_other);
-    announce(data, here, i);
+    announce(data, {.locators = here, .interface = i, .charged = charged});
     std::erase_if(elsewhere, [&](const auto& l) { return std::ranges::count(here, l) > 0; });
   }
-  if (!elsewhere.empty()) announce(own, elsewhere, kEveryInterface);
+  if (!elsewhere.empty()) announce(own, {.locators = elsewhere, .charged = charged});
 }
 
-void Announcer::announce(const ParticipantData& own, std::span<const Locator> to,
-                         std::size_t interface) {
+void Announcer::announce(const ParticipantData& own, const Destination& to) {
   std::array<std::uint8_t, MessageSender::kLargestMessage> buffer;
   SpanWriter payload(buffer);
   write_payload(payload, own);
   const Data data{kSpdpReader, kSpdpWriter, {1}, {}, PayloadKind::data, payload.view()};
-  core_.sender.add({.locators = to, .interface = interface}, data);
+  core_.sender.add(to, data);
   core_.sender.flush();
 }
 
@@ -137,7 +136,7 @@ void Announcer::leave(const RemoteParticipants& remotes) {
   core_.sender.add({{}, core_.config.announce_to}, data);
   core_.sender.flush();
   for (const auto& [prefix, remote] : remotes.all()) {
-    core_.sender.add({{}, remote.metatraffic}, data);
+    core_.sender.add({.locators = remote.metatraffic, .charged = prefix}, data);
     core_.sender.flush();
   }
 }

@@ -19,8 +19,9 @@ class Announcer {
 
   /// What SPDP announces of us.
   ParticipantData own_data() const;
-  /// Announces us to a participant that was heard for the first time.
-  void answer(std::span<const Locator> metatraffic);
+  /// Announces us to a participant that was heard for the first time, as far as it may be sent
+  /// anything (AmplificationLimit).
+  void answer(const GuidPrefix& participant, std::span<const Locator> metatraffic);
   /// After what is announced changed.
   void announce_again();
   /// Tells authenticated participants what must not be sent in the clear, or that we leave.
@@ -35,8 +36,9 @@ class Announcer {
   static constexpr MonotonicTime kFastPeriod = std::chrono::milliseconds(100);
   static constexpr MonotonicTime kRepeatDelay = std::chrono::milliseconds(500);
 
-  void announce(std::span<const Locator> to);
-  void announce(const ParticipantData& own, std::span<const Locator> to, std::size_t interface);
+  /// `charged`: see Destination.
+  void announce(std::span<const Locator> to, const GuidPrefix& charged = {});
+  void announce(const ParticipantData& own, const Destination& to);
   MonotonicTime period() const;
 
   ParticipantCore& core_;

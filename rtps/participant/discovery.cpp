@@ -62,6 +62,12 @@ void remove_clear(const Discovery::Parts& parts, RemoteParticipant& remote,
   for (const auto& other : clear) parts.matcher.remove(remote, other);
 }
 
+/// The datagram came in that name: more may be sent to it, if it is limited.
+void note_earned(ParticipantCore& core, const GuidPrefix& source) {
+  const auto octets = core.sender.limit().credit(source);
+  if (octets > 0 && core.security) core.security->note_earned(source, octets);
+}
+
 }  // namespace
 
 Discovery::Discovery(ParticipantCore& core, const Parts& parts)
@@ -106,8 +112,9 @@ void Discovery::add(ParticipantData data, std::size_t octets) {
   const auto verdict =
       security != nullptr ? security->judge(data) : Security::Verdict::admit_unauthenticated;
   auto& remote = remotes.add(std::move(data), std::move(metatraffic), std::move(user), octets);
-  parts_.announcer.answer(core_.security ? where_to_answer(remote.metatraffic, core_.source)
-                                         : remote.metatraffic);
+  core_.sender.limit().limit(remote.prefix(), remote.metatraffic, remote.metatraffic_sources);
+  core_.sender.limit().credit(remote.prefix());
+  parts_.announcer.answer(remote.prefix(), where_to_answer(remote.metatraffic, core_.source));
   if (verdict == Security::Verdict::authenticate)
     security->discovered(remote.data,
                          {remote.metatraffic, remote.metatraffic_sources, core_.source}, core_.now);
@@ -154,6 +161,7 @@ void Discovery::on_announced_again(RemoteParticipant& remote, ParticipantData da
   const bool has_moved = add_locators(remote.metatraffic, remote.metatraffic_sources,
                                       usable(data.metatraffic_unicast), core_.source);
   add_locators(remote.user, remote.user_sources, usable(data.default_unicast), core_.source);
+  core_.sender.limit().set_addresses(prefix, remote.metatraffic, remote.metatraffic_sources);
   if (!differs && !has_moved) return;
   security->announced_again(data, {remote.metatraffic, remote.metatraffic_sources, core_.source},
                             core_.now);
@@ -171,6 +179,8 @@ void Discovery::accept(RemoteParticipant& remote) {
 void Discovery::on_message(const GuidPrefix& source, const SignsOfLife& signs) {
   auto* remote = parts_.remotes.find(source);
   if (remote == nullptr) return;
+  note_earned(core_, source);
+  if (signs.is_directed && remote->accepted) core_.sender.limit().lift(source);
   const bool anything_counts = !core_.is_authenticated(source);
   const bool may_count = signs.is_protected || !core_.attributes().is_rtps_protected();
   if (anything_counts || signs.is_proof) parts_.remotes.renew_lease(*remote, remote->data);
@@ -215,6 +225,8 @@ void Discovery::remove(const GuidPrefix& prefix) {
   if (remote == nullptr) return;
   unmatch(*remote);
   if (core_.security) core_.security->lost(prefix);
+  core_.sender.flush_now();  // what waits is charged to it
+  core_.sender.limit().lift(prefix);
   parts_.remotes.remove(prefix);
 }
 
@@ -299,10 +311,12 @@ void Discovery::on_acknack(const EntityId& writer, const Guid& reader) {
 // ---- security
 
 void Discovery::on_stateless(const GuidPrefix& source, BytesView payload) {
+  note_earned(core_, source);
   if (core_.security) core_.security->on_stateless(source, payload, core_.now);
 }
 
 void Discovery::on_stateless_frag(const GuidPrefix& source, const DataFrag& frag) {
+  note_earned(core_, source);
   if (core_.security) core_.security->on_stateless_frag(source, frag, core_.source, core_.now);
 }
 

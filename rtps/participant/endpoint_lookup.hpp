@@ -25,6 +25,7 @@ class EndpointLookup {
 struct SignsOfLife {
   bool is_protected = false;  ///< by the sender's key
   bool is_news = false;       ///< one of our endpoints had not heard it before
+  bool is_directed = false;   ///< it named us as its receiver
   bool is_proof = false;      ///< what was news was protected by a key of the sender
 };
 

@@ -118,6 +118,7 @@ Status MessageReceiver::process_info(const SubmessageView& view, Context& contex
     case SubmessageId::info_destination: {
       const auto destination = DDSSEC_TRY(read_info_destination(view)).prefix;
       context.for_us = destination.is_zero() || destination == own_;
+      context.signs.is_directed |= destination == own_;
       return {};
     }
     case SubmessageId::header_extension:

@@ -57,6 +57,7 @@ void Participant::receive(BytesView datagram, MonotonicTime now, const Locator& 
   const auto call = calls_.enter();
   core_.now = now;
   core_.source = SourceAddress(source);
+  core_.sender.limit().begin_datagram(core_.source, datagram.size());
   core_.is_from_elsewhere = is_from_elsewhere(source, core_.config.interfaces);
   const auto gathering = gather();
   receiver_.receive(datagram, now);

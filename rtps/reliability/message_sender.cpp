@@ -26,8 +26,10 @@ bool MessageSender::leaves_time_unprotected(const EntityId& writer) const {
 }
 
 void MessageSender::begin(const Destination& to, SendProtection::Wrap wrap) {
+  const auto& charged = to.charged.is_zero() ? to.prefix : to.charged;
+  const auto limited = limit_.is_limited(charged) ? charged : GuidPrefix{};
   const bool other = !std::ranges::equal(to.locators, to_) || wrap != wrap_ || to.dscp != dscp_ ||
-                     to.interface != interface_;
+                     to.interface != interface_ || limited != limited_;
   if (other && (out_.size() > 0 || waiting_ > 0))
     flush_now();
   else if (out_.size() >= full_size_)
@@ -42,6 +44,7 @@ void MessageSender::begin(const Destination& to, SendProtection::Wrap wrap) {
   destination_ = to.prefix;
   dscp_ = to.dscp;
   interface_ = to.interface;
+  limited_ = limited;
   wrap_ = wrap;
 }
 
@@ -114,10 +117,20 @@ void MessageSender::wait_for_more(BytesView message) {
 }
 
 void MessageSender::send_waiting() {
-  if (waiting_ > 0)
-    transport_.send_all({std::span(messages_).first(waiting_), to_, dscp_, interface_});
+  const Outgoing out{std::span(messages_).first(waiting_), to_, dscp_, interface_};
+  if (!limited_.is_zero())
+    send_limited(out);
+  else if (waiting_ > 0)
+    transport_.send_all(out);
   waiting_ = 0;
   waiting_octets_ = 0;
+}
+
+void MessageSender::send_limited(const Outgoing& out) {
+  for (const auto& message : out.messages) {
+    const auto to = limit_.take(limited_, message.size(), out.to);
+    if (!to.empty()) transport_.send_all({{&message, 1}, to, out.dscp, out.interface});
+  }
 }
 
 void MessageSender::flush() {

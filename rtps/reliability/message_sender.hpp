@@ -10,6 +10,7 @@
 
 #include "base/clock.hpp"
 #include "base/hash.hpp"
+#include "rtps/budget/amplification_limit.hpp"
 #include "rtps/reliability/send_protection.hpp"
 #include "rtps/transport/transport.hpp"
 #include "wire/entity_ids.hpp"
@@ -25,6 +26,7 @@ struct Destination {
   std::span<const Locator> locators = {};   ///< borrowed for the call
   std::uint8_t dscp = 0;                    ///< see Outgoing
   std::size_t interface = kEveryInterface;  ///< see Outgoing
+  GuidPrefix charged = {};  ///< whose AmplificationLimit counts; zero: that of `prefix`
 };
 
 /// Where a submessage goes, and which of the readers there it is for.
@@ -67,6 +69,13 @@ class MessageSender {
   void add(const Destination& to, const InfoTimestamp& time, const S& submessage) {
     put(to, &time, submessage);
   }
+  /// To a participant that has not authenticated, which knows none of our keys.
+  template <class S>
+  void add_unauthenticated(const Destination& to, const S& submessage) {
+    put(to, nullptr, submessage, kStatelessMessageWriter);
+  }
+  /// What those who are limited may be sent. What exceeds that is not sent.
+  AmplificationLimit& limit() { return limit_; }
   /// What was added goes out; while something gathers, at the end of that.
   void flush();
   /// At once: before keys that it needs are forgotten, or where it is not to share a message.
@@ -122,8 +131,14 @@ class MessageSender {
 
   template <class S>
   void put(const Destination& to, const InfoTimestamp* time, const S& submessage) {
+    put(to, time, submessage, ends_of(submessage).from);
+  }
+  /// Protected as what `as` sends.
+  template <class S>
+  void put(const Destination& to, const InfoTimestamp* time, const S& submessage,
+           const EntityId& as) {
     const auto ends = ends_of(submessage);
-    const auto levels = protection_ ? protection_->levels(ends.from) : SendProtection::Levels{};
+    const auto levels = protection_ ? protection_->levels(as) : SendProtection::Levels{};
     for (int attempt = 0; attempt < 2; ++attempt) {
       begin(to, levels.message);
       const auto before = out_.size();
@@ -166,6 +181,7 @@ class MessageSender {
   void finish_message();
   void wait_for_more(BytesView message);
   void send_waiting();
+  void send_limited(const Outgoing& out);
   MutableBytes slot(std::size_t index);
 
   Transport& transport_;
@@ -184,6 +200,8 @@ class MessageSender {
   std::size_t interface_ = kEveryInterface;
   GuidPrefix destination_;  ///< of the last submessage
   GuidPrefix receiver_;     ///< of all submessages in the message, or zero
+  GuidPrefix limited_;      ///< whose limit all that waits is charged to, or zero
+  AmplificationLimit limit_;
   SendProtection::Wrap wrap_ = SendProtection::Wrap::none;
   bool may_linger_ = false;
   MonotonicTime flush_by_ = kNever;

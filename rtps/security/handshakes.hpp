@@ -7,6 +7,7 @@
 #include "rtps/security/admission.hpp"
 #include "rtps/security/fragment_store.hpp"
 #include "rtps/security/key_revision.hpp"
+#include "wire/acknack.hpp"
 
 namespace ddssec::rtps {
 
@@ -76,6 +77,8 @@ class Handshakes {
   void announced_again(const ParticipantData& data, const AnnouncedAddresses& addresses);
   /// Any announcement: it may have been there to hear us.
   void note_announced(Peer& peer) { peer.was_announced = true; }
+  /// So many octets more may be sent to it (AmplificationLimit).
+  void note_earned(Peer& peer, std::size_t octets);
   void remove(const GuidPrefix& prefix) { fragments_.forget(prefix); }
 
   void on_stateless(const GuidPrefix& source, BytesView payload);
@@ -94,8 +97,8 @@ class Handshakes {
 
   std::unique_ptr<PeerHandshake> handshake_with(const ParticipantData& data);
   LocatorList addresses_of(const Peer& peer) const;
-  void send(const Peer& peer, const PeerHandshake::Messages& messages);
-  void on_auth_request(Peer& peer);
+  void send(Peer& peer, const PeerHandshake::Messages& messages);
+  void on_auth_request(Peer& peer, const GenericMessage& message);
   void on_authentication(Peer& peer, const GenericMessage& message);
   bool may_spend(Peer& peer, Effort effort);
   void request_resend(const Peer& peer);
@@ -125,7 +128,6 @@ class Handshakes {
   /// When it is to be admitted without authentication; never, if it is not.
   MonotonicTime next_admission(const Peer& peer) const;
   void admit_meanwhile(Peer& peer);
-  bool needs_no_tokens(const Peer& peer) const;
   /// When the association wants something.
   MonotonicTime next_of_association(const Peer& peer) const;
   /// The peer may have something to do earlier than all did before.

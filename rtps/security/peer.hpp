@@ -149,8 +149,13 @@ struct Peer {
   /// The source that announced each address of `metatraffic`.
   std::vector<SourceAddress> announced_by = {};
   bool was_announced = true;  ///< since a message was repeated to it
-  bool spoke = false;         ///< sent a handshake message once
-  bool failed = false;        ///< something of it was refused, and that was counted
+  /// Octets of a message that waits until so many may be sent to it; 0: there is none.
+  std::size_t held_back = 0;
+  bool may_go_on = false;  ///< what was held back may be sent now
+  /// Octets that answers to our questions will allow to send for it.
+  std::size_t expected = 0;
+  bool spoke = false;   ///< sent a handshake message once
+  bool failed = false;  ///< something of it was refused, and that was counted
 
   const GuidPrefix& prefix() const { return data.guid.prefix; }
   std::string name() const { return data.guid.to_string(); }

@@ -8,6 +8,7 @@ namespace ddssec::rtps {
 namespace {
 
 constexpr int kMostDoublings = 5;
+constexpr std::string_view kFutureChallenge = "future_challenge";
 
 bool ends_with(const spi::Token& token, std::string_view suffix) {
   return token.class_id.ends_with(suffix);
@@ -92,7 +93,7 @@ void PeerHandshake::start(MonotonicTime now, Messages& out) {
                   : std::make_shared<const PeerIdentity>(plugin_, peer->handle);
   if (peer->local_auth_request && sides_.send_auth_request) {
     auth_request_ = message_of(message_class::kAuthRequest, *peer->local_auth_request, {});
-    out.push_back(*auth_request_);
+    out.push_back(auth_request_with_challenge());
   }
   next_ = now + pause();
   if (begins() && make_request(kNever)) out.push_back(request_->message);
@@ -130,7 +131,8 @@ void PeerHandshake::tick(MonotonicTime now, Messages& out) {
   if (request_) out.push_back(request_->message);
   answers_.repeat(out);
   const bool waits = !begins() && !finished_ && auth_request_;
-  if (waits && (answers_.empty() || std::exchange(hastened_, false))) out.push_back(*auth_request_);
+  if (waits && (answers_.empty() || std::exchange(hastened_, false)))
+    out.push_back(auth_request_with_challenge());
   next_ = finished_ && !request_ && answers_.empty() ? kNever : now + pause();
   if (!finished_) next_ = std::min(next_, overdue_at_);
 }
@@ -158,6 +160,26 @@ void PeerHandshake::begin_again(MonotonicTime now) {
 }
 
 // ---- messages
+
+// Only the side that begins sends more than it received, and must know that the peer hears it.
+bool PeerHandshake::receive_auth_request(const GenericMessage& message, Messages& out) {
+  constexpr std::size_t kMaxChallenge = 64;
+  if (!sides_.repeats_challenges || message.data.size() != 1) return false;
+  const auto& token = message.data.front();
+  if (const auto* ours = spi::find_binary_property(token, kHeardChallenge))
+    return auth_request_ && *ours == octets_of(auth_request_->data.front(), kFutureChallenge);
+  heard_challenge_ = octets_of(token, kFutureChallenge);
+  if (heard_challenge_.size() > kMaxChallenge) heard_challenge_.clear();
+  if (!begins() && auth_request_) out.push_back(auth_request_with_challenge());
+  return false;
+}
+
+GenericMessage PeerHandshake::auth_request_with_challenge() const {
+  auto out = *auth_request_;
+  if (!heard_challenge_.empty())
+    out.data.front().binary_properties.push_back({std::string(kHeardChallenge), heard_challenge_});
+  return out;
+}
 
 PeerHandshake::Weighed PeerHandshake::weigh(const GenericMessage& message) const {
   if (message.data.size() != 1 || failure_) return {};

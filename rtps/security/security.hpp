@@ -54,6 +54,10 @@ class Security {
   void note_announced(const GuidPrefix& prefix) {
     if (auto* peer = core_.find(prefix)) handshakes_.note_announced(*peer);
   }
+  /// So many octets more may be sent to it.
+  void note_earned(const GuidPrefix& prefix, std::size_t octets) {
+    if (auto* peer = core_.find(prefix)) handshakes_.note_earned(*peer, octets);
+  }
   void on_stateless(const GuidPrefix& source, BytesView payload, MonotonicTime now);
   void on_stateless_frag(const GuidPrefix& source, const DataFrag& frag, const SourceAddress& from,
                          MonotonicTime now);

@@ -22,7 +22,7 @@ ARROWS = {
     "rtps/filter": ["base", "rtps/cdr"],
     "rtps/qos": ["base", "wire", "plugins/spi"],
     "rtps/types": ["base", "rtps/qos"],
-    "rtps/reliability": ["base", "wire", "rtps/cdr", "rtps/qos", "rtps/transport"],
+    "rtps/reliability": ["base", "wire", "rtps/budget", "rtps/cdr", "rtps/qos", "rtps/transport"],
     "rtps/discovery": ["base", "wire", "plugins/spi", "rtps/cdr", "rtps/filter", "rtps/qos", "rtps/types"],
     "rtps/security": ["base", "wire", "plugins/spi", "rtps/budget", "rtps/cdr", "rtps/discovery",
                       "rtps/reliability"],

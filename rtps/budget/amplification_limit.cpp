@@ -1,0 +1,105 @@
+#include "rtps/budget/amplification_limit.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace ddssec::rtps {
+namespace {
+
+constexpr auto kUnlimited = std::numeric_limits<std::size_t>::max();
+
+}  // namespace
+
+AmplificationLimit::Source* AmplificationLimit::Account::find(const SourceAddress& address) {
+  const auto at = std::ranges::find(sources, address, &Source::address);
+  return at == sources.end() ? nullptr : &*at;
+}
+
+AmplificationLimit::Source* AmplificationLimit::Account::payer(const Locator& to) {
+  const auto at = std::ranges::find(addresses, to, [](const auto& one) { return one.first; });
+  return at == addresses.end() ? nullptr : find(at->second);
+}
+
+bool AmplificationLimit::Account::is_proven(const Locator& to) {
+  const auto* source = find(SourceAddress(to));
+  return source != nullptr && source->is_proven;
+}
+
+std::size_t AmplificationLimit::Account::left(const Locator& to) {
+  if (is_proven(to)) return kUnlimited;
+  const auto* source = payer(to);
+  return source == nullptr || source->saved == 0 ? 0 : source->saved - 1;
+}
+
+AmplificationLimit::Account* AmplificationLimit::find(const GuidPrefix& participant) {
+  if (accounts_.empty()) return nullptr;
+  const auto at = accounts_.find(participant);
+  return at == accounts_.end() ? nullptr : &at->second;
+}
+
+void AmplificationLimit::begin_datagram(const SourceAddress& source, std::size_t octets) {
+  source_ = source;
+  not_credited_ = octets;
+}
+
+void AmplificationLimit::limit(const GuidPrefix& participant, std::span<const Locator> addresses,
+                               std::span<const SourceAddress> sources) {
+  accounts_[participant] = {};
+  set_addresses(participant, addresses, sources);
+}
+
+void AmplificationLimit::set_addresses(const GuidPrefix& participant,
+                                       std::span<const Locator> addresses,
+                                       std::span<const SourceAddress> sources) {
+  auto* account = find(participant);
+  if (account == nullptr) return;
+  account->addresses.clear();
+  for (std::size_t i = 0; i < std::min(addresses.size(), sources.size()); ++i) {
+    account->addresses.emplace_back(addresses[i], sources[i]);
+    if (account->find(sources[i]) == nullptr) account->sources.push_back({sources[i]});
+  }
+  std::erase_if(account->sources, [&](const auto& source) {
+    return std::ranges::find(sources, source.address) == sources.end();
+  });
+}
+
+// What comes from a source that announced no address is as good as the first one's.
+std::size_t AmplificationLimit::credit(const GuidPrefix& participant) {
+  auto* account = not_credited_ == 0 ? nullptr : find(participant);
+  if (account == nullptr || account->sources.empty()) return 0;
+  auto* known = account->find(source_);
+  auto& source = known != nullptr ? *known : account->sources.front();
+  const auto before = source.saved;
+  source.saved = std::min(kMaxSaved, before + kFactor * std::exchange(not_credited_, 0));
+  return source.saved - before;
+}
+
+void AmplificationLimit::prove(const GuidPrefix& participant) {
+  auto* account = find(participant);
+  auto* source = account == nullptr ? nullptr : account->find(source_);
+  if (source != nullptr) source->is_proven = true;
+}
+
+std::size_t AmplificationLimit::left(const GuidPrefix& participant, std::span<const Locator> to) {
+  auto* account = find(participant);
+  if (account == nullptr) return kUnlimited;
+  std::size_t out = 0;
+  for (const auto& locator : to) out = std::max(out, account->left(locator));
+  return out;
+}
+
+LocatorList AmplificationLimit::take(const GuidPrefix& participant, std::size_t octets,
+                                     std::span<const Locator> to) {
+  auto* account = find(participant);
+  if (account == nullptr) return {to.begin(), to.end()};
+  LocatorList out;
+  for (const auto& locator : to) {
+    if (octets > account->left(locator)) continue;
+    if (!account->is_proven(locator)) account->payer(locator)->saved -= octets;
+    out.push_back(locator);
+  }
+  return out;
+}
+
+}  // namespace ddssec::rtps

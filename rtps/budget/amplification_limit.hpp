@@ -1,0 +1,73 @@
+// How much may be sent to participants that have not proven their addresses.
+#pragma once
+
+#include <map>
+#include <span>
+#include <vector>
+
+#include "base/ids.hpp"
+#include "rtps/budget/source_address.hpp"
+
+namespace ddssec::rtps {
+
+/// Anybody can announce a participant, and name the addresses of others as its own. As long as a
+/// participant is limited, less than three times the octets that came in its name are sent to it
+/// (RFC 9000, section 8.1), each address counted. Only the addresses that it proved are free. What
+/// came from one source pays for the addresses that this source announced: so an attacker cannot
+/// use up what an honest peer earned. Participants that are not limited may be sent anything.
+class AmplificationLimit {
+ public:
+  static constexpr std::size_t kFactor = 3;
+  /// What one source may save up for one participant, in octets to be sent.
+  static constexpr std::size_t kMaxSaved = std::size_t{256} << 10;
+
+  /// A datagram of so many octets is being received from there.
+  void begin_datagram(const SourceAddress& source, std::size_t octets);
+  /// From now on that participant is limited. Its addresses, and the source that announced each.
+  void limit(const GuidPrefix& participant, std::span<const Locator> addresses,
+             std::span<const SourceAddress> sources);
+  /// It has other addresses now. What was saved by sources that announced none of them is lost.
+  void set_addresses(const GuidPrefix& participant, std::span<const Locator> addresses,
+                     std::span<const SourceAddress> sources);
+  /// It authenticated, or is forgotten.
+  void lift(const GuidPrefix& participant) { accounts_.erase(participant); }
+  bool is_limited(const GuidPrefix& participant) const {
+    return !accounts_.empty() && accounts_.contains(participant);
+  }
+  /// The datagram came in the name of that participant, and counts once, for the first one. How
+  /// many octets more may be sent for it.
+  std::size_t credit(const GuidPrefix& participant);
+  /// The datagram answers what only a receiver of our messages could know: so the participant can
+  /// be reached where the datagram came from.
+  void prove(const GuidPrefix& participant);
+
+  /// How many octets may be sent to at least one of the addresses.
+  std::size_t left(const GuidPrefix& participant, std::span<const Locator> to);
+  /// The addresses that a message of so many octets may be sent to, in the order of `to`. They are
+  /// charged for it.
+  LocatorList take(const GuidPrefix& participant, std::size_t octets, std::span<const Locator> to);
+
+ private:
+  struct Source {
+    SourceAddress address;
+    std::size_t saved = 0;
+    bool is_proven = false;  ///< the participant can be reached there
+  };
+  struct Account {
+    std::vector<std::pair<Locator, SourceAddress>> addresses = {};
+    std::vector<Source> sources = {};
+
+    Source* find(const SourceAddress& address);
+    /// The source that pays for it; nullptr: nobody does.
+    Source* payer(const Locator& to);
+    bool is_proven(const Locator& to);
+    std::size_t left(const Locator& to);
+  };
+  Account* find(const GuidPrefix& participant);
+
+  std::map<GuidPrefix, Account> accounts_;
+  SourceAddress source_;          ///< of the datagram that is being received
+  std::size_t not_credited_ = 0;  ///< its octets, as long as nobody got them
+};
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,115 @@
+#include "rtps/budget/amplification_limit.hpp"
+
+#include <gtest/gtest.h>
+
+namespace ddssec::rtps {
+namespace {
+
+Locator at(std::uint8_t host, std::uint16_t port = 7410) {
+  return Locator::udp_v4({192, 0, 2, host}, port);
+}
+
+class AmplificationLimitTest : public ::testing::Test {
+ protected:
+  /// Limited, with these addresses, as the host announced them.
+  void announce(std::uint8_t host, const LocatorList& addresses, std::size_t octets) {
+    const std::vector sources(addresses.size(), SourceAddress(at(host)));
+    limit_.begin_datagram(SourceAddress(at(host)), octets);
+    limit_.limit(name_, addresses, sources);
+    limit_.credit(name_);
+  }
+  std::size_t hear(std::uint8_t host, std::size_t octets) {
+    limit_.begin_datagram(SourceAddress(at(host)), octets);
+    return limit_.credit(name_);
+  }
+  std::size_t sent(std::size_t octets, const LocatorList& to) {
+    return octets * limit_.take(name_, octets, to).size();
+  }
+
+  AmplificationLimit limit_;
+  const GuidPrefix name_ = GuidPrefix::from(Bytes(12, 1));
+};
+
+TEST_F(AmplificationLimitTest, WhoWasNeverLimited_GetsEverything) {
+  EXPECT_FALSE(limit_.is_limited(name_));
+  EXPECT_EQ(sent(1'000'000, {at(1), at(2)}), 2'000'000u);
+}
+
+TEST_F(AmplificationLimitTest, AllAddressesTogether_GetLessThanThreeTimesTheOctets) {
+  const LocatorList addresses{at(1), at(1, 7412), at(2), at(3)};
+  announce(1, addresses, 400);
+  std::size_t total = 0;
+  for (int i = 0; i < 100; ++i) total += sent(100, addresses);
+  EXPECT_EQ(total, 1100u);
+  EXPECT_EQ(limit_.left(name_, addresses), 99u);
+  EXPECT_EQ(sent(99, addresses), 99u);
+  EXPECT_EQ(sent(1, addresses), 0u);
+}
+
+TEST_F(AmplificationLimitTest, AMessageThatDoesNotFit_IsNotChargedAndFitsAfterTheNextDatagram) {
+  announce(1, {at(1)}, 400);
+  EXPECT_EQ(sent(2000, {at(1)}), 0u);
+  EXPECT_EQ(hear(1, 400), 1200u);
+  EXPECT_EQ(sent(2000, {at(1)}), 2000u);
+}
+
+TEST_F(AmplificationLimitTest, ADatagram_CountsOnce) {
+  announce(1, {at(1)}, 400);
+  EXPECT_EQ(limit_.credit(name_), 0u);
+  const auto other = GuidPrefix::from(Bytes(12, 2));
+  limit_.limit(other, LocatorList{at(1)}, std::vector{SourceAddress(at(1))});
+  EXPECT_EQ(limit_.credit(other), 0u);
+}
+
+TEST_F(AmplificationLimitTest, OneSource_DoesNotUseUpWhatAnotherEarned) {
+  announce(1, {at(1)}, 400);
+  const LocatorList both{at(1), at(9)};
+  limit_.set_addresses(name_, both, std::vector{SourceAddress(at(1)), SourceAddress(at(66))});
+  hear(66, 100);
+  EXPECT_EQ(limit_.take(name_, 299, both), both);
+  EXPECT_EQ(limit_.take(name_, 299, both), LocatorList{at(1)});
+  EXPECT_EQ(limit_.left(name_, LocatorList{at(9)}), 0u);
+}
+
+TEST_F(AmplificationLimitTest, AnAddressOfNobody_GetsNothing) {
+  announce(1, {at(1)}, 400);
+  EXPECT_EQ(sent(10, {at(7)}), 0u);
+}
+
+TEST_F(AmplificationLimitTest, AnotherSourceOfThePeer_EarnsForTheFirst) {
+  announce(1, {at(1)}, 400);
+  EXPECT_EQ(hear(5, 100), 300u);
+  EXPECT_EQ(limit_.left(name_, LocatorList{at(1)}), 1499u);
+}
+
+TEST_F(AmplificationLimitTest, AProvenAddress_IsFreeAndTheOthersAreNot) {
+  announce(1, {at(1), at(2)}, 400);
+  hear(1, 0);
+  limit_.prove(name_);
+  EXPECT_EQ(limit_.take(name_, 50'000, LocatorList{at(1), at(2)}), LocatorList{at(1)});
+  EXPECT_EQ(limit_.left(name_, LocatorList{at(2)}), 1199u);
+}
+
+TEST_F(AmplificationLimitTest, ASourceThatAnnouncedNoAddress_ProvesNone) {
+  announce(66, {at(1)}, 400);
+  hear(66, 0);
+  limit_.prove(name_);
+  EXPECT_EQ(sent(50'000, {at(1)}), 0u);
+}
+
+TEST_F(AmplificationLimitTest, WhatIsSaved_IsBounded) {
+  announce(1, {at(1)}, 400);
+  for (int i = 0; i < 1000; ++i) hear(1, 60'000);
+  EXPECT_EQ(limit_.left(name_, LocatorList{at(1)}), AmplificationLimit::kMaxSaved - 1);
+}
+
+TEST_F(AmplificationLimitTest, WhoIsLimitedAgain_BeginsWithNothing) {
+  announce(1, {at(1)}, 400);
+  limit_.lift(name_);
+  EXPECT_EQ(sent(50'000, {at(1)}), 50'000u);
+  limit_.limit(name_, LocatorList{at(1)}, std::vector{SourceAddress(at(1))});
+  EXPECT_EQ(sent(1, {at(1)}), 0u);
+}
+
+}  // namespace
+}  // namespace ddssec::rtps

@@ -1,0 +1,120 @@
+// A handshake request is larger than three announcements: how a peer earns it (AmplificationLimit).
+// it (AmplificationLimit).
+#include "rtps/security/peer_handshake.hpp"
+#include "tests/unit/rtps_security/attacker.hpp"
+#include "wire/acknack.hpp"
+#include "wire/heartbeat.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace testing;
+
+/// How long the pair needs if what contains `text` is lost.
+std::optional<MonotonicTime> time_without(std::string_view text) {
+  Pair pair({});
+  pair.world.filter = [&](const Node&, Bytes datagram) {
+    const bool is_lost = !text.empty() && !std::ranges::search(datagram, as_bytes(text)).empty();
+    return is_lost ? std::vector<Bytes>{} : one(std::move(datagram));
+  };
+  const auto begin = pair.world.now;
+  if (!pair.world.run_until([&] { return know_each_other(pair); })) return std::nullopt;
+  return pair.world.now - begin;
+}
+
+TEST(AddressProof, OurOwnPeerRepeatsTheChallenge) {
+  Pair pair({});
+  Eavesdropper ears;
+  std::optional<std::size_t> before_request;
+  pair.world.filter = [&](const Node&, Bytes datagram) {
+    ears.hear(datagram);
+    const auto* token = ears.heard("+AuthReq");
+    if (ears.heard("+Req") != nullptr && !before_request && token != nullptr)
+      before_request = token->binary_properties.size();
+    return one(std::move(datagram));
+  };
+  ASSERT_TRUE(pair.world.run_until([&] { return know_each_other(pair); }, 20));
+  EXPECT_EQ(before_request, 2u) << "future_challenge, and that of the receiver";
+}
+
+TEST(AddressProof, APeerThatRepeatsNoChallenge_EarnsTheRequestByItsAnnouncements) {
+  const auto took = time_without(PeerHandshake::kHeardChallenge);
+  ASSERT_TRUE(took);
+  EXPECT_LT(*took, seconds(2));
+}
+
+TEST(AddressProof, LostMessages_AreSentAgain) {
+  EXPECT_LT(time_without("").value_or(kNever), milliseconds(200));
+  EXPECT_LT(time_without("dds.sec.auth_request").value_or(kNever), seconds(5));
+}
+
+TEST(AddressProof, AForgedChallenge_ProvesNothing) {
+  Node node(1, properties_of("CN=alice,O=Example", {}));
+  World world{.nodes = {&node}};
+  world.run(1);
+  const auto name = GuidPrefix::from(Bytes(12, 0xff));
+  auto data = secured_data(name, 7990);
+  data.vendor = kVendorDdssec;
+  const auto from = data.metatraffic_unicast.front();
+  node->receive(announcement(data), world.now, from);
+  world.run(3);
+  const spi::Token forged{
+      "DDS:Auth:PKI-DH:1.0+AuthReq",
+      {},
+      {{"future_challenge", Bytes(32)}, {std::string(PeerHandshake::kHeardChallenge), Bytes(32)}}};
+  node->receive(handshake_message(name, node->prefix(), forged, message_class::kAuthRequest),
+                world.now, from);
+  for (int i = 0; i < 30; ++i) {
+    for (const auto& [port, octets] : node.post.sent) EXPECT_LT(octets.size(), 1000u);
+    world.run(1);
+  }
+}
+
+/// Submessages of that kind that the node sends there in one step.
+int count_sent(const Node& node, std::uint32_t to, SubmessageId kind) {
+  int out = 0;
+  for (const auto& [port, octets] : node.post.sent) {
+    auto reader = MessageReader::open(octets);
+    while (port == to && reader) {
+      const auto view = reader->next();
+      if (!view || !*view) break;
+      out += (*view)->id == kind ? 1 : 0;
+    }
+  }
+  return out;
+}
+
+// What a Cyclone DDS 0.10.2 does before it authenticated us: tests/interop_rtps.
+TEST(AddressProof, CycloneDds_EarnsTheRequestByAnswersToOurQuestions) {
+  Node node(1, properties_of("CN=alice,O=Example", {}));
+  World world{.nodes = {&node}};
+  world.run(1);
+  const auto name = GuidPrefix::from(Bytes(12, 0xff));
+  auto data = secured_data(name, 7990);
+  data.vendor = kVendorCyclone;
+  const auto from = data.metatraffic_unicast.front();
+  node->receive(announcement(data), world.now, from);
+  bool has_request = false;
+  int questions = 0;
+  for (int i = 0; i < 50 && !has_request; ++i) {
+    const int asked = count_sent(node, 7990, SubmessageId::acknack);
+    questions += asked;
+    for (const auto& [port, octets] : node.post.sent)
+      has_request |= port == 7990 && octets.size() > 3000;
+    const Heartbeat answer{{}, kPublicationsWriter, {1}, {0}, i, false, false, {}};
+    Bytes buffer(65536);
+    SpanWriter out(buffer);
+    Header header;
+    header.prefix = name;
+    write(out, header);
+    for (int n = 0; n < asked; ++n) write(out, answer);
+    world.run(1);
+    if (asked > 0) node->receive(out.view(), world.now, from);
+  }
+  EXPECT_TRUE(has_request);
+  EXPECT_GT(questions, 0);
+  EXPECT_LT(world.now, seconds(1) + milliseconds(300));
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
