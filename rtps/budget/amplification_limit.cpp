@@ -16,9 +16,22 @@ AmplificationLimit::Source* AmplificationLimit::Account::find(const SourceAddres
   return at == sources.end() ? nullptr : &*at;
 }
 
+void AmplificationLimit::Account::add(const SourceAddress& address) {
+  if (find(address) == nullptr) sources.push_back({address});
+}
+
+bool AmplificationLimit::Account::has_use_for(const SourceAddress& address) const {
+  return std::ranges::any_of(addresses, [&](const auto& one) {
+    return one.second == address || SourceAddress(one.first) == address;
+  });
+}
+
+// An attacker may have been the first to announce the address of an honest peer.
 AmplificationLimit::Source* AmplificationLimit::Account::payer(const Locator& to) {
   const auto at = std::ranges::find(addresses, to, [](const auto& one) { return one.first; });
-  return at == addresses.end() ? nullptr : find(at->second);
+  if (at == addresses.end()) return nullptr;
+  auto *own = find(SourceAddress(to)), *announcer = find(at->second);
+  return own->saved >= announcer->saved ? own : announcer;
 }
 
 bool AmplificationLimit::Account::is_proven(const Locator& to) {
@@ -57,19 +70,20 @@ void AmplificationLimit::set_addresses(const GuidPrefix& participant,
   account->addresses.clear();
   for (std::size_t i = 0; i < std::min(addresses.size(), sources.size()); ++i) {
     account->addresses.emplace_back(addresses[i], sources[i]);
-    if (account->find(sources[i]) == nullptr) account->sources.push_back({sources[i]});
+    account->add(sources[i]);
+    account->add(SourceAddress(addresses[i]));
   }
-  std::erase_if(account->sources, [&](const auto& source) {
-    return std::ranges::find(sources, source.address) == sources.end();
-  });
+  std::erase_if(account->sources,
+                [&](const auto& source) { return !account->has_use_for(source.address); });
 }
 
-// What comes from a source that announced no address is as good as the first one's.
+// Which address a peer has that sends from none of them is not known: each one has its turn.
 std::size_t AmplificationLimit::credit(const GuidPrefix& participant) {
   auto* account = not_credited_ == 0 ? nullptr : find(participant);
-  if (account == nullptr || account->sources.empty()) return 0;
+  if (account == nullptr || account->addresses.empty()) return 0;
   auto* known = account->find(source_);
-  auto& source = known != nullptr ? *known : account->sources.front();
+  const auto turn = known != nullptr ? 0 : account->turn++ % account->addresses.size();
+  auto& source = known != nullptr ? *known : *account->find(account->addresses[turn].second);
   const auto before = source.saved;
   source.saved = std::min(kMaxSaved, before + kFactor * std::exchange(not_credited_, 0));
   return source.saved - before;

@@ -13,8 +13,9 @@ namespace ddssec::rtps {
 /// Anybody can announce a participant, and name the addresses of others as its own. As long as a
 /// participant is limited, less than three times the octets that came in its name are sent to it
 /// (RFC 9000, section 8.1), each address counted. Only the addresses that it proved are free. What
-/// came from one source pays for the addresses that this source announced: so an attacker cannot
-/// use up what an honest peer earned. Participants that are not limited may be sent anything.
+/// came from one source pays for the addresses that this source announced, and for its own: so an
+/// attacker cannot use up what an honest peer earned, and takes nothing from it by announcing its
+/// address first. Participants that are not limited may be sent anything.
 class AmplificationLimit {
  public:
   static constexpr std::size_t kFactor = 3;
@@ -26,7 +27,8 @@ class AmplificationLimit {
   /// From now on that participant is limited. Its addresses, and the source that announced each.
   void limit(const GuidPrefix& participant, std::span<const Locator> addresses,
              std::span<const SourceAddress> sources);
-  /// It has other addresses now. What was saved by sources that announced none of them is lost.
+  /// It has other addresses now. What was saved by other sources than these and the addresses' own
+  /// is lost.
   void set_addresses(const GuidPrefix& participant, std::span<const Locator> addresses,
                      std::span<const SourceAddress> sources);
   /// It authenticated, or is forgotten.
@@ -55,10 +57,15 @@ class AmplificationLimit {
   };
   struct Account {
     std::vector<std::pair<Locator, SourceAddress>> addresses = {};
+    /// Who announced an address, and the addresses themselves.
     std::vector<Source> sources = {};
+    std::size_t turn = 0;  ///< of the addresses that other sources pay for
 
     Source* find(const SourceAddress& address);
-    /// The source that pays for it; nullptr: nobody does.
+    void add(const SourceAddress& address);
+    /// It announced an address, or is one.
+    bool has_use_for(const SourceAddress& address) const;
+    /// The source that pays for it: itself or who announced it; nullptr: nobody does.
     Source* payer(const Locator& to);
     bool is_proven(const Locator& to);
     std::size_t left(const Locator& to);

@@ -82,6 +82,34 @@ TEST_F(AmplificationLimitTest, AnotherSourceOfThePeer_EarnsForTheFirst) {
   EXPECT_EQ(limit_.left(name_, LocatorList{at(1)}), 1499u);
 }
 
+TEST_F(AmplificationLimitTest, AHostThatSends_PaysForItsAddressThatAnotherAnnouncedFirst) {
+  announce(66, {at(9)}, 400);
+  const LocatorList both{at(9), at(1)};
+  limit_.set_addresses(name_, both, std::vector{SourceAddress(at(66)), SourceAddress(at(67))});
+  EXPECT_EQ(hear(1, 400), 1200u);
+  EXPECT_EQ(limit_.left(name_, LocatorList{at(1)}), 1199u);
+  EXPECT_EQ(hear(67, 500), 1500u);
+  EXPECT_EQ(limit_.left(name_, LocatorList{at(1)}), 1499u);
+  EXPECT_EQ(limit_.left(name_, LocatorList{at(9)}), 1199u);
+}
+
+TEST_F(AmplificationLimitTest, AHost_ProvesItsAddressThatAnotherAnnouncedFirst) {
+  announce(66, {at(1), at(9)}, 400);
+  hear(1, 0);
+  limit_.prove(name_);
+  EXPECT_EQ(limit_.take(name_, 50'000, LocatorList{at(1), at(9)}), LocatorList{at(1)});
+}
+
+TEST_F(AmplificationLimitTest, AnotherSourceOfThePeer_PaysForEachAddressInTurn) {
+  announce(66, {at(9)}, 400);
+  sent(1199, {at(9)});
+  const LocatorList both{at(9), at(1)};
+  limit_.set_addresses(name_, both, std::vector{SourceAddress(at(66)), SourceAddress(at(67))});
+  for (int i = 0; i < 4; ++i) hear(5, 100);
+  EXPECT_EQ(limit_.left(name_, LocatorList{at(1)}), 599u);
+  EXPECT_EQ(limit_.left(name_, LocatorList{at(9)}), 600u);
+}
+
 TEST_F(AmplificationLimitTest, AProvenAddress_IsFreeAndTheOthersAreNot) {
   announce(1, {at(1), at(2)}, 400);
   hear(1, 0);

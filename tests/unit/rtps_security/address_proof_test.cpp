@@ -1,5 +1,5 @@
-// A handshake request is larger than three announcements: how a peer earns it (AmplificationLimit).
-// it (AmplificationLimit).
+// A handshake request is larger than three announcements: how a peer earns it
+// (AmplificationLimit).
 #include "rtps/security/peer_handshake.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 #include "wire/acknack.hpp"
@@ -46,6 +46,39 @@ TEST(AddressProof, APeerThatRepeatsNoChallenge_EarnsTheRequestByItsAnnouncements
 TEST(AddressProof, LostMessages_AreSentAgain) {
   EXPECT_LT(time_without("").value_or(kNever), milliseconds(200));
   EXPECT_LT(time_without("dds.sec.auth_request").value_or(kNever), seconds(5));
+}
+
+/// What the datagram announces, with another address.
+Bytes with_address(BytesView datagram, const Locator& address) {
+  auto reader = MessageReader::open(datagram);
+  while (reader) {
+    const auto view = reader->next();
+    if (!view || !*view) break;
+    if ((*view)->id != SubmessageId::data) continue;
+    const auto data = read_data(**view);
+    auto announced = read_participant_data(data->payload);
+    if (!announced) continue;
+    announced->metatraffic_unicast = {address};
+    return announcement(*announced);
+  }
+  ADD_FAILURE() << "no announcement";
+  return {};
+}
+
+// An attacker is the first to announce both of them: with a false address, and as they do it
+// themselves, from two hosts.
+TEST(AddressProof, APeerWhoseAddressAnotherAnnouncedFirst_IsAuthenticated) {
+  Pair pair({});
+  pair.world.run(1);
+  const auto host = [](const char* address) { return *Locator::parse(address, 7410); };
+  const auto deceive = [&](Node& node, const Node& peer) {
+    const auto recorded = peer.post.sent.front().second;
+    node->receive(with_address(recorded, host("192.0.2.9")), pair.world.now, host("192.0.2.66"));
+    node->receive(recorded, pair.world.now, host("192.0.2.67"));
+  };
+  deceive(pair.a, pair.b);
+  deceive(pair.b, pair.a);
+  EXPECT_TRUE(pair.world.run_until([&] { return know_each_other(pair); }, 500));
 }
 
 TEST(AddressProof, AForgedChallenge_ProvesNothing) {
