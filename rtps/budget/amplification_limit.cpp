@@ -89,10 +89,23 @@ std::size_t AmplificationLimit::credit(const GuidPrefix& participant) {
   return source.saved - before;
 }
 
-void AmplificationLimit::prove(const GuidPrefix& participant) {
-  auto* account = find(participant);
-  auto* source = account == nullptr ? nullptr : account->find(source_);
-  if (source != nullptr) source->is_proven = true;
+Bytes AmplificationLimit::challenge(const GuidPrefix& participant,
+                                    const SourceAddress& host) const {
+  constexpr std::size_t kSize = 16;
+  if (!secret_) return {};
+  const auto digest = hmac_sha256(*secret_, {participant.octets, host.octets()});
+  return {digest.begin(), digest.begin() + kSize};
+}
+
+bool AmplificationLimit::prove(const GuidPrefix& participant, BytesView repeated) {
+  auto* account = repeated.empty() ? nullptr : find(participant);
+  if (account == nullptr) return false;
+  const auto at = std::ranges::find_if(account->sources, [&](const auto& source) {
+    return constant_time_equal(repeated, challenge(participant, source.address));
+  });
+  if (at == account->sources.end()) return false;
+  at->is_proven = true;
+  return true;
 }
 
 std::size_t AmplificationLimit::left(const GuidPrefix& participant, std::span<const Locator> to) {

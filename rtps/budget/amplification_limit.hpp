@@ -2,15 +2,17 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "base/hash.hpp"
 #include "base/ids.hpp"
 #include "rtps/budget/source_address.hpp"
 
 namespace ddssec::rtps {
 
-/// Anybody can announce a participant, and name the addresses of others as its own. As long as a
+/// A stranger can announce a participant, and name the addresses of others as its own. As long as a
 /// participant is limited, less than three times the octets that came in its name are sent to it
 /// (RFC 9000, section 8.1), each address counted. Only the addresses that it proved are free. What
 /// came from one source pays for the addresses that this source announced, and for its own: so an
@@ -22,6 +24,8 @@ class AmplificationLimit {
   /// What one source may save up for one participant, in octets to be sent.
   static constexpr std::size_t kMaxSaved = std::size_t{256} << 10;
 
+  /// What challenges are made of. An attacker must not know it. Without it no address is proven.
+  void set_secret(const Sha256Digest& secret) { secret_ = secret; }
   /// A datagram of so many octets is being received from there.
   void begin_datagram(const SourceAddress& source, std::size_t octets);
   /// From now on that participant is limited. Its addresses, and the source that announced each.
@@ -39,9 +43,12 @@ class AmplificationLimit {
   /// The datagram came in the name of that participant, and counts once, for the first one. How
   /// many octets more may be sent for it.
   std::size_t credit(const GuidPrefix& participant);
-  /// The datagram answers what only a receiver of our messages could know: so the participant can
-  /// be reached where the datagram came from.
-  void prove(const GuidPrefix& participant);
+  /// What a message to that participant at that host contains, so that only a receiver there can
+  /// repeat it. Empty: there is no secret.
+  Bytes challenge(const GuidPrefix& participant, const SourceAddress& host) const;
+  /// The participant repeated this. If it is the challenge of one of its hosts, it can be reached
+  /// there, wherever it says so from: the source of a datagram can be forged. True: it is one.
+  bool prove(const GuidPrefix& participant, BytesView repeated);
 
   /// How many octets may be sent to at least one of the addresses.
   std::size_t left(const GuidPrefix& participant, std::span<const Locator> to);
@@ -65,7 +72,7 @@ class AmplificationLimit {
     void add(const SourceAddress& address);
     /// It announced an address, or is one.
     bool has_use_for(const SourceAddress& address) const;
-    /// The source that pays for it: itself or who announced it; nullptr: nobody does.
+    /// The source that pays for it: itself or the one that announced it; nullptr: none does.
     Source* payer(const Locator& to);
     bool is_proven(const Locator& to);
     std::size_t left(const Locator& to);
@@ -73,8 +80,9 @@ class AmplificationLimit {
   Account* find(const GuidPrefix& participant);
 
   std::map<GuidPrefix, Account> accounts_;
+  std::optional<Sha256Digest> secret_;
   SourceAddress source_;          ///< of the datagram that is being received
-  std::size_t not_credited_ = 0;  ///< its octets, as long as nobody got them
+  std::size_t not_credited_ = 0;  ///< its octets, as long as no source got them
 };
 
 }  // namespace ddssec::rtps

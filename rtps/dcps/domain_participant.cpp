@@ -64,6 +64,7 @@ Result<ParticipantConfig> config_of(const DomainParticipantOptions& options,
   config.announcement_period = options.announcement_period;
   config.fragment_size = options.fragment_size;
   config.first_entity = DDSSEC_TRY(random_entity(environment.random));
+  DDSSEC_TRY(environment.random.fill(config.address_secret.emplace()));
   for (const auto& peer : options.peers) {
     const auto address = Locator::parse(peer, 0);
     if (!address) return bad_option("peers", "IPv4 or IPv6 addresses", peer);

@@ -32,6 +32,8 @@ struct ParticipantConfig {
   /// protection covers entity ids, and not the INFO_DST before them.
   std::uint32_t first_entity = 1;
   static constexpr std::uint32_t kGreatestFirstEntity = 0x7fffff;
+  /// Random (AmplificationLimit::set_secret).
+  std::optional<Sha256Digest> address_secret = {};
   /// Its members are called without the network where nothing is protected. The caller enters the
   /// participant, and calls it with the neighbourhood's lock held.
   std::shared_ptr<Neighbourhood> neighbourhood = {};
@@ -42,6 +44,7 @@ struct ParticipantCore {
   ParticipantCore(ParticipantConfig configuration, Transport& transport, EventSink& sink)
       : config(std::move(configuration)), events(sink), sender(transport, config.prefix) {
     sender.fragment_at(config.fragment_size);
+    if (config.address_secret) sender.limit().set_secret(*config.address_secret);
   }
 
   bool is_authenticated(const GuidPrefix& peer) const {

@@ -5,33 +5,6 @@
 namespace ddssec::rtps {
 namespace {
 
-/// Of a message: the RTPS header, INFO_DST, and DATA without its payload.
-constexpr std::size_t kHeaders = 64;
-
-// Cyclone DDS answers questions of builtin readers before it authenticated their participant, with
-// a few octets more than they take, and these allow us to send three times as much. Count 0 leaves
-// no trace at its writers.
-void earn(MessageSender& sender, Peer& peer, const LocatorList& addresses) {
-  static constexpr std::pair<EntityId, EntityId> kPairs[] = {
-      {kPublicationsReader, kPublicationsWriter},
-      {kSubscriptionsReader, kSubscriptionsWriter},
-      {kParticipantMessageReader, kParticipantMessageWriter}};
-  constexpr std::size_t kQuestions = 84, kAnswers = 90, kGain = 3 * kAnswers - kQuestions;
-  constexpr std::size_t kMaxRounds = 64;
-  if (peer.data.vendor != kVendorCyclone) return;
-  const auto left = sender.limit().left(peer.prefix(), addresses);
-  if (left <= kHeaders || left + peer.expected >= peer.held_back) return;
-  const auto needed = (peer.held_back - left - peer.expected) / kGain + 1;
-  const auto rounds = std::min({needed, (left - kHeaders) / kQuestions, kMaxRounds});
-  for (std::size_t round = 0; round < rounds; ++round)
-    for (const auto& [reader, writer] : kPairs)
-      sender.add_unauthenticated(
-          {peer.prefix(), addresses},
-          AckNack{reader, writer, SequenceNumberSet(SequenceNumber{1}), 0, false});
-  sender.flush_now();
-  peer.expected += rounds * AmplificationLimit::kFactor * kAnswers;
-}
-
 bool needs_no_tokens(const SecurityCore& core, const Peer& peer) {
   const auto* awaiting = peer.state.awaiting_keys();
   return awaiting != nullptr && awaiting->exchanges_keys &&
@@ -70,6 +43,8 @@ void Handshakes::announced_again(const ParticipantData& data, const AnnouncedAdd
   peer->metatraffic = addresses.metatraffic;
   peer->announced_by.assign(addresses.sources.begin(), addresses.sources.end());
   peer->source = addresses.source;
+  if (auto* handshake = peer->state.handshake(); handshake && data.vendor == kVendorDdssec)
+    handshake->note_repeats_challenges();
   if (!peer->state.is<peer::Refused>() || !starts_.take(peer->source, core_.now)) return;
   core_.host.on_replaced(GuidPrefix(data.guid.prefix));  // it may have been admitted without
   peer->data = data;
@@ -98,21 +73,13 @@ LocatorList Handshakes::addresses_of(const Peer& peer) const {
 void Handshakes::send(Peer& peer, const PeerHandshake::Messages& messages) {
   const auto& handshake = *peer.state.handshake();
   const auto addresses = addresses_of(peer);
-  auto& sender = core_.sender;
   const auto send_one = [&](const GenericMessage& message) {
-    const auto payload = write_generic_message(message);
-    const auto size = payload.size() + kHeaders;
-    if (size > sender.limit().left(peer.prefix(), addresses)) return size;
-    sender.add({peer.prefix(), addresses}, Data{kStatelessMessageReader,
-                                                kStatelessMessageWriter,
-                                                {++last_number_},
-                                                {},
-                                                PayloadKind::data,
-                                                payload});
-    sender.flush_now();
-    return std::size_t{0};
+    const bool is_auth_request = message.message_class == message_class::kAuthRequest;
+    return is_auth_request && handshake.repeats_challenges()
+               ? messages_.send_auth_request(peer, message, addresses)
+               : messages_.send(peer, message, addresses);
   };
-  sender.flush_now();
+  core_.sender.flush_now();
   peer.held_back = peer.expected = 0;
   bool has_asked = false;
   for (const auto& message : messages) {
@@ -121,9 +88,9 @@ void Handshakes::send(Peer& peer, const PeerHandshake::Messages& messages) {
     if (handshake.begins()) peer.held_back = std::max(peer.held_back, held_back);
   }
   if (peer.held_back == 0) return;
-  if (peer.data.vendor == kVendorDdssec && !has_asked && handshake.auth_request())
-    send_one(*handshake.auth_request());
-  earn(core_.sender, peer, addresses);
+  const auto own = handshake.auth_request();
+  if (handshake.repeats_challenges() && !has_asked && own) send_one(*own);
+  messages_.earn(peer, addresses);
 }
 
 void Handshakes::note_earned(Peer& peer, std::size_t octets) {
@@ -132,7 +99,7 @@ void Handshakes::note_earned(Peer& peer, std::size_t octets) {
   const auto addresses = addresses_of(peer);
   peer.expected -= std::min(peer.expected, octets);
   if (peer.held_back > core_.sender.limit().left(peer.prefix(), addresses))
-    return earn(core_.sender, peer, addresses);
+    return messages_.earn(peer, addresses);
   peer.held_back = 0;
   peer.may_go_on = true;
   handshake->start_at(core_.now);
@@ -169,10 +136,8 @@ void Handshakes::on_stateless_frag(const GuidPrefix& source, const DataFrag& fra
 void Handshakes::on_auth_request(Peer& peer, const GenericMessage& message) {
   auto& handshake = *peer.state.handshake();
   PeerHandshake::Messages out;
-  if (handshake.receive_auth_request(message, out)) {
-    core_.sender.limit().prove(peer.prefix());
-    note_earned(peer, 0);
-  }
+  const auto repeated = handshake.receive_auth_request(message, out);
+  if (core_.sender.limit().prove(peer.prefix(), repeated)) note_earned(peer, 0);
   if (!out.empty()) send(peer, out);
   if (!handshake.begins()) return;
   if (peer.state.association() == nullptr) return request_resend(peer);
@@ -186,7 +151,6 @@ void Handshakes::on_authentication(Peer& peer, const GenericMessage& message) {
   auto& handshake = *peer.state.handshake();
   const auto weighed = handshake.weigh(message);
   if (weighed.effort == Effort::none) return;
-  if (weighed.effort == Effort::echo) core_.sender.limit().prove(peer.prefix());
   PeerHandshake::Messages out;
   if (weighed.effort == Effort::request) make_room_for_answer();
   const bool taken =

@@ -6,8 +6,8 @@
 #include "rtps/budget/subject_shares.hpp"
 #include "rtps/security/admission.hpp"
 #include "rtps/security/fragment_store.hpp"
+#include "rtps/security/handshake_sender.hpp"
 #include "rtps/security/key_revision.hpp"
-#include "wire/acknack.hpp"
 
 namespace ddssec::rtps {
 
@@ -139,7 +139,7 @@ class Handshakes {
   KeyRevision& revision_;
   std::shared_ptr<const Bytes> own_data_;
   HandshakeAccount account_;
-  std::int64_t last_number_ = 0;
+  HandshakeSender messages_{core_.sender};
   FragmentStore fragments_;
   SubjectShares subjects_{kMaxAuthenticated};
   SourceBudget starts_{kMaxStarts, kStartPeriod};

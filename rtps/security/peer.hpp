@@ -46,7 +46,7 @@ struct Association {
   std::unique_ptr<PeerHandshake> handshake = {};  ///< finished; another one may run beside it
   PeerPermissions permissions = {};
   std::string subject = {};  ///< of its certificate
-  Cleanup place = {};  ///< gives back its share of the places for its certificate
+  Cleanup place = {};        ///< gives back its share of the places for its certificate
   EarlyTokens early = {};
   WaitingTokens waiting = {};
   std::unique_ptr<StatefulReader> volatile_reader = {};

@@ -8,7 +8,6 @@ namespace ddssec::rtps {
 namespace {
 
 constexpr int kMostDoublings = 5;
-constexpr std::string_view kFutureChallenge = "future_challenge";
 
 bool ends_with(const spi::Token& token, std::string_view suffix) {
   return token.class_id.ends_with(suffix);
@@ -91,10 +90,9 @@ void PeerHandshake::start(MonotonicTime now, Messages& out) {
   identity_ = known && known->handle() == peer->handle
                   ? known
                   : std::make_shared<const PeerIdentity>(plugin_, peer->handle);
-  if (peer->local_auth_request && sides_.send_auth_request) {
+  if (peer->local_auth_request)
     auth_request_ = message_of(message_class::kAuthRequest, *peer->local_auth_request, {});
-    out.push_back(auth_request_with_challenge());
-  }
+  if (const auto own = auth_request()) out.push_back(*own);
   next_ = now + pause();
   if (begins() && make_request(kNever)) out.push_back(request_->message);
 }
@@ -130,9 +128,9 @@ void PeerHandshake::tick(MonotonicTime now, Messages& out) {
   }
   if (request_) out.push_back(request_->message);
   answers_.repeat(out);
-  const bool waits = !begins() && !finished_ && auth_request_;
-  if (waits && (answers_.empty() || std::exchange(hastened_, false)))
-    out.push_back(auth_request_with_challenge());
+  const auto own = auth_request();
+  const bool waits = !begins() && !finished_ && own;
+  if (waits && (answers_.empty() || std::exchange(hastened_, false))) out.push_back(*own);
   next_ = finished_ && !request_ && answers_.empty() ? kNever : now + pause();
   if (!finished_) next_ = std::min(next_, overdue_at_);
 }
@@ -161,23 +159,27 @@ void PeerHandshake::begin_again(MonotonicTime now) {
 
 // ---- messages
 
-// Only the side that begins sends more than it received, and must know that the peer hears it.
-bool PeerHandshake::receive_auth_request(const GenericMessage& message, Messages& out) {
+// Only the side that begins sends more than it received, and must know that the peer hears it. The
+// other side answers each challenge, whatever else the message repeats: it may be the only one.
+Bytes PeerHandshake::receive_auth_request(const GenericMessage& message, Messages& out) {
   constexpr std::size_t kMaxChallenge = 64;
-  if (!sides_.repeats_challenges || message.data.size() != 1) return false;
+  if (message.data.size() != 1) return {};
   const auto& token = message.data.front();
-  if (const auto* ours = spi::find_binary_property(token, kHeardChallenge))
-    return auth_request_ && *ours == octets_of(auth_request_->data.front(), kFutureChallenge);
-  heard_challenge_ = octets_of(token, kFutureChallenge);
-  if (heard_challenge_.size() > kMaxChallenge) heard_challenge_.clear();
-  if (!begins() && auth_request_) out.push_back(auth_request_with_challenge());
-  return false;
+  auto challenge = octets_of(token, kChallenge);
+  if (!challenge.empty() && challenge.size() <= kMaxChallenge) {
+    heard_challenge_ = std::move(challenge);
+    note_repeats_challenges();
+    const auto own = auth_request();
+    if (!begins() && own) out.push_back(*own);
+  }
+  return octets_of(token, kHeardChallenge);
 }
 
-GenericMessage PeerHandshake::auth_request_with_challenge() const {
-  auto out = *auth_request_;
-  if (!heard_challenge_.empty())
-    out.data.front().binary_properties.push_back({std::string(kHeardChallenge), heard_challenge_});
+std::optional<GenericMessage> PeerHandshake::auth_request() const {
+  auto out = auth_request_;
+  if (!sides_.send_auth_request && !repeats_challenges()) return {};
+  if (out && !heard_challenge_.empty())
+    out->data.front().binary_properties.push_back({std::string(kHeardChallenge), heard_challenge_});
   return out;
 }
 

@@ -53,7 +53,7 @@ class PeerHandshake {
     spi::Token peer_identity_token;
     /// Fast DDS knows no auth_request.
     bool send_auth_request = true;
-    /// The peer repeats the challenge of our auth_request, and we that of its own.
+    /// The peer says that it is one of ours: it repeats the challenge in our auth_request.
     bool repeats_challenges = false;
     /// The peer left and is still known: the plugin has one handle for all of its handshakes.
     std::shared_ptr<const PeerIdentity> known_identity = {};
@@ -78,11 +78,13 @@ class PeerHandshake {
   /// Such a message, once its effort may be spent. False: there was no room for it.
   bool receive(const GenericMessage& message, const Weighed& weighed, MonotonicTime now,
                Messages& out);
-  /// An auth_request of the peer. True: it repeats the challenge of ours, so that the peer hears us
-  /// where it sent this from.
-  bool receive_auth_request(const GenericMessage& message, Messages& out);
-  /// Ours; nothing before it was sent once.
-  const std::optional<GenericMessage>& auth_request() const { return auth_request_; }
+  /// An auth_request of the peer: the challenge that it repeats, or nothing.
+  Bytes receive_auth_request(const GenericMessage& message, Messages& out);
+  /// The same, if it announced itself as one of ours later: the first announcement may be forged.
+  void note_repeats_challenges() { repeats_challenges_ = true; }
+  bool repeats_challenges() const { return sides_.repeats_challenges || repeats_challenges_; }
+  /// Ours, without a challenge; nothing if there is none to send.
+  std::optional<GenericMessage> auth_request() const;
   MonotonicTime next_tick() const { return next_; }
   bool started() const { return started_; }
   /// How often its messages were sent, but for answers.
@@ -128,7 +130,9 @@ class PeerHandshake {
   static constexpr MonotonicTime kOverdue = std::chrono::seconds(100);
   /// How long a new request beside a finished handshake is repeated.
   static constexpr MonotonicTime kSecondTry = std::chrono::seconds(5);
-  /// A property of our own in an AuthRequestMessageToken: the future_challenge of the receiver's.
+  /// Properties of our own in an AuthRequestMessageToken: what the receiver is to repeat
+  /// (AmplificationLimit::challenge), and the last one that was heard from the receiver.
+  static constexpr std::string_view kChallenge = "org.ddssec.challenge";
   static constexpr std::string_view kHeardChallenge = "org.ddssec.heard_challenge";
 
  private:
@@ -154,7 +158,6 @@ class PeerHandshake {
   void on_reply(const GenericMessage& message, const Sha256Digest& digest, Messages& out);
   void on_final(const GenericMessage& message);
   void finish(Finished finished, Bytes peer_data);
-  GenericMessage auth_request_with_challenge() const;
   MonotonicTime pause();
   GenericMessage message_of(std::string_view message_class, spi::Token token,
                             const MessageIdentity& related);
@@ -171,6 +174,7 @@ class PeerHandshake {
   std::shared_ptr<const PeerIdentity> identity_;
   std::optional<GenericMessage> auth_request_;
   Bytes heard_challenge_;  ///< of the peer's auth_request
+  bool repeats_challenges_ = false;
   bool started_ = false;
   bool heard_ = false;
   bool hastened_ = false;

@@ -42,9 +42,10 @@ class Invariants {
   /// Memory of one participant, whatever others do: the sum of the product's own bounds on what
   /// this cast can reach, and some room.
   static constexpr std::int64_t kMaxOctets = std::int64_t{24} << 20;
-  /// Branches for one call, and for each octet of a datagram. Most were 490'367: a full table of
-  /// strangers was looked through, and the 64 handshakes that may begin at once did so.
-  static constexpr std::uint64_t kMaxBranches = 600'000;
+  /// Branches for one call, and for each octet of a datagram. Most were 627'503: a full table of
+  /// strangers was looked through and forgotten, and the 64 handshakes that may begin at once did
+  /// so.
+  static constexpr std::uint64_t kMaxBranches = 750'000;
   static constexpr std::uint64_t kMaxBranchesPerOctet = 400;
   /// After a writer's end, messages of it may still be under way for so long.
   static constexpr MonotonicTime kMaxAfterlife = seconds(20);

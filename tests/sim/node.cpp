@@ -81,7 +81,8 @@ ParticipantConfig Node::config(const GuidPrefix& prefix) {
                         .domain_tag = subject_.domain_tag(),
                         .metatraffic_unicast = {address()},
                         .default_unicast = {address()},
-                        .announce_to = {kGroup}};
+                        .announce_to = {kGroup},
+                        .address_secret = sha256(prefix.octets)};
   out.first_entity = static_cast<std::uint32_t>(1 + dice_.below(1000));
   return out;
 }

@@ -18,14 +18,16 @@ class Reflection {
     world_.nodes = {&node};
     world_.run(1);
   }
-  void send(BytesView datagram) {
+  void send(BytesView datagram, const Locator& source = *Locator::parse("192.0.2.66", 7410)) {
     in_ += datagram.size();
-    node_->receive(datagram, world_.now, *Locator::parse("192.0.2.66", 7410));
+    node_->receive(datagram, world_.now, source);
   }
   void run(int steps) {
     for (int i = 0; i < steps; ++i) {
-      for (const auto& [port, octets] : node_.post.sent)
+      for (const auto& [port, octets] : node_.post.sent) {
         out_ += port >= 7990 && port < 7994 ? octets.size() : 0;
+        if (port == 7410) ears_.hear(octets);
+      }
       world_.run(1);
     }
   }
@@ -39,6 +41,8 @@ class Reflection {
     data.default_unicast = data.metatraffic_unicast;
     return data;
   }
+  /// What was sent to the attacker's own address.
+  const Eavesdropper& ears() const { return ears_; }
   std::size_t in() const { return in_; }
   std::size_t out() const { return out_; }
   double ratio() const { return static_cast<double>(out_) / static_cast<double>(in_); }
@@ -47,6 +51,7 @@ class Reflection {
  private:
   Node& node_;
   World world_;
+  Eavesdropper ears_;
   std::size_t in_ = 0, out_ = 0;
 };
 
@@ -121,6 +126,33 @@ TEST(Amplification, OfEverythingElseInTheAnnouncedName_IsBelowThree) {
     reflection.run(3000);
     expect_below_three(reflection);
   }
+}
+
+// It names an address of its own as well, where it is sent a challenge, and repeats that with the
+// victim's address as the source.
+TEST(Amplification, OfAChallengeThatWasHeardElsewhere_IsBelowThree) {
+  const auto name = name_of(0xff);
+  const auto victim = *Locator::parse("192.0.2.1", 7990);
+  auto node = secured_node();
+  Reflection reflection(node);
+  auto data = Reflection::data_of(name, kVendorDdssec);
+  data.metatraffic_unicast.front() = *Locator::parse("192.0.2.66", 7410);
+  reflection.send(announcement(data));
+  reflection.send(announcement(data), victim);
+  reflection.run(100);
+  ASSERT_NE(reflection.ears().heard("+AuthReq"), nullptr);
+  const auto* heard =
+      spi::find_binary_property(*reflection.ears().heard("+AuthReq"), PeerHandshake::kChallenge);
+  ASSERT_NE(heard, nullptr);
+  const spi::Token repeated{
+      "DDS:Auth:PKI-DH:1.0+AuthReq",
+      {},
+      {{"future_challenge", Bytes(32)}, {std::string(PeerHandshake::kHeardChallenge), *heard}}};
+  reflection.send(handshake_message(name, node->prefix(), repeated, message_class::kAuthRequest),
+                  victim);
+  reflection.run(12'000);
+  EXPECT_NE(reflection.ears().heard("+Req"), nullptr) << "its own address is proven";
+  expect_below_three(reflection);
 }
 
 // The octets of one datagram count for one of the names that it bears.

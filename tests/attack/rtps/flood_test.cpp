@@ -163,8 +163,8 @@ TEST(Flood, InThePeersOwnNameByOneWhoHearsNothing) {
   EXPECT_LT(*took, seconds(2));
 }
 
-// Somebody who hears every message before it arrives, and has everything but the keys. Not with
-// every seed: if the one Final is not looked at, the pair needs 10 s more (measured: with 8 of 30
+// An attacker who hears every message before it arrives, and has everything but the keys. Not with
+// every seed: if the one Final is not looked at, the pair needs 10 s more (measured: with 4 of 30
 // seeds).
 TEST(Flood, InThePeersOwnNameByOneWhoHearsAll) {
   for (std::uint32_t seed = 2; seed <= 4; ++seed) {

@@ -26,6 +26,12 @@ class AmplificationLimitTest : public ::testing::Test {
     return octets * limit_.take(name_, octets, to).size();
   }
 
+  AmplificationLimitTest() { limit_.set_secret(sha256(as_bytes("secret"))); }
+  /// The participant repeats what it was sent at that host.
+  bool prove(std::uint8_t host) {
+    return limit_.prove(name_, limit_.challenge(name_, SourceAddress(at(host))));
+  }
+
   AmplificationLimit limit_;
   const GuidPrefix name_ = GuidPrefix::from(Bytes(12, 1));
 };
@@ -95,8 +101,7 @@ TEST_F(AmplificationLimitTest, AHostThatSends_PaysForItsAddressThatAnotherAnnoun
 
 TEST_F(AmplificationLimitTest, AHost_ProvesItsAddressThatAnotherAnnouncedFirst) {
   announce(66, {at(1), at(9)}, 400);
-  hear(1, 0);
-  limit_.prove(name_);
+  EXPECT_TRUE(prove(1));
   EXPECT_EQ(limit_.take(name_, 50'000, LocatorList{at(1), at(9)}), LocatorList{at(1)});
 }
 
@@ -112,17 +117,40 @@ TEST_F(AmplificationLimitTest, AnotherSourceOfThePeer_PaysForEachAddressInTurn) 
 
 TEST_F(AmplificationLimitTest, AProvenAddress_IsFreeAndTheOthersAreNot) {
   announce(1, {at(1), at(2)}, 400);
-  hear(1, 0);
-  limit_.prove(name_);
+  EXPECT_TRUE(prove(1));
   EXPECT_EQ(limit_.take(name_, 50'000, LocatorList{at(1), at(2)}), LocatorList{at(1)});
   EXPECT_EQ(limit_.left(name_, LocatorList{at(2)}), 1199u);
 }
 
-TEST_F(AmplificationLimitTest, ASourceThatAnnouncedNoAddress_ProvesNone) {
+// The attacker can be reached at one address, and names one of the victim as well, whose address
+// its datagrams have as their source.
+TEST_F(AmplificationLimitTest, WhatWasSentToOneHost_ProvesNoOther) {
+  announce(66, {at(66), at(1)}, 400);
+  hear(1, 0);
+  EXPECT_TRUE(prove(66));
+  EXPECT_EQ(limit_.take(name_, 50'000, LocatorList{at(66), at(1)}), LocatorList{at(66)});
+}
+
+TEST_F(AmplificationLimitTest, AHostThatWasNotAnnounced_ProvesNone) {
   announce(66, {at(1)}, 400);
-  hear(66, 0);
-  limit_.prove(name_);
+  EXPECT_FALSE(prove(5));
   EXPECT_EQ(sent(50'000, {at(1)}), 0u);
+}
+
+TEST_F(AmplificationLimitTest, TheChallengeOfAnotherParticipantOrSecret_ProvesNothing) {
+  announce(1, {at(1)}, 400);
+  const SourceAddress host(at(1));
+  EXPECT_FALSE(limit_.prove(name_, limit_.challenge(GuidPrefix::from(Bytes(12, 2)), host)));
+  AmplificationLimit other;
+  other.set_secret(sha256(as_bytes("another secret")));
+  EXPECT_FALSE(limit_.prove(name_, other.challenge(name_, host)));
+}
+
+TEST_F(AmplificationLimitTest, WithoutASecret_NothingIsProven) {
+  AmplificationLimit limit;
+  limit.limit(name_, LocatorList{at(1)}, std::vector{SourceAddress(at(1))});
+  EXPECT_TRUE(limit.challenge(name_, SourceAddress(at(1))).empty());
+  EXPECT_FALSE(limit.prove(name_, {}));
 }
 
 TEST_F(AmplificationLimitTest, WhatIsSaved_IsBounded) {

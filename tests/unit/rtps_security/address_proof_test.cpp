@@ -25,16 +25,29 @@ std::optional<MonotonicTime> time_without(std::string_view text) {
 TEST(AddressProof, OurOwnPeerRepeatsTheChallenge) {
   Pair pair({});
   Eavesdropper ears;
-  std::optional<std::size_t> before_request;
+  std::optional<bool> before_request;
   pair.world.filter = [&](const Node&, Bytes datagram) {
     ears.hear(datagram);
     const auto* token = ears.heard("+AuthReq");
     if (ears.heard("+Req") != nullptr && !before_request && token != nullptr)
-      before_request = token->binary_properties.size();
+      before_request = spi::find_binary_property(*token, PeerHandshake::kHeardChallenge) != nullptr;
     return one(std::move(datagram));
   };
   ASSERT_TRUE(pair.world.run_until([&] { return know_each_other(pair); }, 20));
-  EXPECT_EQ(before_request, 2u) << "future_challenge, and that of the receiver";
+  EXPECT_EQ(before_request, true);
+}
+
+// The side that answers is the first to be heard: the only auth_request of the other one repeats
+// its challenge and has one as well.
+TEST(AddressProof, AParticipantThatJoinsLater_IsAuthenticatedAtOnce) {
+  for (const bool is_a_first : {true, false}) {
+    Pair pair({});
+    auto& first = is_a_first ? pair.a : pair.b;
+    pair.world.nodes = {&first};
+    pair.world.run(100);
+    pair.world.nodes = {&pair.a, &pair.b};
+    EXPECT_TRUE(pair.world.run_until([&] { return know_each_other(pair); }, 12)) << is_a_first;
+  }
 }
 
 TEST(AddressProof, APeerThatRepeatsNoChallenge_EarnsTheRequestByItsAnnouncements) {
@@ -48,8 +61,8 @@ TEST(AddressProof, LostMessages_AreSentAgain) {
   EXPECT_LT(time_without("dds.sec.auth_request").value_or(kNever), seconds(5));
 }
 
-/// What the datagram announces, with another address.
-Bytes with_address(BytesView datagram, const Locator& address) {
+/// What the datagram announces, changed.
+Bytes changed(BytesView datagram, const std::function<void(ParticipantData&)>& change) {
   auto reader = MessageReader::open(datagram);
   while (reader) {
     const auto view = reader->next();
@@ -58,7 +71,7 @@ Bytes with_address(BytesView datagram, const Locator& address) {
     const auto data = read_data(**view);
     auto announced = read_participant_data(data->payload);
     if (!announced) continue;
-    announced->metatraffic_unicast = {address};
+    change(*announced);
     return announcement(*announced);
   }
   ADD_FAILURE() << "no announcement";
@@ -73,12 +86,56 @@ TEST(AddressProof, APeerWhoseAddressAnotherAnnouncedFirst_IsAuthenticated) {
   const auto host = [](const char* address) { return *Locator::parse(address, 7410); };
   const auto deceive = [&](Node& node, const Node& peer) {
     const auto recorded = peer.post.sent.front().second;
-    node->receive(with_address(recorded, host("192.0.2.9")), pair.world.now, host("192.0.2.66"));
+    const auto false_address =
+        changed(recorded, [&](auto& data) { data.metatraffic_unicast = {host("192.0.2.9")}; });
+    node->receive(false_address, pair.world.now, host("192.0.2.66"));
     node->receive(recorded, pair.world.now, host("192.0.2.67"));
   };
   deceive(pair.a, pair.b);
   deceive(pair.b, pair.a);
   EXPECT_TRUE(pair.world.run_until([&] { return know_each_other(pair); }, 500));
+}
+
+/// How long the pair needs if an attacker is the first to announce both of them, as participants of
+/// that vendor, and sends so many auth_requests in their names every 10 ms.
+std::optional<MonotonicTime> time_with_forged_vendor(VendorId vendor, int flood) {
+  Pair pair({});
+  pair.world.run(1);
+  const auto attacker = *Locator::parse("192.0.2.66", 7410);
+  const auto deceive = [&](Node& node, const Node& peer) {
+    const auto lie = changed(peer.post.sent.front().second, [&](auto& data) {
+      data.vendor = vendor;
+      data.metatraffic_unicast.push_back(attacker);
+    });
+    node->receive(lie, pair.world.now, attacker);
+  };
+  deceive(pair.a, pair.b);
+  deceive(pair.b, pair.a);
+  const spi::Token token{"DDS:Auth:PKI-DH:1.0+AuthReq", {}, {{"future_challenge", Bytes(32)}}};
+  const auto forge = [&](Node& node, const Node& peer) {
+    node->receive(handshake_message(peer.participant->prefix(), node->prefix(), token,
+                                    message_class::kAuthRequest),
+                  pair.world.now, attacker);
+  };
+  pair.world.attack = [&](World::Traffic&) {
+    for (int i = 0; i < flood; ++i) {
+      forge(pair.a, pair.b);
+      forge(pair.b, pair.a);
+    }
+  };
+  const auto begin = pair.world.now;
+  if (!pair.world.run_until([&] { return know_each_other(pair); }, 3000)) return std::nullopt;
+  return pair.world.now - begin;
+}
+
+// What it says makes them ask each other what only others answer, or nothing at all.
+TEST(AddressProof, APeerThatAnotherAnnouncedFirstAsOfAnotherVendor_IsAuthenticated) {
+  for (const auto& vendor : {kVendorDdssec, kVendorCyclone, kVendorFastDds, VendorId{{1, 1}}})
+    for (const int flood : {0, 1, 100}) {
+      const auto took = time_with_forged_vendor(vendor, flood);
+      ASSERT_TRUE(took) << int{vendor.octets[1]} << " " << flood;
+      EXPECT_LT(*took, seconds(5)) << int{vendor.octets[1]} << " " << flood;
+    }
 }
 
 TEST(AddressProof, AForgedChallenge_ProvesNothing) {

@@ -223,7 +223,8 @@ struct Node {
     return {.prefix = prefix,
             .metatraffic_unicast = {at(7000u + n)},
             .default_unicast = {at(7000u + n)},
-            .announce_to = std::move(announce_to)};
+            .announce_to = std::move(announce_to),
+            .address_secret = sha256(prefix.octets)};
   }
   /// Unsecured.
   explicit Node(std::uint8_t n) : port(7000u + n), random(n) {
