@@ -42,6 +42,14 @@ std::string listed(const std::vector<std::string_view>& names) {
   return list;
 }
 
+/// Those that are ours, or the others.
+std::vector<std::string_view> named(const PluginVersions& found, bool are_ours) {
+  std::vector<std::string_view> names;
+  for (std::size_t i = 0; i < found.size(); ++i)
+    if ((found[i] != nullptr) == are_ours) names.push_back(kLibraries[i].name);
+  return names;
+}
+
 }  // namespace
 
 const char* version() noexcept { return kVersionMark + kVersionName.size(); }
@@ -53,16 +61,22 @@ bool speaks_for_all(PluginKind own) noexcept {
 }
 
 Event plugins_in_use(const PluginVersions& found, const std::string& openssl) {
-  std::vector<std::string_view> ours, others;
   std::string differing;
   for (std::size_t i = 0; i < found.size(); ++i) {
-    (found[i] != nullptr ? ours : others).push_back(kLibraries[i].name);
     if (found[i] != nullptr && std::string_view(found[i]) != version())
       differing += ", but " + std::string(kLibraries[i].name) + " of " + found[i];
   }
-  std::string note = listed(ours) + " of ddssec " + version() + differing;
-  if (!others.empty()) note += ", " + listed(others) + " of another product";
+  std::string note = listed(named(found, true)) + " of ddssec " + version() + differing;
+  if (const auto others = named(found, false); !others.empty())
+    note += ", " + listed(others) + " of another product";
   return Event(Error(Code::plugins_in_use, {.note = note + "; running on " + openssl}));
+}
+
+std::optional<Event> mixture_warning(const PluginVersions& found) {
+  const auto others = named(found, false);
+  if (others.empty()) return std::nullopt;
+  return Event(Error(Code::plugins_mixed, {.expected = "all three plugins of ddssec",
+                                           .found = listed(others) + " of another product"}));
 }
 
 std::optional<Event> openssl_warning(const std::string& openssl) {
@@ -83,6 +97,7 @@ void say_plugins_in_use(Host& host, PluginKind own, std::string (*openssl)()) no
     found[static_cast<std::size_t>(own)] = version();  // also where our symbols are not global
     const auto version_text = openssl();
     host.notice(plugins_in_use(found, version_text));
+    if (const auto warning = mixture_warning(found)) host.notice(*warning);
     if (const auto warning = openssl_warning(version_text)) host.notice(*warning);
   } catch (...) {
     // Without the memory to say so, the plugins work all the same.

@@ -22,7 +22,8 @@ const char* version() noexcept;
 bool speaks_for_all(PluginKind own) noexcept;
 
 /// plugins_in_use, once a process: which of the three plugins are ours, their version, and the
-/// version of OpenSSL that they run on; then openssl_known_unsafe if that version has known flaws.
+/// version of OpenSSL that they run on; then plugins_mixed if not all are ours, and
+/// openssl_known_unsafe if that version has known flaws.
 /// Call it when a participant is made: by then all are loaded.
 void say_plugins_in_use(Host& host, PluginKind own,
                         std::string (*openssl)() = openssl_version) noexcept;
@@ -34,6 +35,8 @@ void say_clock_steps(Host& host, PluginKind own) noexcept;
 using PluginVersions = std::array<const char*, 3>;
 /// The event itself. `openssl`: what openssl_version() says.
 Event plugins_in_use(const PluginVersions& found, const std::string& openssl);
+/// plugins_mixed, or nothing if all three are ours.
+std::optional<Event> mixture_warning(const PluginVersions& found);
 /// openssl_known_unsafe, or nothing.
 std::optional<Event> openssl_warning(const std::string& openssl);
 

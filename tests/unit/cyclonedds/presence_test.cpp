@@ -36,6 +36,14 @@ TEST(PluginsInUse, OfAnotherVersion_IsSaid) {
   EXPECT_THAT(said_of({version(), version(), "0.0.1"}), HasSubstr(", but cryptography of 0.0.1;"));
 }
 
+TEST(MixtureWarning, NamesThoseThatAreNotOurs) {
+  EXPECT_FALSE(mixture_warning({version(), version(), version()}));
+  const auto warning = mixture_warning({version(), nullptr, version()});
+  ASSERT_TRUE(warning);
+  EXPECT_EQ(warning->severity, Severity::warning);
+  EXPECT_THAT(warning->to_line(), HasSubstr("found access control of another product"));
+}
+
 TEST(OpensslWarning, NamesTheVersionAndWhatToDoInOneShortLine) {
   const auto warning = openssl_warning(kFlawed);
   ASSERT_TRUE(warning);
@@ -56,7 +64,7 @@ TEST(PluginsInUse, TheLibrarySaysItsVersionUnderAName) {
   EXPECT_EQ(std::string_view(version() - kName.size(), kName.size()), kName);
 }
 
-/// True if the first of several participants, of whatever domain, says both and no other does.
+/// True if the first of several participants, of whatever domain, says all and no other does.
 bool is_said_once() {
   struct All final : EventSink {
     explicit All(std::vector<Event>& to) : events(to) {}
@@ -69,10 +77,11 @@ bool is_said_once() {
   say_plugins_in_use(first, PluginKind::authentication, flawed);
   say_plugins_in_use(first, PluginKind::access_control, flawed);
   say_plugins_in_use(second, PluginKind::authentication, flawed);
-  return events.size() == 2 && events[0].error.code() == Code::plugins_in_use &&
+  return events.size() == 3 && events[0].error.code() == Code::plugins_in_use &&
          events[0].severity == Severity::informational &&
          events[0].error.to_sentence().contains(kFlawed) &&
-         events[1].error.code() == Code::openssl_known_unsafe;
+         events[1].error.code() == Code::plugins_mixed &&
+         events[2].error.code() == Code::openssl_known_unsafe;
 }
 
 // In a process of its own, whatever ran before in this one.
