@@ -6,15 +6,15 @@
 #include <fmt/format.h>
 
 #include "cli/inputs.hpp"
-#include "governance/doctor/subject_form.hpp"
+#include "governance/cyclonedds_subject.hpp"
 #include "pki/subject_name.hpp"
 
 namespace ddssec::cli {
 namespace {
 
 namespace fs = std::filesystem;
-using governance::doctor::cyclonedds_takes;
-using governance::doctor::pieces_for_cyclonedds;
+using governance::cyclonedds_takes;
+using governance::pieces_for_cyclonedds;
 
 bool is_same_name(const std::string& a, const std::string& b) {
   const auto one = pki::SubjectName::parse(a), other = pki::SubjectName::parse(b);

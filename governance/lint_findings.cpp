@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/ordered.hpp"
 #include "base/text.hpp"
@@ -10,6 +11,11 @@
 #include "governance/lint.hpp"
 
 namespace ddssec::governance {
+namespace {
+
+bool is_special(char c) { return std::string_view(",+\"\\<>;").find(c) != std::string_view::npos; }
+
+}  // namespace
 
 std::string to_sentence(std::string_view expression, const Unportable& found) {
   auto out = fmt::format("{}: {}", in_quotes(expression), found.reason);
@@ -104,6 +110,25 @@ std::string matches_nothing(std::string_view expression) {
 std::string in_quotes(std::string_view text) {
   constexpr std::size_t kMost = 80;
   return fmt::format("\"{}{}\"", text.substr(0, kMost), text.size() > kMost ? "..." : "");
+}
+
+std::string rfc2253(const pki::SubjectName& name, bool reverse) {
+  std::vector<std::string> parts;
+  for (std::size_t i = 0; i < name.attributes().size(); ++i) {
+    const auto& [type, value] = name.attributes()[i];
+    std::string part = type + "=";
+    for (std::size_t at = 0; at < value.size(); ++at) {
+      const bool is_edge_blank = value[at] == ' ' && (at == 0 || at + 1 == value.size());
+      if (is_special(value[at]) || is_edge_blank || (at == 0 && value[at] == '#')) part += '\\';
+      part += value[at];
+    }
+    if (name.joined(i) && !parts.empty())
+      parts.back() += "+" + part;
+    else
+      parts.push_back(std::move(part));
+  }
+  if (reverse) std::ranges::reverse(parts);
+  return fmt::format("{}", fmt::join(parts, ","));
 }
 
 std::string to_text(const std::vector<DomainRange>& ranges) {

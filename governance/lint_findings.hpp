@@ -8,6 +8,7 @@
 #include "base/finding.hpp"
 #include "governance/model.hpp"
 #include "governance/topic_sets.hpp"
+#include "pki/subject_name.hpp"
 
 namespace ddssec::governance {
 
@@ -60,6 +61,8 @@ inline constexpr std::string_view kUnmatchableHint =
 
 /// `"rt/a"`, cut if it is long.
 std::string in_quotes(std::string_view text);
+/// The RFC 2253 text of a name; `reverse`: it begins with the root now.
+std::string rfc2253(const pki::SubjectName& name, bool reverse);
 /// "3" or "0-5", several with commas.
 std::string to_text(const std::vector<DomainRange>& ranges);
 

@@ -33,6 +33,9 @@ void add_notes(Findings& out, const Governance& document) {
       case NoteKind::extension:
         out.add(GOV006, note, kStock);
         break;
+      case NoteKind::end_tag_blank:
+        out.add(GOV001, note, {kCyclone});
+        break;
       case NoteKind::boolean_spelling:
         out.add(GOV023, note, {});
         break;

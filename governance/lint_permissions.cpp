@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "governance/cyclonedds_subject.hpp"
 #include "governance/grant.hpp"
 #include "governance/lint.hpp"
 #include "governance/lint_grant.hpp"
@@ -41,6 +42,9 @@ void add_notes(Findings& out, const Permissions& document) {
         break;
       case NoteKind::extension:
         out.add(PERM006, note, stock);
+        break;
+      case NoteKind::end_tag_blank:
+        out.add(PERM001, note, {kCyclone});
         break;
       default:  // order, no_name, no_default
         out.add(PERM001, note, {kFastDds});
@@ -97,26 +101,18 @@ void check_repeated_subjects(Findings& out, const std::vector<GrantPlace>& place
   }
 }
 
-bool is_special(char c) { return std::string_view(",+\"\\<>;").find(c) != std::string_view::npos; }
-
-/// RFC 2253 text, the most specific attribute first.
-std::string canonical(const pki::SubjectName& name, bool reverse) {
-  std::vector<std::string> parts;
-  for (std::size_t i = 0; i < name.attributes().size(); ++i) {
-    const auto& [type, value] = name.attributes()[i];
-    std::string part = type + "=";
-    for (std::size_t at = 0; at < value.size(); ++at) {
-      const bool is_edge_blank = value[at] == ' ' && (at == 0 || at + 1 == value.size());
-      if (is_special(value[at]) || is_edge_blank || (at == 0 && value[at] == '#')) part += '\\';
-      part += value[at];
-    }
-    if (name.joined(i) && !parts.empty())
-      parts.back() += "+" + part;
-    else
-      parts.push_back(std::move(part));
+// The order of the grants counts for Cyclone DDS.
+void check_stray_grants(Findings& out, const Permissions& document,
+                        const std::vector<GrantPlace>& places) {
+  const Permissions* const subjects[] = {&document};
+  for (const auto& stray : stray_grants(document, subjects)) {
+    const auto place = std::ranges::find_if(
+        places, [&](const GrantPlace& one) { return &one.grant() == stray.grant; });
+    auto finding = place->about(PERM010, to_sentence(stray));
+    finding.hint = std::string(kStrayGrantHint);
+    finding.vendors = {kCyclone};
+    out.add(std::move(finding));
   }
-  if (reverse) std::ranges::reverse(parts);
-  return fmt::format("{}", fmt::join(parts, ","));
 }
 
 /// What is wrong with the spelling of a subject, and who minds.
@@ -137,15 +133,15 @@ std::optional<Spelling> misspelt(const std::string& text) {
   if (!name) return Spelling{in_quotes(text) + " is no subject name"};
   if (name->root_first())
     return Spelling{in_quotes(text) + " is in the form with slashes, which Fast DDS does not read",
-                    canonical(*name, true),
+                    rfc2253(*name, true),
                     {kFastDds}};
   if (is_root_first(*name))
     return Spelling{in_quotes(text) +
                         " begins with the country or organisation: Fast DDS does not "
                         "recognise a certificate by it",
-                    canonical(*name, true),
+                    rfc2253(*name, true),
                     {kFastDds}};
-  const auto plain = canonical(*name, false);
+  const auto plain = rfc2253(*name, false);
   if (text.size() > plain.size() && text.find(' ') != text.npos)
     return Spelling{in_quotes(text) + " has blanks beside ',' or '=', and Cyclone DDS keeps them",
                     plain,
@@ -240,6 +236,7 @@ std::vector<Finding> lint(const Permissions& permissions, const PermissionsUse& 
   check_repeated_subjects(out, places);
   if (use.signed_octets > pki::kMostSentPermissionsOctets)
     out.add(too_long_for_peers(use.signed_octets));
+  check_stray_grants(out, permissions, places);
   if (auto finding = missing_node_defaults(permissions)) out.add(*std::move(finding));
   if (use.certificate && !places.empty()) check_subject(out, places, *use.certificate);
   return out.take();

@@ -27,6 +27,7 @@ enum class NoteKind : std::uint8_t {
   no_name,           ///< a grant without a name
   no_default,        ///< a grant without <default>
   refused_spelling,  ///< a value that Fast DDS refuses: blanks around a boolean, 24:00:00
+  end_tag_blank,     ///< blanks before the '>' of an end tag
   extension,         ///< elements or attributes that DDS-Security 1.1 does not have
 };
 

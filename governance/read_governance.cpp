@@ -167,6 +167,7 @@ Result<Governance> read_governance(BytesView xml, int first_line) {
   Governance governance;
   ReadContext context(governance.notes);
   note_byte_order_mark(context, xml, document.root());
+  note_end_tags(context, xml, first_line);
   note_extensions(context, document.root());
   for (const auto& [kind, child] : children.all()) {
     DDSSEC_TRY(context.count(child));

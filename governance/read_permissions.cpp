@@ -194,6 +194,7 @@ Result<Permissions> read_permissions(BytesView xml, int first_line) {
   Permissions permissions;
   ReadContext context(permissions.notes);
   note_byte_order_mark(context, xml, document.root());
+  note_end_tags(context, xml, first_line);
   note_extensions(context, document.root());
   for (const auto& [kind, child] : children.all()) {
     DDSSEC_TRY(context.count(child));

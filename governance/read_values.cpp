@@ -9,6 +9,8 @@
 namespace ddssec::governance {
 namespace {
 
+constexpr std::string_view kBlanks = " \t\r\n";
+
 using Count = ChildSpec::Count;
 
 // Of both kinds of documents, in alphabetical order.
@@ -125,6 +127,44 @@ void note_refused_padding(ReadContext& context, XmlElement element) {
                  "has blanks around its value: Fast DDS refuses the document");
 }
 
+namespace {
+
+bool is_of_permissions(XmlElement element) {
+  const auto rule = element.parent();
+  return rule && (rule.name() == "allow_rule" || rule.name() == "deny_rule");
+}
+
+// The first "</name >" outside of comments and CDATA.
+std::optional<std::size_t> end_tag_with_blank(std::string_view text) {
+  constexpr std::pair<std::string_view, std::string_view> kPassedOver[] = {{"<!--", "-->"},
+                                                                           {"<![CDATA[", "]]>"}};
+  for (auto at = text.find('<'); at < text.size(); at = text.find('<', at + 1)) {
+    const auto rest = text.substr(at);
+    const auto* const other = std::ranges::find_if(
+        kPassedOver, [&](const auto& one) { return rest.starts_with(one.first); });
+    const auto end = rest.find(other == std::end(kPassedOver) ? ">" : other->second);
+    if (end == rest.npos) break;
+    if (rest.starts_with("</") && kBlanks.contains(rest[end - 1])) return at;
+    at += end;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+void note_end_tags(ReadContext& context, BytesView xml, int first_line) {
+  const auto text = as_text(xml);
+  const auto at = end_tag_with_blank(text);
+  if (!at) return;
+  const auto name = trimmed(text.substr(*at + 1, text.find('>', *at) - *at - 1), kBlanks);
+  context.note({NoteKind::end_tag_blank,
+                first_line + static_cast<int>(std::ranges::count(text.substr(0, *at), '\n')),
+                {},
+                in_brackets(name) +
+                    " has a blank or a line break before its '>': Cyclone DDS refuses the "
+                    "document"});
+}
+
 void note_extensions(ReadContext& context, XmlElement element) {
   constexpr std::string_view kNewer[] = {"enable_key_revision", "rtps_psk_protection_kind",
                                          "allowed_crypto_algorithms", "subject_name_expression",
@@ -143,7 +183,11 @@ void note_extensions(ReadContext& context, XmlElement element) {
   const bool holds_domains = element.name() == "domains";
   for (auto child = element.first_child(); child; child = child.next_sibling()) {
     if (holds_domains && child.name() == "tag")
-      context.note(NoteKind::extension, child, "came with DDS-Security 1.2");
+      context.note(NoteKind::extension, child,
+                   is_of_permissions(element)
+                       ? "came with DDS-Security 1.2: Cyclone DDS passes over it, and takes the "
+                         "rule for participants without the tag, too"
+                       : "came with DDS-Security 1.2");
     if (child.may_be_ignored() && !std::ranges::binary_search(kElements, child.name()))
       context.note(NoteKind::extension, child,
                    "is passed over, as must_interpret=\"false\" says; Cyclone DDS and Fast DDS "

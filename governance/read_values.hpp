@@ -18,6 +18,7 @@ class ReadContext {
   void note(NoteKind kind, XmlElement at, std::string_view text) {
     add_note(notes_, kind, at, text);
   }
+  void note(Note note) { notes_.push_back(std::move(note)); }
   /// Counts one rule, grant or expression. Error: too_many_rules.
   Status count(XmlElement at);
 
@@ -33,6 +34,8 @@ void note_refused_padding(ReadContext& context, XmlElement element);
 /// Notes elements and attributes, here and below, that DDS-Security 1.1 does not have. Nesting was
 /// bounded by check_xml.
 void note_extensions(ReadContext& context, XmlElement element);
+/// Notes the first end tag with white space in it, which XML 1.0 allows.
+void note_end_tags(ReadContext& context, BytesView xml, int first_line);
 /// Notes a byte order mark before the text.
 void note_byte_order_mark(ReadContext& context, BytesView text, XmlElement root);
 /// The only child of <dds>, which must be named `name`. Error: document_kind.

@@ -4,6 +4,7 @@
 #include <map>
 #include <tuple>
 
+#include "governance/cyclonedds_subject.hpp"
 #include "governance/dialect.hpp"
 #include "governance/xml.hpp"
 
@@ -21,6 +22,8 @@ struct Constructs {
   using Place = std::tuple<std::string, std::string, std::string>;  ///< text, path, value
   std::map<Place, int> notes = {};
   bool has_all_notes = true;
+  /// Certificates that Cyclone DDS gives another subject's grant: both subjects.
+  std::map<std::pair<std::string, std::string>, StrayGrant> strays = {};
 
   void add(const std::vector<Text>& texts) {
     for (const auto& text : texts) expressions.try_emplace(text.text, text.line);
@@ -64,6 +67,13 @@ class Collector {
     for (const auto& [place, line] : own.notes)
       if (!other.notes.contains(place)) put({is_new, {}, std::get<0>(place), line});
     if (!own.has_all_notes) out_.is_complete = false;
+    for (const auto& [subjects, stray] : own.strays)
+      if (!other.strays.contains(subjects))
+        put({.is_new = is_new,
+             .expression = {},
+             .sentence = to_sentence(stray),
+             .line = stray.grant->line,
+             .widens = true});
     for (const auto& [text, line] : own.expressions)
       if (!other.expressions.contains(text)) add_expression(text, line, is_new);
     std::ranges::stable_sort(out_.all.begin() + static_cast<std::ptrdiff_t>(begin), out_.all.end(),
@@ -98,10 +108,13 @@ class Collector {
   SetEffort effort_{100'000'000};  // about a second
 };
 
-template <class Document>
-Readings compared(const Document& old_document, const Document& new_document) {
-  const auto before = constructs_of(old_document);
-  const auto after = constructs_of(new_document);
+void add_strays(Constructs& out, const Permissions& document,
+                std::span<const Permissions* const> both) {
+  for (auto& stray : stray_grants(document, both))
+    out.strays.try_emplace({stray.certificate, stray.grant->subject_name}, stray);
+}
+
+Readings compared(const Constructs& before, const Constructs& after) {
   Collector collector;
   collector.add(after, before, true);
   collector.add(before, after, false);
@@ -111,11 +124,15 @@ Readings compared(const Document& old_document, const Document& new_document) {
 }  // namespace
 
 Readings readings_of(const Governance& old_document, const Governance& new_document) {
-  return compared(old_document, new_document);
+  return compared(constructs_of(old_document), constructs_of(new_document));
 }
 
 Readings readings_of(const Permissions& old_document, const Permissions& new_document) {
-  return compared(old_document, new_document);
+  const Permissions* const both[] = {&old_document, &new_document};
+  auto before = constructs_of(old_document), after = constructs_of(new_document);
+  add_strays(before, old_document, both);
+  add_strays(after, new_document, both);
+  return compared(before, after);
 }
 
 }  // namespace ddssec::governance

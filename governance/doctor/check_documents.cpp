@@ -231,8 +231,11 @@ std::optional<Variant> variant_of(const Note& note) {
       return Variant::governance_small_letters;
     case NoteKind::open_range:
       return says("has no <min>") ? Variant::governance_no_min : Variant::governance_no_max;
+    case NoteKind::end_tag_blank:
+      return Variant::governance_end_tag_blank;
     case NoteKind::extension:
-      return says("is passed over")               ? Variant::governance_unknown_element
+      return says("passes over it, and takes")    ? Variant::permissions_domain_tag
+             : says("is passed over")             ? Variant::governance_unknown_element
              : says("byte order mark")            ? Variant::governance_bom
              : says("the attribute xmlns,")       ? Variant::governance_default_namespace
              : says("came with DDS-Security 1.2") ? Variant::governance_key_revision

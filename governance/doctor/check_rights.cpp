@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "governance/cyclonedds_subject.hpp"
 #include "governance/decision.hpp"
 #include "governance/doctor/checks.hpp"
 #include "governance/doctor/domains.hpp"
@@ -156,8 +157,9 @@ void check_local_time(const Scene& scene, const Grant& grant) {
 
 // Cyclone DDS takes the first grant that has all attributes of the certificate.
 void check_cyclones_grant(const Scene& scene, const std::vector<Candidate>& all) {
-  const auto taken = std::ranges::find_if(
-      all, [](const Candidate& one) { return one.subject.cyclonedds != Outcome::fail; });
+  const auto taken = std::ranges::find(
+      all, GrantsForCyclone(scene.permissions()).taken_for(scene.folder.certificate->subject()),
+      &Candidate::grant);
   const bool has_own = std::ranges::any_of(
       all, [](const Candidate& one) { return one.subject.ours == Outcome::ok; });
   if (!has_own || taken == all.end() || taken->subject.cyclonedds != Outcome::unsafe) return;
@@ -171,8 +173,7 @@ void check_cyclones_grant(const Scene& scene, const std::vector<Candidate>& all)
                               scene.folder.certificate->subject()),
        .document = scene.file(),
        .line = taken->grant->line,
-       .hint = "put the grants into documents of their own, or let no subject's "
-               "attributes be a part of another's",
+       .hint = std::string(kStrayGrantHint),
        .severity = Severity::error});
 }
 

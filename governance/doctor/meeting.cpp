@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "governance/cyclonedds_subject.hpp"
 #include "governance/decision.hpp"
 #include "governance/doctor/chain_outcomes.hpp"
 #include "governance/doctor/checks.hpp"

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/text.hpp"
+#include "governance/cyclonedds_subject.hpp"
 #include "governance/doctor/measured.hpp"
 #include "pki/subject_name.hpp"
 
@@ -22,8 +23,6 @@ std::vector<std::string_view> split(std::string_view text) {
     text.remove_prefix(end + 1);
   }
 }
-
-std::string_view type_of(std::string_view piece) { return piece.substr(0, piece.find('=')); }
 
 bool has_same_attributes(std::string_view text, const pki::Certificate& certificate) {
   const auto sorted = [](std::vector<pki::NameAttribute> attributes) {
@@ -85,27 +84,6 @@ Outcome fastdds_outcome(std::string_view text, const pki::Certificate& certifica
 Outcome outcome(bool reads) { return reads ? Outcome::ok : Outcome::fail; }
 
 }  // namespace
-
-// As strtok does: no escapes, and nothing between two separators.
-std::vector<std::string_view> pieces_for_cyclonedds(std::string_view text) {
-  constexpr std::string_view kSeparators = ",/|";
-  std::vector<std::string_view> out;
-  while (!text.empty()) {
-    const auto end = std::min(text.find_first_of(kSeparators), text.size());
-    if (end > 0) out.push_back(text.substr(0, end));
-    text.remove_prefix(std::min(end + 1, text.size()));
-  }
-  return out;
-}
-
-// Of several pieces of one type the first counts.
-bool cyclonedds_takes(std::string_view grant, std::string_view certificate) {
-  const auto said = pieces_for_cyclonedds(grant);
-  return std::ranges::all_of(pieces_for_cyclonedds(certificate), [&](std::string_view piece) {
-    const auto found = std::ranges::find(said, type_of(piece), type_of);
-    return found != said.end() && *found == piece;
-  });
-}
 
 Outcomes reads_subject(std::string_view text, const pki::Certificate& certificate,
                        const Lineup& lineup) {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string_view>
-#include <vector>
 
 #include "governance/doctor/vendor.hpp"
 #include "pki/certificate.hpp"
@@ -19,11 +18,5 @@ namespace ddssec::governance::doctor {
 /// certificate's own RFC 2253 text (Certificate::subject) suits all.
 Outcomes reads_subject(std::string_view text, const pki::Certificate& certificate,
                        const Lineup& lineup = {});
-
-/// True if Cyclone DDS's own plugins take a grant of one RFC 2253 subject for a certificate of the
-/// other. They cut both at `,`, `/` and `|`, and look for each piece of the certificate among those
-/// of the grant: a grant for CN=/a/b is taken for CN=/a and CN=/b/a, too.
-std::vector<std::string_view> pieces_for_cyclonedds(std::string_view subject);
-bool cyclonedds_takes(std::string_view grant, std::string_view certificate);
 
 }  // namespace ddssec::governance::doctor

@@ -244,6 +244,31 @@ class PermissionsDifferences(Differences):
         self.assertIn("  neutral   written differently  *  -> **  no name is treated differently  old:3 new:3",
                       self.text())
 
+    def test_the_order_of_grants_that_contain_one_another(self):
+        """Measured: stock Cyclone DDS gives the certificate CN=talker the grant of CN=talker,OU=x if it stands first."""
+        for long in ("CN=talker,OU=x", "OU=x,CN=talker"):
+            one, two = grant(rule("allow", "Circle")), grant(rule("allow", "Square"), subject=long, name="other")
+            self.write(permissions(one, two), permissions(two, one))
+            out = self.diff("--fail-on", "wider", exit=1)
+            self.assertEqual((out["verdict"], out["changes"]), ("neutral", []))
+            reading = out["readings"]["all"][0]
+            self.assertEqual((len(out["readings"]["all"]), reading["document"]), (1, "new"))
+            self.assertIn(f'gives a certificate of "CN=talker" the rights of "{long}"', reading["sentence"])
+            self.diff("--fail-on", "any", exit=1)
+            self.diff("--fail-on", "narrower")
+            self.assertIn("what other products may read differently", self.text())
+            self.write(permissions(two, one), permissions(one, two))
+            self.diff("--fail-on", "wider")
+            self.diff("--fail-on", "any", exit=1)
+        self.write(permissions(one), permissions(two))
+        self.assertEqual(self.diff("--fail-on", "narrower", exit=1)["verdict"], "mixed")
+
+    def test_white_space_in_an_end_tag_is_a_reading(self):
+        old = permissions(grant(rule("allow", "a")))
+        self.write(old, old.replace("</grant>", "</grant >"))
+        self.diff("--fail-on", "wider")
+        self.assertIn("</grant> has a blank", self.diff("--fail-on", "any", exit=1)["readings"]["all"][0]["sentence"])
+
     def test_validities_a_fraction_of_a_second_apart(self):
         old = permissions(grant(rule("allow", "*")))
         self.write(old, old.replace("2026-01-01T00:00:00Z", "2026-01-01T00:00:00.25Z"))

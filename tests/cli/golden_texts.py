@@ -131,6 +131,7 @@ governance("comment-dashes", "<dds>", "<dds><!-- a -- b -->")
 governance("unknown-attribute", "<domain_rule>", '<domain_rule id="lab">')
 governance("unknown-element", "<topic_access_rules>", "<remark>lab</remark><topic_access_rules>")
 governance("must-interpret", "<domain_rule>", '<domain_rule must_interpret="true">')
+governance("end-tag-blank", "</domain_rule>", "</domain_rule >")
 
 
 def governance_latin_1(shop, path):
@@ -154,3 +155,5 @@ permissions_text("bom", DECLARATION, "\ufeff" + DECLARATION)
 permissions_text("default-namespace", "<dds>", '<dds xmlns="http://www.omg.org/spec/DDS-SECURITY">')
 permissions_text("unknown-attribute", "<permissions>", '<permissions id="lab">')
 permissions_text("doctype", DECLARATION, DECLARATION + '\n<!DOCTYPE dds SYSTEM "permissions.dtd">')
+permissions_text("end-tag-blank", "</grant>", "</grant\n    >")
+permissions_text("domain-tag", "<id>0</id>", "<id>0</id><tag>lab</tag>")

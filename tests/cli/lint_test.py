@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """governance lint and permissions lint: findings with line, path, hint and vendors; hostile files."""
 
+import re
+
 from transcript import DATA, NOW, WithDocuments, main
 
 
@@ -60,6 +62,34 @@ class Lint(WithDocuments):
         self.edit("p.xml", ("<subject_name>CN=talker<", "<subject_name>CN=other<"))
         out = self.lint("permissions", "lint", "p.xml", "--cert", "talker/cert.pem", exit=1)
         self.assertEqual([d["id"] for d in out["diagnostics"]], ["PERM011"])
+
+    def test_a_grant_that_cyclone_dds_takes_for_another_subject(self):
+        grant = re.search("<grant .*</grant>", (self.at / "p.xml").read_text(), re.S)[0]
+        other = grant.replace(">CN=talker<", ">CN=talker,OU=x<")
+        self.edit("p.xml", (grant, grant + other))
+        self.assertEqual(self.lint("permissions", "lint", "p.xml")["diagnostics"], [])
+        self.edit("p.xml", (grant + other, other + grant))
+        told = self.lint("permissions", "lint", "p.xml", exit=1)["diagnostics"]
+        self.assertEqual([(d["id"], d["vendors"], d["line"]) for d in told], [("PERM010", ["cyclonedds"], 4)])
+        self.assertIn('gives a certificate of "CN=talker" the rights of "CN=talker,OU=x"', told[0]["message"])
+
+    def test_blanks_in_end_tags_and_domain_tags(self):
+        for file, rule, old, new, words in (
+                ("g.xml", "GOV001", "</domain_rule>", "</domain_rule >", "</domain_rule> has a blank"),
+                ("p.xml", "PERM001", "</grant>", "</grant\n>", "</grant> has a blank or a line break"),
+                ("p.xml", "PERM006", "</id>", "</id><tag>lab</tag>", "Cyclone DDS passes over it")):
+            with self.subTest(new=new):
+                whole = (self.at / file).read_text()
+                self.edit(file, (old, new))
+                lint = ("governance" if file == "g.xml" else "permissions", "lint", file)
+                told = [d for d in self.lint(*lint, exit=None)["diagnostics"] if d["id"] == rule]
+                self.assertEqual(len(told), 1)
+                self.assertIn(words, told[0]["message"])
+                line = (self.at / file).read_text().splitlines()[told[0]["line"] - 1]
+                self.assertIn(new.split("\n")[0].split("</id>")[-1], line)
+                (self.at / file).write_text(whole.replace(old, f"<!-- </a > -->{old}", 1) if rule != "PERM006" else whole)
+                self.assertNotIn(rule, [d["id"] for d in self.lint(*lint, exit=None)["diagnostics"]])
+                (self.at / file).write_text(whole)
 
     def test_ended_permissions_are_an_error_by_the_time_given(self):
         out = self.json("permissions", "lint", "p.xml", "--now", "2030-01-01T00:00:00Z", exit=1)

@@ -23,7 +23,8 @@ import golden_folders  # noqa: E402
 from pair import Namespace  # noqa: E402
 
 # Believed by those that come up, and not to be believed.
-UNSAFE = {"permissions-by-itself", "permissions-by-unlisted-intermediate", "form-sha1"}
+UNSAFE = {"permissions-by-itself", "permissions-by-unlisted-intermediate", "form-sha1",
+          "permissions-domain-tag"}
 # Those that may come up without exchanging samples of Square: they are paired with a correct participant, in each
 # role that their grant allows.
 BOTH = ("publisher", "subscriber")

@@ -51,19 +51,6 @@ TEST(SubjectForm, EachProductReadsSomeOfThem) {
     EXPECT_EQ(reads_subject(text, leaf.certificate), outcomes) << text;
 }
 
-// Measured with Cyclone DDS 0.10.2: a '/' separates within names, too.
-TEST(SubjectForm, CycloneDdsTakesAGrantWithMoreThanTheCertificate) {
-  EXPECT_TRUE(cyclonedds_takes("CN=/a", "CN=/a"));
-  EXPECT_TRUE(cyclonedds_takes("CN=/a/b", "CN=/a"));
-  EXPECT_TRUE(cyclonedds_takes("CN=/b/a", "CN=/a/b"));
-  EXPECT_TRUE(cyclonedds_takes("X,CN=talker", "CN=talker"));
-  EXPECT_TRUE(cyclonedds_takes(",CN=talker,,", "CN=talker"));
-  EXPECT_FALSE(cyclonedds_takes("CN=/a", "CN=/a/b"));
-  EXPECT_FALSE(cyclonedds_takes("CN=/c/b", "CN=/a/b"));
-  EXPECT_FALSE(cyclonedds_takes("CN=q,O=x/z", "CN=q,O=x/y"));
-  EXPECT_FALSE(cyclonedds_takes("CN=talker", "CN=talker,O=acme"));
-}
-
 TEST(SubjectForm, LaterFastDdsReadsPartsInAnyOrderAndBlanks) {
   const auto leaf = make_leaf(make_ca("CN=CA"), "CN=pub,O=Acme,C=DE");
   const auto reads = [&](std::string_view text) {

@@ -1,0 +1,105 @@
+#include "governance/cyclonedds_subject.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "governance/lint_findings.hpp"
+#include "pki/subject_name.hpp"
+
+namespace ddssec::governance {
+namespace {
+
+std::string_view type_of(std::string_view piece) { return piece.substr(0, piece.find('=')); }
+
+/// A subject as a certificate of it says it, and the same for every spelling.
+struct NamedSubject {
+  std::string text;
+  std::string key;
+  auto operator<=>(const NamedSubject&) const = default;
+};
+
+std::optional<NamedSubject> subject_of(const Grant& grant) {
+  if (grant.subject_is_expression) return std::nullopt;
+  const auto name = pki::SubjectName::parse(grant.subject_name);
+  if (!name) return std::nullopt;
+  return NamedSubject{rfc2253(*name, name->root_first()), name->key()};
+}
+
+}  // namespace
+
+// As strtok does: no escapes, and nothing between two separators.
+std::vector<std::string_view> pieces_for_cyclonedds(std::string_view text) {
+  constexpr std::string_view kSeparators = ",/|";
+  std::vector<std::string_view> out;
+  while (!text.empty()) {
+    const auto end = std::min(text.find_first_of(kSeparators), text.size());
+    if (end > 0) out.push_back(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return out;
+}
+
+// Of several pieces of one type the first counts.
+bool cyclonedds_takes(std::string_view grant, std::string_view certificate) {
+  const auto said = pieces_for_cyclonedds(grant);
+  return std::ranges::all_of(pieces_for_cyclonedds(certificate), [&](std::string_view piece) {
+    const auto found = std::ranges::find(said, type_of(piece), type_of);
+    return found != said.end() && *found == piece;
+  });
+}
+
+GrantsForCyclone::GrantsForCyclone(const Permissions& document) {
+  for (const auto& grant : document.grants)
+    for (const auto piece : pieces_for_cyclonedds(grant.subject_name)) {
+      auto& having = by_piece_[piece];
+      if (having.empty() || having.back() != &grant) having.push_back(&grant);
+    }
+}
+
+const Grant* GrantsForCyclone::taken_for(std::string_view certificate) const {
+  const std::vector<const Grant*>* fewest = nullptr;  // a grant that is taken has every piece
+  for (const auto piece : pieces_for_cyclonedds(certificate)) {
+    const auto having = by_piece_.find(piece);
+    if (having == by_piece_.end()) return nullptr;
+    if (fewest == nullptr || having->second.size() < fewest->size()) fewest = &having->second;
+  }
+  if (fewest == nullptr) return nullptr;
+  const auto taken = std::ranges::find_if(*fewest, [&](const Grant* grant) {
+    return cyclonedds_takes(grant->subject_name, certificate);
+  });
+  return taken == fewest->end() ? nullptr : *taken;
+}
+
+std::vector<StrayGrant> stray_grants(const Permissions& document,
+                                     std::span<const Permissions* const> subjects) {
+  std::set<std::string> own;
+  for (const auto& grant : document.grants)
+    if (auto subject = subject_of(grant)) own.insert(std::move(subject->key));
+  const GrantsForCyclone grants(document);
+  std::set<NamedSubject> seen;
+  std::vector<StrayGrant> out;
+  for (const auto* each : subjects)
+    for (const auto& grant : each->grants) {
+      const auto subject = subject_of(grant);
+      if (!subject || !seen.insert(*subject).second) continue;
+      const auto* const taken = grants.taken_for(subject->text);
+      if (taken == nullptr) continue;
+      const auto its = subject_of(*taken);
+      if (!its || its->key != subject->key)
+        out.push_back({taken, subject->text, own.contains(subject->key)});
+    }
+  return out;
+}
+
+std::string to_sentence(const StrayGrant& stray) {
+  return fmt::format(
+      "Cyclone DDS gives a certificate of {} the rights of {}: the grant {}, and all attributes of "
+      "the certificate are among its own",
+      in_quotes(stray.certificate), in_quotes(stray.grant->subject_name),
+      stray.has_own ? "stands before the certificate's own" : "is the first that fits");
+}
+
+}  // namespace ddssec::governance
