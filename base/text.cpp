@@ -68,8 +68,9 @@ std::string_view trimmed(std::string_view text, std::string_view blanks) {
 
 bool is_misleading(char32_t c) {
   const auto is_in = [&](char32_t first, char32_t last) { return first <= c && c <= last; };
-  return c < 0x20 || is_in(0x7f, 0x9f) || c == 0x061c || c == 0x200b || is_in(0x200e, 0x200f) ||
-         is_in(0x2028, 0x202e) || is_in(0x2066, 0x2069) || c == 0xfeff;
+  return c < 0x20 || is_in(0x7f, 0x9f) || c == 0xad || c == 0x061c || c == 0x180e || c == 0x200b ||
+         is_in(0x200e, 0x200f) || is_in(0x2028, 0x202e) || is_in(0x2060, 0x2069) || c == 0xfeff ||
+         is_in(0xfff9, 0xfffb) || is_in(0xe0000, 0xe007f);
 }
 
 std::optional<char32_t> first_misleading(std::string_view text) {
@@ -96,7 +97,8 @@ std::string printable(std::string_view text, Printing as_is) {
     else if (next.value <= 0x7f)
       out += '?';
     else
-      append_number(out, "\\u", next.value, 4);
+      append_number(out, next.value <= 0xffff ? "\\u" : "\\U", next.value,
+                    next.value <= 0xffff ? 4 : 8);
   }
   return out;
 }

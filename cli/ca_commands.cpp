@@ -45,8 +45,7 @@ Json describe(const pki::Certificate& certificate) {
 
 std::string subject_of(const Arguments& arguments, const NewCa& ca, const fs::path& folder) {
   if (arguments.has("--subject")) return arguments.text("--subject");
-  return fmt::format("CN={} {} CA", folder_name(folder),
-                     ca.role == "identity" ? "Identity" : "Permissions");
+  return ca_subject(folder_name(folder), ca.role == "identity" ? "Identity" : "Permissions");
 }
 
 /// What the CAs of one command have in common. `above` null: they are roots.

@@ -149,6 +149,18 @@ Status add_key(NewFolder& folder, const fs::path& name, const NewKey& key,
   return pem.expose([&](BytesView octets) { return folder.add(name, octets, 0600); });
 }
 
+// RFC 4514, 2.4. The title does not end the value.
+std::string ca_subject(std::string_view title, std::string_view role) {
+  constexpr std::string_view kSpecial = ",+\"\\<>;=";
+  std::string escaped;
+  for (const char c : title) {
+    const bool begins = escaped.empty() && (c == '#' || c == ' ');
+    if (begins || kSpecial.contains(c)) escaped += '\\';
+    escaped += c;
+  }
+  return fmt::format("CN={}{}{} CA", escaped, role.empty() ? "" : " ", role);
+}
+
 Status add_ca(NewFolder& folder, const CaPaths& names, std::string_view trust_pem,
               const NewKey& key, const pki::Passphrase* passphrase) {
   DDSSEC_TRY(folder.add_public(names.certificate, trust_pem));

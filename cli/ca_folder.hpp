@@ -58,8 +58,8 @@ class CaOpener {
 
   /// The CA of these files, which this command has to itself as long as the result lives: another
   /// command that signs or rotates is waited for, and only then is anything read. Its key is used
-  /// only if no other user than its owner can read it, unless --insecure-key-mode is given. Of two CAs the
-  /// identity CA is opened first, so that two commands do not wait for each other. Errors:
+  /// only if no other user than its owner can read it, unless --insecure-key-mode is given. Of two
+  /// CAs the identity CA is opened first, so that two commands do not wait for each other. Errors:
   /// key_readable_by_others, those of passphrase() for an encrypted key, of lock_records,
   /// read_file, Authority::load.
   Result<OpenCa> open(const CaPaths& paths);
@@ -103,6 +103,10 @@ Result<std::optional<FileLock>> lock_records(const CaPaths& paths);
 /// that place.
 Status add_key(NewFolder& folder, const std::filesystem::path& name, const NewKey& key,
                const pki::Passphrase* passphrase = nullptr);
+
+/// The subject of a new CA, "CN=TITLE ROLE CA" (the role may be empty), where no character of the
+/// title means anything.
+std::string ca_subject(std::string_view title, std::string_view role);
 
 /// Puts a new CA's certificate and key into a folder to be.
 Status add_ca(NewFolder& folder, const CaPaths& names, std::string_view trust_pem,

@@ -11,9 +11,12 @@
 #include "cli/explain_examples.hpp"
 #include "cli/explain_severities.hpp"
 #include "cli/groups.hpp"
+#include "cli/suggestions.hpp"
 
 namespace ddssec::cli {
 namespace {
+
+constexpr std::size_t kFewestOfAPart = 4;  // characters
 
 /// A row of either table.
 struct Row {
@@ -162,6 +165,33 @@ std::vector<Row> saying(const std::string& wanted) {
   return out;
 }
 
+/// Names of which the given one, in capitals and without what stands between words, is a part or
+/// nearly one: at most three.
+std::vector<std::string> names_like(const std::string& wanted) {
+  const auto bones = [](std::string_view name) {
+    auto out = ascii_upper(name);
+    std::erase_if(out, [](char c) { return c == '_' || c == '-' || c == ' '; });
+    return out;
+  };
+  const auto meant = bones(wanted);
+  std::vector<std::string> parts, all;
+  const auto look = [&](std::string_view name) {
+    all.push_back(bones(name));
+    if (meant.size() >= kFewestOfAPart && all.back().contains(meant)) parts.emplace_back(name);
+  };
+  for (const auto& code : all_codes()) look(code.name);
+  for (const auto& rule : all_rules()) look(rule.id);
+  if (!parts.empty()) {
+    parts.resize(std::min<std::size_t>(parts.size(), 3));
+    return parts;
+  }
+  const auto near = nearest(meant, all);
+  if (near.empty()) return {};
+  for (const auto& code : all_codes())
+    if (bones(code.name) == near) return {std::string(code.name)};
+  return {near};  // a rule's name has nothing between words
+}
+
 Report about(const std::vector<Row>& rows) {
   return rows.size() == 1 ? about(rows.front()) : list_of(rows);
 }
@@ -180,7 +210,7 @@ Result<Report> explain(const Arguments& arguments, const Context&) {
       {.field = "CODE",
        .expected = "a name or number as messages show it in brackets, or a part of one, or of "
                    "a sentence of ddssec or Cyclone DDS",
-       .found = '"' + wanted.substr(0, 64) + '"'});
+       .found = '"' + wanted.substr(0, 64) + '"' + did_you_mean(names_like(bare(wanted)))});
 }
 
 }  // namespace

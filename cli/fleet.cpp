@@ -1,20 +1,32 @@
 #include "cli/fleet.hpp"
 
+#include <algorithm>
 #include <unordered_set>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #define TOML_EXCEPTIONS 0
 #define TOML_ENABLE_FORMATTERS 0
 #define TOML_MAX_NESTED_VALUES 16
 #include <toml++/toml.h>
 
+#include "cli/suggestions.hpp"
 #include "pki/source.hpp"
 
 namespace ddssec::cli {
 namespace {
 
 namespace fs = std::filesystem;
+
+// Also of "publishes" and "topics_publish", whose beginning or end is a key.
+std::string nearest_key(std::string_view key, const std::vector<std::string>& known) {
+  auto near = nearest(key, known);
+  if (!near.empty()) return near;
+  const auto part = std::ranges::find_if(
+      known, [&](const std::string& one) { return one.size() > 3 && key.contains(one); });
+  return part == known.end() ? near : *part;
+}
 
 /// One table of the file, with what errors need.
 class Table {
@@ -32,11 +44,15 @@ class Table {
 
   const toml::node* node(std::string_view key) const { return table_.get(key); }
 
-  Status check_keys(std::initializer_list<std::string_view> known) const {
-    for (const auto& [key, value] : table_)
-      if (std::find(known.begin(), known.end(), key.str()) == known.end())
-        return wrong(std::string(key.str().substr(0, 64)), "one of the keys that are known",
-                     &value);
+  Status check_keys(const std::vector<std::string>& known) const {
+    for (const auto& [key, value] : table_) {
+      if (std::ranges::find(known, key.str()) != known.end()) continue;
+      const auto near = nearest_key(key.str(), known);
+      return wrong(std::string(key.str().substr(0, 64)),
+                   fmt::format("one of {}{}", fmt::join(known, ", "),
+                               near.empty() ? "" : did_you_mean({near})),
+                   &value);
+    }
     return {};
   }
 

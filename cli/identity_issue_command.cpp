@@ -8,6 +8,7 @@
 #include "cli/documents.hpp"
 #include "cli/drop_in.hpp"
 #include "cli/fleet.hpp"
+#include "cli/fleet_folder.hpp"
 #include "cli/groups.hpp"
 #include "cli/held_folder.hpp"
 #include "cli/inputs.hpp"
@@ -127,7 +128,7 @@ std::string not_in_it(bool has_permissions, bool has_governance) {
   return out;
 }
 
-// One command, many participants: all of them or none.
+// One command, many participants: all of them or none. Those that a fleet has already stay.
 Result<Report> issue_fleet(const Arguments& arguments, const Context& context) {
   const auto now = context.clock.now();
   for (const auto* option : {"--subject", "--permissions"})
@@ -137,41 +138,31 @@ Result<Report> issue_fleet(const Arguments& arguments, const Context& context) {
   const fs::path from = arguments.text("--from");
   const fs::path target = arguments.text("-o");
   auto specs = DDSSEC_TRY(read_fleet(from, DDSSEC_TRY(common_spec(arguments, now)), now));
-  auto folder = DDSSEC_TRY(NewFolder::at(target));
+  auto folder = DDSSEC_TRY(FleetFolder::at(target, specs));
   DDSSEC_TRY(governance_of(arguments, now));  // no passphrase for one that cannot be used
   const bool any_rights = std::ranges::any_of(specs, &ParticipantSpec::has_permissions);
   const auto cas = DDSSEC_TRY(open_cas(arguments, any_rights, now));
   const auto governance = DDSSEC_TRY(governance_of(arguments, now));
   Report report;
   report.result = {{"dir", target.string()}, {"participants", Json::array()}};
-  std::string lines;
-  std::string signed_lines;
+  FleetMembers members(cas.permissions ? &*cas.permissions : nullptr, target, now);
   SubjectsOfFleet subjects(from);
   SubjectsInUse in_use(DDSSEC_TRY(read_issue_log(cas.identity.paths)), {}, now);
   Progress progress("participants", specs.size());
-  for (auto& spec : specs) {
+  for (std::size_t i = 0; i < specs.size(); ++i) {
+    auto& spec = specs[i];
     const auto made = DDSSEC_TRY(make(spec, cas, arguments, context, from));
     warn_of_topics(spec, from.string(), report);
-    DDSSEC_TRY(add_flat(folder, spec.name, made, cas.issuers(spec.has_permissions()), governance));
-    lines += log_line(made, target / spec.name, now);
-    if (cas.permissions)
-      signed_lines += signed_line(made, *cas.permissions, target / spec.name, now);
+    DDSSEC_TRY(folder.add(i, spec.name, made, cas.issuers(spec.has_permissions()), governance));
+    members.add(spec.name, made, report);
     const auto& certificate = made.self.certificate;
     subjects.add(spec.name, certificate, report);
     DDSSEC_TRY(named(in_use.check(certificate.subject()), from));
     in_use.add(certificate.subject(), spec.name);
-    report.text += fmt::format("{}  {}  expires {}\n", (target / spec.name).string(),
-                               certificate.subject(), date(certificate.not_after()));
-    Json row = {{"name", spec.name}, {"dir", (target / spec.name).string()}};
-    row.update(certificate_json(certificate));
-    report.result["participants"].push_back(std::move(row));
     progress.step();
   }
-  report.text +=
-      "each folder has cyclonedds.xml and fastdds.xml, which name its files by their whole "
-      "paths\n" +
-      drop_in_line(DDSSEC_TRY(drop_in_of(arguments)));
-  DDSSEC_TRY(log_all(cas, lines, signed_lines));
+  report.text += folder.text() + drop_in_line(DDSSEC_TRY(drop_in_of(arguments)));
+  DDSSEC_TRY(log_all(cas, members.issued(), members.signed_lines()));
   report.files_written = DDSSEC_TRY(folder.commit());
   return report;
 }

@@ -15,6 +15,7 @@
 #include "cli/participant_places.hpp"
 #include "cli/revocation_lists.hpp"
 #include "cli/transaction.hpp"
+#include "governance/doctor/shell_word.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -130,7 +131,7 @@ std::string next_steps(const std::string& ca, const ParticipantPlaces& places,
       "crl.pem that appears beside its certificate\n"
       "  with the stock plugins of Cyclone DDS or Fast DDS: only when it starts again, and "
       "only if its configuration names the list (ROS 2 names crl.pem of the enclave)\n",
-      knows_none ? "DIR... " : "", ca,
+      knows_none ? "DIR... " : "", governance::doctor::shell_word(ca),
       knows_none ? "name the folders of all participants below this CA, also those of other CAs "
                    "below it: the log of this CA knows none"
                  : fmt::format("puts the list into {}", counted(places.here.size(), "folder")));

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "cli/ca_folder.hpp"
 #include "cli/documents.hpp"
 #include "cli/drop_in.hpp"
 #include "cli/groups.hpp"
@@ -15,6 +16,7 @@
 #include "cli/signed_documents.hpp"
 #include "cli/snippets.hpp"
 #include "cli/transaction.hpp"
+#include "governance/doctor/shell_word.hpp"
 #include "governance/profile.hpp"
 #include "governance/write.hpp"
 
@@ -95,8 +97,8 @@ Result<Plan> plan_of(const Arguments& arguments, WallTime now) {
 }
 
 Result<OpenCa> make_ca(const Plan& plan, std::string_view role, const Context& context) {
-  auto authority = DDSSEC_TRY(pki::Authority::create_root(
-      fmt::format("CN={} {} CA", plan.title, role), {}, plan.ca_life, context.random));
+  auto authority = DDSSEC_TRY(
+      pki::Authority::create_root(ca_subject(plan.title, role), {}, plan.ca_life, context.random));
   auto pem = authority.certificate().pem();
   return OpenCa{{}, std::move(authority), std::move(pem)};
 }
@@ -194,7 +196,8 @@ std::string next_steps(const Plan& plan, const Json& snippets) {
   const auto& first = plan.names.front();
   const bool sros2 = plan.layout == pki::FolderLayout::sros2;
   const auto folder = plan.target / (sros2 ? enclave_folder(first) : fs::path(first));
-  const auto out = fmt::format("next: ddssec doctor {}\n", folder.string());
+  const auto out =
+      fmt::format("next: ddssec doctor {}\n", governance::doctor::shell_word(folder.string()));
   if (sros2) return out + fmt::format("\n{} with ROS 2:\n{}", first, std::string(snippets["ros2"]));
   return out + configuration_lines(first, folder) +
          "each participant's folder has these two files; they name it by its whole path\n" +

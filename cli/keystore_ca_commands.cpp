@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "cli/ca_folder.hpp"
 #include "cli/ca_rotation.hpp"
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
@@ -52,8 +53,7 @@ Report report_of(const fs::path& keystore, std::string_view role, const pki::Cer
 
 std::string subject_for(const fs::path& keystore, std::string_view role) {
   std::error_code ignored;
-  return fmt::format("CN={} {} CA",
-                     fs::absolute(keystore, ignored).lexically_normal().filename().string(), role);
+  return ca_subject(fs::absolute(keystore, ignored).lexically_normal().filename().string(), role);
 }
 
 void add_followed(const Followed& followed, const Enclaves& enclaves, Report& report) {

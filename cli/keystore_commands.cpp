@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "cli/ca_folder.hpp"
 #include "cli/doctor_options.hpp"
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
@@ -36,7 +37,7 @@ namespace doctor = governance::doctor;
 
 Result<pki::Authority> make_ca(const fs::path& keystore, std::string_view role,
                                const Arguments& arguments, const Context& context) {
-  return pki::Authority::create_root(fmt::format("CN={} {}CA", folder_name(keystore), role), {},
+  return pki::Authority::create_root(ca_subject(folder_name(keystore), role), {},
                                      DDSSEC_TRY(validity(arguments, context.clock.now())),
                                      context.random);
 }
@@ -56,9 +57,9 @@ Result<Report> keystore_create(const Arguments& arguments, const Context& contex
   std::optional<pki::Passphrase> secret;
   if (!arguments.has("--no-passphrase")) secret = DDSSEC_TRY(passphrase(arguments, Typed::twice));
   const bool single = arguments.has("--single-ca");
-  const auto identity = DDSSEC_TRY(make_ca(target, single ? "" : "Identity ", arguments, context));
+  const auto identity = DDSSEC_TRY(make_ca(target, single ? "" : "Identity", arguments, context));
   const auto permissions =
-      single ? identity : DDSSEC_TRY(make_ca(target, "Permissions ", arguments, context));
+      single ? identity : DDSSEC_TRY(make_ca(target, "Permissions", arguments, context));
   DDSSEC_TRY(
       add_keystore_cas(folder, {identity, permissions, single}, secret ? &*secret : nullptr));
   const auto xml = to_xml(governance::governance_of(profile, domains));

@@ -98,6 +98,7 @@ int finish(const cli::Report& report, std::string_view command, bool json, cli::
     print(stdout, out.dump(1, ' ', true, cli::Json::error_handler_t::replace) + "\n");
   } else {
     print(stdout, text_of(report, style));
+    std::fflush(stdout);  // both may go to one file
     print(stderr, cli::diagnostics_text(report, style));
   }
   const bool flushed = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;

@@ -66,9 +66,10 @@ std::string join_line(const MeetingView& view) {
   auto out = fmt::format("{:<17}domain {} {}", "join", view.domain, ok ? "ok (both)" : "NO");
   if (meeting.rules[0] != nullptr && meeting.rules[1] != nullptr)
     out += meeting.differences.empty()
-               ? "    the governance documents agree"
-               : fmt::format("    the governance documents DIFFER (attributes {} and {})",
-                             mask_of(*meeting.rules[0]), mask_of(*meeting.rules[1]));
+               ? "    the governance documents agree on the domain"
+               : fmt::format(
+                     "    the governance documents DIFFER on the domain (attributes {} and {})",
+                     mask_of(*meeting.rules[0]), mask_of(*meeting.rules[1]));
   return out + '\n';
 }
 

@@ -7,12 +7,14 @@
 
 #include "base/bytes.hpp"
 #include "cli/inputs.hpp"
+#include "governance/doctor/shell_word.hpp"
 #include "pki/source.hpp"
 
 namespace ddssec::cli {
 namespace {
 
 namespace fs = std::filesystem;
+using governance::doctor::shell_word;
 
 constexpr auto kCycloneDdsFile = "cyclonedds.xml";
 constexpr auto kFastDdsFile = "fastdds.xml";
@@ -100,9 +102,10 @@ Result<std::vector<ConfigurationFile>> missing_configuration_files(
 
 std::string configuration_lines(std::string_view name, const fs::path& folder) {
   return fmt::format(
-      "{0} with Cyclone DDS: export CYCLONEDDS_URI='file://{1}'\n"
-      "{0} with Fast DDS:    export FASTRTPS_DEFAULT_PROFILES_FILE='{2}'\n",
-      name, whole_path(folder / kCycloneDdsFile), whole_path(folder / kFastDdsFile));
+      "{} with Cyclone DDS: export CYCLONEDDS_URI={}\n"
+      "{} with Fast DDS:    export FASTRTPS_DEFAULT_PROFILES_FILE={}\n",
+      name, shell_word("file://" + whole_path(folder / kCycloneDdsFile)), name,
+      shell_word(whole_path(folder / kFastDdsFile)));
 }
 
 std::string cyclonedds_snippet(const pki::ParticipantFolder& folder, const fs::path& dropin) {
@@ -147,9 +150,9 @@ std::string fastdds_snippet(const pki::ParticipantFolder& folder) {
 std::string ros2_snippet(const fs::path& keystore, const std::string& enclave) {
   return fmt::format(
       "export ROS_SECURITY_ENABLE=true ROS_SECURITY_STRATEGY=Enforce\n"
-      "export ROS_SECURITY_KEYSTORE=\"{}\"\n"
+      "export ROS_SECURITY_KEYSTORE={}\n"
       "ros2 run PACKAGE NODE --ros-args --enclave {}\n",
-      whole_path(keystore), enclave);
+      shell_word(whole_path(keystore)), enclave);
 }
 
 }  // namespace ddssec::cli

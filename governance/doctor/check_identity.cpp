@@ -154,14 +154,17 @@ void check_dates(const LoadedFolder& folder, WallTime now, Diagnosis& out) {
   if (folder.certificate && !is_valid(*folder.certificate, now))
     out.report(kNobody, {.rule = Rule::DOC021,
                          .message = dates_wrong(folder.paths.certificate, *folder.certificate, now),
-                         .document = folder.paths.certificate});
+                         .document = folder.paths.certificate,
+                         .hint = hint_if_early(folder.certificate->not_before(), now)});
   const auto look = [&](const auto& cas, const fs::path& path) {
     if (!cas) return;
     out.pass(Rule::DOC022);
     for (const auto& ca : *cas)
       if (!is_valid(ca, now) && !is_renewed(ca, *cas, now))
-        out.report(kNobody,
-                   {.rule = Rule::DOC022, .message = dates_wrong(path, ca, now), .document = path});
+        out.report(kNobody, {.rule = Rule::DOC022,
+                             .message = dates_wrong(path, ca, now),
+                             .document = path,
+                             .hint = hint_if_early(ca.not_before(), now)});
   };
   look(folder.identity_cas, folder.paths.identity_ca);
   look(folder.permissions_cas, folder.paths.permissions_ca);
@@ -341,7 +344,18 @@ Outcomes failing(bool stock, bool ours) {
   return out;
 }
 
-void check_revocation(const LoadedFolder& folder, WallTime now, Diagnosis& out) {
+void check_crl_form(const LoadedFolder& folder, const Lineup& lineup, Diagnosis& out) {
+  const auto outcomes = measured(Variant::crl_der, lineup);
+  if (!folder.is_crl_der || outcomes.all_ok()) return;
+  out.report(outcomes, {.rule = Rule::DOC023,
+                        .message = fmt::format("{} is DER, and stock products read PEM text only",
+                                               name_of(folder.paths.crl)),
+                        .document = folder.paths.crl,
+                        .hint = "write it as PEM: openssl crl -inform DER -in FILE -out crl.pem"});
+}
+
+void check_revocation(const LoadedFolder& folder, WallTime now, const Lineup& lineup,
+                      Diagnosis& out) {
   if (!folder.has_crl_file && !folder.is_empty())
     out.report({},
                {.rule = Rule::DOC023,
@@ -352,6 +366,7 @@ void check_revocation(const LoadedFolder& folder, WallTime now, Diagnosis& out) 
                         "list of it, ddssec crl new --ca CA makes one",
                 .severity = Severity::warning});
   if (!folder.has_crl_file || !folder.crls || !folder.certificate || !folder.identity_cas) return;
+  check_crl_form(folder, lineup, out);
   if (!folder.chain()) return;  // said by check_chain
   const auto ours = status_by_lists(folder, Vendor::ours, now);
   const auto stock = status_by_lists(folder, Vendor::cyclonedds, now);
@@ -366,11 +381,12 @@ void check_revocation(const LoadedFolder& folder, WallTime now, Diagnosis& out) 
                              name_of(folder.paths.crl), folder.certificate->serial(),
                              folder.certificate->subject(), name_of(folder.paths.certificate)),
                          .document = folder.paths.crl});
-  if (!unusable.all_ok())
-    out.report(unusable, {.rule = Rule::DOC023,
-                          .message = crl_wrong(
-                              folder, is_about_the_list(ours) ? ours.error() : stock.error()),
-                          .document = folder.paths.crl});
+  if (unusable.all_ok()) return;
+  const auto& error = is_about_the_list(ours) ? ours.error() : stock.error();
+  out.report(unusable, {.rule = Rule::DOC023,
+                        .message = crl_wrong(folder, error),
+                        .document = folder.paths.crl,
+                        .hint = error.code() == Code::crl_not_yet_valid ? clock_hint(now) : ""});
 }
 
 }  // namespace
@@ -382,7 +398,7 @@ void check_identity(const LoadedFolder& folder, const Settings& settings, Diagno
   check_pair(folder, settings.lineup, out);
   check_chain(folder, settings, out);
   check_dates(folder, settings.now, out);
-  check_revocation(folder, settings.now, out);
+  check_revocation(folder, settings.now, settings.lineup, out);
   check_several_lists(folder, out);
   check_ca_list(folder, out);
   check_outdated_ca(folder, out);

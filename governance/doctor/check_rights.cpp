@@ -133,7 +133,8 @@ void check_grant_dates(const Scene& scene, const std::vector<Candidate>& all) {
                        to_string(now),
                        any ? "; a later grant is valid, but Cyclone DDS reads the first only" : ""),
        .document = scene.file(),
-       .line = first->line});
+       .line = first->line,
+       .hint = hint_if_early(first->validity.not_before, now)});
 }
 
 void check_local_time(const Scene& scene, const Grant& grant) {

@@ -41,4 +41,9 @@ void check_ends(const LoadedFolder& folder, const Settings& settings, Diagnosis&
 /// What governs the participant: the grant that ours would take, or nullptr.
 const Grant* grant_of(const LoadedFolder& folder, WallTime now);
 
+/// What to do where something begins after now: a clock that is behind is the usual reason.
+std::string clock_hint(WallTime now);
+/// The same if `begin` is after now; else nothing, and the rule's own hint counts.
+std::string hint_if_early(WallTime begin, WallTime now);
+
 }  // namespace ddssec::governance::doctor

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "governance/doctor/checks.hpp"
 
 namespace ddssec::governance::doctor {
@@ -47,6 +49,17 @@ Outcomes Diagnosis::outcomes() const {
   Outcomes worst;
   for (const auto& check : checks_) worst = worst.worse(check.outcomes);
   return worst;
+}
+
+std::string clock_hint(WallTime now) {
+  return fmt::format(
+      "this machine's clock says {}: is it behind? date and timedatectl show it; if it is right, "
+      "wait, or fetch what is valid now",
+      to_string(now));
+}
+
+std::string hint_if_early(WallTime begin, WallTime now) {
+  return begin > now ? clock_hint(now) : std::string();
 }
 
 Diagnosis diagnose(const LoadedFolder& folder, const Settings& settings) {

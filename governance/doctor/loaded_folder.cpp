@@ -50,6 +50,12 @@ Result<std::vector<pki::Crl>> load_crls(const fs::path& path) {
   return lists;
 }
 
+// All of DER that is a list begins with a SEQUENCE.
+bool begins_like_der(const fs::path& path) {
+  const auto octets = ddssec::load(uri(path), "", pki::kMostDocumentOctets);
+  return octets && octets->front() == 0x30;
+}
+
 using Certificates = Result<std::vector<pki::Certificate>>;
 
 // The text is read even if nobody believes it, for what else may be wrong with it; what was read
@@ -122,6 +128,7 @@ LoadedFolder load_folder(const pki::ParticipantFolder& paths, WallTime now) {
           .permissions_cas = std::move(permissions_cas),
           .crls = load_crls(paths.crl),
           .has_crl_file = is_there(paths.crl),
+          .is_crl_der = begins_like_der(paths.crl),
           .governance = std::move(governance),
           .permissions = std::move(permissions)};
 }

@@ -55,6 +55,8 @@ struct LoadedFolder {
   /// Empty if there is no such file.
   Result<std::vector<pki::Crl>> crls;
   bool has_crl_file;
+  /// It holds one list in DER, which is no PEM text.
+  bool is_crl_der = false;
   LoadedDocument<Governance> governance;
   LoadedDocument<Permissions> permissions;
 

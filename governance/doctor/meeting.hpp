@@ -50,6 +50,7 @@ struct Obstacle {
   Rule rule = Rule::DOC085;
   std::string document = {};
   int line = 0;
+  std::string hint = {};  ///< empty = the rule's own
 };
 
 /// One writer and one reader of a topic.

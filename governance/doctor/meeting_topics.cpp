@@ -172,7 +172,23 @@ Obstacle refused_topic(const MeetingScene& scene, const TopicMeeting& topic, int
           .line = rule->line};
 }
 
+bool is_partition_expression(const std::string& partition) {
+  return partition.find_first_of("*?") != partition.npos;
+}
+
+// DDS 1.4, 2.2.3.13: a name matches an expression, and no expression another one.
+Obstacle expressions_only(const MeetingScene& scene) {
+  const auto& asked = scene.settings.partitions;
+  if (asked.empty() || !std::ranges::all_of(asked, is_partition_expression)) return {};
+  return {.reason = fmt::format("both are{}: two partition expressions never match each other, "
+                                "whatever is allowed",
+                                in_partitions(scene)),
+          .document = scene.folder(0).paths.permissions.string(),
+          .hint = "let one side name a partition without * and ?"};
+}
+
 Obstacle obstacle_between(const MeetingScene& scene, const TopicMeeting& topic, int writer) {
+  if (auto found = expressions_only(scene); !found.reason.empty()) return found;
   if (auto found = unmatched_writer(scene, topic, writer); !found.reason.empty()) return found;
   if (auto found = refused_topic(scene, topic, writer); !found.reason.empty()) return found;
   return refused_topic(scene, topic, 1 - writer);
@@ -292,7 +308,8 @@ void report_obstacles(const MeetingScene& scene, const TopicMeeting& topic) {
       scene.out.findings.push_back({.rule = obstacle.rule,
                                     .message = std::move(message),
                                     .document = obstacle.document,
-                                    .line = obstacle.line});
+                                    .line = obstacle.line,
+                                    .hint = obstacle.hint});
   }
 }
 

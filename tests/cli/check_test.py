@@ -178,6 +178,23 @@ class Check(WithoutLists):
                 self.assertIn("the topic is allowed, but not " +
                               ("without a partition" if partition is None else 'in partition "street"'), told["hint"])
 
+    def test_two_partition_expressions_never_match(self):
+        """Measured: neither product exchanges a sample then, although the permissions allow it."""
+        for name, may in (("talker", "publish"), ("listener", "subscribe")):
+            rule = ONE_WAY.format(may).replace("</topics>", "</topics><partitions><partition>*</partition></partitions>")
+            folder = getattr(self, name)
+            folder.sign("permissions", permissions(grant(folder.subject, rule)))
+        for product in ("ddssec", "cyclonedds"):
+            for names, exit in ((["*"], 1), (["ab*"], 1), (["a?c"], 1), (["a*", "?"], 1), (["abc"], 0), (["ab*", "abc"], 0)):
+                with self.subTest(product=product, names=names):
+                    asked = [word for one in names for word in ("--partition", one)]
+                    told = self.check("--topics", "Square", "--vendor", product, *asked, exit=exit)["diagnostics"]
+                    told = [one for one in told if one["id"] == "DOC085"]
+                    self.assertEqual(len(told), exit)
+                    if exit:
+                        self.assertIn("two partition expressions never match each other", told[0]["message"])
+                        self.assertIn("without *", told[0]["hint"])
+
     def test_partitions_that_only_one_side_has(self):
         """Both may use the topic without a partition, so that it would count as working."""
         everywhere = allow("*").replace("</topics></", "</topics><partitions><partition>*</partition></partitions></")

@@ -4,11 +4,12 @@
 import pathlib
 import re
 import shutil
+import subprocess
 import tempfile
 
 import golden_folders
 from forecast import Table
-from transcript import WithoutLists, library_path, main
+from transcript import PROGRAM, WithoutLists, library_path, main
 from workshop import GOVERNANCE, Folder, Workshop, openssl
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -53,6 +54,7 @@ SENTENCES = {
     "identity-expired": ("DOC021", "cert.pem", "CN=talker", "notAfter is 2021-01-01T00:00:00Z", "now"),
     "identity-not-yet-valid": ("DOC021", "cert.pem", "notBefore is 2036-01-01T00:00:00Z", "now"),
     "identity-ca-expired": ("DOC022", "identity_ca.pem", "2021-01-01T00:00:00Z", "now"),
+    "crl-der": ("DOC023", "crl.pem", "is DER", "PEM"),
     "crl-expired": ("DOC023", "crl.pem", "out of date"),
     "crl-of-other-ca": ("DOC023", "crl.pem", "CN=identity CA", "CN=foreign CA"),
     "crl-names-own": ("DOC024", "crl.pem", "1000", "CN=talker"),
@@ -208,6 +210,21 @@ class Golden(WithoutLists):
         self.assertIn("identity_ca.pem of CN=identity CA ends first", out["diagnostics"][0]["message"])
         out = self.doctor("grant-expired", "--now", "2020-12-31T23:00:00Z", exit=1)
         self.assertIn("DOC042", [d["id"] for d in out["diagnostics"]])
+
+    def test_what_begins_later_asks_for_the_clock(self):
+        told = self.doctor("crl-empty", "--now", "2010-01-01T00:00:00Z", exit=1)["diagnostics"]
+        early = [d for d in told if d["id"] in ("DOC021", "DOC022", "DOC023", "DOC040")]
+        self.assertEqual({d["id"] for d in early}, {"DOC021", "DOC022", "DOC023", "DOC040"})
+        for one in early:
+            self.assertIn("this machine's clock says 2010-01-01T00:00:00Z: is it behind?", one["hint"], one)
+        told = self.doctor("correct", "--now", "2037-01-01T00:00:00Z", exit=1)["diagnostics"]
+        self.assertTrue(told)
+        self.assertFalse([d for d in told if "is it behind" in d["hint"]])
+
+    def test_standard_output_comes_before_standard_error(self):
+        done = subprocess.run([PROGRAM, "doctor", self.paths["subject-slashes"]], text=True, stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, timeout=60, check=False)
+        self.assertLess(done.stdout.index("1 error, 1 warning"), done.stdout.index("error[DOC011]"))
 
     def test_one_run_finds_all_faults(self):
         folder = self.at / "broken"

@@ -102,6 +102,31 @@ class Fleet(Transcript):
             text = (self.at / "out" / name / "cyclonedds.xml").read_text()
             self.assertEqual(text.count('<Library path="/opt/dropin/libdds_security_'), 3)
 
+    def test_an_unknown_key_is_answered_with_those_that_are_known(self):
+        for key, meant in (("publishes", "publish"), ("dommain", "domain"), ("topics_subscribe", "subscribe")):
+            told = self.wrong(f'[[participant]]\nname = "a"\n{key} = ["x"]\n', 3)
+            self.assertIn("expected one of name, subject, domain, days", told)
+            self.assertIn(f'did you mean "{meant}"?', told)
+
+    def test_a_fleet_grows_by_what_the_file_has_more(self):
+        self.json(*self.issue(FLEET))
+        before = {file: (self.at / file).read_bytes() for file in self.files() if file.startswith("out/")}
+        more = FLEET.replace('"rt/chatter", ', "") + '[[participant]]\nname = "third"\npublish = ["x"]\n'
+        self.json(*self.issue(more), "--dry-run")
+        self.assertFalse((self.at / "out/third").exists())
+        out = self.json(*self.issue(more))
+        self.assertEqual([row["dir"] for row in out["result"]["participants"]], ["out/third"])
+        self.assertEqual({file: (self.at / file).read_bytes() for file in before}, before, "the others stay")
+        self.assertIn(f"file:{self.at}/out/third/key.pem", (self.at / "out/third/cyclonedds.xml").read_text())
+        self.assertEqual(self.json("ca", "show", "ca", *NOW)["result"]["issued"], 3)
+        self.assertIn("every participant of the file", self.refused("would_overwrite", 4, *self.issue(more))["message"])
+        (self.at / "out/fourth").write_text("")
+        self.refused("would_overwrite", 4, *self.issue(more + '[[participant]]\nname = "fourth"\n'))
+        (self.at / "other").mkdir()
+        self.refused("would_overwrite", 4, *self.issue(FLEET)[:-3], "other", *NOW)
+        same = more + '[[participant]]\nname = "fifth"\nsubject = "CN=talker,OU=x"\n'
+        self.refused("subject_taken", 4, *self.issue(same))
+
     def test_a_name_is_given_here_or_in_the_file(self):
         issue = self.issue(FLEET)
         self.refused("usage", 2, "identity", "issue", "x", *issue[2:])

@@ -285,6 +285,14 @@ def crl_empty(shop, path):
 
 
 @folder
+def crl_der(shop, path):
+    made = Folder(shop, path)
+    made.put("crl.pem", shop.crl("empty", made.identity_ca))
+    openssl("crl", "-in", path / "crl.pem", "-outform", "DER", "-out", path / "crl.der")
+    (path / "crl.der").replace(path / "crl.pem")
+
+
+@folder
 def crl_names_own(shop, path):
     made = Folder(shop, path)
     made.put("crl.pem", shop.crl("own", made.identity_ca, made.certificate))

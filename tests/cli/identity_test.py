@@ -237,7 +237,7 @@ class Identity(Transcript):
             self.assertEqual(len(named), 7)
             for one in named:
                 self.assertTrue(os.path.isfile(one.removeprefix("file:").removeprefix("//")), one)
-        self.assertIn(f"talker with Cyclone DDS: export CYCLONEDDS_URI='file://{self.at}/talker/cyclonedds.xml'", done.stdout)
+        self.assertIn(f"talker with Cyclone DDS: export CYCLONEDDS_URI=file://{self.at}/talker/cyclonedds.xml\n", done.stdout)
 
     def test_issue_adds_a_missing_configuration_and_keeps_a_changed_one(self):
         self.governance()

@@ -2,6 +2,8 @@
 """init: one command from nothing to participants that the doctor finds healthy."""
 
 import os
+import re
+import subprocess
 import xml.etree.ElementTree as xml
 
 from transcript import Transcript, main
@@ -85,7 +87,23 @@ class Init(Transcript):
             self.assertEqual(len(files), 14)
             for file in files:
                 self.assertTrue(os.path.isfile(file.removeprefix("file:").removeprefix("//")), file)
-        self.assertIn(f'ROS_SECURITY_KEYSTORE="{self.at}/sros2"', out["ros2"])
+        self.assertIn(f"ROS_SECURITY_KEYSTORE={self.at}/sros2\n", out["ros2"])
+
+    def test_names_with_special_characters(self):
+        for name in ("a,b", "c++", "a&b", "b;c", 'q"q', "it's", "#x", "x=y", "back\\slash", "my demo"):
+            with self.subTest(name=name):
+                out = self.run_program("init", name, *NOW).stdout
+                subject = self.json("ca", "show", name, *NOW)["result"]["subject"]
+                self.assertEqual(re.sub(r"\\(.)", r"\1", subject), f"CN={name} Identity CA")
+                lines = dict(re.findall(r"(next: ddssec doctor|export CYCLONEDDS_URI=)(.*)", out))
+                for line, beginning in ((lines["next: ddssec doctor"], ""), (lines["export CYCLONEDDS_URI="], "file://")):
+                    said = subprocess.run(["sh", "-c", f"printf %s {line}"],
+                                          text=True, capture_output=True, check=True).stdout
+                    self.assertIn(f"{name}/talker", said)
+                    self.assertTrue(said.startswith(beginning))
+                self.run_program("doctor", f"{name}/talker", *NOW)
+        self.run_program("ca", "create", "d,e", "--no-passphrase", *NOW)
+        self.run_program("keystore", "create", "f,g", "--no-passphrase", *NOW)
 
     def test_each_participant_has_its_snippets_in_files_that_the_last_lines_name(self):
         done = self.run_program("init", "demo", *NOW)
@@ -98,8 +116,8 @@ class Init(Transcript):
                 xml.fromstring(text)
                 self.assertIn(f"{self.at}/demo/{name}/permissions.p7s", text)
         self.assertNotIn("<", done.stdout)
-        self.assertIn(f"export CYCLONEDDS_URI='file://{self.at}/demo/talker/cyclonedds.xml'", done.stdout)
-        self.assertIn(f"export FASTRTPS_DEFAULT_PROFILES_FILE='{self.at}/demo/talker/fastdds.xml'", done.stdout)
+        self.assertIn(f"export CYCLONEDDS_URI=file://{self.at}/demo/talker/cyclonedds.xml\n", done.stdout)
+        self.assertIn(f"export FASTRTPS_DEFAULT_PROFILES_FILE={self.at}/demo/talker/fastdds.xml\n", done.stdout)
 
     def dropin(self, folder, octets="ddssec_"):
         (self.at / folder).mkdir()

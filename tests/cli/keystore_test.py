@@ -74,7 +74,7 @@ class Keystore(Transcript):
                          {"cert.pem", "key.pem", "permissions.xml", "permissions.p7s", "crl.pem"})
         self.healthy("/talker_listener/talker")
         done = self.run_program("keystore", "enclave", "ks", "/other", "--allow-all", *NOW)
-        self.assertIn(f'export ROS_SECURITY_KEYSTORE="{self.at}/ks"\n', done.stdout)
+        self.assertIn(f"export ROS_SECURITY_KEYSTORE={self.at}/ks\n", done.stdout)
         self.assertIn("--enclave /other\n", done.stdout)
         shutil.rmtree(self.at / "ks/enclaves/other")
         self.json("can", TALKER, "publish", "rt/chatter", *NOW)

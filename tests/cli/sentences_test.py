@@ -46,6 +46,8 @@ class Sentences(Transcript):
     def test_nonsense_is_found_nowhere(self):
         for text in ("...", "xyz", "not allowed at all by anybody", "  "):
             self.refused("usage", 2, "explain", text)
+        for text, meant in (("nogrant", "no_grant_for_subject"), ("crl-expird", "crl_expired"), ("GOV04x", "GOV04")):
+            self.assertIn(f'did you mean "{meant}', self.refused("usage", 2, "explain", text)["message"])
 
 
 if __name__ == "__main__":

@@ -269,8 +269,8 @@ TEST(ReadPermissions, FractionsOfASecondMakeAValidityShorter) {
   };
   auto document = with("2026-01-01T00:00:00.2Z", "2026-01-01T00:00:02.8Z");
   ASSERT_TRUE(document) << document.error().to_sentence();
-  EXPECT_EQ(to_string(document->grants[0].validity.not_before), "2026-01-01T00:00:01Z");
-  EXPECT_EQ(to_string(document->grants[0].validity.not_after), "2026-01-01T00:00:02Z");
+  EXPECT_EQ(ddssec::to_string(document->grants[0].validity.not_before), "2026-01-01T00:00:01Z");
+  EXPECT_EQ(ddssec::to_string(document->grants[0].validity.not_after), "2026-01-01T00:00:02Z");
   EXPECT_EQ(std::ranges::count(document->notes, NoteKind::fraction, &Note::kind), 2);
   document = with("2026-01-01T00:00:00.0Z", "2026-01-01T00:00:02Z");
   EXPECT_EQ(std::ranges::count(document->notes, NoteKind::fraction, &Note::kind), 0);
@@ -290,8 +290,8 @@ TEST(ReadPermissions, KeepsEveryValue) {
   EXPECT_EQ(grant.line, 4);
   EXPECT_EQ(grant.subject_name, "CN=talker,O=Example");
   EXPECT_FALSE(grant.subject_is_expression);
-  EXPECT_EQ(to_string(grant.validity.not_before), "2026-01-01T00:00:00Z");
-  EXPECT_EQ(to_string(grant.validity.not_after), "2027-01-01T00:00:00Z");
+  EXPECT_EQ(ddssec::to_string(grant.validity.not_before), "2026-01-01T00:00:00Z");
+  EXPECT_EQ(ddssec::to_string(grant.validity.not_after), "2027-01-01T00:00:00Z");
   EXPECT_TRUE(grant.default_allow);
   ASSERT_EQ(grant.rules.size(), 2u);
   const auto& rule = grant.rules[0];
