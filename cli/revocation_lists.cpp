@@ -25,8 +25,10 @@ bool is_signed_by_one_of(const pki::Crl& list, const std::vector<pki::Certificat
   return std::ranges::any_of(cas, [&](const auto& ca) { return is_list_of(list, ca); });
 }
 
-bool is_among(const std::vector<pki::Revocation>& entries, const pki::Revocation& one) {
-  return std::ranges::find(entries, one.serial, &pki::Revocation::serial) != entries.end();
+std::set<std::string> serials_of(const std::vector<pki::Revocation>& entries) {
+  std::set<std::string> serials;
+  for (const auto& entry : entries) serials.insert(entry.serial);
+  return serials;
 }
 
 std::pair<pki::CrlNumber, WallTime> order(const pki::Crl& list) {
@@ -84,9 +86,7 @@ Result<bool> lists_all(const CaPaths& ca, const pki::IssueLog& log) {
   if (wanted.empty()) return true;
   const auto present = DDSSEC_TRY(present_crl(ca));
   if (!present) return false;
-  const auto entries = DDSSEC_TRY(named(present->revoked(), ca.crl));
-  std::set<std::string> serials;
-  for (const auto& entry : entries) serials.insert(entry.serial);
+  const auto serials = serials_of(DDSSEC_TRY(named(present->revoked(), ca.crl)));
   return std::ranges::all_of(wanted, [&](const auto& one) { return serials.contains(one.serial); });
 }
 
@@ -230,9 +230,17 @@ std::string way_out_of_the_future(const std::string& ca) {
 }
 
 Result<std::optional<pki::Crl>> list_for_newcomers(const CaPaths& paths, WallTime now) {
-  const auto crl = DDSSEC_TRY(present_crl(paths));
-  const bool is_over = crl && crl->next_update() && *crl->next_update() <= now;
-  return is_over ? std::nullopt : crl;
+  auto newest = DDSSEC_TRY(present_crl(paths));
+  const auto ca = DDSSEC_TRY(read_certificate(paths.certificate));
+  const auto log = DDSSEC_TRY(read_issue_log(paths));
+  for (const auto& folder : DDSSEC_TRY(participant_places(paths, log)).here) {
+    const auto lists = read_crls(pki::participant_folder(folder).crl);
+    if (!lists) continue;  // a fault there does not concern the newcomer
+    for (const auto& list : *lists)
+      if ((!newest || order(*newest) < order(list)) && is_list_of(list, ca)) newest = list;
+  }
+  const bool is_over = newest && newest->next_update() && *newest->next_update() <= now;
+  return is_over ? std::nullopt : newest;
 }
 
 namespace {
@@ -275,9 +283,9 @@ std::unexpected<Error> newer_there(const fs::path& file, const pki::Crl& former,
 
 Status check_follows(const fs::path& file, const pki::Crl& former, const ListForFolder& what) {
   if (!what.list.replaces(former, what.now)) return newer_there(file, former, what, "");
-  const auto entries = DDSSEC_TRY(what.list.revoked());
+  const auto serials = serials_of(DDSSEC_TRY(what.list.revoked()));
   for (const auto& one : DDSSEC_TRY(named(former.revoked(), file)))
-    if (!is_among(entries, one))
+    if (!serials.contains(one.serial))
       return newer_there(file, former, what, ", which lacks serial number " + one.serial);
   return {};
 }

@@ -68,8 +68,10 @@ std::string about_clock(const pki::Crl& crl, WallTime now, const std::string& ca
 /// What to do about a list that was made under a clock that was ahead.
 std::string way_out_of_the_future(const std::string& ca);
 
-/// The CA's present list, for a participant that is made now; nothing if there is none or it is
-/// over. Errors: those of present_crl.
+/// For a participant that is made now: the newest list of the CA, from its own folder or from those
+/// of its participants on this machine (the CA's may have come back from a backup); nothing if
+/// there is none or it is over. Errors: those of present_crl, read_issue_log and
+/// participant_places.
 Result<std::optional<pki::Crl>> list_for_newcomers(const CaPaths& paths, WallTime now);
 
 /// A list on its way into a participant's folder.

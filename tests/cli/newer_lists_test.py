@@ -52,6 +52,13 @@ class Restored(Lists):
         self.distribute()
         self.restore()
 
+    def test_a_newcomer_gets_the_newer_list(self):
+        self.revoke_and_restore()
+        revoked = self.serial("demo/talker")
+        self.run_program("identity", "issue", "fourth", "--ca", "demo", *LATER)
+        self.assertEqual((self.at / "fourth/crl.pem").read_bytes(), (self.at / "demo/listener/crl.pem").read_bytes())
+        self.assertIn(revoked, str(self.shown("fourth/crl.pem")))
+
     def test_an_old_list_takes_no_newer_ones_place(self):
         self.revoke_and_restore()
         before = (self.at / "demo/listener/crl.pem").read_bytes()
