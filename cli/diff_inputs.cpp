@@ -175,6 +175,7 @@ Json readings_json(const governance::Readings& readings, const DiffSides& sides)
     all.push_back({{"document", reading.is_new ? "new" : "old"},
                    {"expression", or_null(reading.expression)},
                    {"sentence", reading.sentence},
+                   {"widens", reading.widens},
                    {"at", place(side.path, reading.line)}});
   }
   return {{"all", all}, {"complete", readings.is_complete}};

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""ddssec ... diff --fail-on has the evaluator's verdict, and ends with 1 exactly where it must.
+"""ddssec ... diff --fail-on has the evaluator's verdict, and ends with 1 exactly where that or another product's reading
+asks for it.
 
 Usage: exit_codes_test.py DDSSEC [PAIRS] [SEED]
 """
@@ -18,10 +19,12 @@ WORSE = {"governance": "weaker", "permissions": "wider"}
 
 
 def told(program, kind, files):
-    """(verdict, exit code) of the program."""
+    """(verdict, exit code, whether the new document allows more with a product) of the program."""
     words = [program, kind, "diff", *files, "--fail-on", WORSE[kind], "--format", "json"]
     done = subprocess.run(words, capture_output=True, timeout=60, check=False)
-    return json.loads(done.stdout)["result"].get("verdict"), done.returncode
+    result = json.loads(done.stdout)["result"]
+    readings = result.get("readings", {}).get("all", [])
+    return result.get("verdict"), done.returncode, any(r["widens"] and r["document"] == "new" for r in readings)
 
 
 def check(program, kind, seed, number, folder):
@@ -31,8 +34,8 @@ def check(program, kind, seed, number, folder):
     for file, text in zip(files, documents):
         file.write_text(text, encoding="utf-8")
     verdict = answers.verdict_of(kind, *documents)
-    wanted = verdict, 1 if verdict in (WORSE[kind], "mixed") else 0
-    found = told(program, kind, files)
+    *found, widens = told(program, kind, files)
+    wanted = [verdict, 1 if widens or verdict in (WORSE[kind], "mixed") else 0]
     if found != wanted:
         print(f"{kind} pair {number} of seed {seed}: verdict and exit code {found} instead of {wanted}")
     return verdict, found == wanted

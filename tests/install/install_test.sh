@@ -26,7 +26,8 @@ ${CXX:-c++} "$consumer/main.cpp" -o "$scratch/consumer" $flags || die "pkg-confi
 "$scratch/consumer" || die "the consumer built with pkg-config"
 
 # What the documents configure needs no package that bootstrap.sh installs with --dev alone.
-grep -oh 'cmake --preset release[^&`]*' "$source"/README.md "$source"/docs/*.md "$source"/examples/README.md | sed 's/ *$//' |
+# docs/testing.md is for those who have the tests' packages.
+grep -oh --exclude=testing.md 'cmake --preset release[^&`]*' "$source"/README.md "$source"/docs/*.md "$source"/examples/README.md | sed 's/ *$//' |
   sort -u >"$scratch/configurations"
 [ -s "$scratch/configurations" ] || die "no document says how to configure"
 while read -r -a configure; do

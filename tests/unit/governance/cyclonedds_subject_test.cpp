@@ -8,8 +8,8 @@ namespace {
 Permissions with(std::vector<std::string> subjects) {
   Permissions out;
   for (auto& subject : subjects)
-    out.grants.push_back({.subject_name = std::move(subject),
-                          .line = static_cast<int>(out.grants.size()) + 1});
+    out.grants.push_back(
+        {.subject_name = std::move(subject), .line = static_cast<int>(out.grants.size()) + 1});
   return out;
 }
 
