@@ -62,6 +62,7 @@ class Checks {
     if (!security_.is_there) return check_absence();
     if (!security_.authentication)
       return refuse(0, "has no <Authentication>, so that Cyclone DDS does not start");
+    check_trusted_folder();
     if (!security_.access_control) report_no_access_control();
     for (const auto& expected : kExpected)
       if (const auto& plugin = security_.*expected.plugin) {
@@ -103,6 +104,23 @@ class Checks {
            fmt::format("write <Domain Id=\"any\"> or <Domain Id=\"{}\">; --domain N judges another "
                        "domain",
                        question_.domain));
+  }
+
+  // Measured: Cyclone DDS's own plugins refuse it with and without <CRL>, ddssec's with <CRL>.
+  void check_trusted_folder() {
+    const auto* named = security_.authentication->value("trustedcadirectory");
+    if (named == nullptr || named->text.empty()) return;
+    const auto* list = security_.authentication->value("crl");
+    if (list != nullptr && !list->text.empty())
+      return refuse(named->line,
+                    "names a <TrustedCADirectory> and a <CRL>, which do not go together, so that "
+                    "Cyclone DDS does not start");
+    report(Rule::DOC008, named->line,
+           fmt::format("names the folder {} as <TrustedCADirectory>: Cyclone DDS's own plugins do "
+                       "not start with it, and ddssec's believe peers by every CA in it, without "
+                       "a revocation list; {} is what was judged",
+                       named->text, question_.folder.paths.identity_ca.string()),
+           "put all CAs into the identity_ca file, and leave the element out");
   }
 
   void report_no_access_control() {

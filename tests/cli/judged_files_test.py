@@ -50,6 +50,22 @@ class JudgedFiles(Transcript):
                 self.configure(f"{self.talker}/{name}", f"{self.at}/{other}")
                 self.assertEqual(len(self.told("doctor", "demo/talker", exit=1)), 1)
 
+    def test_a_folder_of_trusted_cas_is_not_what_was_judged(self):
+        (self.at / "cas").mkdir()
+        (self.talker / "crl.pem").unlink()
+        (self.talker / "fastdds.xml").unlink()
+        crl = re.search("<CRL>.*</CRL>", self.correct)[0]
+        self.configure(crl, f"<TrustedCADirectory>{self.at}/cas</TrustedCADirectory>")
+        for words in (("doctor", "demo/talker"), ("check", "demo/talker", "demo/listener")):
+            message = self.told(*words, exit=1)[0]
+            self.assertIn(f"names the folder {self.at}/cas as <TrustedCADirectory>", message)
+            self.assertIn("believe peers by every CA in it, without a revocation list", message)
+        self.configure(crl, "<TrustedCADirectory></TrustedCADirectory>")
+        self.assertEqual(self.told("doctor", "demo/talker", exit=0), [])
+        self.configure(crl, crl + "<TrustedCADirectory>/x</TrustedCADirectory>")
+        told = self.json("doctor", "demo/talker", *NOW, exit=1)["diagnostics"]
+        self.assertTrue([one for one in told if one["id"] == "DOC102" and "do not go together" in one["message"]])
+
     def test_ways_to_write_it(self):
         shutil.copy(self.at / "old.p7s", self.talker / "old.p7s")
         named = f"<Governance>file:{self.talker}/governance.p7s</Governance>"
