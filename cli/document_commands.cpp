@@ -37,7 +37,7 @@ std::vector<Finding> lint_before_signing(const governance::Permissions& document
 
 Report not_signed(const fs::path& file, std::vector<Finding> findings) {
   Report report;
-  report.text = fmt::format("{}: not signed: {} (--no-lint signs all the same)\n", file.string(),
+  report.text = fmt::format("{}: not signed: {} (--no-lint signs it anyway)\n", file.string(),
                             counted(findings));
   add_findings(report, std::move(findings), file);
   return report;

@@ -1,5 +1,5 @@
-// Documents as stock products read them, written as the standard reads them: what is decided by the
-// result is what the product decides.
+// Documents as stock products read them, written as the standard reads them: our decisions by the
+// resulting document are those of the product.
 #pragma once
 
 #include <cstdint>

@@ -11,7 +11,7 @@
 
 namespace ddssec::governance {
 
-/// The parts of a subject that Cyclone DDS's own plugins compare: what stands between `,`, `/` and
+/// The parts of a subject that Cyclone DDS's own plugins compare: the text between `,`, `/` and
 /// `|`. Views into the text.
 std::vector<std::string_view> pieces_for_cyclonedds(std::string_view subject);
 

@@ -77,7 +77,7 @@ class Crl {
 
   /// True if it supersedes `former`; or if `former` is dated after `now`, because it was made under
   /// a clock that was ahead, and this list has a higher number and names all that `former` names.
-  /// So no revocation is lost, whoever sets which clock. Does not check the signature.
+  /// So no wrong clock makes it lose a revocation. Does not check the signature.
   bool replaces(const Crl& former, WallTime now) const;
 
   /// The key that the list says it is signed by (authorityKeyIdentifier), in hexadecimal digits;

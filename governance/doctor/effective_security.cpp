@@ -349,7 +349,7 @@ class Walk {
     mark_values();
   }
 
-  // Where only elements may be: what is for another domain Cyclone DDS does not read that closely.
+  // Where only elements may be. Cyclone DDS does not read other domains' options that closely.
   bool is_section_list() const {
     if (security_depth_ != 0) return true;
     const auto& name = path_.back().name;

@@ -32,7 +32,7 @@ class LostSessions {
   static constexpr unsigned kSoon = 10;
   /// How long after a loss the first of them goes to a peer that is not met again, and the second;
   /// each further one after twice the time. Between the first two there is time for the peer to
-  /// notice that we do not answer (HandshakeWatch::kLongPatience): what goes out beside a reset
+  /// notice that we do not answer (HandshakeWatch::kLongPatience): the farewell beside a reset
   /// makes it begin anew.
   static constexpr Duration kFirstUnmet = std::chrono::seconds(4);
   static constexpr Duration kSecondUnmet = std::chrono::seconds(32);
