@@ -207,18 +207,7 @@ struct Bare final : Entity {
   using Entity::changes_;
 };
 
-struct NoServer final : ParticipantContext::Server {
-  void wake() override {}
-  void serve(std::chrono::nanoseconds) override {}
-};
-
-struct StatusChangesTest : ::testing::Test {
-  ManualClock clock{WallTime(std::chrono::seconds(1'800'000'000))};
-  SystemRandom random;
-  Events events;
-  NoServer server;
-  ParticipantContext context{
-      {clock, random, events}, server, false, std::make_shared<Neighbourhood>()};
+struct StatusChangesTest : ::testing::Test, UnservedContext {
   Bare entity{context};
 };
 

@@ -39,6 +39,20 @@ struct Events final : EventSink {
   }
 };
 
+/// The context of entities that are tested without a participant: nothing serves it.
+struct UnservedContext {
+  struct NoServer final : ParticipantContext::Server {
+    void wake() override {}
+    void serve(std::chrono::nanoseconds) override {}
+  };
+  ManualClock clock{WallTime(std::chrono::seconds(1'800'000'000))};
+  SystemRandom random;
+  Events events;
+  NoServer server;
+  ParticipantContext context{
+      {clock, random, events}, server, false, std::make_shared<Neighbourhood>()};
+};
+
 /// One end: a participant with the usual entities.
 struct End {
   std::unique_ptr<DomainParticipant> participant;

@@ -63,18 +63,7 @@ struct Named final : Entity {
   const std::string name_;
 };
 
-struct Idle final : ParticipantContext::Server {
-  void wake() override {}
-  void serve(std::chrono::nanoseconds) override {}
-};
-
-struct ContainedEntitiesTest : ::testing::Test {
-  ManualClock clock{WallTime(std::chrono::seconds(1'800'000'000))};
-  SystemRandom random;
-  Events events;
-  Idle server;
-  ParticipantContext context{
-      {clock, random, events}, server, false, std::make_shared<Neighbourhood>()};
+struct ContainedEntitiesTest : ::testing::Test, UnservedContext {
   ContainedEntities<Named> entities{context};
   Named& add(std::string name) {
     return *entities.add(std::make_unique<Named>(context, std::move(name)));
