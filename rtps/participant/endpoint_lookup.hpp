@@ -47,7 +47,7 @@ class MessageListener {
   virtual void on_acknack(const EntityId& writer, const Guid& reader) = 0;
   /// A submessage that only the peer can have protected came over the volatile secure channel.
   virtual void on_key_exchange(const GuidPrefix& source) = 0;
-  /// After the last submessage.
+  /// After the last submessage of each source.
   virtual void on_message(const GuidPrefix& source, const SignsOfLife& signs) = 0;
 };
 

@@ -38,9 +38,14 @@ Status MessageReceiver::read(const Header& header, BytesView datagram, Monotonic
     context.shield.message = opened->by_participant;
   }
   const auto status = walk(datagram, context);
+  report(context);
+  return status;
+}
+
+void MessageReceiver::report(Context& context) {
   context.signs.is_protected = context.shield.message;
   listener_.on_message(context.source, context.signs);
-  return status;
+  context.signs = {.is_directed = context.signs.is_directed};
 }
 
 // RTPS 8.3.4.1: the first invalid submessage ends the message.
@@ -108,8 +113,10 @@ Status MessageReceiver::process_info(const SubmessageView& view, Context& contex
       context.time = DDSSEC_TRY(read_info_timestamp(view)).time;
       return {};
     case SubmessageId::info_source: {
-      // A participant whose key protected the message has spoken for itself only.
+      // A participant whose key protected the message has spoken for itself only, and what it said
+      // so far is no sign of life of another.
       const auto source = DDSSEC_TRY(read_info_source(view)).source.prefix;
+      if (source != context.source) report(context);
       context.shield.message = context.shield.message && source == context.source;
       context.source = source;
       context.time.reset();

@@ -41,6 +41,9 @@ class MessageReceiver {
   };
 
   Status read(const Header& header, BytesView datagram, MonotonicTime now);
+  /// Tells the listener what the submessages of the present source say of its life. What follows
+  /// can be of another source.
+  void report(Context& context);
   Status walk(BytesView message, Context& context);
   Status open_group(const SubmessageView& prefix, MessageReader& message, Context& context);
   Status process(const SubmessageView& view, Context& context);

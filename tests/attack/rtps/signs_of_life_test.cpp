@@ -1,6 +1,7 @@
 // What keeps an authenticated peer's lease alive: only what its own keys protected and what was not
 // said before, under every governance.
-#include "tests/unit/rtps_security/fixture.hpp"
+#include "tests/unit/rtps_security/attacker.hpp"
+#include "wire/info_source.hpp"
 
 namespace ddssec::rtps::testing {
 namespace {
@@ -98,6 +99,39 @@ TEST(SignsOfLife, AnIdlePeerStaysThoughMostMessagesAreLost) {
     stayed += never_left && pair.a.knows(pair.b) && pair.b.knows(pair.a) ? 1 : 0;
   }
   EXPECT_GE(stayed, 10);
+}
+
+// Before: as long as any other peer had something new to say.
+TEST(SignsOfLife, AnotherPeersNewsAreNoneOfThePeerThatIsNamedBehindThem) {
+  for (const auto& rules : {Rules{.discovery = kEncrypt, .metadata = kEncrypt},
+                            Rules{.metadata = kSign}, Rules{.data = kEncrypt}}) {
+    Silence silence(rules);
+    auto& [a, b, world, writer, reader] = silence.pair;
+    Node dave(3, properties_of("CN=dave,O=Example", rules));
+    world.nodes.push_back(&dave);
+    ASSERT_TRUE(silence.begin());
+    writer = dave->create_writer(square(default_writer_qos()), dave.listener, world.now).value();
+    ASSERT_TRUE(world.run_until([&] { return dave.listener.matched == 1; }));
+
+    InfoSource gone;
+    gone.source.prefix = a->prefix();
+    const auto submessage = forged(a->prefix(), gone);
+    world.filter = [&](const Node&, Bytes datagram) {
+      datagram.insert(datagram.end(), submessage.begin() + kHeaderSize, submessage.end());
+      return one(std::move(datagram));
+    };
+    world.nodes = {&b, &dave};
+    const auto since = world.now, lease = silence.lease();
+    const auto received = b.listener.changes.size();
+    while (b.knows(a) && world.now - since < 2 * lease) {
+      Change change;
+      change.payload = payload();
+      dave->local_endpoints().writer(writer)->write(std::move(change), world.now);
+      world.run(50);
+    }
+    EXPECT_LE(world.now - since, lease + 2s);
+    EXPECT_GT(b.listener.changes.size(), received + 10) << "the other peer was heard";
+  }
 }
 
 // What strangers say in an idle peer's name costs it nothing, however often they say it.
