@@ -153,9 +153,11 @@ class Checks {
                                 path.text, expected.element, expected.stock));
     if (std::exchange(has_missing_path_, true)) return;
     report(Rule::DOC102, path.line,
-           fmt::format("names the library {} in <{}>, which is not on this machine: Cyclone DDS "
+           fmt::format("names the library {} in <{}>, which is {} this machine: Cyclone DDS "
                        "does not start",
-                       path.text, expected.element),
+                       path.text, expected.element,
+                       library_state(path.text) == LibraryState::refused ? "no library of"
+                                                                         : "not on"),
            "copy ddssec's drop-in folder to that place; or name the folder where it is: ddssec "
            "identity issue NAME --ca CA -o DIR --dropin DROPIN, or by hand in each <Library "
            "path=...>");

@@ -2,17 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
-#include <cstring>
-#include <fstream>
-#include <iterator>
 #include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "governance/doctor/cyclonedds_configuration.hpp"
-#include "governance/doctor/installed.hpp"
 #include "governance/doctor/needed_libraries.hpp"
 #include "governance/doctor/shell_word.hpp"
 
@@ -22,7 +17,6 @@ namespace {
 namespace fs = std::filesystem;
 using Maker = HostPlugin::Maker;
 
-constexpr std::size_t kMostOctets = 64 * 1024 * 1024;
 constexpr std::string_view kOurMark = "ddssec_";
 constexpr std::string_view kVersionMark = "ddssec plugin version ";  // plugins/cyclonedds
 
@@ -40,74 +34,34 @@ bool is_file(const fs::path& path) {
   return fs::is_regular_file(path, ignored);
 }
 
-std::string octets_of(const fs::path& path) {
-  std::error_code error;
-  const auto size = fs::file_size(path, error);
-  std::ifstream file(path, std::ios::binary);
-  std::string out(error ? 0 : std::min<std::uintmax_t>(size, kMostOctets), '\0');
-  file.read(out.data(), static_cast<std::streamsize>(out.size()));
-  out.resize(static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
-  return out;
-}
-
-std::vector<fs::path> folders_of(std::string_view library_path) {
-  std::vector<fs::path> out;
-  while (!library_path.empty()) {
-    const auto end = std::min(library_path.find_first_of(":;"), library_path.size());
-    out.emplace_back(end == 0 ? "." : library_path.substr(0, end));
-    library_path.remove_prefix(std::min(end + 1, library_path.size()));
-  }
-  return out;
-}
-
-std::uint32_t number_at(std::string_view octets, std::size_t at) {
-  std::uint32_t out = 0;
-  if (at + sizeof out <= octets.size()) std::memcpy(&out, octets.data() + at, sizeof out);
-  return out;
-}
-
-// glibc's "new" format (sysdeps/generic/dl-cache.h): a header of 48 octets, entries of 24.
-fs::path found_in_cache(const fs::path& cache, std::string_view name) {
-  constexpr std::string_view kMagic = "glibc-ld.so.cache1.1";
-  constexpr std::size_t kHeader = 48, kEntry = 24;
-  const auto octets = is_file(cache) ? octets_of(cache) : std::string();
-  if (!octets.starts_with(kMagic)) return {};
-  const auto text_at = [&](std::uint32_t at) {
-    return at < octets.size() ? std::string_view(octets.c_str() + at) : std::string_view();
-  };
-  const std::size_t count = number_at(octets, kMagic.size());
-  for (std::size_t i = 0; i < count && kHeader + (i + 1) * kEntry <= octets.size(); ++i) {
-    const auto entry = kHeader + i * kEntry;
-    if (text_at(number_at(octets, entry + 4)) != name) continue;
-    const fs::path file(text_at(number_at(octets, entry + 8)));
-    if (is_file(file)) return file;
-  }
-  return {};
-}
-
-fs::path found_in(const std::vector<fs::path>& folders, const std::string& name) {
-  for (const auto& folder : folders)
-    if (is_file(folder / name)) return folder / name;
-  return {};
-}
-
-// As dlopen does for a name without a slash.
-fs::path found_by_loader(const std::string& name, const LoaderPlaces& places) {
-  if (auto file = found_in(folders_of(places.library_path), name); !file.empty()) return file;
-  if (auto file = found_in_cache(places.cache, name); !file.empty()) return file;
-  return found_in(places.system, name);
-}
-
 bool is_path(const std::string& library) { return library.contains('/'); }
 
+struct Search {
+  FoundLibrary found = {};
+  fs::path obstacle = {};  // the file at which the loader's search ended without a library
+};
+
 // As ddsrt_dlopen does: a path as it is; a name as lib*.so first, and Debian's then in a folder of
-// its own.
-fs::path found(const std::string& library, const LoaderPlaces& places) {
-  if (is_path(library)) return is_file(library) ? fs::path(library) : fs::path();
+// its own. A name that the loader refuses is as one that it does not find.
+Search search_for(const std::string& library, const LoaderPlaces& places) {
+  Search out;
+  const auto is_settled = [&](FoundLibrary found) {
+    if (found.state == LibraryState::refused && out.obstacle.empty()) out.obstacle = found.file;
+    const bool loads =
+        found.state == LibraryState::loadable || found.state == LibraryState::cut_off;
+    if (loads) out.found = std::move(found);
+    return loads;
+  };
+  if (is_path(library)) {
+    is_settled({library, library_state(library)});
+    return out;
+  }
   const auto name = "lib" + library + ".so";
-  if (auto file = found_by_loader(name, places); !file.empty()) return file;
-  if (auto file = found_in(places.after_loader, name); !file.empty()) return file;
-  return found_by_loader(library, places);
+  if (is_settled(found_by_loader(name, places))) return out;
+  for (const auto& folder : places.after_loader)
+    if (is_settled({folder / name, library_state(folder / name)})) return out;
+  is_settled(found_by_loader(library, places));
+  return out;
 }
 
 std::string version_in(std::string_view octets) {
@@ -130,17 +84,21 @@ std::vector<std::string> missing_for(const fs::path& file, std::string_view octe
   }
   std::vector<std::string> out;
   for (const auto& name : needed.names)
-    if (!name.starts_with("ld-linux") && found_in(own, name).empty() &&
-        found_by_loader(name, places).empty())
+    if (!name.starts_with("ld-linux") &&
+        found_in(own, places.subfolders, name).state == LibraryState::absent &&
+        found_by_loader(name, places).state == LibraryState::absent)
       out.push_back(name);
   return out;
 }
 
 HostPlugin plugin_of(const Kind& kind, std::string library, const LoaderPlaces& places) {
   HostPlugin out{.role = kind.role, .library = std::move(library), .file = {}};
-  out.file = found(out.library, places);
+  auto search = search_for(out.library, places);
+  out.file = std::move(search.found.file);
+  out.obstacle = std::move(search.obstacle);
   if (out.file.empty()) return out;
-  const auto octets = octets_of(out.file);
+  out.is_cut_off = search.found.state == LibraryState::cut_off;
+  const auto octets = library_octets(out.file);
   out.maker = octets.find(kOurMark) != octets.npos ? Maker::ours : Maker::other;
   if (out.maker != Maker::ours) return out;
   out.version = version_in(octets);
@@ -179,6 +137,9 @@ std::string sign_of_ours(const fs::path& folder, const std::vector<HostPlugin>& 
     return is_named_like_ours(folder) ? folder.string() + " is no folder" : std::string();
   for (const auto& plugin : plugins) {
     const auto file = folder / ("lib" + plugin.library + ".so");
+    if (file == plugin.obstacle)
+      return fmt::format("{} is no library of this machine, and the loader looks no further",
+                         file.string());
     if (fs::is_symlink(fs::symlink_status(file, ignored)) && !fs::exists(file, ignored))
       return file.string() + " is a link that leads nowhere";
     if (is_file(file) && is_ours(file))
@@ -211,6 +172,18 @@ Finding finding_of(std::string message, const std::vector<HostPlugin>& plugins,
           .severity = Severity::warning};
 }
 
+Finding cut_off(const fs::path& file, const std::vector<HostPlugin>& plugins,
+                const LoaderPlaces& places) {
+  auto out =
+      finding_of(fmt::format("{} is cut off: a Cyclone DDS process that loads it ends with a "
+                             "bus error",
+                             file.string()),
+                 plugins, places);
+  out.document = file;
+  out.hint = "copy the file again, and compare its size; " + out.hint;
+  return out;
+}
+
 // The host goes on without them, and without a word; those of whole paths it does not replace.
 Finding not_loadable(const std::vector<HostPlugin>& plugins) {
   std::set<std::string> missing;
@@ -234,17 +207,6 @@ Finding not_loadable(const std::vector<HostPlugin>& plugins) {
           .severity = Severity::warning};
 }
 
-// The folder in which the drop-in of this very program lies: of an installation or of a build.
-fs::path own_dropin() {
-  std::error_code error;
-  const auto program = fs::read_symlink("/proc/self/exe", error);
-  if (error) return {};
-  const auto prefix = program.parent_path().parent_path();
-  for (const auto* name : {"lib/ddssec/dropin", "dropin"})
-    if (is_file(prefix / name / "libdds_security_auth.so")) return prefix / name;
-  return {};
-}
-
 void check_stock_plugins(const std::vector<HostPlugin>& plugins, const LoaderPlaces& places,
                          bool were_ours_meant, Diagnosis& out) {
   for (const auto& folder : folders_of(places.library_path))
@@ -266,15 +228,6 @@ void check_stock_plugins(const std::vector<HostPlugin>& plugins, const LoaderPla
 }
 
 }  // namespace
-
-LoaderPlaces LoaderPlaces::here() {
-  const char* const path = std::getenv("LD_LIBRARY_PATH");
-  LoaderPlaces out{.library_path = path != nullptr ? path : "",
-                   .system = library_folders(""),
-                   .dropin = own_dropin()};
-  for (const auto& folder : out.system) out.after_loader.push_back(folder / "libddsc0debian");
-  return out;
-}
 
 std::string maker_of(const HostPlugin& plugin) {
   if (plugin.maker == Maker::none) return "not found";
@@ -303,11 +256,11 @@ std::vector<HostPlugin> plugins_of_node(const LoaderPlaces& places) {
 }
 
 fs::path library_file(const std::string& library, const LoaderPlaces& places) {
-  return found(library, places);
+  return search_for(library, places).found.file;
 }
 
 bool is_ours(const fs::path& library) {
-  return octets_of(library).find(kOurMark) != std::string::npos;
+  return library_octets(library).find(kOurMark) != std::string::npos;
 }
 
 void check_host_plugins(const std::vector<HostPlugin>& plugins, const LoaderPlaces& places,
@@ -317,6 +270,9 @@ void check_host_plugins(const std::vector<HostPlugin>& plugins, const LoaderPlac
     return plugin.maker == Maker::none && is_path(plugin.library);
   };
   if (std::ranges::any_of(plugins, is_missing_path)) return;  // DOC102; LD_LIBRARY_PATH is no cause
+  if (const auto one = std::ranges::find_if(plugins, &HostPlugin::is_cut_off); one != plugins.end())
+    return out.report({.cyclonedds = Outcome::fail, .ours = Outcome::fail},
+                      cut_off(one->file, plugins, places));
   std::set<Maker> makers;
   std::set<std::string> versions;
   for (const auto& plugin : plugins) {

@@ -9,20 +9,9 @@
 #include <vector>
 
 #include "governance/doctor/diagnosis.hpp"
+#include "governance/doctor/library_search.hpp"
 
 namespace ddssec::governance::doctor {
-
-/// Where the dynamic loader looks for a library that the host opens by its name alone.
-struct LoaderPlaces {
-  std::string library_path;                              ///< LD_LIBRARY_PATH
-  std::filesystem::path cache = "/etc/ld.so.cache";      ///< what ldconfig wrote
-  std::vector<std::filesystem::path> system = {};        ///< its own folders, in their order
-  std::vector<std::filesystem::path> after_loader = {};  ///< where the host looks by itself then
-  std::filesystem::path dropin = {};  ///< of this program's installation or build; empty: none
-
-  /// Of this process: its variable, and the folders of this machine.
-  static LoaderPlaces here();
-};
 
 /// One plugin as the configuration names it, and what the loader makes of that.
 struct HostPlugin {
@@ -33,7 +22,9 @@ struct HostPlugin {
   Maker maker = Maker::none;
   std::string version = {};  ///< of ours; empty: not known
   std::vector<std::string> missing =
-      {};  ///< libraries that ours needs and the loader would not find
+      {};                               ///< libraries that ours needs and the loader would not find
+  bool is_cut_off = false;              ///< the process that loads it ends
+  std::filesystem::path obstacle = {};  ///< no library: here the loader's search ended before
 };
 /// "ddssec 0.1.0", "stock, not ddssec's", "not found".
 std::string maker_of(const HostPlugin& plugin);

@@ -12,6 +12,8 @@
 #include "governance/doctor/checks.hpp"
 #include "governance/doctor/domains.hpp"
 #include "governance/doctor/host_plugins.hpp"
+#include "governance/doctor/library_search.hpp"
+#include "governance/doctor/loader_subfolders.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {
@@ -110,16 +112,20 @@ void check_names(const LoadedFolder& folder, const Environment& environment, Dia
 constexpr std::array<const char*, 3> kPluginFiles{
     "libdds_security_auth.so", "libdds_security_ac.so", "libdds_security_crypto.so"};
 
-// Where the loader finds a library, or empty: LD_LIBRARY_PATH comes first.
-fs::path found_on(std::string_view path, const char* library) {
-  while (!path.empty()) {
-    const auto end = std::min(path.find(':'), path.size());
-    const auto candidate = fs::path(path.substr(0, end)) / library;
-    std::error_code ignored;
-    if (end > 0 && fs::is_regular_file(candidate, ignored)) return candidate;
-    path.remove_prefix(std::min(end + 1, path.size()));
+std::string reason_without_ours(std::string_view path, const char* library,
+                                const FoundLibrary& found) {
+  const auto file = found.file.string();
+  switch (found.state) {
+    case LibraryState::absent:
+      return fmt::format("no folder of LD_LIBRARY_PATH (\"{}\") holds {}", path, library);
+    case LibraryState::refused:
+      return file + " is no library of this machine, and the loader looks no further";
+    case LibraryState::cut_off:
+      return file + " is cut off: the process that loads it ends with a bus error";
+    case LibraryState::loadable:
+      break;
   }
-  return {};
+  return file + " comes first on LD_LIBRARY_PATH and is not of ddssec";
 }
 
 // Without ddssec's plugins a node runs all the same, on those of the installation.
@@ -139,16 +145,13 @@ void check_plugins_of_node(const Environment& environment, Diagnosis& out) {
   const auto path = value(environment, "LD_LIBRARY_PATH");
   out.pass(Rule::DOC068);
   for (const auto* library : kPluginFiles) {
-    const auto found = found_on(path, library);
-    if (!found.empty() && is_ours(found)) continue;
-    const auto why =
-        found.empty()
-            ? fmt::format("no folder of LD_LIBRARY_PATH (\"{}\") holds {}", path, library)
-            : fmt::format("{} comes first on LD_LIBRARY_PATH and is not of ddssec", found.string());
+    const auto found = found_in(folders_of(path), loader_subfolders(), library);
+    if (found.state == LibraryState::loadable && is_ours(found.file)) continue;
     return out.report({.ours = Outcome::fail},
                       {.rule = Rule::DOC068,
-                       .message = why + ": a node runs on the stock plugins, or does not start",
-                       .document = found});
+                       .message = reason_without_ours(path, library, found) +
+                                  ": a node runs on the stock plugins, or does not start",
+                       .document = found.file});
   }
 }
 

@@ -9,7 +9,7 @@ import tempfile
 
 import golden_folders
 from forecast import Table
-from transcript import PROGRAM, WithoutLists, library_path, main
+from transcript import PROGRAM, WithoutLists, library_path, main, shared_library
 from workshop import GOVERNANCE, Folder, Workshop, openssl
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -318,7 +318,8 @@ class Golden(WithoutLists):
     def make_dropin(self):
         (self.at / "dropin").mkdir(exist_ok=True)
         for name in ("auth", "ac", "crypto"):
-            (self.at / f"dropin/libdds_security_{name}.so").write_bytes(b"\0ddssec_authentication_version\0")
+            library = self.at / f"dropin/libdds_security_{name}.so"
+            library.write_bytes(shared_library(b"\0ddssec_authentication_version\0"))
 
     def environment_without_files(self):
         return {"ROS_SECURITY_ENABLE": "true", "ROS_SECURITY_STRATEGY": "Enforce", "ROS_DOMAIN_ID": "",
@@ -342,7 +343,7 @@ class Golden(WithoutLists):
             library.symlink_to("../lib/gone.so")
             self.assertIn(library.name, self.run_ros_with_dropin(exit=1)["DOC068"])
             library.unlink()
-            library.write_bytes(b"stock")
+            library.write_bytes(shared_library(b"stock"))
             self.assertIn("is not of ddssec", self.run_ros_with_dropin(exit=1)["DOC068"])
             library.write_bytes(octets)
         self.assertEqual(self.run_ros_with_dropin(exit=0), {})
@@ -416,18 +417,18 @@ class Golden(WithoutLists):
     def libraries(self, folder, octets, names=("auth", "ac", "crypto")):
         (self.at / folder).mkdir(exist_ok=True)
         for name in names:
-            (self.at / folder / f"libdds_security_{name}.so").write_text(octets)
+            (self.at / folder / f"libdds_security_{name}.so").write_bytes(shared_library(octets))
         return str(self.at / folder)
 
     def test_libraries_with_whole_paths_are_no_question_of_the_shell(self):
-        ours = self.libraries("ours", "ddssec_\0ddssec plugin version 1.2.3\0")
+        ours = self.libraries("ours", b"ddssec_\0ddssec plugin version 1.2.3\0")
         self.run_program("init", "demo", "--dropin", "ours")
         out = self.json("doctor", "demo/talker", environment={"LD_LIBRARY_PATH": library_path()})
         self.assertEqual([p["file"] for p in out["result"]["plugins"]],
                          [f"{ours}/libdds_security_{name}.so" for name in ("auth", "ac", "crypto")])
         self.assertEqual([d["id"] for d in out["diagnostics"]], ["DOC101"])  # CYCLONEDDS_URI is not set
         shutil.rmtree(ours)
-        environment = {"LD_LIBRARY_PATH": self.libraries("others", "ddssec_") + ":" + library_path()}
+        environment = {"LD_LIBRARY_PATH": self.libraries("others", b"ddssec_") + ":" + library_path()}
         out = self.json("doctor", "demo/talker", exit=1, environment=environment)
         told = [d for d in out["diagnostics"] if d["id"] != "DOC101"]
         self.assertEqual([d["id"] for d in told], ["DOC102"])
@@ -437,14 +438,14 @@ class Golden(WithoutLists):
         self.assertEqual(out["result"]["verdicts"], dict(zip(VENDORS, ["fail", "ok", "fail"])))
         text = self.run_program("doctor", "demo/talker", exit=1, environment=environment).stdout
         self.assertIn("  authentication  not found\n", text)
-        self.libraries("ours", "ddssec_")
+        self.libraries("ours", b"ddssec_")
         file = self.at / "demo/talker/cyclonedds.xml"
         file.write_text(file.read_text().replace("init_crypto", "init_cryptography"))
         told = self.json("doctor", "demo/talker", exit=1)["diagnostics"]
         self.assertIn('initFunction="init_cryptography"', [d["message"] for d in told if d["id"] == "DOC102"][0])
 
     def test_the_plugins_that_cyclone_dds_would_load_are_named(self):
-        ours = self.libraries("ours", "ddssec_\0ddssec plugin version 1.2.3\0")
+        ours = self.libraries("ours", b"ddssec_\0ddssec plugin version 1.2.3\0")
         self.run_program("init", "demo")
         def plugins(path, exit, folder="demo/talker", **more):
             out = self.json("doctor", folder, exit=exit, environment={"LD_LIBRARY_PATH": path, **more})
@@ -456,7 +457,7 @@ class Golden(WithoutLists):
         text = self.run_program("doctor", "demo/talker", environment={"LD_LIBRARY_PATH": ours}).stdout
         self.assertIn("with this LD_LIBRARY_PATH and the folder's cyclonedds.xml Cyclone DDS would load\n"
                       f"  authentication  ddssec 1.2.3: {ours}/libdds_security_auth.so\n", text)
-        stock = self.libraries("stock", "init_crypto")
+        stock = self.libraries("stock", b"init_crypto")
         found, told = plugins(stock, 0)
         self.assertEqual([p[1] for p in found], ["other"] * 3)
         self.assertIn("runs the stock plugins, not ddssec's: authentication: stock", told[0]["message"])
@@ -467,7 +468,7 @@ class Golden(WithoutLists):
         self.assertEqual(plugins(stock, 0, self.paths["correct"], CYCLONEDDS_URI=named)[1], [])
         told = plugins(f"{stock}:{ours}", 1)[1]
         self.assertIn("ours/libdds_security_auth.so is ddssec's, and", told[0]["message"])
-        mixed = self.libraries("mixed", "ddssec_", ["crypto"])
+        mixed = self.libraries("mixed", b"ddssec_", ["crypto"])
         told = plugins(f"{mixed}:{stock}", 1)[1]
         self.assertEqual(told[0]["severity"], "warning")
         self.assertIn("of two products: authentication: stock, not ddssec's", told[0]["message"])

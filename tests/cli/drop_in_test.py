@@ -4,7 +4,7 @@ Measured with the drop-in: codes 1402 and 1612."""
 
 import shutil
 
-from transcript import NOW, Transcript, library_path, main
+from transcript import NOW, Transcript, library_path, main, shared_library
 
 GCM = "<symmetric_cipher><algorithm>AES128+GCM</algorithm></symmetric_cipher>"
 
@@ -17,7 +17,7 @@ class DropIn(Transcript):
         ours = self.at / "dropin"
         ours.mkdir()
         for name in ("auth", "ac", "crypto"):
-            (ours / f"libdds_security_{name}.so").write_text("ddssec_")
+            (ours / f"libdds_security_{name}.so").write_bytes(shared_library(b"ddssec_"))
         self.drop_in = {"LD_LIBRARY_PATH": f"{ours}:{library_path()}"}
 
     def sign(self, *replacements):

@@ -32,6 +32,15 @@ def library_path():
     return ":".join(filter(None, (LIBRARIES.name, os.environ.get("LD_LIBRARY_PATH"))))
 
 
+def shared_library(octets):
+    """A file that the dynamic loader of this machine takes for a library, and that says what the octets say."""
+    header = bytearray(PROGRAM.read_bytes()[:64])
+    header[16:18] = (3).to_bytes(2, sys.byteorder)  # e_type: ET_DYN
+    header[56:58] = bytes(2)  # e_phnum
+    header[60:62] = bytes(2)  # e_shnum
+    return bytes(header) + octets
+
+
 @functools.cache
 def severities_of(name):
     """What `explain` says of a rule; of a code, whose severity is that of logs, the word that diagnostics have."""
