@@ -83,8 +83,8 @@ class Checks {
 
   void warn(const ConfiguredText& doubt) {
     out_.report({}, {.rule = Rule::DOC102,
-                     .message = fmt::format("{} {}: Cyclone DDS 0.10 does not know that element, "
-                                            "and does not start with one that it does not know",
+                     .message = fmt::format("{} {}: Cyclone DDS 0.10 does not know that, and does "
+                                            "not start with what it does not know",
                                             question_.name, doubt.text),
                      .document = question_.document,
                      .line = doubt.line,
@@ -135,13 +135,49 @@ class Checks {
     const auto* path = plugin.attribute("path");
     const bool is_name =
         path == nullptr || path->text == expected.stock || path->text == expected.ours;
-    if (!is_name && !path->text.contains('$') &&
-        library_file(path->text, LoaderPlaces::here()).empty())
-      return report_missing_library(expected, *path);
-    if (!is_name && !path->text.ends_with(fmt::format("/lib{}.so", expected.stock))) return;
+    if (is_name) return check_functions(expected, plugin);
+    if (path->text.contains('$')) return;
+    auto places = LoaderPlaces::here();
+    const auto file = library_file(path->text, places);
+    if (file.empty()) return report_missing_library(expected, *path);
+    if (path->text.ends_with(fmt::format("/lib{}.so", expected.stock)))
+      return check_functions(expected, plugin);
+    for (const auto& [attribute, function] : {std::pair{"initfunction", expected.init},
+                                              std::pair{"finalizefunction", expected.finalize}}) {
+      const auto* named = plugin.attribute(attribute);
+      check_has_function(expected, *path, file, named != nullptr ? named->text : function);
+    }
+    places.library_path.clear();
+    if (library_file(path->text, places).empty()) report_without_library_path(expected, *path);
+  }
+
+  void check_functions(const Expected& expected, const ConfiguredPlugin& plugin) {
     check_function(expected, plugin.attribute("initfunction"), "initFunction", expected.init);
     check_function(expected, plugin.attribute("finalizefunction"), "finalizeFunction",
                    expected.finalize);
+  }
+
+  // Functions that a library exports stand in it as texts.
+  void check_has_function(const Expected& expected, const ConfiguredText& path,
+                          const std::filesystem::path& file, std::string_view function) {
+    const auto text = fmt::format("{0}{1}{0}", '\0', function);
+    if (!library_octets(file).contains(text))
+      refuse(path.line, fmt::format("names the library {} in <{}>, which has no function {}: "
+                                    "Cyclone DDS does not start",
+                                    path.text, expected.element, function));
+  }
+
+  // Debian's Cyclone DDS finds its own libraries in a folder of its own, by their usual names only.
+  void report_without_library_path(const Expected& expected, const ConfiguredText& path) {
+    out_.report(
+        {.cyclonedds = Outcome::fail},
+        {.rule = Rule::DOC102,
+         .message = fmt::format("{} names the library \"{}\" in <{}>: Cyclone DDS finds its "
+                                "own by the name \"{}\", and does not start where "
+                                "LD_LIBRARY_PATH does not lead to another",
+                                question_.name, path.text, expected.element, expected.stock),
+         .document = question_.document,
+         .line = path.line});
   }
 
   // Of whole paths once: as a rule the folder of all three is missing.
@@ -152,15 +188,15 @@ class Checks {
                                 "Cyclone DDS and of ddssec's drop-in is \"{}\"",
                                 path.text, expected.element, expected.stock));
     if (std::exchange(has_missing_path_, true)) return;
-    report(Rule::DOC102, path.line,
-           fmt::format("names the library {} in <{}>, which is {} this machine: Cyclone DDS "
-                       "does not start",
-                       path.text, expected.element,
-                       library_state(path.text) == LibraryState::refused ? "no library of"
-                                                                         : "not on"),
-           "copy ddssec's drop-in folder to that place; or name the folder where it is: ddssec "
-           "identity issue NAME --ca CA -o DIR --dropin DROPIN, or by hand in each <Library "
-           "path=...>");
+    report(
+        Rule::DOC102, path.line,
+        fmt::format("names the library {} in <{}>, which is {} this machine: Cyclone DDS "
+                    "does not start",
+                    path.text, expected.element,
+                    library_state(path.text) == LibraryState::refused ? "no library of" : "not on"),
+        "copy ddssec's drop-in folder to that place; or name the folder where it is: ddssec "
+        "identity issue NAME --ca CA -o DIR --dropin DROPIN, or by hand in each <Library "
+        "path=...>");
   }
 
   void check_function(const Expected& expected, const ConfiguredText* named,

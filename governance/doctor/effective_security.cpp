@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <set>
 #include <span>
 #include <utility>
 
@@ -50,10 +51,8 @@ constexpr std::string_view kOfDomain[] = {"security"};
 constexpr std::string_view kRootAttributes[] = {"xmlns", "xmlns:xsi", "xsi:schemalocation",
                                                 "xsi:nonamespaceschemalocation"};
 
-// Cyclone DDS takes the beginning of a name for the name.
-bool is_one_of(std::span<const std::string_view> names, std::string_view begin) {
-  return !begin.empty() &&
-         std::ranges::any_of(names, [&](std::string_view name) { return name.starts_with(begin); });
+bool is_one_of(std::span<const std::string_view> names, std::string_view name) {
+  return std::ranges::find(names, name) != names.end();
 }
 
 bool is_security(std::string_view name) { return name == "security" || name == "ddssecurity"; }
@@ -88,7 +87,9 @@ class Walk {
     bool has_values = false;    ///< an attribute or a text so far, at any depth
     bool has_elements = false;  ///< one directly inside so far
     bool has_security = false;  ///< a <Domain> with one so far
-    bool is_section = false;    ///< such as <General>, where only elements may be
+    std::string path = {};      ///< from a section on that is known (section_elements.hpp)
+    std::string place = {};     ///< the same for elements that are one in a <Domain>
+    bool has_text = false;      ///< directly inside
   };
 
   bool is_file() const { return place_ == ConfigurationPlace::file; }
@@ -125,6 +126,8 @@ class Walk {
     if (value_ != nullptr) value_->text = std::string(trimmed(value_->text, kBlanks));
     value_ = nullptr;
     if (is_old_id()) take_old_id();
+    if (path_.back().has_text && !values_.insert(path_.back().place).second)
+      problem(path_.back().line, fmt::format("has <{}> twice", path_.back().name));
     path_.pop_back();
     if (path_.empty()) had_root_ = true;
   }
@@ -133,6 +136,7 @@ class Walk {
     const bool is_other = !path_.empty() && path_.back().is_for_other_domain;
     if (!path_.empty()) path_.back().has_elements = true;
     path_.push_back({token.name, token.line, is_other});
+    path_.back().place = fmt::format("#{}", count_++);
     if (path_.size() == 1) is_file() ? open_root(token) : open_part(token);
     if (security_depth_ != 0) return open_inside(token);
     if (!is_other) {
@@ -188,15 +192,39 @@ class Walk {
   // Of other versions the elements may be others (DECISIONS.md).
   void doubt_unknown(const Markup::Token& token) {
     const auto depth = path_.size();
+    auto& own = path_.back();
     const bool is_at_top = depth == 1 && !is_file();
     if (is_at_top || is_below_root() || is_below_domain()) {
-      path_.back().is_section = is_section(token.name);
-      if (path_.back().is_section) refuse_attributes(token);
-    } else if (depth > 1 && path_[depth - 2].is_section &&
-               !is_known_inside(path_[depth - 2].name, token.name)) {
+      own.path = section_path(token.name);
+      if (own.path.empty()) return;
+      own.place = fmt::format("{}/{}", depth > 1 ? path_[depth - 2].place : "", own.path);
+      refuse_attributes(token);
+    } else if (depth > 1 && !path_[depth - 2].path.empty()) {
+      doubt_inside(token, path_[depth - 2]);
+    }
+  }
+
+  void doubt_inside(const Markup::Token& token, const Open& parent) {
+    auto& own = path_.back();
+    if (!is_known_inside(parent.path, token.name)) {
       out_.doubts.push_back(
-          {fmt::format("has <{}> inside <{}>", token.name.substr(0, 64), path_[depth - 2].name),
-           token.line});
+          {fmt::format("has <{}> inside <{}>", token.name.substr(0, 64), parent.name), token.line});
+      return;
+    }
+    own.path = path_inside(parent.path, token.name);
+    // <Internal><FragmentSize> is <General><FragmentSize>.
+    const auto section = own.path.substr(0, own.path.find('/'));
+    own.place = parent.path.starts_with(section)
+                    ? fmt::format("{}/{}", parent.place, token.name)
+                    : fmt::format("{}/{}", path_[path_.size() - 3].place, own.path);
+    if (is_repeated(own.path)) own.place += fmt::format("#{}", count_++);
+    for (const auto& [name, value] : token.attributes) {
+      if (!is_known_attribute(own.path, name))
+        out_.doubts.push_back(
+            {fmt::format("has the attribute {} in <{}>", name.substr(0, 64), token.name),
+             token.line});
+      else if (!values_.insert(own.place + "@" + name).second)
+        problem(token.line, fmt::format("has the attribute {} of <{}> twice", name, token.name));
     }
   }
 
@@ -312,6 +340,8 @@ class Walk {
     for (const auto& [name, value] : token.attributes)
       if (std::ranges::find(kLibrary, name) == std::end(kLibrary))
         unknown_attribute(token, name);
+      else if (plugin.attribute(name) != nullptr)
+        problem(token.line, fmt::format("has the attribute {} of <library> twice", name));
       else
         plugin.library.push_back({name, {value, token.line}});
   }
@@ -338,6 +368,7 @@ class Walk {
       return;
     }
     if (trimmed(token.name, kBlanks).empty()) return;
+    if (!path_.empty()) path_.back().has_text = true;
     if (path_.empty()) {
       // In the variable the name of a file may follow, after a comma.
       if (is_file() || !trimmed(token.name, kBlanks).starts_with(','))
@@ -353,7 +384,7 @@ class Walk {
   bool is_section_list() const {
     if (security_depth_ != 0) return true;
     const auto& name = path_.back().name;
-    if (path_.back().is_section) return true;
+    if (has_elements_only(path_.back().path)) return true;
     const bool is_list = path_.size() <= 2 && (name == "cyclonedds" || name == "domain");
     return is_list && !path_.back().is_for_other_domain;
   }
@@ -366,8 +397,10 @@ class Walk {
   bool is_second_ = false;          ///< <Security> that counts
   const Kind* kind_ = std::end(kKinds);
   ConfiguredText* value_ = nullptr;
-  std::string old_id_;     ///< what <Id> holds so far
-  bool had_root_ = false;  ///< <CycloneDDS> has ended
+  std::string old_id_;            ///< what <Id> holds so far
+  bool had_root_ = false;         ///< <CycloneDDS> has ended
+  std::set<std::string> values_;  ///< the places of values, of which none may be set twice
+  std::size_t count_ = 0;
 };
 
 const ConfiguredText* find_in(const std::vector<std::pair<std::string, ConfiguredText>>& texts,

@@ -32,8 +32,9 @@ struct ConfiguredPlugin {
 
 /// What Cyclone DDS 0.10.2 and 0.10.5 make of a configuration for one domain. Measured with both:
 /// tests/unit/governance_doctor/effective_security_test.cpp has the table. Of elements outside of
-/// <Security> those directly below <CycloneDDS> and <Domain> are judged; of those one level deeper
-/// an unknown name is a doubt; deeper elements are not judged (DECISIONS.md).
+/// <Security> those directly below <CycloneDDS> and <Domain> are judged; of deeper ones an unknown
+/// name or attribute is a doubt, and one value that is set twice a problem. Values are not judged
+/// (DECISIONS.md).
 struct EffectiveSecurity {
   /// What keeps a process from starting, as sentences without their subject.
   std::vector<ConfiguredText> problems = {};

@@ -53,7 +53,9 @@ Search search_for(const std::string& library, const LoaderPlaces& places) {
     return loads;
   };
   if (is_path(library)) {
-    is_settled({library, library_state(library)});
+    constexpr std::string_view kScheme = "file://";
+    const fs::path file(library.starts_with(kScheme) ? library.substr(kScheme.size()) : library);
+    is_settled({file, library_state(file)});
     return out;
   }
   const auto name = "lib" + library + ".so";

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <span>
+#include <string>
 
 namespace ddssec::governance::doctor {
 namespace {
@@ -109,35 +110,129 @@ constexpr std::string_view kSsl[] = {"certificateverification",
                                      "verifyclient"};
 constexpr std::string_view kSharedMemory[] = {"enable", "locator", "loglevel", "prefix"};
 
-struct Section {
-  std::string_view name;
-  std::span<const std::string_view> elements;
+constexpr std::string_view kInterfaces[] = {"networkinterface"};
+constexpr std::string_view kInterfaceAttributes[] = {
+    "address",          "autodetermine",     "multicast", "name",
+    "prefer_multicast", "presence_required", "priority"};
+constexpr std::string_view kIgnoredPartitions[] = {"ignoredpartition"};
+constexpr std::string_view kNetworkPartitions[] = {"networkpartition"};
+constexpr std::string_view kPartitionMappings[] = {"partitionmapping"};
+constexpr std::string_view kTopicOfPartition[] = {"dcpspartitiontopic"};
+constexpr std::string_view kNetworkPartition[] = {"address", "name"};
+constexpr std::string_view kPartitionMapping[] = {"dcpspartitiontopic", "networkpartition"};
+constexpr std::string_view kThread[] = {"scheduling", "stacksize"};
+constexpr std::string_view kScheduling[] = {"class", "priority"};
+constexpr std::string_view kName[] = {"name"};
+constexpr std::string_view kPeers[] = {"peer"};
+constexpr std::string_view kAddress[] = {"address"};
+constexpr std::string_view kPorts[] = {"base",
+                                       "domaingain",
+                                       "multicastdataoffset",
+                                       "multicastmetaoffset",
+                                       "participantgain",
+                                       "unicastdataoffset",
+                                       "unicastmetaoffset"};
+constexpr std::string_view kBurstSize[] = {"maxinittransmit", "maxrexmit"};
+constexpr std::string_view kControlTopic[] = {"deaf", "mute"};
+constexpr std::string_view kControlTopicAttributes[] = {"enable", "initialreset"};
+constexpr std::string_view kTest[] = {"xmitlossiness"};
+constexpr std::string_view kWatermarks[] = {"whcadaptive", "whchigh", "whchighinit", "whclow"};
+constexpr std::string_view kHeartbeat[] = {"max", "min", "minsched"};
+constexpr std::string_view kLiveliness[] = {"interval", "stacktraces"};
+constexpr std::string_view kRetries[] = {"maxretries"};
+constexpr std::string_view kEnforce[] = {"enforce"};
+constexpr std::string_view kMinMax[] = {"max", "min"};
+
+using Names = std::span<const std::string_view>;
+struct Element {
+  std::string_view path;
+  Names elements = {};
+  Names attributes = {};
 };
-constexpr Section kSections[] = {
+// Sections, and what is in them with elements or attributes.
+constexpr Element kElements[] = {
     {"compatibility", kCompatibility},
     {"discovery", kDiscovery},
+    {"discovery/peers", kPeers},
+    {"discovery/peers/peer", {}, kAddress},
+    {"discovery/ports", kPorts},
     {"general", kGeneral},
+    {"general/interfaces", kInterfaces},
+    {"general/interfaces/networkinterface", {}, kInterfaceAttributes},
     {"internal", kInternal},
+    {"internal/burstsize", kBurstSize},
+    {"internal/controltopic", kControlTopic, kControlTopicAttributes},
+    {"internal/heartbeatinterval", {}, kHeartbeat},
+    {"internal/livelinessmonitoring", {}, kLiveliness},
+    {"internal/multiplereceivethreads", {}, kRetries},
+    {"internal/rediscoveryblacklistduration", {}, kEnforce},
+    {"internal/socketreceivebuffersize", {}, kMinMax},
+    {"internal/socketsendbuffersize", {}, kMinMax},
+    {"internal/test", kTest},
+    {"internal/watermarks", kWatermarks},
     {"partitioning", kPartitioning},
+    {"partitioning/ignoredpartitions", kIgnoredPartitions},
+    {"partitioning/ignoredpartitions/ignoredpartition", {}, kTopicOfPartition},
+    {"partitioning/networkpartitions", kNetworkPartitions},
+    {"partitioning/networkpartitions/networkpartition", {}, kNetworkPartition},
+    {"partitioning/partitionmappings", kPartitionMappings},
+    {"partitioning/partitionmappings/partitionmapping", {}, kPartitionMapping},
     {"sharedmemory", kSharedMemory},
     {"sizing", kSizing},
     {"ssl", kSsl},
     {"tcp", kTcp},
     {"threads", kThreads},
+    {"threads/thread", kThread, kName},
+    {"threads/thread/scheduling", kScheduling},
     {"tracing", kTracing},
-    {"unsupported", kInternal},
 };
+// Of these a list may hold several.
+constexpr std::string_view kRepeated[] = {"ignoredpartition",
+                                          "networkinterface",
+                                          "networkpartition",
+                                          "partitionmapping",
+                                          "peer",
+                                          "thread"};
+
+const Element* element_at(std::string_view path) {
+  const auto* const found = std::ranges::find(kElements, path, &Element::path);
+  return found == std::end(kElements) ? nullptr : found;
+}
+
+bool is_among(Names names, std::string_view name) {
+  return std::ranges::find(names, name) != names.end();
+}
 
 }  // namespace
 
-bool is_section(std::string_view name) {
-  return std::ranges::find(kSections, name, &Section::name) != std::end(kSections);
+std::string section_path(std::string_view name) {
+  if (name == "unsupported") return "internal";  // its former name
+  return element_at(name) == nullptr ? std::string() : std::string(name);
 }
 
-bool is_known_inside(std::string_view section, std::string_view element) {
-  const auto* const found = std::ranges::find(kSections, section, &Section::name);
-  return found == std::end(kSections) ||
-         std::ranges::find(found->elements, element) != found->elements.end();
+bool is_known_inside(std::string_view path, std::string_view element) {
+  const auto* const found = element_at(path);
+  return found != nullptr && is_among(found->elements, element);
+}
+
+std::string path_inside(std::string_view path, std::string_view element) {
+  const bool has_moved =
+      path == "internal" && (element == "maxmessagesize" || element == "fragmentsize");
+  return std::string(has_moved ? "general" : path).append("/").append(element);
+}
+
+bool is_known_attribute(std::string_view path, std::string_view attribute) {
+  const auto* const found = element_at(path);
+  return found != nullptr && is_among(found->attributes, attribute);
+}
+
+bool has_elements_only(std::string_view path) {
+  const auto* const found = element_at(path);
+  return found != nullptr && (!found->elements.empty() || is_repeated(path));
+}
+
+bool is_repeated(std::string_view path) {
+  return is_among(kRepeated, path.substr(path.rfind('/') + 1));
 }
 
 }  // namespace ddssec::governance::doctor

@@ -2,16 +2,24 @@
 // governance/doctor/ only.
 #pragma once
 
+#include <string>
 #include <string_view>
 
 namespace ddssec::governance::doctor {
 
-/// True for a section of <Domain> whose elements are known here, such as "general". Names are in
-/// lower case.
-bool is_section(std::string_view name);
+/// The path of a section of <Domain> whose elements are known here, such as "general"; empty for
+/// any other name. Names are in lower case. Paths are those of Cyclone DDS 0.10.2 and 0.10.5.
+std::string section_path(std::string_view name);
+/// The path of an element within: "discovery/ports" of "discovery" and "ports".
+std::string path_inside(std::string_view path, std::string_view element);
 
-/// Whether Cyclone DDS 0.10 knows the element directly inside the section; true for every element
-/// of a section that is not known here.
-bool is_known_inside(std::string_view section, std::string_view element);
+/// Whether Cyclone DDS knows the element directly inside the one with this path; its attribute.
+bool is_known_inside(std::string_view path, std::string_view element);
+bool is_known_attribute(std::string_view path, std::string_view attribute);
+
+/// True if text may not stand in it.
+bool has_elements_only(std::string_view path);
+/// True if a list may hold several of it, such as <Peer>.
+bool is_repeated(std::string_view path);
 
 }  // namespace ddssec::governance::doctor

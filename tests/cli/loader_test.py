@@ -134,6 +134,37 @@ class Loader(Transcript):
         self.assertIn(f"names the library {self.at}/paths/{FIRST} in <Authentication>, which is no library of this machine",
                       [one["message"] for one in told if one["id"] == "DOC102"][0])
 
+    def judge_library(self, path, exit):
+        """Verdicts and what DOC102 says of a configuration with another <Library path=...> in <Authentication>."""
+        file = self.at / "demo/talker/cyclonedds.xml"
+        text = file.read_text()
+        file.write_text(text.replace('path="dds_security_auth"', f'path="{path}"'))
+        functions = b"".join(b"%s_%s\0" % (verb, role) for verb in (b"init", b"finalize")
+                             for role in (b"authentication", b"access_control", b"crypto"))
+        self.put("ours", shared_library(b"ddssec_\0" + functions))
+        (self.at / "ours" / LIBRARIES[1]).write_bytes(shared_library(b"ddssec_\0init_access_control\0"))
+        environment = {"LD_LIBRARY_PATH": f"{self.ours}:{library_path()}"}
+        out = self.json("doctor", "demo/talker", *NOW, exit=exit, environment=environment)
+        file.write_text(text)
+        return ([out["result"]["verdicts"][name] for name in ("cyclonedds@0.10.2", "ours")],
+                [one["message"] for one in out["diagnostics"] if one["id"] == "DOC102"])
+
+    def test_other_names_of_a_library(self):
+        self.assertEqual(self.judge_library("dds_security_auth", 0), (["ok", "ok"], []))
+        self.assertEqual(self.judge_library(f"file://{self.ours}/{FIRST}", 0), (["ok", "ok"], []))
+        verdicts, told = self.judge_library(FIRST, 1)  # Debian's folder has it by its usual name only
+        self.assertEqual(verdicts, ["fail", "ok"])
+        self.assertIn(f'names the library "{FIRST}" in <Authentication>: Cyclone DDS finds its own by the name '
+                      '"dds_security_auth"', told[0])
+        for path in ("dds_security_ac", f"{self.ours}/{LIBRARIES[1]}"):
+            verdicts, told = self.judge_library(path, 1)
+            self.assertEqual(verdicts, ["fail", "fail"])
+            self.assertIn(f"names the library {path} in <Authentication>, which has no function init_authentication",
+                          told[0])
+        verdicts, told = self.judge_library("libdds_security_auth", 1)
+        self.assertEqual(verdicts, ["fail", "fail"])
+        self.assertIn("which is not found", told[0])
+
 
 if __name__ == "__main__":
     main()

@@ -40,6 +40,9 @@ std::string replaced(const std::string& from, const std::string& to) {
   return text.replace(at, from.size(), to);
 }
 
+const std::string kIPv4 = "<General><UseIPv6>false</UseIPv6></General>";
+std::string with(const std::string& sections) { return document(domain(sections + security())); }
+
 TEST(EffectiveSecurity, Complete_IsReadWithAllValues) {
   const auto read = effective_security(document(domain(security())), 0, Place::file);
   EXPECT_TRUE(read.problems.empty());
@@ -101,7 +104,27 @@ INSTANTIATE_TEST_SUITE_P(
             document(domain("<Id>5</Id>" + security()) + domain("<Id>0</Id>" + security())), true},
         Row{"UnknownInOtherDomain",
             document(domain("hello<Foo/>", " Id=\"5\" foo=\"1\"") + domain(security())), true},
-        Row{"BeginningOfAName", document(domain("<Gen/>" + security())), true},
+        Row{"EmptyValueTwice", with("<General><UseIPv6/><UseIPv6>false</UseIPv6></General>"), true},
+        Row{"SectionTwiceWithOtherValues",
+            with("<Discovery><Tag>a</Tag></Discovery><Discovery><SPDPInterval>1s</SPDPInterval>"
+                 "</Discovery>"),
+            true},
+        Row{"AttributesOfOneElementApart",
+            with(
+                "<Internal><HeartbeatInterval min='5ms'/><HeartbeatInterval max='8s'/></Internal>"),
+            true},
+        Row{"PeersTwice",
+            with("<Discovery><Peers><Peer Address='127.0.0.1'/></Peers><Peers><Peer "
+                 "Address='127.0.0.2'/></Peers></Discovery>"),
+            true},
+        Row{"ThreadsWithTheSame",
+            with("<Threads><Thread Name='recv'><StackSize>2MB</StackSize></Thread><Thread "
+                 "Name='tev'><StackSize>2MB</StackSize></Thread></Threads>"),
+            true},
+        Row{"ValueInTwoDomains", document(domain(kIPv4) + domain(kIPv4 + security())), true},
+        Row{"ValueInRootAndDomain", document(kIPv4 + domain(kIPv4 + security())), true},
+        Row{"ValueTwiceInOtherDomain",
+            document(domain(kIPv4 + kIPv4, " Id=\"5\"") + domain(security())), true},
         Row{"MovedSection", document(kGeneral + domain(security())), true},
         Row{"Commented", document(domain("<!--" + security() + "-->")), false},
         Row{"SmallLetters", "<cyclonedds><domain><security/></domain></cyclonedds>", true},
@@ -130,7 +153,37 @@ TEST_P(NotStarted, HasAProblem) {
 INSTANTIATE_TEST_SUITE_P(
     Table, NotStarted,
     testing::Values(
-        Row{"TextAlone", "hello", false},
+        Row{"TextAlone", "hello", false}, Row{"BeginningOfAName", with("<Gen/>"), false},
+        Row{"ValueTwice",
+            with("<General><UseIPv6>false</UseIPv6><UseIPv6>false</UseIPv6></General>"), false},
+        Row{"ValueTwiceInTwoSections", with(kIPv4 + kIPv4), false},
+        Row{"ValueTwiceInSectionsApart", with(kIPv4 + "<Discovery/>" + kIPv4), false},
+        Row{"ValueTwiceDeeper",
+            with("<Discovery><Ports><Base>7400</Base></Ports><Ports><Base>7400</Base></Ports>"
+                 "</Discovery>"),
+            false},
+        Row{"ValueTwiceUnderBothNames",
+            with("<Internal><AckDelay>1ms</AckDelay></Internal><Unsupported><AckDelay>1ms"
+                 "</AckDelay></Unsupported>"),
+            false},
+        Row{"ValueTwiceInBothPlaces",
+            with(
+                "<General><FragmentSize>1300B</FragmentSize></General><Internal><FragmentSize>1300B"
+                "</FragmentSize></Internal>"),
+            false},
+        Row{"ValueOfThreadTwice",
+            with("<Threads><Thread Name='recv'><StackSize>2MB</StackSize><StackSize>2MB</StackSize>"
+                 "</Thread></Threads>"),
+            false},
+        Row{"AttributeTwice", with("<Threads><Thread Name='recv' Name='tev'/></Threads>"), false},
+        Row{"AttributeTwiceInTwoElements",
+            with("<Internal><HeartbeatInterval min='5ms'/><HeartbeatInterval "
+                 "min='5ms'/></Internal>"),
+            false},
+        Row{"LibraryAttributeTwice", replaced("path=", "path='x' path="), false},
+        Row{"TextInList", with("<Discovery><Peers>text</Peers></Discovery>"), false},
+        Row{"TextInPeer",
+            with("<Discovery><Peers><Peer Address='::1'>x</Peer></Peers></Discovery>"), false},
         Row{"TextBefore", "hello" + document(domain(security())), false},
         Row{"TextAfter", document(domain(security())) + "hello", false},
         Row{"TwoRoots", document(domain(security())) + document(""), false},
@@ -198,6 +251,43 @@ TEST(EffectiveSecurity, UnknownOption_IsADoubt) {
   EXPECT_EQ(of("<General><Foo>1</>", Place::variable).doubts.size(), 1U);
   EXPECT_TRUE(of("<General><ALLOWMULTICAST>true</ALLOWMULTICAST></General>").doubts.empty());
   EXPECT_TRUE(of("<Discovery><Peers><Peer address=\"::1\"/></Peers></Discovery>").doubts.empty());
+}
+
+TEST(EffectiveSecurity, UnknownDeeper_IsADoubt) {
+  for (const auto* text :
+       {"<Discovery><Peers><Foo><Bar/></Foo></Peers></Discovery>",
+        "<Discovery><Peers><Peer Address='::1' foo='1'/></Peers></Discovery>",
+        "<Discovery><Peers><Peer Address='::1'><Foo/></Peer></Peers></Discovery>",
+        "<Discovery><Ports><Foo>1</Foo></Ports></Discovery>",
+        "<Threads><Thread Name='recv'><Foo/></Thread></Threads>",
+        "<Threads><Thread Name='recv' foo='1'/></Threads>",
+        "<Threads><Thread Name='recv'><Scheduling><Foo>1</Foo></Scheduling></Thread></Threads>",
+        "<General><Interfaces><Foo/></Interfaces></General>",
+        "<General><Interfaces><NetworkInterface name='lo' foo='1'/></Interfaces></General>",
+        "<General><MaxMessageSize>1400B<Foo/></MaxMessageSize></General>",
+        "<General><MaxMessageSize foo='1'>1400B</MaxMessageSize></General>",
+        "<Partitioning><NetworkPartitions><Foo/></NetworkPartitions></Partitioning>",
+        "<Internal><Watermarks><Foo>1</Foo></Watermarks></Internal>",
+        "<Unsupported><BurstSize><Foo>1</Foo></BurstSize></Unsupported>",
+        "<Internal><SocketReceiveBufferSize foo='1MB'/></Internal>"}) {
+    const auto read = effective_security(with(text), 0, Place::file);
+    EXPECT_EQ(read.doubts.size(), 1U) << text;
+    EXPECT_TRUE(read.problems.empty()) << text;
+    EXPECT_TRUE(
+        effective_security(document(domain(text, " Id='5'") + domain(security())), 0, Place::file)
+            .doubts.empty())
+        << text;
+  }
+  for (const auto* text :
+       {"<General><Interfaces><NetworkInterface name='lo' "
+        "priority='default'/></Interfaces></General>",
+        "<Threads><Thread "
+        "Name='recv'><Scheduling><Class>default</Class></Scheduling></Thread></Threads>",
+        "<Internal><Watermarks><WhcHigh>1MB</WhcHigh></Watermarks></Internal>",
+        "<Internal><HeartbeatInterval min='5ms'>100ms</HeartbeatInterval></Internal>",
+        "<Partitioning><IgnoredPartitions><IgnoredPartition DCPSPartitionTopic='a.b'/>"
+        "</IgnoredPartitions></Partitioning>"})
+    EXPECT_TRUE(effective_security(with(text), 0, Place::file).doubts.empty()) << text;
 }
 
 TEST(EffectiveSecurity, OldIdOfOtherDomain_IsNamed) {
