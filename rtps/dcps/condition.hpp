@@ -15,7 +15,16 @@ class AnyDataReader;
 class Entity;
 struct WaitSetState;
 
-/// Has a trigger value. Leaves the wait sets it is attached to when it dies. Thread-safe.
+/// What a condition shares with the wait sets it is attached to. It outlives both sides, so that
+/// they may end at the same time in different threads.
+struct ConditionState {
+  std::atomic<bool> trigger = false;
+  std::mutex mutex;
+  std::vector<std::shared_ptr<WaitSetState>> sets;
+};
+
+/// Has a trigger value. Leaves the wait sets it is attached to when it dies. Thread-safe; it may
+/// die while a wait set does, but not while it is being attached or detached.
 class Condition {
  public:
   Condition() = default;
@@ -23,16 +32,14 @@ class Condition {
   Condition(const Condition&) = delete;
   Condition& operator=(const Condition&) = delete;
 
-  bool trigger_value() const { return trigger_; }
+  bool trigger_value() const { return state_->trigger; }
 
  protected:
   void trigger(bool value);
 
  private:
   friend class WaitSet;
-  std::atomic<bool> trigger_ = false;
-  std::mutex mutex_;
-  std::vector<std::shared_ptr<WaitSetState>> sets_;
+  const std::shared_ptr<ConditionState> state_ = std::make_shared<ConditionState>();
 };
 
 /// Triggered by the application.

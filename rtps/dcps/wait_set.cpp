@@ -9,19 +9,26 @@ constexpr std::chrono::nanoseconds kLongestWait = std::chrono::hours(24 * 365);
 
 }  // namespace
 
+// No thread holds both mutexes but trigger(), which takes the condition's first. Each side empties
+// its own list before it leaves those of the others.
 Condition::~Condition() {
-  for (const auto& set : sets_) {
+  std::vector<std::shared_ptr<WaitSetState>> sets;
+  {
+    const std::lock_guard lock(state_->mutex);
+    sets.swap(state_->sets);
+  }
+  for (const auto& set : sets) {
     const std::lock_guard lock(set->mutex);
-    std::erase(set->conditions, this);
+    std::erase_if(set->conditions, [this](const auto& one) { return one.condition == this; });
   }
 }
 
 // The value is set before the wait set's lock is taken, so that no waiter misses it.
 void Condition::trigger(bool value) {
-  const bool was = trigger_.exchange(value);
+  const bool was = state_->trigger.exchange(value);
   if (was || !value) return;
-  const std::lock_guard lock(mutex_);
-  for (const auto& set : sets_) {
+  const std::lock_guard lock(state_->mutex);
+  for (const auto& set : state_->sets) {
     { const std::lock_guard waiting(set->mutex); }
     set->changed.notify_all();
   }
@@ -30,39 +37,48 @@ void Condition::trigger(bool value) {
 WaitSet::WaitSet() : state_(std::make_shared<WaitSetState>()) {}
 
 WaitSet::~WaitSet() {
-  for (auto* condition : conditions()) {
-    const std::lock_guard lock(condition->mutex_);
-    std::erase(condition->sets_, state_);
+  std::vector<AttachedCondition> attached;
+  {
+    const std::lock_guard lock(state_->mutex);
+    attached.swap(state_->conditions);
+  }
+  for (const auto& one : attached) {
+    const std::lock_guard lock(one.state->mutex);
+    std::erase(one.state->sets, state_);
   }
 }
 
 void WaitSet::attach_condition(Condition& condition) {
   {
-    const std::lock_guard lock(condition.mutex_);
-    if (std::ranges::find(condition.sets_, state_) != condition.sets_.end()) return;
-    condition.sets_.push_back(state_);
+    const std::lock_guard lock(condition.state_->mutex);
+    if (std::ranges::find(condition.state_->sets, state_) != condition.state_->sets.end()) return;
+    condition.state_->sets.push_back(state_);
   }
   const std::lock_guard lock(state_->mutex);
-  state_->conditions.push_back(&condition);
+  state_->conditions.push_back({&condition, condition.state_});
   state_->changed.notify_all();
 }
 
 Status WaitSet::detach_condition(Condition& condition) {
   {
     const std::lock_guard lock(state_->mutex);
-    if (std::erase(state_->conditions, &condition) == 0)
+    if (std::erase_if(state_->conditions,
+                      [&](const auto& one) { return one.condition == &condition; }) == 0)
       return fail(
           Code::rtps_precondition_not_met,
           {.document = "wait set", .expected = "an attached condition", .found = "another"});
   }
-  const std::lock_guard lock(condition.mutex_);
-  std::erase(condition.sets_, state_);
+  const std::lock_guard lock(condition.state_->mutex);
+  std::erase(condition.state_->sets, state_);
   return {};
 }
 
 std::vector<Condition*> WaitSet::conditions() const {
   const std::lock_guard lock(state_->mutex);
-  return state_->conditions;
+  std::vector<Condition*> out;
+  std::ranges::transform(state_->conditions, std::back_inserter(out),
+                         &AttachedCondition::condition);
+  return out;
 }
 
 Result<std::vector<Condition*>> WaitSet::wait(std::chrono::nanoseconds most) {
@@ -74,8 +90,8 @@ Result<std::vector<Condition*>> WaitSet::wait(std::chrono::nanoseconds most) {
   std::vector<Condition*> triggered;
   state_->changed.wait_for(lock, std::min(most, kLongestWait), [&] {
     triggered.clear();
-    std::ranges::copy_if(state_->conditions, std::back_inserter(triggered),
-                         &Condition::trigger_value);
+    for (const auto& attached : state_->conditions)
+      if (attached.state->trigger) triggered.push_back(attached.condition);
     return !triggered.empty();
   });
   state_->waiting = false;

@@ -9,11 +9,18 @@
 
 namespace ddssec::rtps {
 
+/// A condition and what it shares with the wait set.
+struct AttachedCondition {
+  Condition* condition;
+  std::shared_ptr<ConditionState> state;
+};
+
 /// What a wait set shares with the conditions attached to it.
 struct WaitSetState {
   std::mutex mutex;
   std::condition_variable changed;
-  std::vector<Condition*> conditions;
+  /// A condition that died is not in it: only its state is used without this mutex.
+  std::vector<AttachedCondition> conditions;
   bool waiting = false;
 };
 
@@ -33,7 +40,8 @@ class WaitSet {
   Status detach_condition(Condition& condition);
   std::vector<Condition*> conditions() const;
 
-  /// The conditions that are triggered, at least one. Errors: rtps_timeout,
+  /// The conditions that are triggered, at least one. Whether one of them is deleted meanwhile is
+  /// the application's business, as it is with conditions(). Errors: rtps_timeout,
   /// rtps_precondition_not_met (another thread waits already).
   Result<std::vector<Condition*>> wait(std::chrono::nanoseconds most);
 

@@ -1,4 +1,8 @@
 // The small parts of DCPS, each by itself: instances, leases, timers, conditions.
+#include <array>
+#include <barrier>
+#include <memory>
+#include <optional>
 #include <thread>
 
 #include <gmock/gmock.h>
@@ -14,6 +18,7 @@ namespace {
 
 using std::chrono::milliseconds;
 using testing::code_of;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 
 constexpr KeyHash kOne{1}, kTwo{2}, kThree{3};
@@ -229,6 +234,57 @@ TEST(WaitSet, EitherMayDieFirst) {
   }
   stays.set_trigger_value(true);
   EXPECT_TRUE(stays.trigger_value());
+}
+
+/// Overwritten when it has died: nobody can lock what was its mutex, so that a thread that still
+/// uses it ends the program without a sanitizer, too.
+struct Overwritten {
+  alignas(GuardCondition) std::array<std::byte, sizeof(GuardCondition)> memory;
+  GuardCondition& make() { return *new (memory.data()) GuardCondition; }
+  void end(GuardCondition& condition) {
+    std::destroy_at(&condition);
+    memory.fill(std::byte{0xff});
+  }
+};
+
+TEST(WaitSet, EndsInOneThreadWhileConditionsOfItEndInAnother) {
+  constexpr int kRounds = 200, kConditions = 1'000;
+  std::barrier pace(2);
+  std::optional<WaitSet> set;
+  std::thread other([&] {
+    for (int i = 0; i < kRounds; ++i) {
+      pace.arrive_and_wait();
+      set.reset();
+      pace.arrive_and_wait();
+    }
+  });
+  std::array<Overwritten, kConditions> places;
+  for (int i = 0; i < kRounds; ++i) {
+    set.emplace();
+    std::vector<GuardCondition*> conditions;
+    for (auto& place : places) conditions.push_back(&place.make());
+    for (auto* condition : conditions) set->attach_condition(*condition);
+    pace.arrive_and_wait();
+    for (int at = kConditions; at-- > 0;) places[at].end(*conditions[at]);
+    pace.arrive_and_wait();
+  }
+  other.join();
+  EXPECT_FALSE(set);
+}
+
+TEST(WaitSet, WaitsOnWhileConditionsOfItEnd) {
+  constexpr int kRounds = 2'000;
+  WaitSet set;
+  GuardCondition stays;
+  set.attach_condition(stays);
+  std::thread waiting([&] { EXPECT_THAT(*set.wait(std::chrono::seconds(60)), Contains(&stays)); });
+  for (int i = 0; i < kRounds; ++i) {
+    GuardCondition dies;
+    set.attach_condition(dies);
+  }
+  stays.set_trigger_value(true);
+  waiting.join();
+  EXPECT_THAT(set.conditions(), ElementsAre(&stays));
 }
 
 }  // namespace
