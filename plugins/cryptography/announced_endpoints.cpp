@@ -1,8 +1,18 @@
 #include "plugins/cryptography/announced_endpoints.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <string>
 
 namespace ddssec::cryptography {
+namespace {
+
+std::unexpected<Error> too_much(const BuiltinTopic& topic) {
+  return unreadable_name(topic, "its certificate has announced more than " +
+                                    std::to_string(AnnouncedOctets::kMost >> 20) + " MiB");
+}
+
+}  // namespace
 
 bool AnnouncedOctets::replace(std::size_t before, std::size_t after) {
   const std::lock_guard lock(mutex_);
@@ -25,40 +35,138 @@ std::shared_ptr<AnnouncedOctets> AnnouncementAccounts::of(std::uint64_t subject)
   return account;
 }
 
-AnnouncedEndpoints::~AnnouncedEndpoints() { clear(); }
+void SkippedNumbers::add(std::uint64_t begin, std::uint64_t end) {
+  if (begin >= end) return;
+  auto at = ranges_.upper_bound(begin);
+  if (at != ranges_.begin() && std::prev(at)->second >= begin) --at;
+  while (at != ranges_.end() && at->first <= end) {
+    begin = std::min(begin, at->first);
+    end = std::max(end, at->second);
+    at = ranges_.erase(at);
+  }
+  ranges_.emplace(begin, end);
+  if (ranges_.size() <= kMost) return;
+  const auto first = ranges_.begin(), second = std::next(first);
+  first->second = second->second;
+  ranges_.erase(second);
+}
 
-void AnnouncedEndpoints::clear() {
-  for (const auto& [key, size] : sizes_) account_->replace(size, 0);
-  sizes_.clear();
+bool SkippedNumbers::contains(std::uint64_t number) const {
+  const auto after = ranges_.upper_bound(number);
+  return after != ranges_.begin() && std::prev(after)->second > number;
+}
+
+void SkippedNumbers::forget_below(std::uint64_t number) {
+  while (!ranges_.empty() && ranges_.begin()->second <= number) ranges_.erase(ranges_.begin());
+}
+
+AnnouncedEndpoints::~AnnouncedEndpoints() { account_->replace(sum(), 0); }
+
+std::size_t AnnouncedEndpoints::sum() const {
+  std::size_t out = 0;
+  for (const auto& [id, writer] : writers_) {
+    for (const auto& [number, passed] : writer.passed) out += cost_of(passed);
+    for (const auto& [entity, cost] : writer.endpoints) out += cost;
+  }
+  return out;
+}
+
+std::size_t AnnouncedEndpoints::cost_of(const Announcement& announcement) {
+  return announcement.octets + AnnouncedOctets::kOfEach;
 }
 
 void AnnouncedEndpoints::count_for(std::shared_ptr<AnnouncedOctets> account) {
   const std::lock_guard lock(mutex_);
   if (account == account_) return;
-  clear();
+  account_->replace(sum(), 0);
+  writers_.clear();
   account_ = std::move(account);
 }
 
-Status AnnouncedEndpoints::announce(const BuiltinTopic& topic, const EntityId& entity,
-                                    std::size_t octets) {
+Status AnnouncedEndpoints::note(const BuiltinTopic& topic, const Announcement& announcement) {
   const std::lock_guard lock(mutex_);
-  const Key key{topic.writer, entity};
-  const auto known = sizes_.find(key);
-  const auto before = known == sizes_.end() ? 0 : known->second;
-  const auto after = octets + AnnouncedOctets::kOfEach;
-  if (!account_->replace(before, after))
-    return unreadable_name(topic, "its certificate has announced more than " +
-                                      std::to_string(AnnouncedOctets::kMost >> 20) + " MiB");
-  sizes_.insert_or_assign(key, after);
+  auto& writer = writers_[topic.writer];
+  if (announcement.number < writer.next) return note_again(topic, writer, announcement);
+  const auto known = writer.passed.find(announcement.number);
+  if (known != writer.passed.end())
+    return known->second == announcement
+               ? Status()
+               : unreadable_name(topic, "something else came under its number before");
+  if (!account_->replace(0, cost_of(announcement))) return too_much(topic);
+  writer.passed.emplace(announcement.number, announcement);
   return {};
 }
 
-void AnnouncedEndpoints::withdraw(const BuiltinTopic& topic, const EntityId& entity) {
+/// One that the host has acknowledged is new only to a participant that was made later. If it says
+/// that an endpoint ends, the host may have skipped it: that changes nothing.
+Status AnnouncedEndpoints::note_again(const BuiltinTopic& topic, Writer& writer,
+                                      const Announcement& announcement) {
+  if (announcement.kind != Announcement::Kind::announces) return {};
+  auto& counted = writer.endpoints[announcement.entity];
+  const auto cost = std::max(counted, cost_of(announcement));
+  const bool fits = account_->replace(counted, cost);
+  if (fits)
+    counted = cost;
+  else if (counted == 0)
+    writer.endpoints.erase(announcement.entity);
+  return fits ? Status() : Status(too_much(topic));
+}
+
+Status AnnouncedEndpoints::complete(const BuiltinTopic& topic, const Announcement& announcement) {
   const std::lock_guard lock(mutex_);
-  const auto known = sizes_.find({topic.writer, entity});
-  if (known == sizes_.end()) return;
-  account_->replace(known->second, 0);
-  sizes_.erase(known);
+  auto& writer = writers_[topic.writer];
+  const auto known = writer.passed.find(announcement.number);
+  if (known == writer.passed.end()) return note_again(topic, writer, announcement);
+  known->second = announcement;
+  return {};
+}
+
+void AnnouncedEndpoints::take_back(const BuiltinTopic& topic, std::uint64_t number) {
+  const std::lock_guard lock(mutex_);
+  auto& passed = writers_[topic.writer].passed;
+  const auto known = passed.find(number);
+  if (known == passed.end() || known->second.kind != Announcement::Kind::unread) return;
+  account_->replace(cost_of(known->second), 0);
+  passed.erase(known);
+}
+
+void AnnouncedEndpoints::skip(const BuiltinTopic& topic, std::uint64_t begin, std::uint64_t end) {
+  const std::lock_guard lock(mutex_);
+  auto& writer = writers_[topic.writer];
+  writer.skipped.add(std::max(begin, writer.next), end);
+}
+
+void AnnouncedEndpoints::acknowledged(const BuiltinTopic& topic, std::uint64_t next) {
+  const std::lock_guard lock(mutex_);
+  const auto known = writers_.find(topic.writer);
+  if (known == writers_.end() || next <= known->second.next) return;
+  auto& writer = known->second;
+  writer.next = next;
+  while (!writer.passed.empty() && writer.passed.begin()->first < next) {
+    settle(writer, writer.passed.begin()->second);
+    writer.passed.erase(writer.passed.begin());
+  }
+  writer.skipped.forget_below(next);
+}
+
+/// It counts for its endpoint from now on, and no longer by its number: never more than before.
+void AnnouncedEndpoints::settle(Writer& writer, const Announcement& announcement) {
+  account_->replace(cost_of(announcement), 0);
+  const bool is_skipped = writer.skipped.contains(announcement.number);
+  const auto known = writer.endpoints.find(announcement.entity);
+  const auto before = known == writer.endpoints.end() ? 0 : known->second;
+  if (announcement.kind == Announcement::Kind::announces)
+    set(writer, announcement.entity,
+        is_skipped ? std::max(before, cost_of(announcement)) : cost_of(announcement));
+  else if (announcement.kind == Announcement::Kind::ends && !is_skipped)
+    set(writer, announcement.entity, 0);
+}
+
+void AnnouncedEndpoints::set(Writer& writer, const EntityId& entity, std::size_t cost) {
+  auto& counted = writer.endpoints[entity];
+  account_->replace(counted, cost);
+  counted = cost;
+  if (cost == 0) writer.endpoints.erase(entity);
 }
 
 }  // namespace ddssec::cryptography

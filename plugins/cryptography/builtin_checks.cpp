@@ -15,19 +15,24 @@ bool says_end(BytesView status_info) {
   return status_info.size() >= 4 && (status_info[3] & kDisposedOrUnregistered) != 0;
 }
 
-/// Does it say that what the sample is about is gone?
+/// Does it say that what the sample is about is gone? Not both: which of two the host believes
+/// is not known here.
 Result<bool> check_inline_qos(const BuiltinTopic& topic, const Owner& owner,
                               const DataPiece& piece) {
   Reader in(piece.inline_qos, piece.endian);
-  bool ends = false;
+  std::optional<bool> ends;
   while (!in.at_end()) {
     const auto parameter = next_parameter(in);
     if (!parameter || !*parameter) break;  // read once already
     if ((*parameter)->id == kKeyHash)
       DDSSEC_TRY(check_name(topic, owner, "key hash", (*parameter)->value));
-    if ((*parameter)->id == kStatusInfo) ends = ends || says_end((*parameter)->value);
+    if ((*parameter)->id != kStatusInfo) continue;
+    const bool says = says_end((*parameter)->value);
+    if (ends.value_or(says) != says)
+      return unreadable_name(topic, "it has two values of PID_STATUS_INFO");
+    ends = says;
   }
-  return ends;
+  return ends.value_or(false);
 }
 
 /// ParticipantMessageData, or its key: both begin with the prefix. Fast DDS calls the same octets
@@ -43,34 +48,54 @@ Status check_liveliness(const BuiltinTopic& topic, const Owner& owner, BytesView
 
 /// `announced` is null where it is not known whose the announcement is.
 Result<TypeInformationAt> check_whole(const BuiltinTopic& topic, const Owner& owner,
-                                      BytesView payload, bool ends, AnnouncedEndpoints* announced) {
+                                      const DataPiece& piece, bool ends,
+                                      AnnouncedEndpoints* announced) {
   if (topic.key == 0) {
-    DDSSEC_TRY(check_liveliness(topic, owner, payload));
+    DDSSEC_TRY(check_liveliness(topic, owner, piece.payload));
     return TypeInformationAt{};
   }
   ParameterWalk walk;
-  DDSSEC_TRY(walk.read(topic, owner, payload));
+  DDSSEC_TRY(walk.read(topic, owner, piece.payload));
   DDSSEC_TRY(walk.check_end(topic));
-  if (announced != nullptr && ends)
-    announced->withdraw(topic, walk.entity());
-  else if (announced != nullptr)
-    DDSSEC_TRY(announced->announce(topic, walk.entity(), payload.size()));
+  const auto kind = ends ? Announcement::Kind::ends : Announcement::Kind::announces;
+  if (announced != nullptr)
+    DDSSEC_TRY(announced->note(topic, {piece.number, kind, walk.entity(), piece.payload.size()}));
   return walk.type_information();
 }
 
 Result<TypeInformationAt> check_payload(const BuiltinTopic& topic, const Owner& owner,
-                                        const DataPiece& piece, bool ends,
-                                        DiscoveryOfPeers& peers) {
-  auto* const peer = topic.key == 0 ? nullptr : peers.of(owner.value_or(GuidPrefix{}));
+                                        const DataPiece& piece, bool ends, PeerDiscovery* peer,
+                                        MonotonicTime now) {
   auto* const announced = peer == nullptr ? nullptr : &peer->announced;
-  if (!piece.is_fragment) return check_whole(topic, owner, piece.payload, ends, announced);
+  if (!piece.is_fragment) return check_whole(topic, owner, piece, ends, announced);
   if (piece.payload.size() < piece.fragments_size)
     return unreadable_name(topic, "a fragment is shorter than it says");
   if (piece.payload.size() == piece.sample_size)
-    return check_whole(topic, owner, piece.payload, ends, announced);
+    return check_whole(topic, owner, piece, ends, announced);
   if (topic.key == 0) return unreadable_name(topic, "it is in fragments");
   return peer == nullptr ? fail(Code::builtin_fragment_early)
-                         : peer->walks.take(topic, owner, piece, peer->announced, peers.now());
+                         : peer->walks.take(topic, owner, piece, peer->announced, now);
+}
+
+/// The host reads nothing of it, and goes on to the next number.
+Status check_without_payload(const BuiltinTopic& topic, const DataPiece& piece,
+                             PeerDiscovery* peer) {
+  if (peer == nullptr) return {};
+  return peer->announced.note(topic, {.number = piece.number});
+}
+
+/// Null: not known, or its samples announce nothing.
+PeerDiscovery* announcer(const BuiltinTopic& topic, const Owner& owner, DiscoveryOfPeers& peers) {
+  return topic.key == 0 ? nullptr : peers.of(owner.value_or(GuidPrefix{}));
+}
+
+/// What the host skips from now on.
+void note_skipped(BytesView submessage, const Owner& owner, DiscoveryOfPeers& peers) {
+  const auto skipped = read_skipped(submessage);
+  const auto* const topic = skipped ? builtin_topic_of(skipped->writer) : nullptr;
+  auto* const peer = topic == nullptr ? nullptr : announcer(*topic, owner, peers);
+  if (peer == nullptr) return;
+  for (const auto& [begin, end] : skipped->ranges) peer->announced.skip(*topic, begin, end);
 }
 
 }  // namespace
@@ -78,15 +103,22 @@ Result<TypeInformationAt> check_payload(const BuiltinTopic& topic, const Owner& 
 Result<TypeInformationAt> check_builtin_source(BytesView submessage, const Owner& owner,
                                                DiscoveryOfPeers& peers) {
   const auto writer = writer_of_data(submessage);
-  if (!writer) return TypeInformationAt{};
+  if (!writer) {
+    note_skipped(submessage, owner, peers);
+    return TypeInformationAt{};
+  }
   const auto* const topic = builtin_topic_of(*writer);
   if (topic == nullptr) return TypeInformationAt{};
   if (topic->key == 0 && !owner) return TypeInformationAt{};  // it holds nothing but a name
   const auto piece = read_data_piece(submessage);
   if (!piece) return unreadable_name(*topic, "its lengths contradict one another");
   const bool ends = DDSSEC_TRY(check_inline_qos(*topic, owner, *piece));
-  if (!piece->has_data && !piece->has_key) return TypeInformationAt{};
-  auto at = DDSSEC_TRY(check_payload(*topic, owner, *piece, ends, peers));
+  auto* const peer = announcer(*topic, owner, peers);
+  if (!piece->has_data && !piece->has_key) {
+    DDSSEC_TRY(check_without_payload(*topic, *piece, peer));
+    return TypeInformationAt{};
+  }
+  auto at = DDSSEC_TRY(check_payload(*topic, owner, *piece, ends, peer, peers.now()));
   if (at) *at += static_cast<std::uint32_t>(piece->payload.data() - submessage.data());
   return at;
 }

@@ -111,8 +111,12 @@ Status ParameterWalk::take(const BuiltinTopic& topic, const Owner& owner) {
   state_ = State::header;
   to_skip_ = length_ - static_cast<std::uint32_t>(kGuidSize);
   has_name_ = true;
-  if (id_ == topic.key) entity_ = EntityId::from(BytesView(part_).subspan(GuidPrefix::size));
-  return check_name(topic, owner, name_of(topic, id_), part_);
+  DDSSEC_TRY(check_name(topic, owner, name_of(topic, id_), part_));
+  if (id_ != topic.key) return {};
+  if (has_entity_) return unreadable_name(topic, "it names two endpoints");
+  has_entity_ = true;
+  entity_ = EntityId::from(BytesView(part_).subspan(GuidPrefix::size));
+  return {};
 }
 
 Status ParameterWalk::begin_list(const BuiltinTopic& topic) {

@@ -47,7 +47,7 @@ class ParameterWalk {
   /// Where the parameter id of the type information stands, counted from the encapsulation. Both of
   /// its octets came in one piece.
   std::optional<std::uint32_t> type_information() const { return type_information_; }
-  /// Of what the list is about: the last entity that the topic's key named.
+  /// Of what the list is about, by the topic's key.
   const EntityId& entity() const { return entity_; }
 
  private:
@@ -69,6 +69,7 @@ class ParameterWalk {
   State state_ = State::encapsulation;
   bool is_little_ = false;
   bool has_name_ = false;
+  bool has_entity_ = false;
   bool has_partitions_ = false;
   std::uint16_t id_ = 0;
   std::uint16_t length_ = 0;

@@ -13,6 +13,9 @@ constexpr std::uint8_t kKeyFlag = 0x08;      ///< of DATA
 constexpr std::uint8_t kFragKeyFlag = 0x04;  ///< of DATA_FRAG
 constexpr std::uint16_t kSentinel = 1;
 constexpr std::size_t kWriterAt = 12;
+/// The ids of reader and writer in GAP, HEARTBEAT and ACKNACK.
+constexpr std::size_t kEntitiesAt = kSubmessageHeaderSize,
+                      kEntitiesEnd = kEntitiesAt + 2 * EntityId::size;
 
 /// The octets of the sample that a DATA_FRAG holds, after writerSN.
 Result<std::uint64_t> read_fragment(Reader& in, DataPiece& piece) {
@@ -40,6 +43,35 @@ Result<BytesView> read_inline_qos(Reader& in) {
   }
 }
 
+Result<std::uint64_t> read_number(Reader& in) {
+  const std::uint64_t high = DDSSEC_TRY(in.read<std::uint32_t>());
+  return high << 32 | DDSSEC_TRY(in.read<std::uint32_t>());
+}
+
+Endian endian_of(BytesView submessage) {
+  return (submessage[1] & kEndianFlag) != 0 ? Endian::little : Endian::big;
+}
+
+/// After the ids of reader and writer.
+Result<Skipped> read_gap(Reader& in, const EntityId& writer) {
+  constexpr std::uint32_t kMostBits = 256;
+  const auto begin = DDSSEC_TRY(read_number(in)), base = DDSSEC_TRY(read_number(in));
+  Skipped out{writer, {{begin, base}}};
+  const auto bits = std::min(DDSSEC_TRY(in.read<std::uint32_t>()), kMostBits);
+  for (std::uint32_t word = 0; word < (bits + 31) / 32; ++word) {
+    const auto set = DDSSEC_TRY(in.read<std::uint32_t>());
+    for (std::uint32_t bit = 0; bit < 32; ++bit)
+      if ((set >> (31 - bit) & 1) != 0)
+        out.ranges.emplace_back(base + 32 * word + bit, base + 32 * word + bit + 1);
+  }
+  return out;
+}
+
+Result<Skipped> read_heartbeat(Reader& in, const EntityId& writer) {
+  const auto first = DDSSEC_TRY(read_number(in));
+  return Skipped{writer, {{0, first}}};
+}
+
 }  // namespace
 
 std::optional<EntityId> writer_of_data(BytesView submessage) {
@@ -53,6 +85,25 @@ EntityId reader_of_data(BytesView submessage) {
   return EntityId::from(submessage.subspan(kWriterAt - EntityId::size, EntityId::size));
 }
 
+std::optional<Skipped> read_skipped(BytesView submessage) {
+  const auto id = submessage[0];
+  if (id != submessage_id::kGap && id != submessage_id::kHeartbeat) return std::nullopt;
+  if (submessage.size() < kEntitiesEnd) return std::nullopt;
+  const auto writer = EntityId::from(submessage.subspan(kEntitiesAt + EntityId::size));
+  Reader in(submessage.subspan(kEntitiesEnd), endian_of(submessage));
+  auto skipped = id == submessage_id::kGap ? read_gap(in, writer) : read_heartbeat(in, writer);
+  return skipped ? std::optional(std::move(*skipped)) : std::nullopt;
+}
+
+std::optional<Acknowledgment> read_acknowledgment(BytesView submessage) {
+  if (submessage.size() < kEntitiesEnd || submessage[0] != submessage_id::kAckNack)
+    return std::nullopt;
+  Reader in(submessage.subspan(kEntitiesEnd), endian_of(submessage));
+  const auto next = read_number(in);
+  if (!next) return std::nullopt;
+  return Acknowledgment{EntityId::from(submessage.subspan(kEntitiesAt + EntityId::size)), *next};
+}
+
 Result<DataPiece> read_data_piece(BytesView submessage) {
   const auto header = read_submessage_header(submessage);
   const bool is_fragment = header.id == submessage_id::kDataFrag;
@@ -62,7 +113,7 @@ Result<DataPiece> read_data_piece(BytesView submessage) {
                   .has_data = is_fragment ? !key : (header.flags & kDataFlag) != 0,
                   .has_key = key,
                   .is_fragment = is_fragment,
-                  .endian = (header.flags & kEndianFlag) != 0 ? Endian::little : Endian::big,
+                  .endian = endian_of(submessage),
                   .inline_qos = {},
                   .payload = {}};
   Reader in(submessage, piece.endian);
@@ -70,8 +121,7 @@ Result<DataPiece> read_data_piece(BytesView submessage) {
   const auto to_inline_qos = DDSSEC_TRY(in.read<std::uint16_t>());
   const auto counted_from = in.position();
   DDSSEC_TRY(in.skip(2 * EntityId::size));
-  const std::uint64_t high = DDSSEC_TRY(in.read<std::uint32_t>());
-  piece.number = high << 32 | DDSSEC_TRY(in.read<std::uint32_t>());
+  piece.number = DDSSEC_TRY(read_number(in));
   auto most = static_cast<std::uint64_t>(submessage.size());
   if (is_fragment) most = DDSSEC_TRY(read_fragment(in, piece));
   if (to_inline_qos % 4 != 0 || counted_from + to_inline_qos < in.position())

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "base/ids.hpp"
 #include "base/reader.hpp"
@@ -33,6 +35,22 @@ EntityId reader_of_data(BytesView submessage);
 
 /// Of a submessage that has a writer. Errors: truncated, malformed.
 Result<DataPiece> read_data_piece(BytesView submessage);
+
+/// Numbers that a GAP names, or that lie below the first one of a HEARTBEAT.
+struct Skipped {
+  EntityId writer;
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> ranges;  ///< begin and end
+};
+/// Nothing: it is neither, or ends too early.
+std::optional<Skipped> read_skipped(BytesView submessage);
+
+/// Of an ACKNACK of a local reader.
+struct Acknowledgment {
+  EntityId writer;
+  std::uint64_t next;  ///< bitmapBase: the reader has all messages below
+};
+/// Nothing: it is none.
+std::optional<Acknowledgment> read_acknowledgment(BytesView submessage);
 
 /// One parameter of a parameter list (RTPS 9.4.2.11).
 struct Parameter {

@@ -66,6 +66,12 @@ struct Shared {
 /// its identity, with a bit that six octets cannot have.
 std::uint64_t subject_of(std::int64_t identity, const Pair& pair);
 
+/// The peer with that prefix that has authenticated with the local participant, or null. Nothing
+/// while another thread changes them.
+std::optional<const RemoteParticipant*> find_peer(const Shared& shared,
+                                                  const LocalParticipant& local,
+                                                  const GuidPrefix& prefix);
+
 /// Local handle kinds and the remote ones they match.
 inline constexpr EntityKind local_kind(spi::DatawriterCryptoHandle) {
   return EntityKind::local_writer;

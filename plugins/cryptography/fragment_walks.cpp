@@ -37,10 +37,13 @@ Result<TypeInformationAt> FragmentWalks::take(const BuiltinTopic& topic, const O
                                               MonotonicTime now) {
   const std::lock_guard lock(mutex_);
   auto& writer = writers_[topic.writer];
-  const auto sample = DDSSEC_TRY(sample_of(topic, writer, piece, now));
+  const auto sample = DDSSEC_TRY(sample_of(topic, writer, piece, announced, now));
   auto status = read(topic, owner, piece, sample->second, announced, now);
   const auto type_information = sample->second.type_information;
-  if (sample->second.passed.empty()) writer.erase(sample);  // the host got nothing of it
+  if (sample->second.passed.empty()) {  // the host got nothing of it
+    writer.erase(sample);
+    announced.take_back(topic, piece.number);
+  }
   if (!status) return std::unexpected(std::move(status).error());
   return within(piece, type_information);
 }
@@ -48,6 +51,7 @@ Result<TypeInformationAt> FragmentWalks::take(const BuiltinTopic& topic, const O
 Result<FragmentWalks::Samples::iterator> FragmentWalks::sample_of(const BuiltinTopic& topic,
                                                                   Writer& writer,
                                                                   const DataPiece& piece,
+                                                                  AnnouncedEndpoints& announced,
                                                                   MonotonicTime now) {
   if (const auto found = writer.samples.find(piece.number); found != writer.samples.end()) {
     const auto& known = found->second;
@@ -56,9 +60,13 @@ Result<FragmentWalks::Samples::iterator> FragmentWalks::sample_of(const BuiltinT
     return found;
   }
   const auto count = fragments_of(piece);
-  if (count > kMostOfSample) return unreadable_name(topic, "it is too large");
+  if (count > kMostOfSample || piece.sample_size > kMostOctets)
+    return unreadable_name(topic, "it is too large");
   if (piece.number <= writer.forgotten_until || !piece.begins_sample) return early();
   DDSSEC_TRY(make_room(writer, piece.number, count, now));
+  DDSSEC_TRY(announced.note(
+      topic,
+      {.number = piece.number, .kind = Announcement::Kind::unread, .octets = piece.sample_size}));
   writer.fragments += count;
   return writer.samples
       .emplace(piece.number, Sample{.size = piece.sample_size,
@@ -101,15 +109,15 @@ Status FragmentWalks::read(const BuiltinTopic& topic, const Owner& owner, const 
     }
   }
   if (added.empty()) return {};
-  DDSSEC_TRY(go_on(topic, owner, unread, added, sample, announced));
+  DDSSEC_TRY(go_on(topic, owner, piece, unread, added, sample, announced));
   sample.last_progress = now;
   return {};
 }
 
 /// Reads what follows the fragments that passed; changes nothing if it must not pass.
-Status FragmentWalks::go_on(const BuiltinTopic& topic, const Owner& owner, BytesView octets,
-                            const std::vector<Sha256Digest>& added, Sample& sample,
-                            AnnouncedEndpoints& announced) const {
+Status FragmentWalks::go_on(const BuiltinTopic& topic, const Owner& owner, const DataPiece& piece,
+                            BytesView octets, const std::vector<Sha256Digest>& added,
+                            Sample& sample, AnnouncedEndpoints& announced) const {
   auto walk = *sample.walk;
   while (!octets.empty()) {
     const auto fragment = octets.first(std::min<std::size_t>(sample.fragment_size, octets.size()));
@@ -119,7 +127,10 @@ Status FragmentWalks::go_on(const BuiltinTopic& topic, const Owner& owner, Bytes
   const bool is_whole = sample.passed.size() + added.size() == sample.count;
   if (is_whole) {
     DDSSEC_TRY(walk.check_end(topic));
-    DDSSEC_TRY(announced.announce(topic, walk.entity(), sample.size));
+    DDSSEC_TRY(announced.complete(topic, {.number = piece.number,
+                                          .kind = Announcement::Kind::announces,
+                                          .entity = walk.entity(),
+                                          .octets = sample.size}));
   }
   sample.type_information = walk.type_information();
   sample.passed.insert(sample.passed.end(), added.begin(), added.end());

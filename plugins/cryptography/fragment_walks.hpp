@@ -31,9 +31,10 @@ namespace ddssec::cryptography {
 /// Thread-safe.
 class FragmentWalks {
  public:
-  static constexpr std::size_t kMostOfSample = 384;    ///< fragments: 516 kB by Cyclone DDS
-  static constexpr std::size_t kMostFragments = 2048;  ///< of a writer: 64 kB of digests
-  static constexpr std::size_t kMostSamples = 512;     ///< of a writer: two windows of an ACKNACK
+  static constexpr std::size_t kMostOfSample = 384;      ///< fragments: 516 kB by Cyclone DDS
+  static constexpr std::uint32_t kMostOctets = 1 << 20;  ///< of a sample
+  static constexpr std::size_t kMostFragments = 2048;    ///< of a writer: 64 kB of digests
+  static constexpr std::size_t kMostSamples = 512;       ///< of a writer: two windows of an ACKNACK
   /// Further ones, for numbers below the highest: the host needs the lowest first.
   static constexpr std::size_t kSpareSamples = 64, kSpareFragments = kMostOfSample;
   /// So long is the lowest kept. One below it that was lost comes again within that time.
@@ -41,7 +42,7 @@ class FragmentWalks {
 
   /// One DATA_FRAG that is not a whole sample, of a writer whose samples are parameter lists.
   /// Returns where its payload holds the parameter id of type information: also if it comes again.
-  /// The last one counts in `announced`.
+  /// The sample counts in `announced` from the first one on.
   /// Errors: builtin_source_mismatch, builtin_source_unreadable; builtin_fragment_early: one before
   /// it is missing, or there is no room now, and it will be asked for again; or its sample is
   /// forgotten, and the sender serves another participant.
@@ -69,12 +70,13 @@ class FragmentWalks {
   };
 
   Result<Samples::iterator> sample_of(const BuiltinTopic& topic, Writer& writer,
-                                      const DataPiece& piece, MonotonicTime now);
+                                      const DataPiece& piece, AnnouncedEndpoints& announced,
+                                      MonotonicTime now);
   Status make_room(Writer& writer, std::uint64_t number, std::size_t fragments, MonotonicTime now);
   Status read(const BuiltinTopic& topic, const Owner& owner, const DataPiece& piece, Sample& sample,
               AnnouncedEndpoints& announced, MonotonicTime now) const;
-  Status go_on(const BuiltinTopic& topic, const Owner& owner, BytesView octets,
-               const std::vector<Sha256Digest>& added, Sample& sample,
+  Status go_on(const BuiltinTopic& topic, const Owner& owner, const DataPiece& piece,
+               BytesView octets, const std::vector<Sha256Digest>& added, Sample& sample,
                AnnouncedEndpoints& announced) const;
 
   std::mutex mutex_;

@@ -283,8 +283,6 @@ Result<std::size_t> Transform::decode_rtps_message(spi::ParticipantCryptoHandle 
                                      : keep_part_of_sender(receiver, sender, out.first(size));
 }
 
-/// The peer with that prefix that has authenticated with the local participant, or null. Nothing
-/// while another thread changes them.
 std::optional<const RemoteParticipant*> find_peer(const Shared& shared,
                                                   const LocalParticipant& local,
                                                   const GuidPrefix& prefix) {

@@ -1,7 +1,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "base/reader.hpp"
+#include "plugins/cryptography/builtin_names.hpp"
+#include "plugins/cryptography/data_piece.hpp"
 #include "plugins/cryptography/engine.hpp"
 #include "plugins/cryptography/message.hpp"
 
@@ -146,17 +147,6 @@ Status check_receivers(spi::ProtectionKind kind, std::size_t count) {
   return {};
 }
 
-/// The bitmapBase of an ACKNACK (RTPS 9.4.5.2): its reader has all messages below. 0: it is none.
-std::uint64_t acknowledged_by(BytesView submessage) {
-  constexpr std::size_t kBaseAt = kSubmessageHeaderSize + 2 * EntityId::size;
-  if (submessage.size() < kBaseAt + 8 || submessage[0] != submessage_id::kAckNack) return 0;
-  Reader in(submessage.subspan(kBaseAt),
-            (submessage[1] & kEndianFlag) != 0 ? Endian::little : Endian::big);
-  const auto high = in.read<std::uint32_t>().value_or(0),
-             low = in.read<std::uint32_t>().value_or(0);
-  return std::uint64_t{high} << 32 | low;
-}
-
 /// A submessage of a volatile endpoint goes to one participant, under the key of the two.
 template <class Remote>
 Result<std::size_t> encode_volatile(const Shared& shared, const LocalEndpoint& sender,
@@ -167,11 +157,48 @@ Result<std::size_t> encode_volatile(const Shared& shared, const LocalEndpoint& s
       DDSSEC_TRY(shared.remote_endpoint(receivers.front(), remote_kind(Remote{})));
   const auto* const pair = remote->participant.pair(sender.participant.handle());
   if (&remote->local != &sender || pair == nullptr) return fail(Code::crypto_not_matched);
-  if (const auto next = acknowledged_by(request.body); next != 0 && !shared.host_checks_sources)
-    shared.ledger.acknowledged(pair->number, next, shared.environment.clock.monotonic());
+  if (const auto acknowledged = read_acknowledgment(request.body);
+      acknowledged && !shared.host_checks_sources)
+    shared.ledger.acknowledged(pair->number, acknowledged->next,
+                               shared.environment.clock.monotonic());
   request.receivers = 0;
   return encode_group(request, *pair->key_exchange_send, out,
                       [](std::size_t) -> Result<ReceiverKey*> { return fail(Code::internal); });
+}
+
+/// Tells the peer's discovery what the host has taken of it. `find` names the peer, or null.
+template <class F>
+void note_acknowledged(BytesView submessage, F&& find) {
+  const auto acknowledged = read_acknowledgment(submessage);
+  const auto* const topic = acknowledged ? builtin_topic_of(acknowledged->writer) : nullptr;
+  const RemoteParticipant* const peer = topic == nullptr ? nullptr : find();
+  if (peer != nullptr) peer->discovery.announced.acknowledged(*topic, acknowledged->next);
+}
+
+/// Of a submessage that goes to these writers of one participant.
+template <class Remote>
+void note_acknowledged(const Shared& shared, std::span<const Remote> receivers,
+                       BytesView submessage) {
+  if (shared.host_checks_sources || receivers.empty()) return;
+  note_acknowledged(submessage, [&]() -> const RemoteParticipant* {
+    const auto remote = shared.remote_endpoint(receivers.front(), remote_kind(Remote{}));
+    return remote ? &(*remote)->participant : nullptr;
+  });
+}
+
+/// Of those inside of a message, whose receivers INFO_DST names.
+void note_acknowledged(const Shared& shared, const LocalParticipant& sender, BytesView message) {
+  GuidPrefix to;
+  for (auto rest = message.subspan(kRtpsHeaderSize); !rest.empty();) {
+    const auto size = size_of_first_submessage(rest);
+    if (!size) return;
+    if (rest[0] == submessage_id::kInfoDestination &&
+        *size >= kSubmessageHeaderSize + GuidPrefix::size)
+      to = GuidPrefix::from(rest.subspan(kSubmessageHeaderSize, GuidPrefix::size));
+    note_acknowledged(rest.first(*size),
+                      [&] { return find_peer(shared, sender, to).value_or(nullptr); });
+    rest = rest.subspan(*size);
+  }
 }
 
 /// The key that all of these writers have of the reader `sender`. One of them may have left since
@@ -212,6 +239,7 @@ Result<std::size_t> encode_submessage(const Shared& shared, Local handle,
   if (!is_protected(sender.submessage)) return fail(Code::not_protected);
   GroupRequest request{kSubmessageFrame, {}, plain, DDSSEC_TRY(check_submessage(plain)), 0};
   if (sender.is_volatile) return encode_volatile(shared, sender, receivers, request, out);
+  note_acknowledged(shared, receivers, plain);
   DDSSEC_TRY(check_receivers(sender.submessage, receivers.size()));
   if (is_origin_authenticated(sender.submessage)) request.receivers = receivers.size();
   auto& key = *DDSSEC_TRY(key_towards(shared, sender, receivers));
@@ -300,6 +328,7 @@ Result<std::size_t> Transform::encode_rtps_message(
   if (key == nullptr) return fail(Code::not_protected);
   DDSSEC_TRY(check_receivers(participant.rtps, receivers.size()));
   auto request = DDSSEC_TRY(message_request(plain, kMessageFrame, key->traits().encrypts));
+  if (!shared_.host_checks_sources) note_acknowledged(shared_, participant, plain);
   if (is_origin_authenticated(participant.rtps)) request.receivers = receivers.size();
   return seal_message(plain, request, *key, out, [&](std::size_t i) -> Result<ReceiverKey*> {
     const auto* const pair =

@@ -30,10 +30,10 @@ inline constexpr std::size_t kMostReceivers =
 
 namespace submessage_id {
 inline constexpr std::uint8_t kAckNack = 0x06, kHeartbeat = 0x07, kGap = 0x08,
-                              kInfoTimestamp = 0x09, kInfoSource = 0x0c, kNackFrag = 0x12,
-                              kHeartbeatFrag = 0x13, kData = 0x15, kDataFrag = 0x16,
-                              kSecBody = 0x30, kSecPrefix = 0x31, kSecPostfix = 0x32,
-                              kSrtpsPrefix = 0x33, kSrtpsPostfix = 0x34;
+                              kInfoTimestamp = 0x09, kInfoSource = 0x0c, kInfoDestination = 0x0e,
+                              kNackFrag = 0x12, kHeartbeatFrag = 0x13, kData = 0x15,
+                              kDataFrag = 0x16, kSecBody = 0x30, kSecPrefix = 0x31,
+                              kSecPostfix = 0x32, kSrtpsPrefix = 0x33, kSrtpsPostfix = 0x34;
 }  // namespace submessage_id
 
 /// E of a submessage's flags.

@@ -1,5 +1,7 @@
 #include "plugins/cryptography/announced_endpoints.hpp"
 
+#include <optional>
+
 #include <gtest/gtest.h>
 
 #include "plugins/cryptography/builtin_checks.hpp"
@@ -33,38 +35,102 @@ Bytes announcement(std::uint32_t number, std::size_t user_data) {
   return list;
 }
 
+constexpr std::uint8_t kDisposed = 1, kUnregistered = 2, kFiltered = 4;
+
+/// Little endian, after the ids of reader and writer.
+Bytes of_writer(std::uint8_t id, const EntityId& writer,
+                std::initializer_list<std::uint32_t> words) {
+  Bytes out = {id, 1};
+  append(out, 8 + 4 * words.size(), 2, true);
+  append(out, EntityId{}.view());
+  append(out, writer.view());
+  for (const auto word : words) append(out, word, 4, true);
+  return out;
+}
+
 struct AnnouncedEndpointsTest : ::testing::Test {
-  Code announce(std::uint32_t number, std::size_t user_data = kUserData,
+  AnnouncedEndpointsTest() { peers.peer.announced.count_for(account); }
+  Code announce(std::uint32_t endpoint, std::size_t user_data = kUserData,
                 const EntityId& writer = kPublications) {
-    const DataMessage message{.writer = writer, .payload = announcement(number, user_data)};
+    return announce_under(next_number++, endpoint, user_data, writer);
+  }
+  Code announce_under(std::uint32_t number, std::uint32_t endpoint,
+                      std::size_t user_data = kUserData, const EntityId& writer = kPublications) {
+    const DataMessage message{
+        .writer = writer, .number = number, .payload = announcement(endpoint, user_data)};
     return code_of(check_builtin_source(message.octets(), kPeer, peers));
   }
-  Code dispose(std::uint32_t number, std::uint8_t status) {
-    Bytes ends;
-    append(ends, 0x71, 2, true);
-    append(ends, 4, 2, true);
-    append(ends, status, 4, false);
-    append(ends, 1, 4, true);
+  Code dispose(std::uint32_t endpoint, std::uint8_t status) {
+    return dispose_under(next_number++, endpoint, status);
+  }
+  Code dispose_under(std::uint32_t number, std::uint32_t endpoint, std::uint8_t status) {
     const DataMessage message{.writer = kPublications,
                               .flags = 0x06,
-                              .inline_qos = ends,
-                              .payload = announcement(number, 0)};
+                              .number = number,
+                              .inline_qos = status_info({status}),
+                              .payload = announcement(endpoint, 0)};
     return code_of(check_builtin_source(message.octets(), kPeer, peers));
   }
+  static Bytes status_info(std::initializer_list<std::uint8_t> values) {
+    Bytes out;
+    for (const auto value : values) {
+      append(out, 0x71, 2, true);
+      append(out, 4, 2, true);
+      append(out, value, 4, false);
+    }
+    append(out, 1, 4, true);
+    return out;
+  }
+  Code fragment(std::uint32_t number, const Bytes& sample, std::uint32_t first,
+                std::uint16_t size) {
+    const auto begin = std::size_t{first - 1} * size;
+    const auto end = std::min<std::size_t>(begin + size, sample.size());
+    const DataMessage message{
+        .writer = kPublications,
+        .number = number,
+        .payload = Bytes(sample.begin() + static_cast<long>(begin),
+                         sample.begin() + static_cast<long>(end)),
+        .fragment = Fragment{
+            .first = first, .size = size, .whole = static_cast<std::uint32_t>(sample.size())}};
+    return code_of(check_builtin_source(message.octets(), kPeer, peers));
+  }
+  /// All fragments, as long as they pass.
+  Code fragments(std::uint32_t number, const Bytes& sample) {
+    constexpr std::uint16_t kSize = 1344;
+    auto code = Code{};
+    for (std::uint32_t first = 1; code == Code{} && std::size_t{first - 1} * kSize < sample.size();
+         ++first)
+      code = fragment(number, sample, first, kSize);
+    return code;
+  }
+  void tell(const Bytes& submessage) {
+    EXPECT_EQ(code_of(check_builtin_source(submessage, kPeer, peers)), Code{});
+  }
+  void acknowledge(std::uint32_t until) {
+    for (const auto& writer : {kPublications, kSubscriptions})
+      peers.peer.announced.acknowledged(*builtin_topic_of(writer), until);
+  }
+  void acknowledge() { acknowledge(next_number); }
   /// Until one more is refused.
   std::uint32_t fill() {
     while (announce(next) == Code{}) ++next;
+    acknowledge();
     return next;
   }
+  std::size_t held() const { return account->sum(); }
+  static std::size_t cost(std::size_t user_data) {
+    return announcement(1, user_data).size() + AnnouncedOctets::kOfEach;
+  }
+  std::shared_ptr<AnnouncedOctets> account = std::make_shared<AnnouncedOctets>();
   OneOwner peers;
   std::uint32_t next = 1;
+  std::uint32_t next_number = 1;
 };
 
 TEST_F(AnnouncedEndpointsTest, AreBoundedByWhatTheyHold) {
   const auto one = announcement(1, kUserData).size() + AnnouncedOctets::kOfEach;
   EXPECT_EQ(fill(), AnnouncedOctets::kMost / one + 1);
   EXPECT_EQ(announce(next), Code::builtin_source_unreadable);
-  EXPECT_EQ(announce(1), Code{}) << "it has not become larger";
 }
 
 TEST_F(AnnouncedEndpointsTest, AreBoundedByTheirNumber) {
@@ -76,58 +142,260 @@ TEST_F(AnnouncedEndpointsTest, CountOnceByEachWriterWhateverTheyWereBefore) {
   for (int again = 0; again < 3000; ++again) {
     ASSERT_EQ(announce(1), Code{});
     ASSERT_EQ(announce(1, kUserData, kSubscriptions), Code{});
+    acknowledge();
   }
 }
 
-TEST_F(AnnouncedEndpointsTest, ThatAreGoneMakeRoom) {
-  fill();
-  constexpr std::uint8_t kDisposed = 1, kUnregistered = 2;
+// The host keeps what comes before a number that is missing, all of it.
+TEST_F(AnnouncedEndpointsTest, CountByTheirNumberUntilTheyAreAcknowledged) {
+  int passed = 0;
+  while (announce(1) == Code{}) ASSERT_LE(++passed, 2000);
+  acknowledge();
+  EXPECT_EQ(announce(1), Code{});
+}
+
+TEST_F(AnnouncedEndpointsTest, ThatAreGoneMakeRoomOnceTheHostHasAcknowledgedIt) {
   for (const auto status : {kDisposed, kUnregistered}) {
-    EXPECT_EQ(dispose(status, status), Code{});
-    EXPECT_EQ(announce(next++), Code{});
-    EXPECT_EQ(announce(next), Code::builtin_source_unreadable);
+    ASSERT_EQ(announce(1), Code{});
+    acknowledge();
+    EXPECT_EQ(held(), cost(kUserData));
+    ASSERT_EQ(dispose(1, status), Code{});
+    EXPECT_EQ(held(), cost(kUserData) + cost(0));
+    acknowledge();
+    EXPECT_EQ(held(), 0u);
   }
-  constexpr std::uint8_t kFiltered = 4;
-  EXPECT_EQ(dispose(5, kFiltered), Code{});  // smaller now
-  EXPECT_EQ(announce(next++), Code{});
-  EXPECT_EQ(announce(next), Code::builtin_source_unreadable);
 }
 
-TEST_F(AnnouncedEndpointsTest, InFragmentsCountAsWell) {
-  fill();
-  const auto sample = announcement(next, kUserData);
-  constexpr std::uint16_t kSize = 1344;
-  auto code = Code{};
-  for (std::uint32_t first = 1; code == Code{} && (first - 1) * kSize < sample.size(); ++first) {
-    const auto begin = (first - 1) * kSize;
-    const auto end = std::min<std::size_t>(begin + kSize, sample.size());
-    const DataMessage message{
-        .writer = kPublications,
-        .payload = Bytes(sample.begin() + begin, sample.begin() + static_cast<long>(end)),
-        .fragment = Fragment{
-            .first = first, .size = kSize, .whole = static_cast<std::uint32_t>(sample.size())}};
-    code = code_of(check_builtin_source(message.octets(), kPeer, peers));
+TEST_F(AnnouncedEndpointsTest, ThatAreFilteredStay) {
+  ASSERT_EQ(announce(1), Code{});
+  ASSERT_EQ(dispose(1, kFiltered), Code{});
+  acknowledge();
+  EXPECT_EQ(held(), cost(0)) << "it was announced again, and is smaller now";
+}
+
+// Before: the endpoint did not count any more, and the host kept it.
+TEST_F(AnnouncedEndpointsTest, DoNotEndByANumberThatTheHostPassesOver) {
+  ASSERT_EQ(announce(1), Code{});
+  ASSERT_EQ(announce(2), Code{});
+  acknowledge();
+  for (const std::uint32_t number : {1, 2}) EXPECT_EQ(dispose_under(number, 2, kDisposed), Code{});
+  EXPECT_EQ(held(), 2 * cost(kUserData));
+}
+
+TEST_F(AnnouncedEndpointsTest, DoNotEndByANumberThatTheHostMayHaveSkipped) {
+  constexpr std::uint8_t kGap = 0x08, kHeartbeat = 0x07;
+  const std::vector<Bytes> ways = {of_writer(kGap, kPublications, {0, 2, 0, 3, 0}),
+                                   of_writer(kGap, kPublications, {0, 1, 0, 1, 32, 0x40000000}),
+                                   of_writer(kHeartbeat, kPublications, {0, 3, 0, 9, 1})};
+  for (const bool before : {true, false}) {
+    for (const auto& way : ways) {
+      next_number = 1;
+      peers.peer.announced.~AnnouncedEndpoints();
+      new (&peers.peer.announced) AnnouncedEndpoints();
+      peers.peer.announced.count_for(account);
+      ASSERT_EQ(announce(1), Code{});
+      if (before) tell(way);
+      ASSERT_EQ(dispose_under(2, 1, kDisposed), Code{});
+      if (!before) tell(way);
+      EXPECT_EQ(held(), cost(kUserData) + cost(0));
+      acknowledge(3);
+      EXPECT_EQ(held(), cost(kUserData));
+    }
   }
-  EXPECT_EQ(code, Code::builtin_source_unreadable);
+}
+
+TEST_F(AnnouncedEndpointsTest, EndThoughOtherNumbersWereSkipped) {
+  ASSERT_EQ(announce_under(1, 1), Code{});
+  tell(of_writer(0x08, kPublications, {0, 2, 0, 5, 0}));
+  ASSERT_EQ(dispose_under(5, 1, kDisposed), Code{});
+  acknowledge(6);
+  EXPECT_EQ(held(), 0u);
+}
+
+TEST_F(AnnouncedEndpointsTest, OneNumberSaysOneThing) {
+  ASSERT_EQ(announce_under(1, 1), Code{});
+  EXPECT_EQ(announce_under(1, 1), Code{}) << "it came again";
+  EXPECT_EQ(announce_under(1, 2), Code::builtin_source_unreadable);
+  EXPECT_EQ(announce_under(1, 1, 10), Code::builtin_source_unreadable);
+  EXPECT_EQ(dispose_under(1, 1, kDisposed), Code::builtin_source_unreadable);
+  const DataMessage empty{.writer = kPublications, .flags = 0, .number = 2, .payload = {}};
+  tell(empty.octets());
+  EXPECT_EQ(dispose_under(2, 1, kDisposed), Code::builtin_source_unreadable)
+      << "the host went on to the next number";
+  EXPECT_EQ(fragment(1, announcement(1, kUserData), 1, 1344), Code::builtin_source_unreadable);
+}
+
+TEST_F(AnnouncedEndpointsTest, OneAnnouncementSaysOneThing) {
+  DataMessage message{.writer = kPublications,
+                      .flags = 0x06,
+                      .inline_qos = status_info({kDisposed, 0}),
+                      .payload = announcement(1, 0)};
+  EXPECT_EQ(code_of(check_builtin_source(message.octets(), kPeer, peers)),
+            Code::builtin_source_unreadable);
+  const auto one = announcement(1, 0), two = announcement(2, 0);
+  message.inline_qos = status_info({});
+  message.payload.assign(one.begin(), one.end() - 4);  // without its sentinel
+  message.payload.insert(message.payload.end(), two.begin() + 4, two.end());
+  EXPECT_EQ(code_of(check_builtin_source(message.octets(), kPeer, peers)),
+            Code::builtin_source_unreadable);
+}
+
+// To a participant that is made later: new to it, and once more in the host.
+TEST_F(AnnouncedEndpointsTest, ThatComeAgainLaterCountOnce) {
+  ASSERT_EQ(announce_under(1, 1), Code{});
+  acknowledge(2);
+  EXPECT_EQ(announce_under(1, 1), Code{});
+  EXPECT_EQ(held(), cost(kUserData));
+  EXPECT_EQ(announce_under(1, 2), Code{});
+  EXPECT_EQ(held(), 2 * cost(kUserData));
+}
+
+TEST_F(AnnouncedEndpointsTest, InFragmentsCountFromTheFirstOn) {
+  const auto sample = announcement(1, kUserData);
+  EXPECT_EQ(fragment(1, sample, 1, 1344), Code{});
+  EXPECT_EQ(held(), cost(kUserData));
+  EXPECT_EQ(fragments(1, sample), Code{});
+  EXPECT_EQ(held(), cost(kUserData));
+  acknowledge(2);
+  EXPECT_EQ(held(), cost(kUserData));
+  EXPECT_EQ(dispose_under(2, 1, kDisposed), Code{});
+  acknowledge(3);
+  EXPECT_EQ(held(), 0u);
+}
+
+// Before: 128 of 23 MB each that the host held for one endpoint, without an end in sight.
+TEST_F(AnnouncedEndpointsTest, InFragmentsAreBoundedWhileOneBeforeThemIsMissing) {
+  const auto large = announcement(1, 65'000);
+  std::uint32_t number = 2;
+  while (fragments(number, large) == Code{}) {
+    peers.time += FragmentWalks::kKept;
+    ASSERT_LE(++number, 2000u);
+  }
+  EXPECT_LE(held(), AnnouncedOctets::kMost);
+  Bytes huge(FragmentWalks::kMostOctets + 1);
+  EXPECT_EQ(fragment(number + 1, huge, 1, 60'000), Code::builtin_source_unreadable);
+}
+
+TEST_F(AnnouncedEndpointsTest, ARefusedFirstFragmentDoesNotCount) {
+  auto sample = announcement(1, kUserData);
+  sample[1] = 9;  // no parameter list
+  EXPECT_EQ(fragment(1, sample, 1, 1344), Code::builtin_source_unreadable);
+  EXPECT_EQ(held(), 0u);
+}
+
+/// An engine whose host believes any source, and a peer that goes on and on.
+struct AcknowledgedEndpoints : ::testing::Test {
+  static constexpr int kTimes = 2 * AnnouncedOctets::kMost / kUserData;
+
+  void meet(ProtectionKind rtps) {
+    two.emplace(rtps, PropertyList{}, Options{.host_checks_sources = false});
+    auto secret = shared_secret(5);
+    secret.peer_prefix = kPeer;
+    for (auto* side : {&two->a, &two->b})
+      side->remote = side->factory()
+                         .register_matched_remote_participant(side->participant, {8}, {7}, secret)
+                         .value();
+    if (rtps != ProtectionKind::none) return two->exchange_participant_tokens();
+    auto attributes = endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none);
+    attributes.is_builtin = true;
+    ends = two->endpoints(attributes);
+  }
+  /// The host has the sample with that number, and tells its writer.
+  static Bytes acknacks(const EntityId& writer, std::uint32_t number) {
+    return of_writer(submessage_id::kAckNack, writer, {0, number + 1, 0, number});
+  }
+  static Bytes announces(const EntityId& writer, std::uint32_t number) {
+    return DataMessage{.writer = writer, .number = number, .payload = announcement(1, kUserData)}
+        .octets();
+  }
+  /// By the peer, or to it.
+  static Bytes message(const GuidPrefix& from, const Bytes& submessages) {
+    Bytes out = {'R', 'T', 'P', 'S', 2, 5, 1, 16};
+    append(out, from.view());
+    append(out, Bytes{0x0e, 1, 12, 0});
+    append(out, kPeer.view());
+    append(out, submessages);
+    return out;
+  }
+  std::optional<TwoSides> two;
+  WriterToReader ends;
+};
+
+// Before: the host's acknowledgments were not looked at.
+TEST_F(AcknowledgedEndpoints, CountOnceUnderKeysOfTheirWriters) {
+  meet(ProtectionKind::none);
+  for (std::uint32_t number = 1; number <= kTimes; ++number) {
+    ASSERT_TRUE(decode_submessage(
+        *two, ends, encode_submessage(*two, ends, announces(kPublications, number)).value()))
+        << number;
+    ASSERT_TRUE(encode_reply(*two, ends, acknacks(kPublications, number)));
+  }
+  EXPECT_TRUE(two->b.events.codes.empty()) << two->b.events.last;
+}
+
+TEST_F(AcknowledgedEndpoints, CountOnceInProtectedMessages) {
+  constexpr EntityId kClear{{0, 0, 3, 0xc2}};
+  meet(ProtectionKind::encrypt);
+  for (std::uint32_t number = 1; number <= kTimes; ++number) {
+    const auto encoded = encode_message(*two, message(kPeer, announces(kClear, number)));
+    const auto decoded = decode_message(*two, encoded.value());
+    ASSERT_TRUE(decoded);
+    ASSERT_GT(decoded->size(), kUserData) << number << ' ' << two->b.events.last;
+    ASSERT_TRUE(into_bytes(1000, [&](MutableBytes out) {
+      return two->b.transform().encode_rtps_message(
+          two->b.participant, {&two->b.remote, 1}, message(kVictim, acknacks(kClear, number)), out);
+    }));
+  }
+}
+
+TEST(SkippedNumbers, AreKnownExactlyWhereThereAreFew) {
+  SkippedNumbers skipped;
+  skipped.add(5, 7);
+  skipped.add(10, 12);
+  skipped.add(7, 8);
+  skipped.add(3, 3);
+  for (std::uint64_t number = 0; number < 15; ++number)
+    EXPECT_EQ(skipped.contains(number),
+              (number >= 5 && number < 8) || (number >= 10 && number < 12))
+        << number;
+  skipped.forget_below(8);
+  EXPECT_FALSE(skipped.contains(6));
+  EXPECT_TRUE(skipped.contains(11));
+  skipped.add(0, ~0ull);
+  EXPECT_TRUE(skipped.contains(9));
+}
+
+TEST(SkippedNumbers, OfVeryManyNoneIsMissed) {
+  SkippedNumbers skipped;
+  for (std::uint64_t number = 0; number < 1000; ++number) skipped.add(2 * number, 2 * number + 1);
+  for (std::uint64_t number = 0; number < 1000; ++number) EXPECT_TRUE(skipped.contains(2 * number));
+  EXPECT_FALSE(skipped.contains(1997));
 }
 
 TEST(AnnouncementAccounts, AreSharedByTheParticipantsOfACertificate) {
   const auto& topic = *builtin_topic_of(kPublications);
   AnnouncementAccounts accounts;
   constexpr auto kHalf = AnnouncedOctets::kMost / 2;
+  const auto announces = [&](AnnouncedEndpoints& endpoints, std::uint64_t number,
+                             std::size_t octets) {
+    return endpoints
+        .note(topic, {number, Announcement::Kind::announces, endpoint(1),
+                      octets - AnnouncedOctets::kOfEach})
+        .has_value();
+  };
   AnnouncedEndpoints first, other;
   first.count_for(accounts.of(1));
   other.count_for(accounts.of(2));
   {
     AnnouncedEndpoints second;
     second.count_for(accounts.of(1));
-    EXPECT_TRUE(first.announce(topic, endpoint(1), kHalf));
-    EXPECT_FALSE(second.announce(topic, endpoint(1), kHalf));
-    EXPECT_TRUE(other.announce(topic, endpoint(1), kHalf));
-    EXPECT_TRUE(second.announce(topic, endpoint(1), kHalf / 2));
-    EXPECT_FALSE(first.announce(topic, endpoint(2), kHalf / 2));
+    EXPECT_TRUE(announces(first, 1, kHalf));
+    EXPECT_FALSE(announces(second, 1, kHalf + 1));
+    EXPECT_TRUE(announces(other, 1, kHalf));
+    EXPECT_TRUE(announces(second, 1, kHalf));
+    EXPECT_FALSE(announces(first, 2, kHalf));
   }
-  EXPECT_TRUE(first.announce(topic, endpoint(2), kHalf / 2)) << "the second has left";
+  EXPECT_TRUE(announces(first, 2, kHalf)) << "the second has left";
 }
 
 }  // namespace
