@@ -179,12 +179,12 @@ Result<DomainId> ros_domain() {
   const auto environment = doctor::ros_environment();
   const auto found = environment.find("ROS_DOMAIN_ID");
   if (found == environment.end() || found->second.empty()) return DomainId{0};
-  const Arguments from_environment({{"ROS_DOMAIN_ID", {found->second}}});
-  const auto number = from_environment.number("ROS_DOMAIN_ID", 0, governance::kHighestDomainId);
-  if (number) return static_cast<DomainId>(*number);
-  auto details = number.error().details();
-  details.field = "the environment variable ROS_DOMAIN_ID";
-  return fail(number.error().code(), std::move(details));
+  if (const auto domain = doctor::node_domain(found->second)) return *domain;
+  return fail(Code::usage,
+              {.field = "the environment variable ROS_DOMAIN_ID",
+               .expected = fmt::format("a number from 0 to {}", governance::kHighestDomainId),
+               .found = '"' + found->second + '"',
+               .note = "a leading 0 makes it octal for a node, 0x hexadecimal"});
 }
 
 // What is at hand of the configuration that an application would run with: the environment's, or

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstdlib>
 #include <system_error>
 
@@ -71,8 +70,7 @@ void check_enclave(const LoadedFolder& folder, const Environment& environment, D
 void check_domain(const LoadedFolder& folder, const Environment& environment,
                   const Settings& settings, Diagnosis& out) {
   const auto found = value(environment, "ROS_DOMAIN_ID");
-  DomainId domain = 0;
-  std::from_chars(found.data(), found.data() + found.size(), domain);
+  const auto domain = node_domain(found).value_or(0);
   const Domains named = domains_of(folder, settings.now);
   const bool fits = named.empty() || contains(named, domain);
   if (fits) return out.pass(Rule::DOC096);
@@ -223,6 +221,18 @@ Environment ros_environment() {
         "ROS_SECURITY_ENCLAVE_OVERRIDE", "ROS_DOMAIN_ID", "RMW_IMPLEMENTATION", "LD_LIBRARY_PATH"})
     if (const char* set = std::getenv(name)) out.emplace(name, set);
   return out;
+}
+
+// Measured with rcl of ROS 2 Humble: 010 is domain 8, " 7", "+7" and "7 rest" are 7, 08 ends the
+// node.
+std::optional<DomainId> node_domain(const std::string& ros_domain_id) {
+  if (ros_domain_id.empty()) return 0;
+  if (ros_domain_id.contains('-')) return std::nullopt;
+  char* end = nullptr;
+  const auto number = std::strtoul(ros_domain_id.c_str(), &end, 0);
+  const bool is_none = number == 0 && *end != '\0';
+  if (is_none || number > static_cast<unsigned long>(kHighestDomainId)) return std::nullopt;
+  return static_cast<DomainId>(number);
 }
 
 void check_ros(const LoadedFolder& folder, const Environment& environment, const Settings& settings,

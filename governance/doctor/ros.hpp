@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 
 #include "governance/doctor/diagnosis.hpp"
@@ -15,6 +16,11 @@ using Environment = std::map<std::string, std::string, std::less<>>;
 /// ROS_SECURITY_ENCLAVE_OVERRIDE, ROS_DOMAIN_ID, RMW_IMPLEMENTATION, LD_LIBRARY_PATH, as far as
 /// this process has them.
 Environment ros_environment();
+
+/// The domain of a node that is started with this ROS_DOMAIN_ID, as rcl reads it: octal with a
+/// leading 0, hexadecimal with 0x, and what stands behind the digits is passed over. Domain 0 if it
+/// is empty. Nothing if the node does not start, or if the number is negative, which is no domain.
+std::optional<DomainId> node_domain(const std::string& ros_domain_id);
 
 /// Whether a node started in this environment uses the folder and ddssec's plugins, and whether its
 /// grant holds the names that ROS 2 needs in settings.domain, one that the documents are for if

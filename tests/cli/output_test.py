@@ -132,7 +132,7 @@ class Output(Transcript):
         self.assertNotIn("did you mean", told)
         self.assertEqual(self.run_program("-V").stdout, self.run_program("--version").stdout)
         self.run_program("init", "demo", *NOW)
-        for value in ("abc", "300"):
+        for value in ("abc", "300", "08", "-1"):
             told = self.refused("usage", 2, "doctor", "demo/talker", "--ros", environment={"ROS_DOMAIN_ID": value})
             self.assertIn("the environment variable ROS_DOMAIN_ID: ", told["message"])
             self.assertIn(f'found "{value}"', told["message"])
