@@ -340,7 +340,7 @@ Result<Report> ca_renew(const Arguments& arguments, const Context& context) {
                 DDSSEC_TRY(steps_after_renewal(ca, role, arguments.text("DIR")));
   const auto log = DDSSEC_TRY(read_issue_log(ca.paths));
   const LoggedFolders folders(ca.paths, log);
-  for (const auto& logged : log.folders()) {
+  for (const auto& logged : log.places()) {
     const auto holder = folders.today(logged).string();
     report.result["folders"].push_back(holder);
     report.text += fmt::format("  {}\n", holder);

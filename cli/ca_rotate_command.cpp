@@ -45,9 +45,10 @@ Known known_to(const CaPaths& ca, const pki::IssueLog& log, const pki::Certifica
   std::set<std::string> seen;
   std::set<fs::path> seen_here;
   for (const auto& issued : log.issued()) {
-    const auto& place = issued.folder.empty() ? issued.subject : issued.folder;
+    const auto place = issued.folder.empty() ? issued.subject : issued.place();
     if (!seen.insert(place).second) continue;
-    const auto folder = issued.folder.empty() ? fs::path() : folders.today(issued.folder);
+    const bool has_folder = !issued.folder.empty() && issued.file.empty();
+    const auto folder = has_folder ? folders.today(issued.folder) : fs::path();
     const bool is_here = !folder.empty() && !folders.is_of_another_copy(folder) &&
                          is_participant_of(identity, log, folder);
     if (is_here && seen_here.insert(folder).second)  // moved, it has two names in the log

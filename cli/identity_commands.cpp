@@ -96,7 +96,7 @@ Status check_subject_free(const pki::Certificate& certificate, const pki::IssueL
     if (!subject || subject->key() != wanted) continue;
     return fail(Code::subject_taken,
                 {.found = fmt::format("{}, serial {}, valid until {}, {}", issued.subject,
-                                      issued.serial, date(issued.not_after), issued.folder)});
+                                      issued.serial, date(issued.not_after), issued.place())});
   }
   return {};
 }
@@ -117,6 +117,32 @@ Status check_subject_of_request(const std::string& subject, const OpenCa& ca,
   if (!is_taken) return {};
   return fail(Code::subject_taken, {.found = subject + ", which is a CA's",
                                     .hint = "make a request with another subject name"});
+}
+
+// Other certificates of the same key, which count until they are revoked.
+std::string same_key_text(const pki::Certificate& certificate, const pki::IssueLog& log,
+                          WallTime now) {
+  std::string out;
+  const pki::KeyDigests key(certificate);
+  for (const auto& issued : log.issued())
+    if (!issued.revoked && now < issued.not_after && key.contains(issued.key) &&
+        issued.subject != certificate.subject())
+      out += fmt::format("note: of the same key: serial {}  {}\n", issued.serial, issued.subject);
+  return out;
+}
+
+// What --ca has of a permissions CA, in words if it has an identity CA alone.
+std::string after_signing(const fs::path& to, const OpenCa& ca, const std::string& given) {
+  const auto permissions = ca_paths(given, "permissions").certificate;
+  const bool has_both = permissions != ca.paths.certificate;
+  return fmt::format(
+      "next, for its permissions: ddssec permissions new --cert {0} --publish TOPIC --sign --ca "
+      "{1} -o {2}\n"
+      "and to the device, beside its key: {0}, {3} as identity_ca.pem, {4} as permissions_ca.pem, "
+      "permissions.p7s, governance.p7s\n",
+      to.string(), has_both ? given : "PERMISSIONS_CA",
+      fs::path(to).replace_filename("permissions.xml").string(), ca.paths.certificate.string(),
+      has_both ? permissions.string() : "the permissions CA's certificate");
 }
 
 Result<Report> identity_sign_csr(const Arguments& arguments, const Context& context) {
@@ -142,18 +168,14 @@ Result<Report> identity_sign_csr(const Arguments& arguments, const Context& cont
   DDSSEC_TRY(check_subject_free(certificate, log, arguments, now));
   if (fs::symlink_status(to, ignored).type() > fs::file_type::not_found)
     return fail(Code::would_overwrite, {.document = to});
-  DDSSEC_TRY(log_issued(ca.paths, pki::IssueLog::issued_line(certificate, folder.string(), now)));
+  DDSSEC_TRY(log_issued(ca.paths, pki::IssueLog::issued_line(certificate, folder.string(), now,
+                                                             to.filename().string())));
   Report report;
   report.files_written.push_back(DDSSEC_TRY(write_new_file(to, as_bytes(certificate.pem()), 0644)));
-  report.text = fmt::format(
-      "{0}  {1}  expires {2}\n"
-      "next, for its permissions: ddssec permissions new --cert {0} --publish TOPIC --sign --ca "
-      "{3} -o {4}\n"
-      "and to the device, beside its key: {0}, {5} as identity_ca.pem, {6} as permissions_ca.pem, "
-      "permissions.p7s, governance.p7s\n",
-      to.string(), certificate.subject(), date(certificate.not_after()), arguments.text("--ca"),
-      fs::path(to).replace_filename("permissions.xml").string(), ca.paths.certificate.string(),
-      ca_paths(arguments.text("--ca"), "permissions").certificate.string());
+  report.text = fmt::format("{}  {}  expires {}\n", to.string(), certificate.subject(),
+                            date(certificate.not_after())) +
+                same_key_text(certificate, log, now) +
+                after_signing(to, ca, arguments.text("--ca"));
   report.result = {{"file", to.string()}, {"algorithm", to_string(content.key)}};
   report.result.update(certificate_json(certificate));
   return report;

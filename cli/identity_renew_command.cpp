@@ -290,7 +290,8 @@ Result<Report> renew(Renewal job) {
   std::error_code ignored;
   const auto folder = fs::absolute(path, ignored).lexically_normal().parent_path();
   DDSSEC_TRY(check_not_interrupted());
-  DDSSEC_TRY(log_issued(ca.paths, pki::IssueLog::issued_line(renewed, folder.string(), now)));
+  DDSSEC_TRY(log_issued(ca.paths, pki::IssueLog::issued_line(renewed, folder.string(), now,
+                                                             path.filename().string())));
   report.text += old.not_after() <= now
                      ? "the identity had ended, and with it all connections: start the participant "
                        "again\n"

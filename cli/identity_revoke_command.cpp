@@ -1,6 +1,7 @@
 // identity revoke: the certificates of a participant count no more.
 #include <algorithm>
 #include <filesystem>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -25,10 +26,14 @@ namespace fs = std::filesystem;
 /// What is to be revoked.
 struct Doomed {
   std::string subject;
-  std::vector<std::string> serials;   ///< that are not revoked yet
-  std::vector<std::string> subjects;  ///< of each of them
-  std::string own_serial = {};        ///< of the certificate that was given
-  std::string unlogged_key = {};      ///< its key, if the log does not have it yet
+  std::vector<std::string> serials = {};   ///< that are not revoked yet
+  std::vector<std::string> subjects = {};  ///< of each of them
+  std::string own_serial = {};             ///< of what was given
+  std::vector<std::string> own_keys = {};  ///< its digests, as a log may have them
+  std::string unlogged_key = {};           ///< its key, if the log does not have it yet
+  /// Certificates of the same key that stay valid, in words.
+  std::vector<std::string> same_key = {};
+  std::vector<std::string> same_key_serials = {};
 
   void add(const std::string& serial, const std::string& of) {
     serials.push_back(serial);
@@ -59,22 +64,55 @@ Result<Doomed> doomed_participant(const fs::path& given, const OpenCa& ca, const
   const bool is_by_itself = path == given && belonging == Belonging::moved;
   if (!is_by_itself)
     DDSSEC_TRY(check_own(certificate, folder, ca.paths, log, arguments.text("--subject")));
-  Doomed out{certificate.subject(), {}, {}, certificate.serial()};
+  Doomed out{.subject = certificate.subject(), .own_serial = certificate.serial()};
   const auto* own = log.find(certificate.serial());
   // Another tool may have issued it, or an earlier version: the key must not come back by a
   // request.
+  const bool is_folder = path.filename() == pki::kCertificateFile;
   const pki::KeyDigests key(certificate);
   if ((own == nullptr || !key.contains(own->key)) && log.revoked_serial(key).empty())
     out.unlogged_key = key.canonical();
+  out.own_keys = key.all();
   if (!log.is_revoked(certificate.serial())) out.add(certificate.serial(), certificate.subject());
   for (const auto& issued : log.issued()) {
-    const bool is_of_folder =
-        own != nullptr && !own->folder.empty() && issued.folder == own->folder;
+    const bool is_of_folder = is_folder && own != nullptr && own->shares_place_with(issued);
     if ((issued.subject == certificate.subject() || is_of_folder) && !issued.revoked &&
         issued.serial != certificate.serial())
       out.add(issued.serial, issued.subject);
   }
   return out;
+}
+
+// Certificates of the same key under another subject, or that were put elsewhere. A key that was
+// stolen makes all of them void; otherwise they are named.
+void add_same_key(const pki::IssueLog& log, pki::RevocationReason reason, Doomed& out) {
+  const auto is_doomed = [&](const pki::IssuedCertificate& issued) {
+    return issued.serial == out.own_serial ||
+           std::ranges::find(out.serials, issued.serial) != out.serials.end();
+  };
+  std::set<std::string> keys(out.own_keys.begin(), out.own_keys.end());
+  for (const auto& issued : log.issued())
+    if (is_doomed(issued)) keys.insert(issued.key);
+  keys.erase("");
+  for (const auto& issued : log.issued()) {
+    if (is_doomed(issued) || issued.revoked || !keys.contains(issued.key)) continue;
+    if (reason == pki::RevocationReason::key_compromise) {
+      out.add(issued.serial, issued.subject);
+      continue;
+    }
+    out.same_key_serials.push_back(issued.serial);
+    out.same_key.push_back(fmt::format("serial {}  {}", issued.serial, issued.subject));
+  }
+}
+
+std::string same_key_text(const Doomed& what, const std::string& ca) {
+  if (what.same_key.empty()) return "";
+  std::string out = "the same key has another certificate, which stays valid:\n";
+  for (const auto& one : what.same_key) out += fmt::format("  {}\n", one);
+  return out + fmt::format(
+                   "  if the key was stolen: ddssec identity revoke {} --ca {} --reason "
+                   "keyCompromise\n",
+                   what.same_key_serials.front(), governance::doctor::shell_word(ca));
 }
 
 // The log may know the name; revoking by a name alone could end the wrong participant.
@@ -103,7 +141,7 @@ Result<Doomed> doomed(const Arguments& arguments, const OpenCa& ca, const pki::I
   const auto* issued = log.find(serial);
   if (issued == nullptr)
     return fail(Code::serial_unknown, {.document = ca.paths.log, .found = serial});
-  Doomed out{issued->subject, {}, {}};
+  Doomed out{.subject = issued->subject, .own_serial = serial, .own_keys = {issued->key}};
   if (!log.is_revoked(serial)) out.add(serial, issued->subject);
   return out;
 }
@@ -192,11 +230,14 @@ Result<Report> identity_revoke(const Arguments& arguments, const Context& contex
   const auto ca = DDSSEC_TRY(opener.open("identity"));
   DDSSEC_TRY(check_list_date(now, ca.paths, arguments));
   auto log = DDSSEC_TRY(read_issue_log(ca.paths));
-  const auto what = DDSSEC_TRY(doomed(arguments, ca, log));
+  auto what = DDSSEC_TRY(doomed(arguments, ca, log));
+  add_same_key(log, reason, what);
   Report report;
-  report.result = {{"subject", what.subject}, {"serials", what.serials}};
+  report.result = {
+      {"subject", what.subject}, {"serials", what.serials}, {"same_key", what.same_key_serials}};
   if (what.serials.empty() && what.unlogged_key.empty() && DDSSEC_TRY(lists_all(ca.paths, log))) {
-    report.text = fmt::format("{}  revoked already\n", what.subject);
+    report.text = fmt::format("{}  revoked already\n{}", what.subject,
+                              same_key_text(what, arguments.text("--ca")));
     return report;
   }
   for (const auto& serial : what.serials) DDSSEC_TRY(log.add(pki::Revocation{serial, now, reason}));
@@ -215,7 +256,8 @@ Result<Report> identity_revoke(const Arguments& arguments, const Context& contex
                             what.serials.empty()
                                 ? std::string(how_revoked_before(what))
                                 : fmt::format("({})", counted(what.serials.size(), "certificate")),
-                            number_text(crl), date(*crl.next_update()), what.in_words(), next);
+                            number_text(crl), date(*crl.next_update()), what.in_words(),
+                            same_key_text(what, arguments.text("--ca")) + next);
   report.text += about_clock(crl, now, arguments.text("--ca"));
   report.files_written = DDSSEC_TRY(out.commit());
   return report;

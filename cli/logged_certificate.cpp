@@ -56,7 +56,8 @@ const IssuedCertificate* issued_for(const fs::path& folder, const pki::IssueLog&
   const auto real = fs::weakly_canonical(folder, ignored).string();
   const auto& all = log.issued();
   const auto found = std::find_if(all.rbegin(), all.rend(), [&](const auto& issued) {
-    return !issued.folder.empty() && (issued.folder == folder || issued.folder == real);
+    return !issued.folder.empty() && issued.file.empty() &&
+           (issued.folder == folder || issued.folder == real);
   });
   return found == all.rend() ? nullptr : &*found;
 }
@@ -145,7 +146,7 @@ Status check_own(const pki::Certificate& certificate, const fs::path& folder, co
     return fail(Code::certificate_of_another_folder, std::move(details));
   }
   if (belonging == Belonging::unlogged) return fail(Code::certificate_unlogged, std::move(details));
-  const auto& logged = log.find(certificate.serial())->folder;
+  const auto logged = log.find(certificate.serial())->place();
   details.found += logged.empty() ? ", issued for no folder" : ", issued for " + logged;
   return fail(Code::certificate_of_another_folder, std::move(details));
 }
@@ -170,9 +171,8 @@ Result<std::string> revoked_serial(const pki::Certificate& certificate, const Ca
   const auto* entry = entry_of(certificate, log);
   for (const auto& other : log.issued()) {
     if (!other.revoked) continue;
-    const bool is_of_it =
-        other.subject == certificate.subject() ||
-        (entry != nullptr && !entry->folder.empty() && entry->folder == other.folder);
+    const bool is_of_it = other.subject == certificate.subject() ||
+                          (entry != nullptr && entry->shares_place_with(other));
     const bool is_later = entry == nullptr || &other > entry;
     const bool had_ended = certificate.not_after() <= other.revoked->time;
     if (is_of_it && (is_later || had_ended)) return other.serial;

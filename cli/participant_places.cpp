@@ -129,7 +129,7 @@ Result<ParticipantPlaces> participant_places(const CaPaths& ca, const pki::Issue
   const auto certificate = DDSSEC_TRY(read_certificate(ca.certificate));
   const LoggedFolders folders(ca, log);
   std::set<fs::path> seen;
-  for (const auto& logged : log.folders()) {
+  for (const auto& logged : log.places()) {
     const auto folder = folders.today(logged);
     std::error_code error;  // a folder that may not be entered is here
     const bool is_here = fs::exists(folder / "cert.pem", error) || error;

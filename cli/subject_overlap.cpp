@@ -44,9 +44,9 @@ SubjectsInUse::SubjectsInUse(const pki::IssueLog& log, const fs::path& folder, W
   const auto own = fs::absolute(folder, ignored).lexically_normal().string();
   for (const auto& issued : log.issued()) {
     if (issued.revoked || issued.not_after <= now) continue;
-    if (!folder.empty() && issued.folder == own) continue;
+    if (!folder.empty() && issued.folder == own && issued.file.empty()) continue;
     add(issued.subject, fmt::format("serial {}, valid until {}, {}", issued.serial,
-                                    date(issued.not_after), issued.folder));
+                                    date(issued.not_after), issued.place()));
   }
 }
 

@@ -92,6 +92,7 @@ Status IssueLog::add_line(std::string_view line) {
                           .subject = text_of(object, "subject"),
                           .not_after = not_after,
                           .folder = text_of(object, "folder"),
+                          .file = text_of(object, "file"),
                           .sha256 = text_of(object, "sha256"),
                           .key = text_of(object, "key")};
     if (issued_by_serial_.emplace(std::move(serial), issued_.size()).second)
@@ -112,12 +113,12 @@ Status IssueLog::add_line(std::string_view line) {
   return {};
 }
 
-std::vector<std::string> IssueLog::folders() const {
+std::vector<std::string> IssueLog::places() const {
   std::vector<std::string> out;
-  std::unordered_set<std::string_view> seen;
+  std::unordered_set<std::string> seen;
   for (const auto& one : issued_)
-    if (!one.folder.empty() && !one.revoked && seen.insert(one.folder).second)
-      out.push_back(one.folder);
+    if (!one.folder.empty() && !one.revoked && seen.insert(one.place()).second)
+      out.push_back(one.place());
   return out;
 }
 
@@ -151,15 +152,17 @@ std::string IssueLog::revoked_serial(const KeyDigests& key) const {
 }
 
 std::string IssueLog::issued_line(const Certificate& certificate, std::string_view folder,
-                                  WallTime now) {
-  return line_of({{"event", "issued"},
-                  {"time", to_string(now)},
-                  {"serial", certificate.serial()},
-                  {"subject", certificate.subject()},
-                  {"not_after", to_string(certificate.not_after())},
-                  {"sha256", to_hex(certificate.fingerprint())},
-                  {"key", key_digest(certificate)},
-                  {"folder", folder}});
+                                  WallTime now, std::string_view file) {
+  Json line = {{"event", "issued"},
+               {"time", to_string(now)},
+               {"serial", certificate.serial()},
+               {"subject", certificate.subject()},
+               {"not_after", to_string(certificate.not_after())},
+               {"sha256", to_hex(certificate.fingerprint())},
+               {"key", key_digest(certificate)},
+               {"folder", folder}};
+  if (file != kCertificateFile) line["file"] = file;
+  return line_of(line);
 }
 
 std::string IssueLog::revoked_line(const Revocation& revocation, std::string_view key) {

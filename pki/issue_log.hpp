@@ -22,15 +22,26 @@ inline constexpr std::size_t kMostIssueLogOctets = 64 * 1024 * 1024;
 /// The longest line of a CA's log that is read, in octets; nobody may write a longer one.
 inline constexpr std::size_t kMaxLogLineOctets = 64 * 1024;
 
+/// The certificate in a participant's folder.
+inline constexpr std::string_view kCertificateFile = "cert.pem";
+
 /// One certificate that a CA issued.
 struct IssuedCertificate {
   std::string serial;  ///< as Certificate::serial
   std::string subject;
   WallTime not_after = {};
   std::string folder = {};  ///< where it was put; empty = nobody knows
+  std::string file = {};    ///< its name there, unless cert.pem: others may have the same folder
   std::string sha256 = {};  ///< of the certificate, hexadecimal; empty in logs of other tools
   std::string key = {};     ///< key_digest(); empty in earlier logs
   std::optional<Revocation> revoked = std::nullopt;
+
+  /// The folder, or the file in it that is not cert.pem; empty = nobody knows.
+  std::string place() const { return file.empty() ? folder : folder + "/" + file; }
+  /// True if both were put into one folder, under one name: they are one participant's.
+  bool shares_place_with(const IssuedCertificate& other) const {
+    return !folder.empty() && folder == other.folder && file == other.file;
+  }
 };
 
 /// The log, read. Lines that only add make it safe against a crash: a line is there whole or, as
@@ -57,15 +68,16 @@ class IssueLog {
   std::string revoked_serial(const KeyDigests& key) const;
   /// The latest time before `limit` at which something was issued or revoked, by its lines.
   std::optional<WallTime> latest_before(WallTime limit) const;
-  /// The folders of all certificates that are not revoked, each once.
-  std::vector<std::string> folders() const;
+  /// The places of all certificates that are not revoked, each once.
+  std::vector<std::string> places() const;
 
   /// Notes one more revocation, as its line would. Error: issue_log_malformed.
   Status add(const Revocation& revocation);
 
-  /// The line, with its end, that says that a certificate was issued.
+  /// The line, with its end, that says that a certificate was issued. `file`: its name in the
+  /// folder.
   static std::string issued_line(const Certificate& certificate, std::string_view folder,
-                                 WallTime now);
+                                 WallTime now, std::string_view file = kCertificateFile);
   /// The line, with its end, that says that one was revoked. `key`: its key_digest(), where the log
   /// has no line that says so.
   static std::string revoked_line(const Revocation& revocation, std::string_view key = {});

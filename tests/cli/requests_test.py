@@ -111,6 +111,78 @@ class Requests(Transcript):
         (self.at / "fleet.toml").write_text('[[participant]]\nname = "a"\n[[participant]]\nname = "b"\nsubject = "CN=a,O=b"\n')
         self.refused("subject_taken", 4, "identity", "issue", "--from", "fleet.toml", "--ca", "demo", "-o", "fleet", *NOW)
 
+    def sign_robots(self):
+        """Requests of three devices, and their certificates in one folder."""
+        (self.at / "issued").mkdir()
+        for robot in ("robot1", "robot2", "robot3"):
+            self.run_program("identity", "csr", robot, "-o", robot)
+            self.run_program("identity", "sign-csr", robot, "--ca", "demo", "-o", f"issued/{robot}.pem", "--yes", *NOW)
+
+    def serial_of(self, certificate):
+        return self.json("identity", "show", certificate, *NOW)["result"]["serial"]
+
+    def test_certificates_in_one_folder_are_of_several_participants(self):
+        self.sign_robots()
+        log = [json.loads(line) for line in (self.at / "demo/ca/identity/issued.jsonl").read_text().splitlines()]
+        self.assertEqual([(line["folder"], line["file"]) for line in log if "file" in line],
+                         [(f"{self.at}/issued", f"robot{i}.pem") for i in (1, 2, 3)])
+        out = self.json("identity", "revoke", "issued/robot2.pem", "--ca", "demo", *NOW)["result"]
+        self.assertEqual((out["subject"], out["serials"]), ("CN=robot2", [self.serial_of("issued/robot2.pem")]))
+        self.assertEqual(out["elsewhere"], [f"{self.at}/issued/robot1.pem", f"{self.at}/issued/robot3.pem"])
+        third = self.serial_of("issued/robot3.pem")
+        self.json("identity", "revoke", third, "--ca", "demo", *NOW)
+        self.run_program("identity", "renew", "issued/robot1.pem", "--ca", "demo", *NOW)
+        for robot in ("robot2", "robot3"):
+            self.refused("certificate_revoked", 1, "identity", "renew", f"issued/{robot}.pem", "--ca", "demo", *NOW)
+
+    def test_nor_does_an_earlier_log_make_them_one(self):
+        self.sign_robots()
+        log = self.at / "demo/ca/identity/issued.jsonl"
+        lines = [json.loads(line) for line in log.read_text().splitlines()]
+        log.write_text("".join(json.dumps({k: v for k, v in line.items() if k != "file"}) + "\n" for line in lines))
+        out = self.json("identity", "revoke", "issued/robot2.pem", "--ca", "demo", *NOW)["result"]
+        self.assertEqual(out["serials"], [self.serial_of("issued/robot2.pem")])
+
+    def test_each_participant_is_named_when_the_ca_is_rotated(self):
+        self.sign_robots()
+        out = self.json("ca", "rotate", "demo", "--role", "identity", "--dry-run", *NOW)
+        self.assertIn(f"{self.at}/issued/robot3.pem", json.dumps(out))
+
+    def request_with_key_of_talker(self):
+        self.openssl("req", "-new", "-key", "demo/talker/key.pem", "-subj", "/CN=third", "-out", "third.csr")
+        done = self.run_program("identity", "sign-csr", "third.csr", "--ca", "demo", "-o", "third.pem", "--yes", *NOW)
+        return done.stdout
+
+    def test_a_key_that_is_in_use_is_said_to_be(self):
+        told = self.request_with_key_of_talker()
+        self.assertIn(f"note: of the same key: serial {self.serial_of('demo/talker')}  CN=talker", told)
+
+    def test_a_stolen_key_ends_all_its_certificates(self):
+        self.request_with_key_of_talker()
+        serials = [self.serial_of("demo/talker"), self.serial_of("third.pem")]
+        out = self.json("identity", "revoke", "demo/talker", "--ca", "demo", "--reason", "keyCompromise", *NOW)["result"]
+        self.assertEqual((out["serials"], out["same_key"]), (serials, []))
+        listed = self.json("crl", "show", "demo")["result"]["revoked"]
+        self.assertCountEqual([one["serial"] for one in listed], serials)
+
+    def test_for_another_reason_the_certificate_of_the_same_key_is_named(self):
+        self.request_with_key_of_talker()
+        third = self.serial_of("third.pem")
+        told = self.run_program("identity", "revoke", "demo/talker", "--ca", "demo", *NOW).stdout
+        self.assertIn(f"stays valid:\n  serial {third}  CN=third\n", told)
+        again = self.json("identity", "revoke", "demo/talker", "--ca", "demo", *NOW)["result"]
+        self.assertEqual((again["serials"], again["same_key"]), ([], [third]))
+        out = self.json("identity", "revoke", self.serial_of("demo/talker"), "--ca", "demo", "--reason", "keyCompromise",
+                        *NOW)["result"]
+        self.assertEqual(out["serials"], [third])
+
+    def test_the_ca_of_one_role_is_no_permissions_ca(self):
+        self.request("/CN=device")
+        told = self.run_program("identity", "sign-csr", "r.pem", "--ca", "demo/ca/identity", "-o", "cert.pem", "--yes",
+                                *NOW).stdout
+        self.assertIn("--ca PERMISSIONS_CA -o permissions.xml", told)
+        self.assertIn("the permissions CA's certificate as permissions_ca.pem", told)
+
     def test_an_answer_that_is_not_yes_is_called_so(self):
         words = self.request("/CN=device")
         for answer, exit in ((b"n\n", 4), (b"\n", 4), (b"y\n", 0)):

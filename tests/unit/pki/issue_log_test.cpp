@@ -28,7 +28,7 @@ TEST(IssueLog, SaysWhatWasIssuedAndRevoked) {
   EXPECT_FALSE(log.is_revoked(a.serial()));
   EXPECT_EQ(log.find("0A"), nullptr);
   EXPECT_EQ(log.revocations().size(), 2u);
-  EXPECT_EQ(log.folders(), std::vector<std::string>{"/fleet/a"});
+  EXPECT_EQ(log.places(), std::vector<std::string>{"/fleet/a"});
 }
 
 TEST(IssueLog, SaysWhatACertificateIsAndWhichKeyItHas) {
