@@ -1,5 +1,9 @@
 #include "governance/as_read.hpp"
 
+#include <algorithm>
+#include <iterator>
+#include <set>
+#include <string>
 #include <utility>
 
 namespace ddssec::governance {
@@ -25,6 +29,93 @@ bool change_criteria(Criteria& criteria, StockProduct product) {
   return true;
 }
 
+std::vector<Text> partitions_of(const Criteria& criteria) {
+  return criteria.partitions.value_or(std::vector<Text>{{.text = "", .line = criteria.line}});
+}
+
+using Names = std::set<std::string, std::less<>>;
+
+void add_partitions(Names& out, const std::vector<Criteria>& list) {
+  for (const auto& criteria : list)
+    for (const auto& text : partitions_of(criteria)) out.insert(text.text);
+}
+
+// Fast DDS looks for the partitions of an endpoint in all elements of the rule, so that they are as
+// one element.
+bool join_elements(std::vector<Criteria>& list) {
+  Names all;
+  add_partitions(all, list);
+  const bool is_one = std::ranges::all_of(list, [&](const Criteria& criteria) {
+    Names own;
+    add_partitions(own, {criteria});
+    return own.size() == all.size();
+  });
+  if (is_one) return false;
+  Criteria joined{.partitions = std::vector<Text>(), .line = list.front().line};
+  for (const auto& name : all) joined.partitions->push_back({.text = name, .line = joined.line});
+  for (auto& criteria : list) {
+    std::ranges::move(criteria.topics, std::back_inserter(joined.topics));
+    if (!criteria.data_tags) continue;
+    if (!joined.data_tags) joined.data_tags.emplace();
+    std::ranges::move(*criteria.data_tags, std::back_inserter(*joined.data_tags));
+  }
+  list = {std::move(joined)};
+  return true;
+}
+
+bool join_elements(Rule& rule) {
+  const bool any = join_elements(rule.publish);
+  return join_elements(rule.subscribe) || any;
+}
+
+bool takes_all_partitions(const Criteria& criteria) {
+  const auto partitions = partitions_of(criteria);
+  return std::ranges::find(partitions, "*", &Text::text) != partitions.end();
+}
+
+// The topics of an allow_rule, denied in the partitions that it does not list.
+std::vector<Criteria> denied_besides(const std::vector<Criteria>& list) {
+  std::vector<Criteria> out;
+  for (const auto& criteria : list)
+    if (!takes_all_partitions(criteria))
+      out.push_back({.topics = criteria.topics, .line = criteria.line});
+  return out;
+}
+
+// For each rule whether it is an allow_rule after which others list partitions that it does not.
+std::vector<bool> is_followed_by_more(const std::vector<Rule>& rules,
+                                      std::vector<Criteria> Rule::*list) {
+  std::vector<bool> out(rules.size());
+  Names later;
+  for (std::size_t i = rules.size(); i-- > 0;) {
+    if (!rules[i].allow) continue;
+    Names own;
+    add_partitions(own, rules[i].*list);
+    const auto known =
+        std::ranges::count_if(own, [&](const std::string& name) { return later.contains(name); });
+    out[i] = !own.empty() && static_cast<std::size_t>(known) < later.size();
+    later.merge(own);
+  }
+  return out;
+}
+
+// Whether the partitions of an allow_rule fit or not, Fast DDS looks no further.
+bool end_at_first(std::vector<Rule>& rules) {
+  const auto in_publish = is_followed_by_more(rules, &Rule::publish),
+             in_subscribe = is_followed_by_more(rules, &Rule::subscribe);
+  std::vector<Rule> out;
+  for (std::size_t i = 0; i < rules.size(); ++i) {
+    out.push_back(rules[i]);
+    Rule denial{.domains = rules[i].domains, .line = rules[i].line};
+    if (in_publish[i]) denial.publish = denied_besides(rules[i].publish);
+    if (in_subscribe[i]) denial.subscribe = denied_besides(rules[i].subscribe);
+    if (!denial.publish.empty() || !denial.subscribe.empty()) out.push_back(std::move(denial));
+  }
+  const bool any = out.size() != rules.size();
+  rules = std::move(out);
+  return any;
+}
+
 bool change_rule(Rule& rule, StockProduct product) {
   bool any = close_ranges(rule.domains);
   if (product == StockProduct::cyclonedds && !rule.domains.tags.empty() &&
@@ -32,7 +123,7 @@ bool change_rule(Rule& rule, StockProduct product) {
     rule.domains.tags.clear();
     any = true;
   }
-  if (rule.allow) return any;
+  if (rule.allow) return (product == StockProduct::fastdds && join_elements(rule)) || any;
   for (auto* list : {&rule.publish, &rule.subscribe})
     for (auto& criteria : *list)
       if (change_criteria(criteria, product)) any = true;
@@ -59,7 +150,9 @@ std::optional<Permissions> as_stock_reads(const Permissions& document, StockProd
   for (auto& grant : out.grants) {
     for (auto& rule : grant.rules)
       if (change_rule(rule, product)) any = true;
-    if (product == StockProduct::fastdds && std::exchange(grant.default_allow, false)) any = true;
+    if (product != StockProduct::fastdds) continue;
+    if (end_at_first(grant.rules)) any = true;
+    if (std::exchange(grant.default_allow, false)) any = true;
   }
   return any ? std::optional(std::move(out)) : std::nullopt;
 }

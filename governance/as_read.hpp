@@ -20,8 +20,9 @@ std::string_view to_string(StockProduct product);
 std::optional<Governance> as_stock_reads(const Governance& document);
 
 /// The same; and Cyclone DDS takes a deny_rule without partitions for the partition "" only, and
-/// passes over <tag>; Fast DDS denies in all partitions, and takes every <default> as DENY. Which
-/// rule decides is the same: where Fast DDS looks no further is not in it (vendor_decision.hpp).
+/// passes over <tag>; Fast DDS denies in all partitions, and takes every <default> as DENY. With
+/// Fast DDS a topic and its partitions may also stand in different elements of one rule, and the
+/// first rule with the topic decides: after an allow_rule stands a deny_rule for its topics.
 std::optional<Permissions> as_stock_reads(const Permissions& document, StockProduct product);
 
 }  // namespace ddssec::governance

@@ -88,6 +88,30 @@ void check_partitions_by_rule(Findings& out, const GrantPlace& place,
   }
 }
 
+// Fast DDS looks for the partitions in all elements of the rule that decides.
+void check_joined_partitions(Findings& out, const GrantPlace& place,
+                             const std::vector<GrantEntry>& entries) {
+  const auto partitions_of = [](const GrantEntry& entry) {
+    return entry.criteria->partitions.value_or(std::vector<Text>{Text{}});
+  };
+  const GrantEntry* first = nullptr;
+  std::size_t told = 0;  // the number of a rule
+  for (const auto& entry : entries) {
+    if (first == nullptr || first->rule_number != entry.rule_number) first = &entry;
+    const bool is_known = told == entry.rule_number || !entry.rule->allow;
+    if (is_known || partitions_of(*first) == partitions_of(entry)) continue;
+    told = entry.rule_number;
+    auto finding = place.about(
+        PERM015, entry,
+        fmt::format("{}: other partitions than for {} in the same rule, and Fast DDS allows each "
+                    "topic of a rule in the partitions of all its elements",
+                    in_quotes(entry.topic->text), in_quotes(first->topic->text)));
+    finding.hint = "write a rule of its own for each list of partitions";
+    finding.vendors = {kFastDds};
+    out.add(std::move(finding));
+  }
+}
+
 /// Where the deny rule denies one direction of a topic and a later rule allows the other. Lists of
 /// expressions by their part in it.
 struct HalfDenied {
@@ -317,6 +341,7 @@ void lint_rights(Findings& out, const GrantPlace& place, const Governance* gover
   check_unread_conditions(out, place);
   for (const auto& entries : place.actions()) {
     check_partitions_by_rule(out, place, entries);
+    check_joined_partitions(out, place, entries);
     check_open_denial(out, place, entries);
   }
   check_denials(out, place);

@@ -322,6 +322,20 @@ TEST(LintPermissions, RulesThatDifferInPartitionsOnly) {
   EXPECT_EQ(found.vendors, std::vector<std::string>{"fastdds"});
 }
 
+TEST(LintPermissions, PartitionsThatDifferWithinOneRule) {
+  auto joined = rule(true, {"a"});
+  joined.publish.push_back(joined.publish[0]);
+  joined.publish[1].topics = {{"b", 0}};
+  EXPECT_TRUE(lint_but_joining(with_rules({joined})).empty());
+  joined.publish[1].partitions = std::vector<Text>{{"x", 0}};
+  const auto found = only(with_rules({joined}));
+  EXPECT_EQ(found.rule, ddssec::Rule::PERM015);
+  EXPECT_EQ(found.vendors, std::vector<std::string>{"fastdds"});
+  EXPECT_EQ(found.message,
+            "\"b\": other partitions than for \"a\" in the same rule, and Fast DDS allows each "
+            "topic of a rule in the partitions of all its elements");
+}
+
 TEST(LintPermissions, DeniedInOneDirectionAndAllowedInTheOther) {
   const auto found = only(with_rules({rule(false, {"rtc*"}), rule(true, {}, {"rt*"})}));
   EXPECT_EQ(found.rule, ddssec::Rule::PERM020);

@@ -83,6 +83,67 @@ TEST(StockChanges, DenialThatLosesItsPartitions_IsWiderToCycloneDds) {
   }
 }
 
+Criteria publish(std::string topic, std::string partition) {
+  return {.topics = {{std::move(topic)}}, .partitions = {{{std::move(partition)}}}};
+}
+
+Rule about(bool allow, std::vector<Criteria> criteria) {
+  return {.allow = allow, .domains = {.ranges = {{0, 0}}}, .publish = std::move(criteria)};
+}
+
+// Measured with Fast DDS 2.9.1: the writer of Square in partition b matches and is read.
+TEST(StockChanges, RulesPutIntoOne_IsWiderToFastDds) {
+  const auto square = publish("Square", "a"), circle = publish("Circle", "b");
+  const auto apart = with({about(true, {square}), about(true, {circle})});
+  const auto joined = with({about(true, {square, circle})});
+  const auto diff = compare(apart, joined);
+  EXPECT_EQ(diff.verdict, ChangeClass::neutral);
+  ASSERT_FALSE(diff.readings.all.empty());
+  for (const auto& reading : diff.readings.all) {
+    EXPECT_TRUE(reading.widens) << reading.sentence;
+    EXPECT_THAT(reading.sentence, StartsWith("with Fast DDS: rule publish"));
+  }
+  const auto back = compare(joined, apart);
+  EXPECT_FALSE(back.readings.all.empty());
+  EXPECT_TRUE(std::ranges::none_of(back.readings.all, &Reading::widens));
+}
+
+// With Fast DDS the first rule with the topic decides, whatever its partitions are.
+TEST(StockChanges, RulesThatSwap_ChangeWhatFastDdsAllows) {
+  const auto allow = about(true, {publish("Square", "a")}),
+             deny = about(false, {publish("Square", "b")});
+  const auto diff = compare(with({deny, allow}), with({allow, deny}));
+  EXPECT_EQ(diff.verdict, ChangeClass::neutral);
+  ASSERT_EQ(diff.readings.all.size(), 1U);
+  EXPECT_TRUE(diff.readings.all[0].widens);
+  EXPECT_THAT(diff.readings.all[0].sentence, HasSubstr("partition \"a\""));
+}
+
+TEST(StockChanges, LaterRuleForOtherPartitions_CountsForNothingToFastDds) {
+  const auto first = about(true, {publish("Square", "a")});
+  const auto all = about(true, {publish("Square", "*")});
+  const auto narrow = compare(with({all}), with({first, all}));
+  EXPECT_EQ(narrow.verdict, ChangeClass::neutral);
+  ASSERT_FALSE(narrow.readings.all.empty());
+  EXPECT_TRUE(std::ranges::none_of(narrow.readings.all, &Reading::widens));
+  const auto wide = compare(with({first, all}), with({all}));
+  EXPECT_EQ(wide.verdict, ChangeClass::neutral);
+  EXPECT_TRUE(std::ranges::any_of(wide.readings.all, &Reading::widens));
+}
+
+TEST(StockChanges, ManyElementsWithPartitionsOfTheirOwn_TakeNoLongerThanTheirNumber) {
+  std::vector<Criteria> elements;
+  for (int i = 0; i < 50'000; ++i)
+    elements.push_back(publish("T" + std::to_string(i), "p" + std::to_string(i)));
+  auto document = with({about(true, elements)});
+  for (const auto& one : elements) document.grants[0].rules.push_back(about(true, {one}));
+  const auto read = as_stock_reads(document, StockProduct::fastdds);
+  ASSERT_TRUE(read);
+  const auto& first = read->grants[0].rules[0].publish;
+  ASSERT_EQ(first.size(), 1U);
+  EXPECT_EQ(first[0].partitions->size(), elements.size());
+}
+
 TEST(StockChanges, DenialWithAnOpenRange_IsWiderToBothProducts) {
   const auto allow = rule(true, {{""}}, {0, 230});
   const auto diff = compare(with({rule(false, {{""}}, {0, 230}), allow}),
