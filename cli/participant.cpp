@@ -58,6 +58,16 @@ Status check_own_grants(const governance::Permissions& document, const pki::Subj
                                          .found = std::move(names)});
 }
 
+// Its own peers would take the certificate for a self-signed one, or for the CA's.
+Status check_not_of_ca(const pki::Certificate& certificate, const Issuers& issuers) {
+  const auto name = pki::SubjectName::of(certificate).key();
+  for (const auto* ca : {&issuers.identity, issuers.permissions})
+    if (ca != nullptr && pki::SubjectName::of(ca->certificate()).key() == name)
+      return fail(Code::subject_taken, {.found = certificate.subject() + ", which is a CA's",
+                                        .hint = "choose another subject name"});
+  return {};
+}
+
 bool is_about_topics(Rule rule) {
   return rule == Rule::PERM012 || rule == Rule::PERM013 || rule == Rule::PERM034;
 }
@@ -118,6 +128,7 @@ Result<NewParticipant> make_participant(const ParticipantSpec& spec, const Issue
                      .permissions_xml = {},
                      .permissions = {},
                      .dropin = spec.dropin};
+  DDSSEC_TRY(check_not_of_ca(out.self.certificate, issuers));
   if (!spec.has_permissions() || issuers.permissions == nullptr) return out;
   const auto now = context.clock.now();
   out.permissions_xml = DDSSEC_TRY(permissions_xml(spec, out.self.certificate, now));

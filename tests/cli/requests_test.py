@@ -26,6 +26,13 @@ class Requests(Transcript):
                 told = self.refused("subject_taken", 4, *self.request(subject), "--yes", *more)
                 self.assertIn("which is a CA's", told["message"])
 
+    # Measured: every host refuses it as a self-signed certificate.
+    def test_nor_a_participant_that_is_issued(self):
+        for subject in ("CN=demo Identity CA", "CN=demo Permissions CA"):
+            told = self.refused("subject_taken", 4, "identity", "issue", "x", "--subject", subject, "--publish", "T", "--ca",
+                                "demo", "-o", "x", *NOW)
+            self.assertIn("which is a CA's", told["message"])
+
     def test_nor_none(self):
         self.refused("subject_name_malformed", 2, *self.request("/"), "--yes")
 
