@@ -16,6 +16,7 @@
 #include "cli/options.hpp"
 #include "cli/pre_shared_keys.hpp"
 #include "cli/products.hpp"
+#include "governance/doctor/stock_spelling.hpp"
 #include "governance/model.hpp"
 
 namespace ddssec::cli {
@@ -103,10 +104,22 @@ Result<std::vector<std::string>> topics_of(const Arguments& arguments) {
   return out;
 }
 
+Report unpredictable(const fs::path& file) {
+  auto report = cli::report_of(
+      Error(Code::file_unreadable,
+            {.document = file,
+             .note = "Cyclone DDS starts with it, and ddssec does not read it as Cyclone DDS does: "
+                     "whether they would talk is not known",
+             .hint = "ddssec doctor says what is wrong with it"}));
+  report.exit = Exit::unreadable;
+  return report;
+}
+
 // ddssec cannot read such a certificate, and Cyclone DDS talks with it: a "no" would be wrong where
 // it matters most. Nothing if an answer can be given.
 std::optional<Report> unpredictable(const doctor::LoadedFolder& folder) {
   const auto& certificate = folder.certificate;
+  if (const auto* file = doctor::unpredictable_file(folder)) return unpredictable(*file);
   if (certificate || !doctor::is_key_of_another_curve(certificate.error())) return std::nullopt;
   auto details = certificate.error().details();
   details.document = folder.paths.certificate;

@@ -8,6 +8,7 @@
 
 #include "governance/doctor/checks.hpp"
 #include "governance/doctor/measured.hpp"
+#include "governance/doctor/stock_spelling.hpp"
 #include "governance/lint.hpp"
 #include "pki/source.hpp"
 
@@ -28,6 +29,7 @@ struct Subject {
   const std::vector<Note>* notes;
   const std::vector<Variant>& left_out;
   bool has_joined_values;
+  bool has_capital_names;
   const Lineup& lineup;
 };
 
@@ -44,6 +46,7 @@ Subject subject(std::string_view about, const fs::path& path, const LoadedDocume
           document.model ? &document.model->notes : nullptr,
           document.left_out,
           document.has_joined_values,
+          document.has_capital_names,
           lineup};
 }
 
@@ -66,10 +69,13 @@ Outcomes refused_by_ours(Variant variant, const Subject& subject) {
 }
 
 // Without the signer's certificate inside, OpenSSL finds no signer; a product may know another way.
-// Which of several texts a product reads depends on its version of OpenSSL: no product passes.
+// Which of several texts a product reads depends on its version of OpenSSL; Cyclone DDS starts with
+// what this one believes (measured).
 Outcomes outcomes_of_form(const Subject& subject) {
   const auto& form = subject.form;
-  if (form.ambiguous) return kNobody;
+  if (form.ambiguous)
+    return {of(subject.cyclonedds_belief.has_value(), Outcome::unsafe), Outcome::fail,
+            Outcome::fail};
   const bool lacks_signer = form.wrapping == pki::DocumentWrapping::multipart &&
                             form.has_text_header && form.embedded.empty();
   return lacks_signer && subject.our_belief ? measured(Variant::form_nocerts, subject.lineup)
@@ -253,9 +259,13 @@ Outcomes outcomes_of_text(const Subject& subject) {
     // Cyclone DDS joins the pieces. Fast DDS 2.9 reads the first text alone: another topic, or a
     // value that it refuses.
     if (subject.has_joined_values) out = out.worse({.fastdds = Outcome::unsafe});
+    if (subject.has_capital_names) out = out.worse({.fastdds = Outcome::fail});
     return out;
   }
-  const auto code = subject.parsed.error().code();
+  const auto& error = subject.parsed.error();
+  const auto code = error.code();
+  if (cyclonedds_starts_with(error))
+    return {.cyclonedds = Outcome::unsafe, .fastdds = Outcome::fail, .ours = Outcome::fail};
   if (code == Code::attribute_unknown)
     return out.worse(measured(subject.about == "governance"
                                   ? Variant::governance_unknown_attribute

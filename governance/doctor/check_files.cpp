@@ -8,6 +8,7 @@
 #include "base/source.hpp"
 #include "governance/doctor/checks.hpp"
 #include "governance/doctor/measured.hpp"
+#include "governance/doctor/stock_spelling.hpp"
 #include "pki/source.hpp"
 
 namespace ddssec::governance::doctor {
@@ -36,8 +37,11 @@ void report_unloaded(const fs::path& path, const Error& error, const Settings& s
     auto outcomes = kNobody;
     if (rule == Rule::DOC014) {
       outcomes.fastdds = measured(Variant::ed25519, settings.lineup).fastdds;
-      if (is_key_of_another_curve(error)) outcomes.cyclonedds = Outcome::unsafe;
+      if (is_key_of_another_curve(error) || is_key_of_explicit_curve(error))
+        outcomes.cyclonedds = Outcome::unsafe;
     }
+    if (rule == Rule::DOC002 && has_other_certificate_label(path))
+      outcomes.cyclonedds = Outcome::unsafe;
     out.report(
         outcomes,
         {.rule = rule, .message = std::move(message), .document = path, .hint = std::string(hint)});
@@ -183,8 +187,8 @@ void check_layouts(const LoadedFolder& folder, Diagnosis& out) {
   }
 }
 
-// A user who can write there can exchange the key and the CA files; a sticky bit keeps only files of
-// others.
+// A user who can write there can exchange the key and the CA files; a sticky bit keeps only files
+// of others.
 void check_folder_mode(const LoadedFolder& folder, Diagnosis& out) {
   struct stat status {};
   const auto& path = folder.paths.folder;

@@ -24,9 +24,11 @@ class Cleaner {
         blank(at, end_of_doctype(at), Variant::governance_doctype);
       else if (rest.starts_with("<?"))
         blank(at, behind(at, "?>"), Variant::governance_processing_instruction);
+      else
+        small_name(at + 1);
     }
     octets();
-    return {to_bytes(as_bytes(text_)), std::move(left_out_), has_pieces_};
+    return {to_bytes(as_bytes(text_)), std::move(left_out_), has_pieces_, has_capitals_};
   }
 
  private:
@@ -49,6 +51,14 @@ class Cleaner {
     for (std::size_t i = from; i < to; ++i)
       if (text_[i] != '\n' && text_[i] != '\r') text_[i] = ' ';
     note(what);
+  }
+  // Of a start tag or an end tag.
+  void small_name(std::size_t at) {
+    for (; at < text_.size() && !std::string_view(" \t\r\n>").contains(text_[at]); ++at)
+      if (text_[at] >= 'A' && text_[at] <= 'Z') {
+        text_[at] = static_cast<char>(text_[at] - 'A' + 'a');
+        has_capitals_ = true;
+      }
   }
   void note(Variant what) {
     if (std::ranges::find(left_out_, what) == left_out_.end()) left_out_.push_back(what);
@@ -121,6 +131,7 @@ class Cleaner {
 
   std::string text_;
   std::vector<Variant> left_out_;
+  bool has_capitals_ = false;
   bool has_pieces_ = false;
   std::size_t joined_ = 0;
 };

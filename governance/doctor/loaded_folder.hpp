@@ -38,6 +38,8 @@ struct LoadedDocument {
   std::vector<Variant> left_out = {};
   /// A comment or CDATA in a value was left out, too.
   bool has_joined_values = false;
+  /// Names of elements in capitals, which Cyclone DDS takes, were read as small letters.
+  bool has_capital_names = false;
 
   /// Whether a product reads it, as far as its own reader may differ. Error: why ours does not.
   Status read_by(Vendor vendor) const {

@@ -1,0 +1,100 @@
+#!/usr/bin/env python3
+"""What Cyclone DDS 0.10.2 starts with although ddssec refuses it: doctor calls it unsafe, not a failure, and check says
+that it cannot say. Each row was measured with real pairs on stock plugins."""
+
+import json
+import subprocess
+
+from transcript import PROGRAM, WithoutLists, main
+from workshop import GOVERNANCE, Folder, Workshop, grant, openssl, permissions
+
+# Document, what is replaced, by what: the participants come up and talk.
+TAKEN = [("g", "<id>0<", "<id>+0<"), ("p", "<id>0<", "<id>0x0<"), ("g", "<id>0<", "<id>0X0<"), ("p", "<id>0<", "<id><"),
+         ("p", ">DENY<", ">deny<"), ("p", ">DENY<", ">FOO<"), ("p", ">DENY<", "><"),
+         ("p", "2020-01-01T00:00:00Z", "1969-12-31T23:59:59Z"), ("p", "2020-01-01T00:00:00Z", "yesterday"),
+         ("p", ">Square</topic>", ">Square</topic><topic/>"), ("p", ' name="participant"', ' name="a" name="b"'),
+         ("g", ">false<", "><"), ("g", ">SIGN<", "><")]
+# The participants do not come up; with an empty topic_expression the process crashes.
+REFUSED = [("g", "<id>0<", "<id>abc<"), ("p", "<id>0<", "<id>-1<"), ("g", "<id>0<", "<id>231<"), ("p", "<id>0<", "<id>00x<"),
+           ("p", "2020-01-01T00:00:00Z", ""), ("p", "2037-01-01T00:00:00Z", "tomorrow"),
+           ("p", "2037-01-01T00:00:00Z", "1960-01-01T00:00:00Z"), ("g", ">false<", ">yes<"), ("g", ">SIGN<", ">FOO<"),
+           ("g", "<topic_expression>*<", "<topic_expression><"), ("p", "<publish>", "<foo/><publish>"),
+           ("p", "<publish>", "<Foo/><publish>")]
+CAPITALS = [("p", "publish>"), ("p", "subscribe>"), ("p", "topics>"), ("p", "topic>"), ("p", "allow_rule>"),
+            ("p", "validity>"), ("p", "not_before>"), ("p", "domains>"), ("g", "domain_rule>"), ("g", "topic_rule>"),
+            ("g", "rtps_protection_kind>"), ("g", "topic_expression>"), ("g", "id>")]
+PLAIN = ' protocol="application/x-pkcs7-signature";'
+
+
+class StockSpelling(WithoutLists):
+    def setUp(self):
+        super().setUp()
+        shop = Workshop(self.at / "shop")
+        self.folders = [Folder(shop, self.at / name, f"/CN={name}", name) for name in ("talker", "partner")]
+
+    def sign(self, what, old, new):
+        for folder in self.folders:
+            texts = {"g": GOVERNANCE, "p": permissions(grant(folder.subject))}
+            for name, document in (("governance", "g"), ("permissions", "p")):
+                text = texts[document].replace(old, new) if document == what else texts[document]
+                self.assertTrue(document != what or text != texts[document])
+                folder.sign(name, text)
+
+    def judged(self):
+        """The verdict for Cyclone DDS, and how check ends for two participants on it."""
+        done = self.run_program("doctor", "talker", "--format", "json", exit=None)
+        verdicts = json.loads(done.stdout)["result"]["verdicts"]
+        self.assertEqual(verdicts["ours"], "fail")
+        check = subprocess.run([PROGRAM, "check", "talker", "partner", "--topics", "Square", "--vendor", "A=cyclonedds",
+                                "--vendor", "B=cyclonedds"], cwd=self.at, capture_output=True, timeout=60, check=False)
+        return verdicts["cyclonedds@0.10.2"], check.returncode
+
+    def test_values_that_cyclone_dds_takes(self):
+        for what, old, new in TAKEN:
+            self.sign(what, old, new)
+            with self.subTest(what=what, old=old, new=new):
+                self.assertEqual(self.judged(), ("unsafe", 3))
+
+    def test_values_that_cyclone_dds_refuses(self):
+        for what, old, new in REFUSED:
+            self.sign(what, old, new)
+            with self.subTest(what=what, old=old, new=new):
+                self.assertEqual(self.judged(), ("fail", 1))
+
+    def test_names_in_capitals_are_read_as_cyclone_dds_does(self):
+        for what, name in CAPITALS:
+            self.sign(what, name, name.title())
+            with self.subTest(what=what, name=name):
+                self.assertEqual(self.judged(), ("ok", 0))
+
+    def test_signed_files_that_openssl_reads(self):
+        for old, new in ((PLAIN, ""), ("Content-Transfer-Encoding: base64\n", "")):
+            self.sign("p", "<permissions>", "<permissions> ")
+            for folder in self.folders:
+                file = folder.path / "permissions.p7s"
+                text = file.read_bytes()
+                self.assertIn(old.encode(), text)
+                file.write_bytes(text.replace(old.encode(), new.encode()))
+            with self.subTest(old=old):
+                self.assertEqual(self.judged(), ("unsafe", 3))
+        self.sign("p", "<permissions>", "<permissions> ")
+        for folder in self.folders:  # what nobody signed, behind the last boundary
+            file = folder.path / "permissions.p7s"
+            file.write_bytes(file.read_bytes() + b"\ntrailing text\n")
+        self.assertEqual(self.judged(), ("unsafe", 3))
+        for folder in self.folders:
+            folder.replace("permissions.p7s", "Square", "Circle")  # now nobody believes it
+        self.assertEqual(self.judged()[0], "fail")
+
+    def test_certificates_and_keys_in_other_forms(self):
+        talker = self.folders[0]
+        talker.replace("identity_ca.pem", "CERTIFICATE", "X509 CERTIFICATE")
+        self.assertEqual(self.judged(), ("unsafe", 3))
+        talker.put("identity_ca.pem", talker.identity_ca / "cert.pem")
+        openssl("ec", "-in", talker.key, "-param_enc", "explicit", "-out", talker.path / "key.pem")
+        (talker.path / "key.pem").chmod(0o600)
+        self.assertEqual(self.judged(), ("unsafe", 3))
+
+
+if __name__ == "__main__":
+    main()
