@@ -307,8 +307,7 @@ Status add_permissions(const Job& job, const pki::Certificate& certificate, Comp
   const auto ca = DDSSEC_TRY(CaOpener(job.arguments).open("permissions"));
   const auto xml = DDSSEC_TRY(
       named(permissions_xml(job.spec, certificate, now), job.arguments.text("--permissions")));
-  const auto document =
-      DDSSEC_TRY(ca.authority.sign_document(as_bytes(xml), now, job.context.random));
+  const auto document = DDSSEC_TRY(sign_permissions(ca.authority, xml, now, job.context.random));
   DDSSEC_TRY(out.add(job.files.permissions_ca, as_bytes(ca.trust_pem), 0644, true));
   DDSSEC_TRY(out.add(job.files.permissions, document, 0644, true));
   return log_signed(ca, as_bytes(xml), job.files.permissions, now);

@@ -111,7 +111,7 @@ Result<governance::Permissions> put_extended(Replacement& out, const pki::Partic
   DDSSEC_TRY(check_not_ended(old, files, arguments));
   auto document = extended(old, renewed, renewed.not_after());
   const auto xml = to_xml(document);
-  const auto octets = DDSSEC_TRY(ca.authority.sign_document(as_bytes(xml), now, context.random));
+  const auto octets = DDSSEC_TRY(sign_permissions(ca.authority, xml, now, context.random));
   const auto plain = fs::path(files.permissions).replace_extension("xml");
   if (is_there(plain)) DDSSEC_TRY(out.put_public(plain, xml));
   DDSSEC_TRY(out.put(files.permissions, octets, 0644));

@@ -120,7 +120,10 @@ Status add_keystore_governance(NewFolder& keystore, std::string_view xml, BytesV
   return keystore.add("enclaves/governance.p7s", signed_octets, 0644);
 }
 
-Status add_enclave(NewFolder& folder, const fs::path& below, std::string_view name,
+namespace {
+
+template <class Folder>
+Status put_enclave(Folder& folder, const fs::path& below, std::string_view name,
                    const NewParticipant& participant) {
   const auto files = pki::participant_folder(below, pki::FolderLayout::sros2);
   const auto up = up_to_enclaves(name);
@@ -132,6 +135,18 @@ Status add_enclave(NewFolder& folder, const fs::path& below, std::string_view na
   DDSSEC_TRY(pem.expose([&](BytesView octets) { return folder.add(files.key, octets, 0600); }));
   DDSSEC_TRY(folder.add_public(below / "permissions.xml", participant.permissions_xml));
   return folder.add(files.permissions, participant.permissions, 0644);
+}
+
+}  // namespace
+
+Status add_enclave(EnclaveFolder& folder, std::string_view name,
+                   const NewParticipant& participant) {
+  return put_enclave(folder, {}, name, participant);
+}
+
+Status add_enclave(NewFolder& folder, const fs::path& below, std::string_view name,
+                   const NewParticipant& participant) {
+  return put_enclave(folder, below, name, participant);
 }
 
 namespace {

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cli/enclave_folder.hpp"
 #include "cli/participant.hpp"
 #include "cli/transaction.hpp"
 
@@ -39,6 +40,8 @@ Status add_keystore_governance(NewFolder& keystore, std::string_view xml, BytesV
 
 /// Puts an enclave's files into a folder to be: `below` is its place in that folder, `name` in the
 /// keystore, by which the links are made.
+Status add_enclave(EnclaveFolder& folder, std::string_view name,
+                   const NewParticipant& participant);
 Status add_enclave(NewFolder& folder, const std::filesystem::path& below, std::string_view name,
                    const NewParticipant& participant);
 

@@ -205,20 +205,6 @@ Status warn_of_overlap(const ParticipantSpec& spec, const CaPaths& identity, con
   return {};
 }
 
-// The new folder begins at the first part of the name that is not there yet, so that all of it
-// appears at once.
-Result<NewFolder> new_enclave(const fs::path& keystore, const fs::path& target) {
-  std::error_code ignored;
-  auto first = target;
-  while (!fs::exists(first.parent_path(), ignored)) first = first.parent_path();
-  const auto inside = fs::canonical(first.parent_path(), ignored);
-  const auto root = fs::canonical(keystore / "enclaves", ignored);
-  if (std::mismatch(root.begin(), root.end(), inside.begin(), inside.end()).first != root.end())
-    return fail(Code::enclave_name_unusable,
-                {.found = target.string(), .note = "a link leads out of the keystore"});
-  return NewFolder::at(first);
-}
-
 Result<Report> keystore_enclave(const Arguments& arguments, const Context& context) {
   const fs::path keystore = arguments.text("KEYSTORE");
   const auto name = arguments.text("ENCLAVE");
@@ -238,7 +224,7 @@ Result<Report> keystore_enclave(const Arguments& arguments, const Context& conte
                  .note = "the enclave exists",
                  .hint = "ddssec keystore permission gives it other rights; to issue it again with "
                          "a new key, remove its folder first"});
-  auto folder = DDSSEC_TRY(new_enclave(keystore, target));
+  auto folder = DDSSEC_TRY(EnclaveFolder::at(keystore, target));
   CaOpener opener(arguments);
   const auto identity = DDSSEC_TRY(opener.open(ca_paths(keystore, "identity")));
   const auto permissions = DDSSEC_TRY(opener.open(ca_paths(keystore, "permissions")));
@@ -247,11 +233,9 @@ Result<Report> keystore_enclave(const Arguments& arguments, const Context& conte
   const auto made = DDSSEC_TRY(named(make_participant(spec, {identity, &permissions}, context),
                                      arguments.text("--permissions")));
   DDSSEC_TRY(warn_of_missing_rights(made.permissions_xml, target / "permissions.p7s", report));
-  auto below = target.lexically_relative(folder.target());
-  if (below == ".") below.clear();
-  DDSSEC_TRY(add_enclave(folder, below, name, made));
+  DDSSEC_TRY(add_enclave(folder, name, made));
   if (const auto list = DDSSEC_TRY(list_for_newcomers(identity.paths, now)))
-    DDSSEC_TRY(folder.add_public(below / "crl.pem", list->pem()));
+    DDSSEC_TRY(folder.add_public("crl.pem", list->pem()));
   DDSSEC_TRY(check_not_interrupted());
   DDSSEC_TRY(log_issued(identity.paths, log_line(made, target, now)));
   DDSSEC_TRY(log_signed(permissions.paths, signed_line(made, permissions, target, now)));
@@ -299,7 +283,7 @@ Result<Report> keystore_permission(const Arguments& arguments, const Context& co
       DDSSEC_TRY(named(permissions_xml(spec, certificate, now), arguments.text("--permissions")));
   CaOpener opener(arguments);
   const auto ca = DDSSEC_TRY(opener.open(ca_paths(keystore, "permissions")));
-  const auto document = DDSSEC_TRY(ca.authority.sign_document(as_bytes(xml), now, context.random));
+  const auto document = DDSSEC_TRY(sign_permissions(ca.authority, xml, now, context.random));
   DDSSEC_TRY(warn_of_missing_rights(xml, files.permissions, report));
   Replacement out;
   DDSSEC_TRY(out.put_public(files.folder / "permissions.xml", xml));

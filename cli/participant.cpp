@@ -132,9 +132,21 @@ Result<NewParticipant> make_participant(const ParticipantSpec& spec, const Issue
   if (!spec.has_permissions() || issuers.permissions == nullptr) return out;
   const auto now = context.clock.now();
   out.permissions_xml = DDSSEC_TRY(permissions_xml(spec, out.self.certificate, now));
-  out.permissions = DDSSEC_TRY(issuers.permissions->authority.sign_document(
-      as_bytes(out.permissions_xml), now, context.random));
+  out.permissions = DDSSEC_TRY(
+      sign_permissions(issuers.permissions->authority, out.permissions_xml, now, context.random));
   return out;
+}
+
+Result<Bytes> sign_permissions(const pki::Authority& ca, std::string_view xml, WallTime now,
+                               Random& random) {
+  auto out = DDSSEC_TRY(ca.sign_document(as_bytes(xml), now, random));
+  if (out.size() <= pki::kMostSentPermissionsOctets) return out;
+  return fail(Code::smime_too_large,
+              {.expected = fmt::format("at most {} octets", pki::kMostSentPermissionsOctets),
+               .found = fmt::format("{} octets when signed", out.size()),
+               .note = "peers on ddssec's plugins do not take longer ones",
+               .hint = "give each participant a document with its own grant, and write "
+                       "expressions instead of many names"});
 }
 
 Status add_flat(NewFolder& folder, const fs::path& below, const NewParticipant& participant,

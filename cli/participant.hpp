@@ -72,6 +72,11 @@ Result<std::string> permissions_xml(const ParticipantSpec& spec,
 Result<NewParticipant> make_participant(const ParticipantSpec& spec, const Issuers& issuers,
                                         const Context& context);
 
+/// The document, signed. Errors: those of sign_document; smime_too_large: ddssec's plugins
+/// would refuse it (PERM042).
+Result<Bytes> sign_permissions(const pki::Authority& ca, std::string_view xml, WallTime now,
+                               Random& random);
+
 /// Puts it into a folder to be, in the flat layout, with the products' configuration files.
 /// `governance` may be empty: then there is none.
 Status add_flat(NewFolder& folder, const std::filesystem::path& below,

@@ -374,6 +374,28 @@ NewFolder::NewFolder(NewFolder&& other) noexcept
       drafts_(std::move(other.drafts_)),
       files_(std::move(other.files_)) {}
 
+namespace {
+
+bool leads_to(const fs::path& link, const fs::path& to) {
+  std::error_code ignored;
+  return fs::is_symlink(link, ignored) && fs::read_symlink(link, ignored) == to;
+}
+
+}  // namespace
+
+Status check_link_place(const fs::path& target, const fs::path& to) {
+  return leads_to(target, to) ? Status() : check_nothing_at(target);
+}
+
+Result<WrittenFile> write_link(const fs::path& target, const fs::path& to) {
+  DDSSEC_TRY(check_not_interrupted());
+  WrittenFile out{.path = target, .mode = "link", .link_to = to};
+  if (leads_to(target, to)) return out;
+  DDSSEC_TRY(check_nothing_at(target));
+  if (!dry_run && ::symlink(to.c_str(), target.c_str()) != 0) return unwritable(target, errno);
+  return out;
+}
+
 Status Replacement::put(const fs::path& target, BytesView octets, unsigned mode, Links links) {
   const auto kind = kind_at(target);
   if (!kind) return unwritable(target, kind.error());

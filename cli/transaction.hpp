@@ -137,6 +137,13 @@ class Replacement {
 Result<WrittenFile> write_new_file(const std::filesystem::path& target, BytesView octets,
                                    unsigned mode);
 
+/// Whether write_link can make this link, as far as that can be seen. Error: would_overwrite.
+Status check_link_place(const std::filesystem::path& target, const std::filesystem::path& to);
+/// A symbolic link to `to`. One that is there and leads to the same place is kept: a command that
+/// was ended has made it. Errors: would_overwrite, file_unwritable, interrupted.
+Result<WrittenFile> write_link(const std::filesystem::path& target,
+                               const std::filesystem::path& to);
+
 /// Adds whole lines to a text file, made with mode 0644 if it is not there. They are on the disk
 /// when this returns; a last line that an earlier crash cut short is removed first. Safe against
 /// other processes that do the same with the same `lock`, a file that only its owner can open:

@@ -37,6 +37,25 @@ class LongPermissions(Transcript):
     def about_length(self, *words, exit):
         return [d for d in self.json(*words, *NOW, exit=exit)["diagnostics"] if d["id"] == "PERM042"]
 
+    def test_no_command_that_signs_permissions_makes_them(self):
+        self.write_topics(5200)
+        document = ("--permissions", "permissions.xml", *NOW)
+        told = self.refused("smime_too_large", 1, "identity", "issue", "talker", "--ca", "demo", "-o", "new", *document)
+        self.assertIn(f"expected at most {MOST} octets", told["message"])
+        self.run_program("identity", "issue", "talker", "--ca", "demo", "-o", "new", *NOW)
+        self.refused("smime_too_large", 1, "identity", "issue", "talker", "--ca", "demo", "-o", "new", *document)
+        self.run_program("permissions", "sign", "permissions.xml", "--ca", "demo", "-o", "new/permissions.p7s", "--no-lint",
+                         *NOW)
+        (self.at / "new/permissions_ca.pem").write_bytes((self.at / "demo/talker/permissions_ca.pem").read_bytes())
+        self.refused("smime_too_large", 1, "identity", "renew", "new", "--ca", "demo", "--permissions",
+                     "--now", "2027-10-15T00:00:00Z")
+        self.run_program("keystore", "create", "ks", "--no-passphrase", *NOW)
+        text = (self.at / "permissions.xml").read_text().replace("CN=talker", "CN=/a")
+        (self.at / "permissions.xml").write_text(text)
+        self.refused("smime_too_large", 1, "keystore", "enclave", "ks", "/a", *document)
+        self.run_program("keystore", "enclave", "ks", "/a", "--allow-all", *NOW)
+        self.refused("smime_too_large", 1, "keystore", "permission", "ks", "/a", *document)
+
     def test_lint_and_sign_refuse_them(self):
         self.write_topics(6000)
         (told,) = self.about_length("permissions", "lint", "permissions.xml", exit=1)

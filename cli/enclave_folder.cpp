@@ -1,0 +1,78 @@
+#include "cli/enclave_folder.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <system_error>
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The new folder begins at the first part of the name that is not there yet, so that all of it
+// appears at once.
+fs::path first_new_part(const fs::path& target) {
+  std::error_code ignored;
+  auto first = target;
+  while (!fs::exists(first.parent_path(), ignored)) first = first.parent_path();
+  return first;
+}
+
+Status check_inside(const fs::path& keystore, const fs::path& folder, const fs::path& target) {
+  std::error_code ignored;
+  const auto inside = fs::canonical(folder, ignored);
+  const auto root = fs::canonical(keystore / "enclaves", ignored);
+  if (std::mismatch(root.begin(), root.end(), inside.begin(), inside.end()).first == root.end())
+    return {};
+  return fail(Code::enclave_name_unusable,
+              {.found = target.string(), .note = "a link leads out of the keystore"});
+}
+
+// Of folders of deeper enclaves, and of what a command left that was ended.
+bool is_plain_folder(const fs::path& path) {
+  std::error_code ignored;
+  return fs::symlink_status(path, ignored).type() == fs::file_type::directory;
+}
+
+}  // namespace
+
+Result<EnclaveFolder> EnclaveFolder::at(const fs::path& keystore, const fs::path& target) {
+  EnclaveFolder out(target);
+  if (is_plain_folder(target)) {
+    DDSSEC_TRY(check_inside(keystore, target, target));
+    out.files_ = std::make_unique<Replacement>();
+    return out;
+  }
+  const auto first = first_new_part(target);
+  DDSSEC_TRY(check_inside(keystore, first.parent_path(), target));
+  out.folder_.emplace(DDSSEC_TRY(NewFolder::at(first)));
+  out.below_ = target.lexically_relative(out.folder_->target());
+  if (out.below_ == ".") out.below_.clear();
+  return out;
+}
+
+Status EnclaveFolder::add(const fs::path& name, BytesView octets, unsigned mode) {
+  if (folder_) return folder_->add(below_ / name, octets, mode);
+  DDSSEC_TRY(check_nothing_at(target_ / name));
+  return files_->put(target_ / name, octets, mode);
+}
+
+Status EnclaveFolder::add_public(const fs::path& name, std::string_view text) {
+  return add(name, as_bytes(text), 0644);
+}
+
+Status EnclaveFolder::link(const fs::path& name, const fs::path& to) {
+  if (folder_) return folder_->link(below_ / name, to);
+  links_.emplace_back(target_ / name, to);
+  return check_link_place(target_ / name, to);
+}
+
+Result<std::vector<WrittenFile>> EnclaveFolder::commit() {
+  if (folder_) return folder_->commit();
+  std::vector<WrittenFile> out;
+  for (const auto& [place, to] : links_) out.push_back(DDSSEC_TRY(write_link(place, to)));
+  std::ranges::move(DDSSEC_TRY(files_->commit()), std::back_inserter(out));
+  return out;
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,41 @@
+// The folder of a new enclave, which may have folders of deeper enclaves in it already.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "cli/transaction.hpp"
+
+namespace ddssec::cli {
+
+/// Takes the files of one enclave. Where no folder of the name is there, it appears with all of
+/// them at once; into one that has deeper enclaves only, they are put as a Replacement puts files,
+/// and nothing is put in place of another file.
+class EnclaveFolder {
+ public:
+  /// Errors: enclave_name_unusable if a link leads out of the keystore; those of NewFolder::at.
+  static Result<EnclaveFolder> at(const std::filesystem::path& keystore,
+                                  const std::filesystem::path& target);
+
+  /// As NewFolder's, with names inside the enclave's folder.
+  Status add(const std::filesystem::path& name, BytesView octets, unsigned mode);
+  Status add_public(const std::filesystem::path& name, std::string_view text);
+  Status link(const std::filesystem::path& name, const std::filesystem::path& to);
+  Result<std::vector<WrittenFile>> commit();
+
+ private:
+  explicit EnclaveFolder(std::filesystem::path target) : target_(std::move(target)) {}
+
+  std::filesystem::path target_;
+  std::optional<NewFolder> folder_ = std::nullopt;  ///< begins at or above the target
+  std::filesystem::path below_ = {};                ///< the target within it
+  std::unique_ptr<Replacement> files_ = nullptr;    ///< instead of it
+  /// What each leads to; made before the files.
+  std::vector<std::pair<std::filesystem::path, std::filesystem::path>> links_ = {};
+};
+
+}  // namespace ddssec::cli
