@@ -8,6 +8,7 @@
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
+#include "cli/list_dates.hpp"
 #include "cli/logged_certificate.hpp"
 #include "cli/near.hpp"
 #include "cli/options.hpp"
@@ -165,6 +166,8 @@ Result<Report> ca_rotate(const Arguments& arguments, const Context& context) {
   const auto now = context.clock.now();
   CaOpener opener(arguments);
   const auto old = DDSSEC_TRY(opener.open(ca_paths(given, role)));
+  if (const auto log = ca_paths(given, "identity"); is_there(log.certificate))
+    DDSSEC_TRY(check_list_date(now, log, arguments));
   if (old.authority.key().in_token()) return fail(Code::key_in_token, {.document = old.paths.key});
   const auto known = DDSSEC_TRY(followers_of(arguments, given, now));
   const auto [ca, trust] = DDSSEC_TRY(successor_of(old.certificate(), arguments, context));
@@ -196,6 +199,7 @@ std::vector<Command> ca_rotate_commands() {
                         .summary = "identity or permissions",
                         .required = true},
                        {"--issuer", "DIR", "the CA above, for an intermediate one"},
+                       kClockIsRight,
                        {"--unlogged", "",
                         "also certificates and documents that the CA's log does not have; after a "
                         "key was stolen, never without reading them"},

@@ -10,6 +10,7 @@
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
 #include "cli/keystore.hpp"
+#include "cli/list_dates.hpp"
 #include "cli/options.hpp"
 #include "cli/transaction.hpp"
 
@@ -163,6 +164,7 @@ Result<Report> keystore_rotate(const Arguments& arguments, const Context& contex
   if (DDSSEC_TRY(has_one_ca(keystore)))
     return fail(Code::usage, {.field = "KEYSTORE",
                               .note = "it has one CA for both: ddssec keystore split-ca first"});
+  DDSSEC_TRY(check_list_date(context.clock.now(), ca_paths(keystore, "identity"), arguments));
   if (role == "identity") return new_identity_ca(keystore, arguments, context);
   const auto ca = DDSSEC_TRY(read_certificate(ca_paths(keystore, "permissions").certificate));
   return new_permissions_ca(keystore, ca.subject(), arguments, context);
@@ -192,6 +194,7 @@ std::vector<Command> keystore_ca_commands() {
                         .value = "ROLE",
                         .summary = "identity or permissions",
                         .required = true},
+                       kClockIsRight,
                        kUnlogged,
                        kPassphraseFile,
                        kPassphraseEnv,

@@ -13,7 +13,7 @@ inline constexpr std::chrono::days kMaxRest{400};
 
 inline constexpr Option kClockIsRight{
     "--clock-is-right", "",
-    "make or distribute the list although the CA's files know of nothing in the 400 days before"};
+    "go on although the CA's files know of nothing in the 400 days before now"};
 
 /// Success unless `date` is more than kMaxRest after everything that is known of the CA: its
 /// certificate, the lines of its log, its lists, and the times at which the files with its

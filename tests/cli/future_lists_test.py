@@ -57,6 +57,21 @@ class Refused(Future):
         self.run_program(*self.revoke("talker"), *LATER)
         self.assertEqual(self.shown()["this_update"], "2026-11-22T00:00:00Z")
 
+    def test_a_ca_is_not_rotated_into_the_future(self):
+        for role in ("identity", "permissions"):
+            told = self.refused("crl_not_yet_valid", 1, "ca", "rotate", "demo", "--role", role, *FUTURE)
+            self.assertIn("--clock-is-right", told["hint"])
+            self.run_program("ca", "rotate", "demo", "--role", role, *LATER)
+            self.set_times()
+        self.run_program("ca", "rotate", "demo", "--role", "permissions", "--clock-is-right", "--dry-run", *YEAR_LATER)
+        self.run_program("keystore", "create", "ks", "--no-passphrase", *NOW)
+        self.run_program("keystore", "enclave", "ks", "/a", "--allow-all", *NOW)
+        self.set_times()
+        for role in ("identity", "permissions"):
+            self.refused("crl_not_yet_valid", 1, "keystore", "rotate", "ks", "--role", role, *FUTURE)
+            self.run_program("keystore", "rotate", "ks", "--role", role, *LATER)
+            self.set_times()
+
     def test_a_list_of_the_future_is_not_distributed(self):
         self.run_program(*self.revoke("talker"), *SURE, *FUTURE)
         self.set_times()
