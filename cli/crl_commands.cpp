@@ -164,6 +164,17 @@ Status check_not_ahead(const pki::Crl& crl, const fs::path& path, const fs::path
                            ca.string(), path.string())});
 }
 
+// The list itself may be right, but it does not say of each certificate whether it is revoked.
+Status check_whole(const pki::Crl& crl, const fs::path& path) {
+  if (!crl.is_partial()) return {};
+  return fail(Code::crl_missing,
+              {.document = path,
+               .expected = fmt::format("a list of all certificates of {}", crl.issuer()),
+               .found = "a list of a part of them (issuingDistributionPoint)",
+               .note = "participants do not start with it",
+               .hint = "have the CA issue one complete list, without that extension"});
+}
+
 Result<Report> crl_verify(const Arguments& arguments, const Context& context) {
   const auto path = list_at(arguments.text("PATH"));
   const auto ca_file = ca_certificate_path(arguments.text("--ca"), "identity");
@@ -180,6 +191,7 @@ Result<Report> crl_verify(const Arguments& arguments, const Context& context) {
       continue;
     }
     DDSSEC_TRY(named(crl.check(ca, context.clock.now()), path));
+    DDSSEC_TRY(check_whole(crl, path));
     DDSSEC_TRY(check_not_ahead(crl, path, arguments.text("--ca")));
     report.text += fmt::format("{}: {}signed by {}, holds {}\n", path.string(),
                                lists.size() > 1 ? fmt::format("number {}, ", number_text(crl)) : "",

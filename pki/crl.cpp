@@ -260,6 +260,10 @@ bool Crl::is_signed_by(const Certificate& issuer) const {
          X509_CRL_verify(impl_->crl.get(), X509_get0_pubkey(x509)) == 1;
 }
 
+bool Crl::is_partial() const {
+  return extension(impl_->crl.get(), NID_issuing_distribution_point) != nullptr;
+}
+
 Status Crl::check(const Certificate& issuer, WallTime now) const {
   if (!is_signed_by(issuer)) return not_signed_by(*this, issuer);
   if (now < impl_->this_update)

@@ -70,6 +70,11 @@ class Crl {
   /// PEM text.
   std::string pem() const;
 
+  /// True if it says that it is about a part of the CA's certificates only, or comes from one of
+  /// several places (issuingDistributionPoint, RFC 5280 5.2.5). ddssec's plugins do not start with
+  /// such a list.
+  bool is_partial() const;
+
   /// True if this list may take the place of `former`: of the same issuer, about the same
   /// certificates, and neither its number nor its thisUpdate is lower (RFC 5280 5.2.3, 5.2.5).
   /// Does not check the signature.

@@ -247,7 +247,11 @@ std::string crl_wrong(const LoadedFolder& folder, const Error& error) {
   if (error.code() == Code::crl_missing)
     return fmt::format("{} holds no list of \"{}\", which issued the certificate; it holds {}",
                        file, folder.certificate->issuer(),
-                       crls.empty() ? "none" : '"' + crls.front().issuer() + '"');
+                       crls.empty() ? "none" : '"' + crls.front().issuer() + '"') +
+           (!crls.empty() && crls.front().is_partial()
+                ? ", and says that it is about a part of the CA's certificates "
+                  "(issuingDistributionPoint)"
+                : "");
   return fmt::format("{}: {}", file, error.message());
 }
 

@@ -291,6 +291,25 @@ class Revocation(Transcript):
         (self.at / "ca/identity/crl.pem").write_text("no list")
         self.refused("crl_malformed", 3, *verify, *NOW)
 
+    def test_partitioned_lists_are_no_lists_for_participants(self):
+        # ddssec's plugins start with none of these, stock Cyclone DDS with the first (measured).
+        (self.at / "index.txt").touch()
+        for part in ("onlyuser=TRUE", "onlyCA=TRUE", "indirectCRL=TRUE", "onlysomereasons=keyCompromise",
+                     "fullname=URI:http://x/y.crl"):
+            for critical in ("critical,", ""):
+                (self.at / "ca.cnf").write_text(
+                    f"[ca]\ndefault_ca=c\n[c]\ndatabase={self.at}/index.txt\ndefault_md=sha256\ndefault_crl_days=30\n"
+                    f"crl_extensions=e\n[e]\nissuingDistributionPoint={critical}@p\n[p]\n{part}\n")
+                self.openssl("ca", "-gencrl", "-config", "ca.cnf", "-cert", "ca/identity/ca.pem", "-keyfile",
+                             "ca/identity/ca.key.pem", "-out", "listener/crl.pem")
+                soon = ("--now", "+1d")
+                told = self.refused("crl_missing", 1, "crl", "verify", "listener", "--ca", "ca", *soon)
+                self.assertIn("found a list of a part of them (issuingDistributionPoint)", told["message"])
+                self.assertIn("complete list", told["hint"])
+                told = [d["message"] for d in self.json("doctor", "listener", *soon, exit=1)["diagnostics"]
+                        if d["id"] == "DOC023"]
+                self.assertIn("about a part of the CA's certificates (issuingDistributionPoint)", told[0])
+
     def test_delta_lists_are_refused(self):
         delta = DATA / "nist-pkits/crls/deltaCRLCA1deltaCRL.crl"
         self.run_program("crl", "new", "--ca", "ca", *NOW)
