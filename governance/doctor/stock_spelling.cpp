@@ -10,15 +10,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// As strtol with base 0 reads it, except octal numbers, which ours reads as decimal ones.
+// As strtol with base 0 reads it: hexadecimal after 0x, octal after 0.
 bool is_number_for_strtol(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
   const bool is_hexadecimal = text.starts_with("0x") || text.starts_with("0X");
   if (is_hexadecimal) text.remove_prefix(2);
   if (text.starts_with('-')) return false;
+  const int base = is_hexadecimal ? 16 : text.starts_with('0') ? 8 : 10;
   DomainId id = 0;
   const auto* const end = text.data() + text.size();
-  const auto read = std::from_chars(text.data(), end, id, is_hexadecimal ? 16 : 10);
+  const auto read = std::from_chars(text.data(), end, id, base);
   return !text.empty() && read.ec == std::errc() && read.ptr == end && id <= kHighestDomainId;
 }
 

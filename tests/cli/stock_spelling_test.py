@@ -9,7 +9,8 @@ from transcript import PROGRAM, WithoutLists, main
 from workshop import GOVERNANCE, Folder, Workshop, grant, openssl, permissions
 
 # Document, what is replaced, by what: the participants come up and talk.
-TAKEN = [("g", "<id>0<", "<id>+0<"), ("p", "<id>0<", "<id>0x0<"), ("g", "<id>0<", "<id>0X0<"), ("p", "<id>0<", "<id><"),
+TAKEN = [("g", "<id>0<", "<id>+0<"), ("p", "<id>0<", "<id>0x0<"), ("g", "<id>0<", "<id>0X0<"), ("g", "<id>0<", "<id>00<"),
+         ("p", "<id>0<", "<id><"),
          ("p", ">DENY<", ">deny<"), ("p", ">DENY<", ">FOO<"), ("p", ">DENY<", "><"),
          ("p", "2020-01-01T00:00:00Z", "1969-12-31T23:59:59Z"), ("p", "2020-01-01T00:00:00Z", "yesterday"),
          ("p", ">Square</topic>", ">Square</topic><topic/>"), ("p", ' name="participant"', ' name="a" name="b"'),
