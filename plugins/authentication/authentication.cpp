@@ -78,9 +78,13 @@ class PkiDh final : public spi::Authentication {
     if (!result) environment_.events.raise(event_about(peer, result.error()));
     return result;
   }
+  /// Of a message of a handshake: a stranger can send one in the name of a peer that authenticated.
   template <class T>
   Result<T> reported(Result<T> result, IdentityHandle remote) const {
-    return result ? std::move(result) : reported(std::move(result), table_.name_of(remote));
+    if (result) return result;
+    auto name = table_.name_of(remote);
+    name.proof = PeerProof::claimed;
+    return reported(std::move(result), name);
   }
 
   void drop_credentials_given_out();
@@ -130,7 +134,7 @@ Result<PkiDh::LocalIdentity> PkiDh::load_local(const spi::PropertyList& properti
   auto identity = std::make_shared<authentication::LocalIdentity>(std::move(files), candidate);
   const auto chain = DDSSEC_TRY(identity->verify(now));
   const auto handle = DDSSEC_TRY(table_.add_local(identity, chain));
-  if (no_list) environment_.events.raise(Event(*no_list, {}, identity->guid().to_string()));
+  if (no_list) environment_.events.raise(event_about(our_name(identity->guid()), *no_list));
   return LocalIdentity{handle, identity->guid()};
 }
 

@@ -379,7 +379,9 @@ void AuthenticationAdapter::revoke_stuck(const std::stop_token& stop, const Revo
                  .found = found + " for " + std::to_string(waited.count()) + " ms",
                  .note = "from now on it is begun again at growing intervals, without another "
                          "event"}),
-          {}, stuck.guid.to_string()));
+          {}, stuck.guid.to_string(),
+          // Without endpoints it has finished its handshake; anybody can announce the others.
+          stuck.lacks_endpoints ? PeerProof::authenticated : PeerProof::claimed));
     }
     revoke(stuck.remote.value);
   }
@@ -403,7 +405,8 @@ void AuthenticationAdapter::revoke_reset(const std::stop_token& stop, const Revo
   for (const auto& [remote, guid] : remotes_.all()) {
     if (stop.stop_requested()) return;
     if (!reinterpret_cast<TakeSessionReset*>(symbol)(remote.value)) continue;
-    host_->notice(Event(Error(Code::session_reset_by_peer), {}, guid.to_string()));
+    host_->notice(
+        Event(Error(Code::session_reset_by_peer), {}, guid.to_string(), PeerProof::authenticated));
     revoke(remote.value);
   }
 }
@@ -418,7 +421,7 @@ void AuthenticationAdapter::revoke_stranded(const std::stop_token& stop, const R
                               {.document = "the session with a peer",
                                .expected = "that the host asks for the keys of its endpoints",
                                .found = "keys that the host never asked for"}),
-                        {}, guid.to_string()));
+                        {}, guid.to_string(), PeerProof::authenticated));
     revoke(remote.value);
   }
 }

@@ -22,7 +22,7 @@ AnyDataReader::AnyDataReader(Group& subscriber, ParticipantContext& context, Top
                 StatusKind::requested_incompatible_qos, StatusKind::requested_deadline_missed}),
       listeners_(this->subscriber().listening_, subscriber.participant().listening_),
       conditions_(*this, topic.type()),
-      reception_({context, topic, qos_, keys_, filter_},
+      reception_({context, topic, qos_, keys_, filter_, guid_},
                  {changes_, this->subscriber().changes_, conditions_,
                   [this](InstanceHandle instance) { miss_deadline(instance); }}),
       liveliness_(context.timers(), *this, changes_,

@@ -10,6 +10,7 @@ SampleReception::SampleReception(const Reader& reader, Reports reports)
       topic_(reader.topic),
       filter_(reader.filter),
       keys_(reader.keys),
+      reader_(reader.guid),
       reports_(std::move(reports)),
       samples_(reader.qos, reader.topic.type()) {}
 
@@ -106,7 +107,7 @@ void SampleReception::reject(const Change& change, const ReaderCache::Stored& st
 
 void SampleReception::report_unreadable_key(const Change& change) {
   const auto octets = change.payload.view();
-  context_.environment().events.raise(Event(
+  context_.protocol().remote_participants().raise_about(
       Error(Code::rtps_key_unreadable,
             {.document = "topic " + topic_.name(),
              .field = change.status.disposed ? "dispose" : "unregister",
@@ -115,7 +116,7 @@ void SampleReception::report_unreadable_key(const Change& change) {
                           ? "neither"
                           : std::to_string(octets.size()) + " octets that begin " +
                                 to_hex(octets.first(std::min(octets.size(), kEncapsulationSize)))}),
-      {}, change.writer.to_string()));
+      reader_.entity, change.writer);
 }
 
 void SampleReception::note_data() {
@@ -131,13 +132,13 @@ void SampleReception::on_lost(std::int64_t count) {
 
 void SampleReception::on_dropped(const Guid& writer, std::uint32_t octets) {
   on_lost(1);
-  context_.environment().events.raise(
-      Event(Error(Code::rtps_sample_dropped,
-                  {.document = "topic " + topic_.name(),
-                   .field = "serialized size",
-                   .expected = "at most " + std::to_string(StatefulReader::kLargestSample),
-                   .found = std::to_string(octets)}),
-            {}, writer.to_string()));
+  context_.protocol().remote_participants().raise_about(
+      Error(Code::rtps_sample_dropped,
+            {.document = "topic " + topic_.name(),
+             .field = "serialized size",
+             .expected = "at most " + std::to_string(StatefulReader::kLargestSample),
+             .found = std::to_string(octets)}),
+      reader_.entity, writer);
 }
 
 // Reading is what resets DATA_AVAILABLE and DATA_ON_READERS (DDS 1.4, 2.2.4.2.2).

@@ -29,6 +29,7 @@ class SampleReception final : private PresentedReader, private Timed {
     const Qos& qos;
     const KeyProtection& keys;
     ReaderFilter& filter;
+    const Guid& guid;  ///< once it is enabled
   };
   SampleReception(const Reader& reader, Reports reports);
 
@@ -85,6 +86,7 @@ class SampleReception final : private PresentedReader, private Timed {
   const Topic& topic_;
   ReaderFilter& filter_;
   const KeyProtection& keys_;
+  const Guid& reader_;
   const Reports reports_;
   ReceivedSamples samples_;
   ReaderPresentation presentation_{*this};

@@ -128,13 +128,13 @@ void KeptTopic::on_time(MonotonicTime now) {
 
 void KeptTopic::on_sample_dropped(const Guid& writer, std::uint32_t octets) {
   ++dropped_;
-  context_.environment().events.raise(
-      Event(Error(Code::rtps_sample_dropped,
-                  {.document = "topic " + like_.topic_name,
-                   .field = "serialized size",
-                   .expected = "at most " + std::to_string(StatefulReader::kLargestSample),
-                   .found = std::to_string(octets)}),
-            {}, writer.to_string()));
+  context_.protocol().remote_participants().raise_about(
+      Error(Code::rtps_sample_dropped,
+            {.document = "topic " + like_.topic_name,
+             .field = "serialized size",
+             .expected = "at most " + std::to_string(StatefulReader::kLargestSample),
+             .found = std::to_string(octets)}),
+      reader_.entity, writer);
 }
 
 }  // namespace ddssec::rtps

@@ -55,11 +55,19 @@ void remove_clear(const Discovery::Parts& parts, RemoteParticipant& remote,
   const auto known = remote.endpoints.find(id);
   if (known != remote.endpoints.end() && !known->second.data.by_secure_discovery)
     parts.matcher.remove(remote, id);
-  if (parts.remotes.has_room(remote, id, RemoteParticipants::price_of(secure))) return;
+  if (parts.remotes.has_room(remote, secure)) return;
   std::vector<EntityId> clear;
   for (const auto& [other, endpoint] : remote.endpoints)
     if (!endpoint.data.by_secure_discovery) clear.push_back(other);
   for (const auto& other : clear) parts.matcher.remove(remote, other);
+}
+
+/// Which endpoint it is about, nobody can read; that it is a writer or a reader, the topic says.
+void raise_unreadable(ParticipantCore& core, const Error& error, const GuidPrefix& source,
+                      bool publications, bool secure) {
+  const Guid some{source, publications ? kPublicationsWriter : kPublicationsReader};
+  core.raise(error.in("SEDP"), source, source.to_string(),
+             core.origin_of_announcement(some, secure));
 }
 
 /// The datagram came in that name: more may be sent to it, if it is limited.
@@ -273,7 +281,7 @@ void Discovery::on_endpoint(const Change& change, bool publications, bool secure
                            : read_subscription_data(change.payload.view());
   if (!data || data->guid.prefix != remote->prefix()) {
     ++core_.counters.refused_discovery;
-    if (!data) core_.events.raise(Event(data.error().in("SEDP"), {}, remote->prefix().to_string()));
+    if (!data) raise_unreadable(core_, data.error(), remote->prefix(), publications, secure);
     return;
   }
   data->by_secure_discovery = secure;

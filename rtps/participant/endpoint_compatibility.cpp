@@ -20,16 +20,16 @@ std::optional<QosMismatch> refusal(const TypeJudgement& types, const EndpointDat
 }  // namespace
 
 bool is_compatible(const EndpointData& local, const EndpointData& remote,
-                   EndpointListener& listener, EventSink& events) {
+                   EndpointListener& listener, ParticipantCore& core) {
   if (local.topic_name != remote.topic_name) return false;
   const auto refuse = [&](Code code, std::string field, std::string ours, std::string theirs,
                           std::string hint = {}) {
-    events.raise(Event(Error(code, {.document = "topic " + remote.topic_name,
-                                    .field = std::move(field),
-                                    .expected = std::move(ours),
-                                    .found = std::move(theirs),
-                                    .hint = std::move(hint)}),
-                       {}, remote.guid.to_string()));
+    core.raise_about(Error(code, {.document = "topic " + remote.topic_name,
+                                  .field = std::move(field),
+                                  .expected = std::move(ours),
+                                  .found = std::move(theirs),
+                                  .hint = std::move(hint)}),
+                     remote);
     return false;
   };
   const bool keyed = has_key(local.guid.entity);

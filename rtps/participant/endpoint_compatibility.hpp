@@ -1,7 +1,7 @@
 #pragma once
 
-#include "base/event.hpp"
 #include "rtps/participant/endpoint_listener.hpp"
+#include "rtps/participant/participant_core.hpp"
 
 namespace ddssec::rtps {
 
@@ -9,6 +9,6 @@ namespace ddssec::rtps {
 /// writes and the other reads. If their topics have the same name but they may not, `listener` and
 /// an event say why.
 bool is_compatible(const EndpointData& local, const EndpointData& remote,
-                   EndpointListener& listener, EventSink& events);
+                   EndpointListener& listener, ParticipantCore& core);
 
 }  // namespace ddssec::rtps

@@ -109,8 +109,7 @@ void EndpointMatcher::forget_if_empty(const std::string& topic_name) {
 void EndpointMatcher::add(RemoteParticipant& remote, EndpointData data) {
   if (core_.ignored.contains(data)) return;
   const auto id = data.guid.entity;
-  const auto price = RemoteParticipants::price_of(data);
-  if (!remotes_.has_room(remote, id, price)) return;
+  if (!remotes_.has_room(remote, data)) return;
   auto known = remote.endpoints.find(id);
   if (known != remote.endpoints.end() && known->second.data.topic_name != data.topic_name) {
     remove(remote, id);
@@ -118,7 +117,7 @@ void EndpointMatcher::add(RemoteParticipant& remote, EndpointData data) {
   }
   auto& ends = topics_[data.topic_name];
   ends.remotes.insert(data.guid);
-  const auto& stored = remotes_.store(remote, std::move(data), price).data;
+  const auto& stored = remotes_.store(remote, std::move(data)).data;
   for (auto* writer : ends.writers) match(*writer, remote, stored);
   for (auto* reader : ends.readers) match(*reader, remote, stored);
 }
@@ -161,25 +160,25 @@ const Neighbour* EndpointMatcher::neighbour(const EntityId& local, const Guid& r
   return neighbour_of(local_, core_.config.neighbourhood.get(), local, remote);
 }
 
-bool EndpointMatcher::has_place(const MatchTable& matched, RemoteParticipant& remote) {
+bool EndpointMatcher::has_place(const MatchTable& matched, RemoteParticipant& remote,
+                                const EndpointData& endpoint) {
   if (&remote == &remotes_.self()) return true;
   if (matched.has_room(core_.identity_of(remote.prefix()))) return true;
   ++core_.counters.refused_discovery;
   if (!std::exchange(remote.exceeds_matches, true))
-    core_.events.raise(
-        Event(Error(Code::rtps_too_many_endpoints,
-                    {.expected = fmt::format("at most {} endpoints of one identity that match one "
-                                             "of ours",
-                                             MatchTable::kMaxOfOne),
-                     .found = "more"}),
-              {}, remote.data.guid.to_string()));
+    core_.raise_about(Error(Code::rtps_too_many_endpoints,
+                            {.expected = fmt::format("at most {} endpoints of one identity that "
+                                                     "match one of ours",
+                                                     MatchTable::kMaxOfOne),
+                             .found = "more"}),
+                      endpoint);
   return false;
 }
 
 EndpointMatcher::Verdict EndpointMatcher::judge(const EndpointData& local,
                                                 EndpointListener& listener,
                                                 const EndpointData& remote) {
-  if (!is_compatible(local, remote, listener, core_.events)) return Verdict::refused;
+  if (!is_compatible(local, remote, listener, core_)) return Verdict::refused;
   if (!core_.security || remote.guid.prefix == local_.prefix()) return Verdict::ready;
   return admit(local.guid.entity, remote);
 }
@@ -207,7 +206,7 @@ void EndpointMatcher::match(LocalWriter& writer, RemoteParticipant& remote,
                             const EndpointData& data) {
   if (!is_reader(data.guid.entity)) return;
   const bool known = writer.matched.contains(data.guid);
-  if (!known && !has_place(writer.matched, remote)) return;
+  if (!known && !has_place(writer.matched, remote, data)) return;
   const auto verdict = judge(writer.data, *writer.listener, data);
   if (verdict == Verdict::refused) return forget(writer, data.guid);
   if (verdict == Verdict::awaits_keys) return;
@@ -244,7 +243,7 @@ void EndpointMatcher::match(LocalReader& reader, RemoteParticipant& remote,
   auto& matched = remote.endpoints.find(data.guid.entity)->second.readers;
   const bool known = contains(matched, reader.protocol.get());
   if (known) remote.stop_watching(*reader.listener, data.guid);
-  if (!known && !has_place(reader.matched, remote)) return;
+  if (!known && !has_place(reader.matched, remote, data)) return;
   const auto verdict = judge(reader.data, *reader.listener, data);
   if (verdict == Verdict::refused) return forget(reader, data.guid);
   if (verdict == Verdict::awaits_keys) return;

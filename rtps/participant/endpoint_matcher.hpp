@@ -57,7 +57,8 @@ class EndpointMatcher {
 
   /// False: the identity of `remote` has all the matches that it may have with this endpoint, which
   /// is counted and once raises an event.
-  bool has_place(const MatchTable& matched, RemoteParticipant& remote);
+  bool has_place(const MatchTable& matched, RemoteParticipant& remote,
+                 const EndpointData& endpoint);
   Verdict judge(const EndpointData& local, EndpointListener& listener, const EndpointData& remote);
   Verdict admit(const EntityId& local, const EndpointData& remote);
   void match(LocalWriter& writer, RemoteParticipant& remote, const EndpointData& data);

@@ -8,8 +8,12 @@ namespace ddssec::rtps {
 
 MessageReceiver::MessageReceiver(const GuidPrefix& own, EndpointLookup& endpoints,
                                  MessageListener& listener, ParticipantCounters& counters,
-                                 EventSink& events)
-    : own_(own), endpoints_(endpoints), listener_(listener), counters_(counters), events_(events) {}
+                                 Report report)
+    : own_(own),
+      endpoints_(endpoints),
+      listener_(listener),
+      counters_(counters),
+      report_(std::move(report)) {}
 
 void MessageReceiver::open_with(Keyring& keyring) {
   constexpr std::size_t kScratch = 65536;  // the largest datagram, whatever was protected in it
@@ -21,25 +25,27 @@ void MessageReceiver::open_with(Keyring& keyring) {
 void MessageReceiver::receive(BytesView datagram, MonotonicTime now) {
   ++counters_.messages;
   const auto header = read_header(datagram);
-  const auto status =
-      header ? read(*header, datagram, now) : Status(std::unexpected(header.error()));
-  if (status) return;
+  if (header) return read(*header, datagram, now);
   ++counters_.malformed;
-  events_.raise(Event(status.error(), {}, header ? header->prefix.to_string() : ""));
+  report_({}, header.error(), Origin::anyone);
 }
 
-Status MessageReceiver::read(const Header& header, BytesView datagram, MonotonicTime now) {
-  if (header.prefix == own_) return {};
+void MessageReceiver::read(const Header& header, BytesView datagram, MonotonicTime now) {
+  if (header.prefix == own_) return;
   Context context{header.prefix, true, {}, now, datagram.size()};
   if (keyring_ != nullptr) {
     const auto opened = keyring_->open_message(header, datagram, message_scratch_, now);
-    if (!opened) return {};  // counted, and said where it is worth an event
+    if (!opened) return;  // counted, and said where it is worth an event
     datagram = opened->plain;
     context.shield.message = opened->by_participant;
   }
   const auto status = walk(datagram, context);
   report(context);
-  return status;
+  if (status) return;
+  ++counters_.malformed;
+  const bool by_keys = context.shield.message || context.shield.submessage != Guid{};
+  report_(by_keys ? context.source : header.prefix, status.error(),
+          by_keys ? Origin::its_keys : Origin::anyone);
 }
 
 void MessageReceiver::report(Context& context) {
@@ -74,11 +80,11 @@ Status MessageReceiver::open_group(const SubmessageView& prefix, MessageReader& 
   const BytesView group(prefix.whole.data(), size);
   const auto opened = keyring_->open_submessage(context.source, group, submessage_scratch_);
   if (!opened) return {};
+  context.shield.submessage = opened->by;
   const auto inner = DDSSEC_TRY(MessageReader::over_submessages({}, opened->plain).next());
   if (!inner) return fail(Code::truncated);
-  context.shield.submessage = opened->by;
   const auto status = process(*inner, context);
-  context.shield.submessage = {};
+  if (status) context.shield.submessage = {};  // otherwise the message ends with it
   if (opened->by.entity == kVolatileMessageWriter)
     wipe(MutableBytes(submessage_scratch_).first(opened->plain.size()));  // there were keys in it
   return status;

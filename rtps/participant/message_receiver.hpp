@@ -2,7 +2,8 @@
 // endpoints that it is for, which EndpointLookup finds.
 #pragma once
 
-#include "base/event.hpp"
+#include <functional>
+
 #include "rtps/participant/endpoint_lookup.hpp"
 #include "rtps/participant/participant_counters.hpp"
 #include "rtps/security/keyring.hpp"
@@ -12,14 +13,16 @@ namespace ddssec::rtps {
 
 class MessageReceiver {
  public:
+  /// Of a message that cannot be read, from a participant (zero: its header cannot, either).
+  using Report = std::function<void(const GuidPrefix& source, const Error& error, Origin origin)>;
   /// Everything is borrowed and outlives the receiver.
   MessageReceiver(const GuidPrefix& own, EndpointLookup& endpoints, MessageListener& listener,
-                  ParticipantCounters& counters, EventSink& events);
+                  ParticipantCounters& counters, Report report);
 
   /// From now on messages are opened with these keys; a submessage that is not protected as the
   /// governance demands is dropped.
   void open_with(Keyring& keyring);
-  /// One datagram from an unknown source. What cannot be read is counted, and raises an event.
+  /// One datagram from an unknown source. What cannot be read is counted and reported.
   void receive(BytesView datagram, MonotonicTime now);
 
  private:
@@ -40,7 +43,7 @@ class MessageReceiver {
     }
   };
 
-  Status read(const Header& header, BytesView datagram, MonotonicTime now);
+  void read(const Header& header, BytesView datagram, MonotonicTime now);
   /// Tells the listener what the submessages of the present source say of its life. What follows
   /// can be of another source.
   void report(Context& context);
@@ -73,7 +76,7 @@ class MessageReceiver {
   EndpointLookup& endpoints_;
   MessageListener& listener_;
   ParticipantCounters& counters_;
-  EventSink& events_;
+  const Report report_;
   Keyring* keyring_ = nullptr;  ///< of a secured participant
   Bytes message_scratch_, submessage_scratch_, payload_scratch_;
 };

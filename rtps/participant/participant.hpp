@@ -103,7 +103,11 @@ class Participant {
   Announcer announcer_{core_, local_.builtin()};
   Discovery discovery_{core_, {local_, remotes_, matcher_, liveliness_, announcer_}};
   EndpointDirectory directory_{core_, local_, remotes_};
-  MessageReceiver receiver_{prefix(), directory_, discovery_, core_.counters, core_.events};
+  MessageReceiver receiver_{prefix(), directory_, discovery_, core_.counters,
+                            [this](const auto& source, const auto& error, auto origin) {
+                              core_.raise(error, source, source.is_zero() ? "" : source.to_string(),
+                                          origin);
+                            }};
   unsigned backlog_ = 0;      ///< batches since there was none
   bool reads_first_ = false;  ///< before the next tick counts
   DeferredCalls calls_;

@@ -61,6 +61,29 @@ struct ParticipantCore {
   std::optional<Sha256Digest> keys_of(const EntityId& local, const Guid& remote) const {
     return security ? security->keyring().keys_of(local, remote) : std::nullopt;
   }
+  /// Raises an event about a remote participant, or the endpoint of it with that GUID. Who can have
+  /// sent what it reports decides whether it counts as the peer's own (peer_event.hpp).
+  void raise(Error error, const GuidPrefix& prefix, std::string guid, Origin origin) {
+    if (security) return security->core().raise(std::move(error), prefix, std::move(guid), origin);
+    events.raise(peer_event(std::move(error), std::move(guid)));
+  }
+  void raise(Error error, const Guid& guid, Origin origin) {
+    raise(std::move(error), guid.prefix, guid.to_string(), origin);
+  }
+  /// About what is announced of a remote endpoint.
+  void raise_about(Error error, const EndpointData& announced) {
+    raise(std::move(error), announced.guid,
+          origin_of_announcement(announced.guid, announced.by_secure_discovery));
+  }
+  /// About what a local endpoint was sent by a remote one.
+  void raise_about(Error error, const EntityId& local, const Guid& remote) {
+    raise(std::move(error), remote,
+          security ? security->core().origin(local, remote) : Origin::anyone);
+  }
+  Origin origin_of_announcement(const Guid& endpoint, bool by_secure_discovery) const {
+    return security ? security->core().origin_of_announcement(endpoint, by_secure_discovery)
+                    : Origin::anyone;
+  }
   /// What the governance says of the domain. Without security: nothing is protected.
   const spi::ParticipantSecurityAttributes& attributes() const {
     static const spi::ParticipantSecurityAttributes kNone;

@@ -5,6 +5,13 @@
 #include <fmt/format.h>
 
 namespace ddssec::rtps {
+namespace {
+
+std::size_t price_of(const EndpointData& data) {
+  return RemoteParticipants::kPricePerEndpoint + octets_of(data);
+}
+
+}  // namespace
 
 // An announcement may name any address: few are used, and only those that can be sent to.
 LocatorList usable_locators(const LocatorList& announced, const LocatorList& fallback,
@@ -190,14 +197,14 @@ std::vector<GuidPrefix> RemoteParticipants::ended() {
   return out;
 }
 
-std::size_t RemoteParticipants::price_of(const EndpointData& data) {
-  return kPricePerEndpoint + octets_of(data);
+void RemoteParticipants::raise_about(Error error, const EntityId& local, const Guid& remote) const {
+  core_.raise_about(std::move(error), local, remote);
 }
 
 // A participant that announces much takes no room from those that announce little.
-bool RemoteParticipants::has_room(RemoteParticipant& remote, const EntityId& id,
-                                  std::size_t price) {
-  const auto known = remote.endpoints.find(id);
+bool RemoteParticipants::has_room(RemoteParticipant& remote, const EndpointData& endpoint) {
+  const auto price = price_of(endpoint);
+  const auto known = remote.endpoints.find(endpoint.guid.entity);
   const bool is_new = known == remote.endpoints.end();
   const auto before = is_new ? 0 : known->second.price;
   const auto of_it = remote.endpoint_octets - before + price;
@@ -208,16 +215,16 @@ bool RemoteParticipants::has_room(RemoteParticipant& remote, const EntityId& id,
   if (fits || of_it <= kEndpointOctetsOfEach) return true;
   ++core_.counters.refused_discovery;
   if (!std::exchange(remote.exceeds, true))
-    core_.events.raise(
-        Event(Error(Code::rtps_too_many_endpoints,
-                    {.found = fmt::format("{} endpoints of {} octets", remote.endpoints.size(),
-                                          remote.endpoint_octets)}),
-              {}, remote.data.guid.to_string()));
+    core_.raise_about(
+        Error(Code::rtps_too_many_endpoints,
+              {.found = fmt::format("{} endpoints of {} octets", remote.endpoints.size(),
+                                    remote.endpoint_octets)}),
+        endpoint);
   return false;
 }
 
-RemoteEndpoint& RemoteParticipants::store(RemoteParticipant& remote, EndpointData data,
-                                          std::size_t price) {
+RemoteEndpoint& RemoteParticipants::store(RemoteParticipant& remote, EndpointData data) {
+  const auto price = price_of(data);
   const auto [at, is_new] = remote.endpoints.try_emplace(data.guid.entity);
   auto& endpoint = at->second;
   endpoints_ += is_new ? 1 : 0;

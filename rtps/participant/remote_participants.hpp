@@ -121,11 +121,13 @@ class RemoteParticipants {
   /// No lease ends, and no question is due, before.
   MonotonicTime next_end() const { return std::min(next_end_, next_question_); }
 
+  /// Raises an event about what one of their endpoints sent to a local one.
+  void raise_about(Error error, const EntityId& local, const Guid& remote) const;
+
   // Endpoints.
-  static std::size_t price_of(const EndpointData& data);
   /// False: the endpoint would exceed a bound, which is counted and once raises an event.
-  bool has_room(RemoteParticipant& remote, const EntityId& id, std::size_t price);
-  RemoteEndpoint& store(RemoteParticipant& remote, EndpointData data, std::size_t price);
+  bool has_room(RemoteParticipant& remote, const EndpointData& endpoint);
+  RemoteEndpoint& store(RemoteParticipant& remote, EndpointData data);
   /// It must not be matched any more.
   void remove(RemoteParticipant& remote, const EntityId& id);
 

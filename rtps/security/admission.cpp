@@ -63,14 +63,12 @@ Admission::Verdict Admission::judge(const ParticipantData& data) {
   if (may_authenticate(data)) return Verdict::authenticate;
   if (admits_unauthenticated()) return Verdict::admit_unauthenticated;
   ++core_.counters.failed;
-  const auto guid = data.guid.to_string();
-  if (!data.identity_token)
-    core_.events.raise(Event(Error(Code::rtps_peer_not_secured, {.document = "participant " + guid,
-                                                                 .expected = "an identity token",
-                                                                 .found = "none"}),
-                             {}, guid));
-  else
-    core_.events.raise(Event(check_participant(data).error().in("participant " + guid), {}, guid));
+  const auto document = "participant " + data.guid.to_string();
+  auto why = data.identity_token
+                 ? check_participant(data).error().in(document)
+                 : Error(Code::rtps_peer_not_secured,
+                         {.document = document, .expected = "an identity token", .found = "none"});
+  core_.raise(std::move(why), data.guid, Origin::anyone);
   return Verdict::refuse;
 }
 
@@ -105,7 +103,7 @@ Status Admission::check_domain(const ParticipantData& proven) const {
                       .field = "DOMAIN_ID and DOMAIN_TAG",
                       .expected = text(own_id, core_.own->domain_tag()),
                       .found = text(proven.domain_id.value_or(own_id), proven.domain_tag)});
-  core_.events.raise(Event(error, {}, proven.guid.to_string()));
+  core_.raise(error, proven.guid, Origin::its_keys);
   return std::unexpected(std::move(error));
 }
 
@@ -157,8 +155,8 @@ std::optional<Admission::Permission> Admission::admit(const EntityId& local,
   const auto status = joined != nullptr ? check_protection(*attributes, remote, peer->data.vendor)
                                         : check_open(local, remote);
   if (!status) {
-    core_.events.raise(Event(status.error().in("topic " + std::string(remote.topic)), {},
-                             remote.guid.to_string()));
+    core_.raise(status.error().in("topic " + std::string(remote.topic)), remote.guid,
+                core_.origin_of_announcement(remote.guid, remote.is_secure));
     return std::nullopt;
   }
   if (joined == nullptr) return Permission{};

@@ -246,7 +246,7 @@ Error Handshakes::no_place_for(const Peer& peer) {
               {.document = "the certificate of participant " + peer.name(),
                .expected = "no more participants than places are free",
                .found = "one more than " + std::to_string(subjects_.count(peer.prefix()))});
-  if (!peer.failed) core_.raise(error, peer);
+  if (!peer.failed) core_.raise(error, peer, Origin::its_keys);
   return error;
 }
 
@@ -410,7 +410,7 @@ void Handshakes::note_overdue(Peer& peer) {
                      .expected = "that it ends within 100 s",
                      .found = "no end",
                      .note = "it goes on, and is not told of again"}),
-              peer);
+              peer, Origin::anyone);
 }
 
 // DDS-Security 1.2, 9.8.3.1: a participant that could authenticate, and fails to, is matched as one
@@ -431,7 +431,7 @@ void Handshakes::admit_meanwhile(Peer& peer) {
                      .field = "allow_unauthenticated_participants",
                      .expected = "a handshake that succeeds within 3 s",
                      .found = was_refused ? "one whose messages were refused" : "none"}),
-              peer);
+              peer, Origin::anyone);
   core_.host.on_refused(GuidPrefix(peer.prefix()));
 }
 

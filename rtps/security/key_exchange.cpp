@@ -48,9 +48,8 @@ StatefulReader* KeyExchange::volatile_reader(const GuidPrefix& prefix) {
 void KeyExchange::join(Peer& peer) {
   if (!peer.state.join()) return;
   ++core_.counters.authenticated;
-  if (const auto* association = peer.state.association())
-    core_.events.raise(Event(Error(Code::rtps_peer_authenticated), association->subject,
-                             peer.name(), PeerProof::authenticated));
+  if (peer.state.association() != nullptr)
+    core_.raise(Error(Code::rtps_peer_authenticated), peer, Origin::its_keys);
   core_.host.on_authenticated(GuidPrefix(peer.prefix()));
 }
 
@@ -122,7 +121,7 @@ void KeyExchange::set_revising(bool revising) {
 void KeyExchange::send_revised(Peer& peer) {
   if (!is_trusted(peer)) return;
   auto own = core_.keyring.participant_tokens(peer.prefix(), spi::KeyStage::revised);
-  if (!own) return core_.raise(own.error(), peer);
+  if (!own) return core_.raise(own.error(), peer, Origin::its_keys);
   send_tokens(peer, message_class::kParticipantTokens, {}, {}, std::move(*own));
   auto& association = *peer.state.association();
   for (const auto& [local, remote] : core_.keyring.pairs_with_keys(peer.prefix()))
@@ -162,7 +161,7 @@ void KeyExchange::send_waiting(Peer& peer) {
     if (tokens)
       send_endpoint_tokens(peer, local, remote, std::move(*tokens));
     else
-      core_.events.raise(Event(tokens.error(), {}, remote.to_string()));
+      core_.raise(tokens.error(), remote, Origin::its_keys);
   }
 }
 
@@ -184,7 +183,7 @@ bool KeyExchange::on_message(const GuidPrefix& prefix, const Change& change) {
                       {.document = "key tokens",
                        .expected = "at most " + std::to_string(kMaxTokenOctets) + " octets",
                        .found = std::to_string(size)}),
-                *peer);
+                *peer, Origin::its_keys);
     return true;
   }
   auto message = read_generic_message(change.payload.view());
@@ -203,7 +202,7 @@ bool KeyExchange::on_message(const GuidPrefix& prefix, const Change& change) {
 
 void KeyExchange::on_participant_tokens(Peer& peer, const GenericMessage& message) {
   const auto status = core_.keyring.set_participant_tokens(peer.prefix(), message.data);
-  if (!status) return core_.raise(status.error(), peer);
+  if (!status) return core_.raise(status.error(), peer, Origin::its_keys);
   // It can read ours by now: what it could not read before is offered again at once.
   if (auto* association = peer.state.association(); association->volatile_writer)
     association->volatile_writer->ask_for_acknowledgments();
@@ -231,14 +230,16 @@ bool KeyExchange::on_endpoint_tokens(Peer& peer, GenericMessage message, std::si
 bool KeyExchange::apply_tokens(Peer& peer, const GenericMessage& message) {
   const auto ready = core_.keyring.set_endpoint_tokens(message.destination_endpoint.entity,
                                                        message.source_endpoint, message.data);
-  if (!ready) core_.raise(ready.error(), peer);
+  if (!ready) core_.raise(ready.error(), peer, Origin::its_keys);
   return ready && *ready;
 }
 
 bool KeyExchange::introduce(const EntityId& local, const Guid& remote, bool relay_only) {
   auto introduced = core_.keyring.introduce(local, remote, relay_only);
   if (!introduced) {
-    core_.events.raise(Event(introduced.error(), {}, remote.to_string()));
+    const auto* attributes = core_.keyring.attributes(local);
+    const bool is_secure = attributes != nullptr && attributes->topic.is_discovery_protected;
+    core_.raise(introduced.error(), remote, core_.origin_of_announcement(remote, is_secure));
     return false;
   }
   auto* peer = core_.find(remote.prefix);

@@ -45,7 +45,8 @@ void KeyRevision::finish() {
       Event(Error(Code::rtps_keys_revised, {.field = "key revision", .found = number})));
   for (const auto& [prefix, peer] : core_.peers)
     if (!KeyExchange::is_up_to_date(peer))
-      core_.raise(Error(Code::rtps_key_revision_unacknowledged, {.found = number}), peer);
+      core_.raise(Error(Code::rtps_key_revision_unacknowledged, {.found = number}), peer,
+                  Origin::its_keys);
 }
 
 void KeyRevision::check_key_life() {

@@ -8,6 +8,7 @@
 #include "base/event.hpp"
 #include "base/hash.hpp"
 #include "rtps/reliability/send_protection.hpp"
+#include "rtps/security/peer_event.hpp"
 #include "rtps/security/pre_shared_messages.hpp"
 #include "wire/entity_ids.hpp"
 
@@ -18,6 +19,10 @@ struct Shield {
   bool message = false;  ///< came inside a protected message of its sender
   Guid submessage = {};  ///< the endpoint whose key protected it; zero: nobody's
 };
+
+/// Of plain SEDP or liveliness. Cyclone DDS sends these outside of protected messages, Fast DDS
+/// inside.
+bool is_plain_builtin(const EntityId& id);
 
 /// No I/O, clock or lock. Of the message path nothing allocates.
 class Keyring final : public SendProtection {

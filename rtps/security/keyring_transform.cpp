@@ -14,18 +14,17 @@ bool is_expected(Code code) {
          code == Code::message_from_before || code == Code::message_repeated;
 }
 
-// Cyclone DDS sends these outside of protected messages, Fast DDS inside.
+}  // namespace
+
 bool is_plain_builtin(const EntityId& id) {
   return id == kPublicationsReader || id == kPublicationsWriter || id == kSubscriptionsReader ||
          id == kSubscriptionsWriter || id == kParticipantMessageReader ||
          id == kParticipantMessageWriter;
 }
 
-}  // namespace
-
 std::unexpected<Error> Keyring::undecodable(const Error& error, const GuidPrefix& sender) {
   ++counters_.undecodable;
-  if (!is_expected(error.code())) events_.raise(Event(error, {}, sender.to_string()));
+  if (!is_expected(error.code())) events_.raise(peer_event(error, sender.to_string()));
   return std::unexpected(error);
 }
 
@@ -75,12 +74,13 @@ bool Keyring::accepts(const EntityId& id, const Guid& remote, const Shield& shie
   const bool submessage_missing = local->attributes.is_submessage_protected() && !by_remote;
   if (!message_missing && !submessage_missing) return true;
   ++counters_.unprotected;
-  events_.raise(Event(Error(Code::rtps_protection_missing,
-                            {.document = "endpoint " + id.to_string(),
-                             .expected = message_missing ? "a protected message"
-                                                         : "a submessage protected by its sender",
-                             .found = "an unprotected one"}),
-                      {}, remote.to_string()));
+  events_.raise(
+      peer_event(Error(Code::rtps_protection_missing,
+                       {.document = "endpoint " + id.to_string(),
+                        .expected = message_missing ? "a protected message"
+                                                    : "a submessage protected by its sender",
+                        .found = "an unprotected one"}),
+                 remote.to_string()));
   return false;
 }
 
@@ -91,11 +91,11 @@ bool Keyring::accepts_without_payload(const EntityId& id, const Guid& remote,
   const bool proven = shield.message || shield.submessage == remote;
   if (proven || !local->attributes.is_payload_protected()) return true;
   ++counters_.unprotected;
-  events_.raise(Event(Error(Code::rtps_protection_missing,
-                            {.document = "endpoint " + id.to_string(),
-                             .expected = "the protected key of the instance that ends",
-                             .found = "a dispose or unregister without a payload"}),
-                      {}, remote.to_string()));
+  events_.raise(peer_event(Error(Code::rtps_protection_missing,
+                                 {.document = "endpoint " + id.to_string(),
+                                  .expected = "the protected key of the instance that ends",
+                                  .found = "a dispose or unregister without a payload"}),
+                           remote.to_string()));
   return false;
 }
 

@@ -1,5 +1,6 @@
 #include "rtps/security/pre_shared_messages.hpp"
 
+#include "rtps/security/peer_event.hpp"
 #include "wire/vendor_name.hpp"
 
 namespace ddssec::rtps {
@@ -21,7 +22,7 @@ Result<BytesView> PreSharedMessages::open(const Header& header, BytesView messag
   const auto size = keys->decode(message, scratch);
   if (size) return scratch.first(*size);
   ++counters_.undecodable;
-  if (complaints_.take(now)) events_.raise(Event(size.error(), {}, header.prefix.to_string()));
+  if (complaints_.take(now)) events_.raise(peer_event(size.error(), header.prefix.to_string()));
   return std::unexpected(size.error());
 }
 
@@ -41,7 +42,7 @@ std::unexpected<Error> PreSharedMessages::complain(Code code, const Header& head
   const auto sender = header.prefix.to_string();
   const Error error(code, {.document = "participant " + sender + " of " + name_of(header.vendor),
                            .expected = std::string(expected)});
-  events_.raise(Event(error, {}, sender));
+  events_.raise(peer_event(error, sender));
   return std::unexpected(error);
 }
 

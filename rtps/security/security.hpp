@@ -65,6 +65,9 @@ class Security {
   /// It acknowledged messages of the key exchange.
   void note_keys_acknowledged(const GuidPrefix& prefix);
 
+  /// For events about peers.
+  SecurityCore& core() { return core_; }
+
   /// Forgets a participant with its keys.
   void lost(const GuidPrefix& prefix);
   bool is_authenticated(const GuidPrefix& prefix) const;

@@ -55,9 +55,42 @@ struct SecurityCore {
     const auto at = peers.find(prefix);
     return at == peers.end() ? nullptr : &at->second;
   }
+  /// Who can have sent what a local endpoint accepts as the remote one's.
+  Origin origin(const EntityId& local, const Guid& remote) const {
+    const auto* attributes = keyring.attributes(local);
+    if (attributes == nullptr) return Origin::anyone;
+    if (attributes->is_submessage_protected()) return Origin::its_keys;
+    const auto* peer = find(remote.prefix);
+    const bool is_wrapped = own->attributes().is_rtps_protected() && peer != nullptr &&
+                            (!is_plain_builtin(local) || peer->data.vendor != kVendorCyclone);
+    return is_wrapped ? Origin::its_keys : Origin::anyone;
+  }
+  /// Who can have sent the announcement of a remote endpoint.
+  Origin origin_of_announcement(const Guid& endpoint, bool by_secure_discovery) const {
+    const bool writes = is_writer(endpoint.entity);
+    const auto& plain = writes ? kPublicationsReader : kSubscriptionsReader;
+    const auto& secure = writes ? kPublicationsSecureReader : kSubscriptionsSecureReader;
+    return origin(by_secure_discovery ? secure : plain, endpoint);
+  }
   /// Raises an event about this peer.
-  void raise(Error error, const Peer& peer) {
-    events.raise(Event(std::move(error), {}, peer.name()));
+  void raise(Error error, const Peer& peer, Origin origin) {
+    raise(std::move(error), peer.prefix(), peer.name(), origin);
+  }
+  /// The same about a participant that may be unknown, or one of its endpoints. `guid`: whose.
+  void raise(Error error, const Guid& guid, Origin origin) {
+    raise(std::move(error), guid.prefix, guid.to_string(), origin);
+  }
+  void raise(Error error, const GuidPrefix& prefix, std::string guid, Origin origin) {
+    const auto* peer = origin == Origin::its_keys ? find(prefix) : nullptr;
+    auto subject = peer == nullptr ? std::nullopt : proven_subject(*peer);
+    events.raise(peer_event(std::move(error), std::move(guid), std::move(subject)));
+  }
+  /// Nothing: it has not authenticated, or is not trusted any more.
+  std::optional<std::string> proven_subject(const Peer& peer) const {
+    if (const auto* association = peer.state.association()) return association->subject;
+    const auto* handshake = peer.state.handshake();
+    if (handshake == nullptr || !handshake->finished()) return std::nullopt;
+    return own->plugins().authentication.authenticated_subject(handshake->handle());
   }
 
   const std::unique_ptr<OwnSecurity> own;
