@@ -62,6 +62,18 @@ void remove_clear(const Discovery::Parts& parts, RemoteParticipant& remote,
   for (const auto& other : clear) parts.matcher.remove(remote, other);
 }
 
+/// Of what the peer signed, what no handshake needs. Of Cyclone DDS that is its version, which says
+/// how it lays out keys. Ours sign their name and user
+/// data, too, unless DCPSParticipantsSecure says them; of other vendors these stay as announced.
+void adopt_names(ParticipantData& known, const ParticipantData& proven) {
+  known.vendor = proven.vendor;
+  const bool is_cyclone = proven.vendor == kVendorCyclone;
+  if (!is_cyclone || !proven.vendor_version.empty()) known.vendor_version = proven.vendor_version;
+  if (proven.vendor != kVendorDdssec) return;
+  known.entity_name = proven.entity_name;
+  known.user_data = proven.user_data;
+}
+
 /// Which endpoint it is about, nobody can read; that it is a writer or a reader, the topic says.
 void raise_unreadable(ParticipantCore& core, const Error& error, const GuidPrefix& source,
                       bool publications, bool secure) {
@@ -356,7 +368,7 @@ LocatorList Discovery::on_proven(const GuidPrefix& peer, const ParticipantData& 
   auto metatraffic = usable(proven.metatraffic_unicast);
   auto* remote = parts_.remotes.find(peer);
   if (remote == nullptr) return metatraffic;
-  remote->data.vendor = proven.vendor;
+  adopt_names(remote->data, proven);
   remote->data.builtin_endpoints = proven.builtin_endpoints;
   remote->user = usable(proven.default_unicast, remote->user);
   remote->user_sources.assign(remote->user.size(), remote->source);

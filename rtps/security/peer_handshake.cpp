@@ -100,8 +100,10 @@ void PeerHandshake::start(MonotonicTime now, Messages& out) {
 bool PeerHandshake::make_request(MonotonicTime until) {
   auto step = plugin_.begin_handshake_request(sides_.own, identity_->handle(), *own_data_);
   if (!step) {
-    if (!finished_) fail_with(step.error());
-    return false;
+    const bool passes = step.error().code() == Code::too_many_handshakes ||
+                        spi::refusal_passes(step.error().code());
+    if (!finished_ && !passes) fail_with(step.error());
+    return false;  // tick tries again what passes
   }
   request_ =
       Request{step->handle,
@@ -126,6 +128,8 @@ void PeerHandshake::tick(MonotonicTime now, Messages& out) {
     static_cast<void>(plugin_.return_handshake_handle(request_->handle));
     request_.reset();
   }
+  if (begins() && !request_ && !finished_) make_request(kNever);
+  if (failure_) return;
   if (request_) out.push_back(request_->message);
   answers_.repeat(out);
   const auto own = auth_request();

@@ -57,6 +57,46 @@ TEST(Handshake, APeerThatAuthenticated_IsSaidOnceWithItsSubject) {
   }
 }
 
+/// With a version in it as Cyclone DDS announces its own.
+Bytes announcement_of(const ParticipantData& data, std::string_view version) {
+  constexpr std::uint16_t kVersion = 0x8007, kSentinel = 1;
+  const auto text = "host/" + std::string(version) + "/Linux/x86";
+  const auto padded = (text.size() + 4) / 4 * 4;
+  Bytes buffer(4096);
+  SpanWriter out(buffer);
+  write_payload(out, data);
+  const auto size = out.view().size() - 4;
+  SpanWriter more(MutableBytes(buffer).subspan(size));
+  more.write(kVersion);
+  more.write(static_cast<std::uint16_t>(24 + padded));
+  more.write_bytes(Bytes(20));
+  more.write(static_cast<std::uint32_t>(text.size() + 1));
+  more.write_bytes(as_bytes(text));
+  more.write_bytes(Bytes(padded - text.size()));
+  more.write(kSentinel);
+  more.write(std::uint16_t{0});
+  const auto payload = BytesView(buffer).first(size + more.view().size());
+  return forged(data.guid.prefix,
+                Data{kSpdpReader, kSpdpWriter, {1}, {}, PayloadKind::data, payload});
+}
+
+// Being first to announce a GUID gives an attacker nothing.
+TEST(Handshake, WhatThePeerSignedReplacesTheNamesOfAForgedFirstAnnouncement) {
+  Pair pair({});
+  auto data = secured_data(pair.a->prefix(), 7001);
+  data.vendor = kVendorDdssec;
+  data.user_data = {6, 6, 6};
+  data.entity_name = "forged";
+  pair.b->receive(announcement_of(data, "0.9.1"), pair.world.now,
+                  *Locator::parse("127.0.0.1", 7001));
+  ASSERT_TRUE(pair.match());
+  const auto known = pair.b->remote_participants().participants();
+  ASSERT_EQ(known.size(), 1u);
+  EXPECT_EQ(known.front().user_data, Bytes{});
+  EXPECT_EQ(known.front().entity_name, "");
+  EXPECT_EQ(known.front().vendor_version, "");
+}
+
 TEST(Handshake, EveryMessageTwiceIsAsGoodAsOnce) {
   Pair pair(everything(ProtectionKind::encrypt_with_origin_authentication));
   pair.world.filter = [](const Node&, Bytes datagram) {

@@ -58,7 +58,13 @@ class Crowded final : public ForwardingAuthentication {
     if (++asked <= 3) return fail(Code::too_many_remote_identities);
     return ForwardingAuthentication::validate_remote_identity(local, request, token, remote);
   }
-  int asked = 0;
+  Result<HandshakeStep> begin_handshake_request(spi::IdentityHandle initiator,
+                                                spi::IdentityHandle replier,
+                                                BytesView data) override {
+    if (++begun <= 2) return fail(Code::too_many_handshakes);
+    return ForwardingAuthentication::begin_handshake_request(initiator, replier, data);
+  }
+  int asked = 0, begun = 0;
 };
 
 TEST(Joining, APeerForWhichThereWasNoRoomIsTriedAgain) {
@@ -70,11 +76,19 @@ TEST(Joining, APeerForWhichThereWasNoRoomIsTriedAgain) {
   host.access_control = access_control::make_access_control(environment);
   host.cryptography = cryptography::make_cryptography(environment);
   const Rules rules;
+  // Of two of its peers at least one has the higher GUID, and gets the request of this one.
   Node ours(1, properties_of("CN=ours,O=Example", rules));
+  Node third(3, properties_of("CN=third,O=Example", rules));
   Node other(2, properties_of("CN=other,O=Example", rules), host);
-  World world{{&ours, &other}};
-  EXPECT_TRUE(world.run_until([&] { return ours.knows(other) && other.knows(ours); }));
-  EXPECT_EQ(counted.asked, 4);
+  ASSERT_TRUE(other->prefix() < ours->prefix() || other->prefix() < third->prefix());
+  World world{{&ours, &other, &third}};
+  EXPECT_TRUE(world.run_until(
+      [&] {
+        return ours.knows(other) && other.knows(ours) && third.knows(other) && other.knows(third);
+      },
+      1000));
+  EXPECT_EQ(counted.asked, 5);
+  EXPECT_GT(counted.begun, 2);
 }
 
 // The key that protects keys is one of a pair: what is meant for one must not wait until it is
