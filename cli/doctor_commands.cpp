@@ -25,6 +25,7 @@
 #include "governance/doctor/plugin_probe.hpp"
 #include "governance/doctor/ros.hpp"
 #include "governance/doctor/shared_memory.hpp"
+#include "governance/doctor/transport.hpp"
 #include "governance/model.hpp"
 
 namespace ddssec::cli {
@@ -264,6 +265,7 @@ Result<Report> doctor_of(const Arguments& arguments, const Context& context) {
   if (!arguments.has("--ros")) warn_of_unset_variable(loaded, settings, diagnosis);
   const auto in_force = doctor::cyclonedds_configuration();
   doctor::check_shared_memory(loaded, in_force, settings, diagnosis);
+  doctor::check_transport(in_force, diagnosis);
   const auto places = doctor::LoaderPlaces::here();
   const auto plugins = host_plugins_for(folder, arguments.has("--ros"), places);
   if (arguments.has("--ros"))

@@ -1,7 +1,10 @@
 #include "governance/doctor/cyclonedds_configuration.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <system_error>
+
+#include <fmt/format.h>
 
 #include "base/source.hpp"
 #include "base/text.hpp"
@@ -96,6 +99,19 @@ std::optional<StartTag> find_tag(std::string_view text, std::string_view name) {
     return StartTag{after.substr(0, end), after.substr(end + 1)};
   }
   return std::nullopt;
+}
+
+std::vector<std::string_view> values_within(std::string_view text, std::string_view section,
+                                            std::string_view name) {
+  std::vector<std::string_view> out;
+  while (const auto inside = find_tag(text, section)) {
+    text = inside->after;
+    const auto end =
+        std::min(text.find(fmt::format("</{}", section)), text.find(fmt::format("<{}", section)));
+    if (const auto value = find_tag(text.substr(0, end), name))
+      out.push_back(trimmed(value->after.substr(0, value->after.find('<')), kBlanks));
+  }
+  return out;
 }
 
 }  // namespace ddssec::governance::doctor

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/bytes.hpp"
 #include "base/result.hpp"
@@ -34,5 +35,10 @@ struct StartTag {
 };
 /// The first start tag `name`, which is lower case, in any case; nothing if there is none.
 std::optional<StartTag> find_tag(std::string_view text, std::string_view name);
+
+/// What the first element `name` in each element `section` of a text in lower case holds, without
+/// blanks around it.
+std::vector<std::string_view> values_within(std::string_view text, std::string_view section,
+                                            std::string_view name);
 
 }  // namespace ddssec::governance::doctor

@@ -10,7 +10,6 @@ namespace ddssec::governance::doctor {
 namespace {
 
 constexpr std::string_view kVariable = "CYCLONEDDS_URI";
-constexpr std::string_view kBlanks = " \t\r\n";
 
 /// Whether governance promises anything about samples in the domain.
 bool promises(const DomainRule& rule) {
@@ -27,15 +26,8 @@ bool promises(const DomainRule& rule) {
 std::string shared_memory_setting(std::string_view configuration) {
   const auto text = ascii_lower(without_comments(configuration));
   if (find_tag(text, "pubsubmessageexchange")) return "<PubSubMessageExchange>";
-  std::string_view rest = text;
-  while (const auto inside = find_tag(rest, "sharedmemory")) {
-    rest = inside->after;
-    const auto end = std::min(rest.find("</sharedmemory"), rest.find("<sharedmemory"));
-    const auto value = find_tag(rest.substr(0, end), "enable");
-    if (!value) continue;
-    const auto word = trimmed(value->after.substr(0, value->after.find('<')), kBlanks);
+  for (const auto word : values_within(text, "sharedmemory", "enable"))
     if (word != "false") return fmt::format("<SharedMemory><Enable>{}", word.substr(0, 64));
-  }
   return {};
 }
 

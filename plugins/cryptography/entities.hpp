@@ -101,6 +101,9 @@ struct Pair final : Retirable {
   std::unique_ptr<ReceiveKey> key_exchange_receive;
   Published<RemoteKeys> remote_keys;
   NamesSpoken names_spoken;  ///< of other authenticated peers
+
+  /// Of the products that may be at the other end only ours announces ChaCha20-Poly1305.
+  bool is_with_ours() const { return (peer_ciphers & spi::kChaCha20Poly1305Bit) != 0; }
 };
 
 /// Local participant's handle -> pair. As many rows as local participants of one process.

@@ -7,6 +7,7 @@
 #include "base/rollback.hpp"
 #include "plugins/cryptography/builtin_checks.hpp"
 #include "plugins/cryptography/cryptography.hpp"
+#include "plugins/cryptography/key_material.hpp"
 
 namespace ddssec::cryptography {
 namespace {
@@ -98,6 +99,22 @@ void hand_over(Shared& shared, const TokenMessage& message, const Passage& passa
     (void)keys.set_remote_datawriter_crypto_tokens({local}, {remote}, {&token, 1});
 }
 
+/// A reader has tokens only if it needs those of writers. A writer needs those of readers if it
+/// protects submessages, and sends the key for these first.
+bool needs_tokens(const Shared& shared, const LocalParticipant& participant,
+                  const TokenMessage& own) {
+  if (own.is_of_reader) return true;
+  if (own.tokens.empty()) return false;
+  const auto material = read_crypto_token(own.tokens.front());
+  if (!material) return false;
+  const std::lock_guard lock(shared.mutex);
+  return std::ranges::any_of(participant.endpoints, [&](std::int64_t handle) {
+    const auto found = shared.registry.find<LocalEndpoint>(handle, EntityKind::local_writer);
+    const auto* const key = found ? (*found)->submessage_key.read() : nullptr;
+    return key != nullptr && key->material().sender_key_id == material->sender_key_id;
+  });
+}
+
 }  // namespace
 
 Status keep_tokens(Shared& shared, const RemoteEndpoint& sender, const Pair& pair,
@@ -115,6 +132,23 @@ Status keep_tokens(Shared& shared, const RemoteEndpoint& sender, const Pair& pai
   if (passage.kind == Passage::Kind::awaited) hand_over(shared, *message, passage);
   if (reported) shared.report(*reported, pair.peer_prefix);
   return {};
+}
+
+void note_own_tokens(const Shared& shared, const LocalEndpoint& sender, const Pair& pair,
+                     BytesView submessage) {
+  if (shared.host_checks_sources || sender.kind() != EntityKind::local_writer ||
+      !pair.is_with_ours() || !writer_of_data(submessage))
+    return;
+  const auto piece = read_data_piece(submessage);
+  if (!piece) return;
+  auto message = read_token_message(*piece);
+  if (!message || !*message) return;
+  auto& own = **message;
+  const Rollback wipe_copy([&] { wipe_tokens(own.tokens); });
+  if (own.remote.entity == kEntityIdParticipant) return;
+  if (!needs_tokens(shared, sender.participant, own)) return;
+  shared.ledger.await(pair.number, {.remote = own.local, .local = own.remote},
+                      shared.environment.clock.monotonic());
 }
 
 }  // namespace ddssec::cryptography

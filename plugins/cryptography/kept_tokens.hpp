@@ -12,4 +12,10 @@ namespace ddssec::cryptography {
 Status keep_tokens(Shared& shared, const RemoteEndpoint& sender, const Pair& pair,
                    MutableBytes submessage);
 
+/// Of a `submessage` that the host sends by our volatile writer: key tokens of an endpoint of ours
+/// for one of the peer. The host has matched the two, and now waits for the peer's tokens. Noted
+/// for a peer with our plugins only: another would not notice that we begin the session anew.
+void note_own_tokens(const Shared& shared, const LocalEndpoint& sender, const Pair& pair,
+                     BytesView submessage);
+
 }  // namespace ddssec::cryptography

@@ -7,14 +7,11 @@
 namespace ddssec::cryptography {
 namespace {
 
-/// Of the products that may be at the other end only ours announces ChaCha20-Poly1305.
-bool is_ours(const Pair& peer) { return (peer.peer_ciphers & spi::kChaCha20Poly1305Bit) != 0; }
-
 /// Our key, with the receiver's own part if there is one, and for our plugins with where we stand.
 spi::Token token_for(const SendKey& key, const ReceiverKey* receiver, const Pair& to) {
   auto material = key.material().clone();
   const ReadGuard guard;  // whoever sends may go on to the next session
-  if (is_ours(to)) material.position = key.position();
+  if (to.is_with_ours()) material.position = key.position();
   if (receiver != nullptr) {
     material.receiver_key_id = receiver->id();
     material.receiver_key = receiver->master().clone();
@@ -154,7 +151,7 @@ Result<std::unique_ptr<ReceiveKey>> KeyExchange::receive_key(KeyMaterial materia
     return fail(Code::key_revision_not_enabled, {.found = material.kind.to_string()});
   const auto traits = *traits_of(material.kind);
   DDSSEC_TRY(check_cipher(traits, from));
-  if (material.position && !is_ours(from)) return fail(Code::key_material_length);
+  if (material.position && !from.is_with_ours()) return fail(Code::key_material_length);
   return std::make_unique<ReceiveKey>(std::move(material), traits, shared_.keys);
 }
 

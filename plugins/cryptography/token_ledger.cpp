@@ -237,9 +237,9 @@ bool TokenLedger::is_given_up(const Key& key, Entry& entry, bool are_builtin_mat
 Status TokenLedger::check_room(const Key& key, const TokenSender& sender) {
   const auto found = accounts_.find(account_of(key, sender));
   const auto [pending, all] = found == accounts_.end() ? Account{} : found->second;
-  const bool is_of_application =
-      key.remote.entity != kEntityIdParticipant && !is_builtin(key.remote.entity);
-  const auto of_certificate = is_of_application ? kMostPending : kMostPending + kReserved;
+  const bool waits = key.remote.entity != kEntityIdParticipant && !is_builtin(key.remote.entity) &&
+                     !awaited_.contains(sender.exchange, key);
+  const auto of_certificate = waits ? kMostPending : kMostPending + kReserved;
   const auto most =
       sender.is_proven ? of_certificate : std::min(kMostPending, kMostUnproven - unproven_pending_);
   if (pending >= most)
@@ -290,6 +290,7 @@ Result<Passage> TokenLedger::note(const TokenMessage& message, const TokenSender
   add(key, {.passed = age,
             .newest = age,
             .account = account_of(key, sender),
+            .passed_at = now,
             .ticket = ticket,
             .tokens = PackedTokens(message.tokens)});
   if (user) return Passage{Passage::Kind::awaited, ticket, *user};
@@ -306,6 +307,7 @@ std::optional<TokenLedger::Held> TokenLedger::redeem(std::span<const spi::Token>
   const auto found = tickets_.find(ticket);
   if (found == tickets_.end()) return std::nullopt;
   auto& [key, entry] = *found->second;
+  awaited_.came(user.exchange, key);
   no_longer_pending(entry);
   const auto packed = std::exchange(entry.tokens, {});
   if (user.exchange <= entry.newest.exchange) return Held{key.remote, packed.tokens()};
@@ -330,6 +332,7 @@ void TokenLedger::end(std::uint64_t exchange, std::chrono::nanoseconds now) {
   const std::lock_guard lock(mutex_);
   forget_old(now);
   stranded_.erase(exchange);
+  awaited_.end(exchange);
   if (taken_.contains(exchange) || first_of(exchange) != entries_.end())
     ended_.push_back({now, exchange});
 }
@@ -337,7 +340,52 @@ void TokenLedger::end(std::uint64_t exchange, std::chrono::nanoseconds now) {
 bool TokenLedger::take_stranded(std::uint64_t exchange, std::chrono::nanoseconds now) {
   const std::lock_guard lock(mutex_);
   forget_old(now);
-  return stranded_.erase(exchange) > 0;
+  bool are_stranded = stranded_.erase(exchange) > 0;
+  awaited_.review(exchange, now, [&](const Key& key, std::chrono::nanoseconds since) {
+    const auto fate = fate_of(exchange, key, since);
+    are_stranded |= fate == Fate::lost;
+    return fate != Fate::not_here;
+  });
+  if (are_stranded) forget_awaited(exchange, now);
+  return are_stranded;
+}
+
+void TokenLedger::await(std::uint64_t exchange, const Key& key, std::chrono::nanoseconds now) {
+  const std::lock_guard lock(mutex_);
+  const auto known = entries_.find(key);
+  const bool has_come = known != entries_.end() && !known->second.is_pending &&
+                        !known->second.is_lost && known->second.newest.exchange == exchange;
+  if (!has_come) awaited_.await(exchange, key, now);
+}
+
+/// Tokens of the same exchange that the host did not use in kHostKeeps pass at once in the next:
+/// that cannot be taken for lost again.
+TokenLedger::Fate TokenLedger::fate_of(std::uint64_t exchange, const Key& key,
+                                       std::chrono::nanoseconds since) {
+  const auto known = entries_.find(key);
+  if (known == entries_.end()) return Fate::not_here;
+  const auto& entry = known->second;
+  if (entry.newest.exchange > exchange) return Fate::not_here;
+  if (!entry.is_pending && !entry.is_lost) return Fate::not_here;
+  if (entry.passed.exchange < exchange) {
+    if (entry.is_lost) return Fate::not_here;
+    return entry.newest.exchange == exchange ? Fate::lost : Fate::undecided;
+  }
+  const bool was_dropped = since - entry.passed_at >= kHostKeeps;
+  if (entry.is_lost) return was_dropped ? Fate::lost : Fate::not_here;
+  return was_dropped && has_taken(entry.passed) ? Fate::lost : Fate::undecided;
+}
+
+void TokenLedger::forget_awaited(std::uint64_t exchange, std::chrono::nanoseconds now) {
+  awaited_.each(exchange, [&](const Key& key, std::chrono::nanoseconds since) {
+    const auto known = entries_.find(key);
+    if (known == entries_.end() || now - since < std::chrono::seconds(1)) return;
+    const auto& entry = known->second;
+    if (entry.is_lost ||
+        (entry.is_pending && (entry.passed.exchange < exchange || has_taken(entry.passed))))
+      erase(known);
+  });
+  awaited_.end(exchange);
 }
 
 void TokenLedger::acknowledged(std::uint64_t exchange, std::uint64_t next,
@@ -363,7 +411,13 @@ void TokenLedger::forget_unused(std::uint64_t exchange, std::uint64_t next) {
   for (auto at = by_exchange_.lower_bound({exchange, nullptr});
        at != by_exchange_.end() && at->first == exchange;) {
     const auto entry = entries_.find(*(at++)->second);
-    if (entry->second.is_pending && entry->second.passed.number < next) give_up(entry);
+    const auto& known = entry->second;
+    if (!known.is_pending || known.passed.number >= next) continue;
+    const bool has_account = (known.account & kUnproven) == 0;
+    if (has_account && known.newest.exchange == exchange)
+      note_lost(entry);
+    else
+      give_up(entry);
   }
 }
 
@@ -403,6 +457,12 @@ void TokenLedger::forget_used(const Key& key, const TokenSender& sender) {
     forget(at++);
 }
 
+void TokenLedger::note_lost(Entries::iterator entry) {
+  no_longer_pending(entry->second);
+  entry->second.tokens = {};
+  entry->second.is_lost = true;
+}
+
 void TokenLedger::give_up(Entries::iterator entry) {
   const auto& known = entry->second;
   if (known.is_pending && known.newest.exchange != known.passed.exchange)
@@ -421,6 +481,11 @@ void TokenLedger::erase(Entries::iterator entry) {
 std::size_t TokenLedger::size() const {
   const std::lock_guard lock(mutex_);
   return entries_.size();
+}
+
+std::size_t TokenLedger::pending() const {
+  const std::lock_guard lock(mutex_);
+  return tickets_.size();
 }
 
 }  // namespace ddssec::cryptography

@@ -19,6 +19,7 @@
 #include "base/hash.hpp"
 #include "base/ids.hpp"
 #include "base/result.hpp"
+#include "plugins/cryptography/awaited_tokens.hpp"
 #include "plugins/cryptography/data_piece.hpp"
 #include "plugins/spi/token.hpp"
 
@@ -125,6 +126,7 @@ class PackedTokens {
 /// participant. Those of builtin endpoints it uses as soon as it matches them; tokens wait for
 /// that. Of other endpoints nothing is known for six minutes: if the host does not come in that
 /// time, it never had the ticket, and what came since then must come again in a further session.
+/// It is known sooner if the host has matched the two meanwhile: it would have come (`await`).
 class TokenLedger {
  public:
   /// Of one certificate's participants, which are told by the first six octets of the prefix
@@ -145,6 +147,10 @@ class TokenLedger {
   TokenLedger(const TokenLedger&) = delete;
   TokenLedger& operator=(const TokenLedger&) = delete;
 
+  /// How long the host surely keeps a ticket that it has no use for: five minutes, less what clocks
+  /// may differ.
+  static constexpr std::chrono::seconds kHostKeeps{290};
+
   /// How long the host may need, once endpoints are matched, to come with a ticket for them.
   static constexpr std::chrono::milliseconds kComing{50};
 
@@ -161,8 +167,13 @@ class TokenLedger {
   /// The sender of that exchange is gone, or will authenticate anew.
   void end(std::uint64_t exchange, std::chrono::nanoseconds now);
 
-  /// Whether tokens of that exchange, which goes on, were given up since the last call: they were
-  /// hidden from the host because of a ticket that it cannot have any more.
+  /// The host has matched two endpoints and waits for tokens of that exchange. Those that come now
+  /// find room beyond kMostPending.
+  void await(std::uint64_t exchange, const TokenKey& key, std::chrono::nanoseconds now);
+
+  /// Whether tokens of that exchange, which goes on, were given up since the last call: hidden from
+  /// the host because of a ticket that it cannot have any more, or awaited, though the host took
+  /// their ticket more than kHostKeeps before. To be called once a second.
   bool take_stranded(std::uint64_t exchange, std::chrono::nanoseconds now);
 
   struct Held {
@@ -177,13 +188,11 @@ class TokenLedger {
 
   /// For tests: all that is remembered.
   std::size_t size() const;
+  /// For tests: of that, what the host may hold tickets for.
+  std::size_t pending() const;
 
  private:
-  struct Key {
-    Guid remote;
-    Guid local;
-    auto operator<=>(const Key&) const = default;
-  };
+  using Key = TokenKey;
   /// A message's place among all that came for two endpoints.
   struct Age {
     std::uint64_t exchange;
@@ -197,6 +206,8 @@ class TokenLedger {
     std::optional<std::chrono::nanoseconds> matched_since = {};
     bool is_pending = true;
     std::optional<TicketUser> awaited_by = {};
+    std::chrono::nanoseconds passed_at = {};
+    bool is_lost = false;  ///< the host dropped its ticket unused, in the exchange of both messages
     Ticket ticket;
     PackedTokens tokens;
   };
@@ -240,6 +251,13 @@ class TokenLedger {
   void forget_used(const Key& key, const TokenSender& sender);
   /// The first entry of an exchange; the end without one.
   Entries::iterator first_of(std::uint64_t exchange);
+  /// Of tokens that the host waits for.
+  enum class Fate : std::uint8_t { lost, undecided, not_here };
+  Fate fate_of(std::uint64_t exchange, const Key& key, std::chrono::nanoseconds since);
+  /// The host would have come with a ticket for endpoints that it has matched.
+  void forget_awaited(std::uint64_t exchange, std::chrono::nanoseconds now);
+  /// The host has dropped the ticket, and may yet match the endpoints.
+  void note_lost(Entries::iterator entry);
   /// Erases what the host can have no ticket for any more.
   void give_up(Entries::iterator entry);
   void erase(Entries::iterator entry);
@@ -254,6 +272,7 @@ class TokenLedger {
   std::map<Ticket, Entries::iterator> tickets_;
   std::map<std::uint64_t, Account> accounts_;
   std::set<std::uint64_t> stranded_;  // exchanges
+  AwaitedTokens awaited_;
   std::size_t unproven_pending_ = 0;
   std::uint64_t next_ticket_ = 1;
 };

@@ -4,6 +4,7 @@
 #include "plugins/cryptography/builtin_names.hpp"
 #include "plugins/cryptography/data_piece.hpp"
 #include "plugins/cryptography/engine.hpp"
+#include "plugins/cryptography/kept_tokens.hpp"
 #include "plugins/cryptography/message.hpp"
 
 namespace ddssec::cryptography {
@@ -161,6 +162,7 @@ Result<std::size_t> encode_volatile(const Shared& shared, const LocalEndpoint& s
       acknowledged && !shared.host_checks_sources)
     shared.ledger.acknowledged(pair->number, acknowledged->next,
                                shared.environment.clock.monotonic());
+  note_own_tokens(shared, sender, *pair, request.body);
   request.receivers = 0;
   return encode_group(request, *pair->key_exchange_send, out,
                       [](std::size_t) -> Result<ReceiverKey*> { return fail(Code::internal); });

@@ -1,6 +1,7 @@
 #include "plugins/cyclonedds/authentication_adapter.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <dlfcn.h>
 
 #include "plugins/cyclonedds/datagrams.hpp"
@@ -57,6 +58,13 @@ Status hand_out(const std::optional<spi::Token>& token, CToken& out) {
   return token ? copy_token(*token, out) : Status{};
 }
 
+/// Once a process. The host has made its sockets before it makes a participant.
+void say_transport(Host& host) {
+  static std::atomic_flag asked;
+  if (asked.test_and_set()) return;
+  if (const auto warning = transport_warning(has_bound_udp())) host.notice(*warning);
+}
+
 CResult validate_local_identity(Instance* instance, CIdentity* handle,
                                 DDS_Security_GUID_t* adjusted_guid,
                                 const DDS_Security_DomainId domain_id, const DDS_Security_Qos* qos,
@@ -65,6 +73,7 @@ CResult validate_local_identity(Instance* instance, CIdentity* handle,
     DDSSEC_TRY(require(handle, adjusted_guid, qos, candidate_guid));
     *handle = DDS_SECURITY_HANDLE_NIL;
     say_plugins_in_use(adapter.host(), PluginKind::authentication);
+    say_transport(adapter.host());
     const auto properties = DDSSEC_TRY(with_process_properties(DDSSEC_TRY(properties_from(qos))));
     adapter.host().calendar().set_grace(DDSSEC_TRY(spi::clock_step_grace(properties)));
     const auto local = DDSSEC_TRY(adapter.engine().validate_local_identity(
@@ -417,11 +426,8 @@ void AuthenticationAdapter::revoke_stranded(const std::stop_token& stop, const R
   for (const auto& [remote, guid] : remotes_.all()) {
     if (stop.stop_requested()) return;
     if (!reinterpret_cast<TakeStrandedKeys*>(symbol)(remote.value)) continue;
-    host_->notice(Event(Error(Code::handshake_begun_again,
-                              {.document = "the session with a peer",
-                               .expected = "that the host asks for the keys of its endpoints",
-                               .found = "keys that the host never asked for"}),
-                        {}, guid.to_string(), PeerProof::authenticated));
+    host_->notice(
+        Event(Error(Code::session_begun_again), {}, guid.to_string(), PeerProof::authenticated));
     revoke(remote.value);
   }
 }

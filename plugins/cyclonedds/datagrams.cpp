@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <mutex>
 #include <netinet/in.h>
 #include <optional>
 #include <sstream>
@@ -16,15 +18,16 @@
 namespace ddssec::cyclonedds {
 namespace {
 
-constexpr std::size_t kMostGroups = 64, kMostPorts = 16;
+constexpr std::size_t kMostGroups = 64, kMostPorts = 16, kMostInterfaces = 16;
 
-/// The address for the kernel and how long it is.
-std::pair<sockaddr_storage, socklen_t> kernel_address(const spi::UdpAddress& address) {
+/// The address for the kernel and how long it is. `scope`: an interface, for a link-local one.
+std::pair<sockaddr_storage, socklen_t> kernel_address(const spi::UdpAddress& address, int scope) {
   sockaddr_storage out{};
   if (address.is_ipv6) {
     sockaddr_in6 six{};
     six.sin6_family = AF_INET6;
     six.sin6_port = htons(address.port);
+    six.sin6_scope_id = static_cast<std::uint32_t>(scope);
     std::memcpy(&six.sin6_addr, address.address.data(), 16);
     std::memcpy(&out, &six, sizeof six);
     return {out, sizeof six};
@@ -37,6 +40,11 @@ std::pair<sockaddr_storage, socklen_t> kernel_address(const spi::UdpAddress& add
   return {out, sizeof four};
 }
 
+/// fe80::/10
+bool is_link_local(const spi::UdpAddress& address) {
+  return address.is_ipv6 && address.address[0] == 0xfe && (address.address[1] & 0xc0) == 0x80;
+}
+
 /// Multicast from this socket leaves by that interface.
 bool goes_over(int socket, bool is_ipv6, int interface) {
   if (is_ipv6)
@@ -46,13 +54,13 @@ bool goes_over(int socket, bool is_ipv6, int interface) {
   return ::setsockopt(socket, IPPROTO_IP, IP_MULTICAST_IF, &over, sizeof over) == 0;
 }
 
-/// `interface`: an index, for multicast; 0: the system chooses.
+/// `interface`: an index, for multicast and link-local addresses; 0: the system chooses.
 void send_one(BytesView datagram, const spi::UdpAddress& to, int interface) noexcept {
   const int socket =
       ::socket(to.is_ipv6 ? AF_INET6 : AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (socket < 0) return;
-  const auto [where, length] = kernel_address(to);
-  if (interface == 0 || goes_over(socket, to.is_ipv6, interface))
+  const auto [where, length] = kernel_address(to, is_link_local(to) ? interface : 0);
+  if (interface == 0 || is_link_local(to) || goes_over(socket, to.is_ipv6, interface))
     (void)::sendto(socket, datagram.data(), datagram.size(), MSG_NOSIGNAL,
                    reinterpret_cast<const sockaddr*>(&where), length);
   ::close(socket);
@@ -120,15 +128,12 @@ void add_ipv6(std::vector<JoinedGroup>& out, std::string_view igmp6) {
   }
 }
 
-/// Of a UDP socket that other processes may bind, too.
-std::optional<std::uint16_t> shared_port(int socket) {
-  int type = 0, reuses_address = 0, reuses_port = 0;
+/// Of a UDP socket.
+std::optional<std::uint16_t> bound_port(int socket) {
+  int type = 0;
   socklen_t length = sizeof type;
   if (::getsockopt(socket, SOL_SOCKET, SO_TYPE, &type, &length) != 0 || type != SOCK_DGRAM)
     return std::nullopt;
-  (void)::getsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &reuses_address, &length);
-  (void)::getsockopt(socket, SOL_SOCKET, SO_REUSEPORT, &reuses_port, &length);
-  if (reuses_address == 0 && reuses_port == 0) return std::nullopt;
   sockaddr_storage own{};
   socklen_t size = sizeof own;
   if (::getsockname(socket, reinterpret_cast<sockaddr*>(&own), &size) != 0) return std::nullopt;
@@ -140,10 +145,64 @@ std::optional<std::uint16_t> shared_port(int socket) {
   return port == 0 ? std::nullopt : std::optional(port);
 }
 
+/// Of a UDP socket that other processes may bind, too.
+std::optional<std::uint16_t> shared_port(int socket) {
+  int reuses_address = 0, reuses_port = 0;
+  socklen_t length = sizeof reuses_port;
+  (void)::getsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &reuses_address, &length);
+  (void)::getsockopt(socket, SOL_SOCKET, SO_REUSEPORT, &reuses_port, &length);
+  return reuses_address == 0 && reuses_port == 0 ? std::nullopt : bound_port(socket);
+}
+
+/// Calls `f(descriptor)` for each of this process until it returns false. False: they are not told.
+template <class F>
+bool each_descriptor(F&& f) {
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", error))
+    if (!f(std::atoi(entry.path().filename().c_str()))) return true;
+  return !error;
+}
+
+/// Where discovery may be heard. To find it out takes some calls of the system for each descriptor,
+/// and it may be wanted for 32 peers in a row.
+struct DiscoveryPlaces {
+  std::vector<JoinedGroup> groups;
+  std::vector<std::uint16_t> ports;
+};
+
+DiscoveryPlaces discovery_places() {
+  using Clock = std::chrono::steady_clock;
+  static std::mutex mutex;
+  static auto& known = *new DiscoveryPlaces;  // a timer may send while the process ends
+  static std::optional<Clock::time_point> since;
+  const std::lock_guard lock(mutex);
+  if (!since || Clock::now() - *since >= std::chrono::seconds(1)) {
+    known = {joined_groups(contents("/proc/self/net/igmp"), contents("/proc/self/net/igmp6")),
+             shared_ports()};
+    since = Clock::now();
+  }
+  return known;
+}
+
+void send_over_each_link(BytesView datagram, const spi::UdpAddress& to) noexcept {
+  try {
+    const auto interfaces = link_local_interfaces(contents("/proc/self/net/if_inet6"));
+    if (interfaces.empty()) send_one(datagram, to, 0);
+    for (const auto interface : interfaces) send_one(datagram, to, interface);
+  } catch (...) {
+    // As declared: without memory nothing is sent.
+  }
+}
+
 }  // namespace
 
 void send_datagram(BytesView datagram, std::span<const spi::UdpAddress> to) noexcept {
-  for (const auto& address : to) send_one(datagram, address, 0);
+  for (const auto& address : to) {
+    if (is_link_local(address))
+      send_over_each_link(datagram, address);
+    else
+      send_one(datagram, address, 0);
+  }
 }
 
 std::vector<JoinedGroup> joined_groups(std::string_view igmp, std::string_view igmp6) {
@@ -155,20 +214,43 @@ std::vector<JoinedGroup> joined_groups(std::string_view igmp, std::string_view i
 
 std::vector<std::uint16_t> shared_ports() {
   std::vector<std::uint16_t> out;
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", error)) {
-    const auto port = shared_port(std::atoi(entry.path().filename().c_str()));
-    if (port && out.size() < kMostPorts && std::ranges::find(out, *port) == out.end())
-      out.push_back(*port);
+  (void)each_descriptor([&](int descriptor) {
+    const auto port = shared_port(descriptor);
+    if (port && std::ranges::find(out, *port) == out.end()) out.push_back(*port);
+    return out.size() < kMostPorts;
+  });
+  return out;
+}
+
+std::optional<bool> has_bound_udp() {
+  bool is_bound = false;
+  const bool are_told = each_descriptor([&](int descriptor) {
+    is_bound = bound_port(descriptor).has_value();
+    return !is_bound;
+  });
+  return are_told ? std::optional(is_bound) : std::nullopt;
+}
+
+/// A line for each address: 32 digits, the interface's index, the length of the prefix and the
+/// scope, all in hexadecimal. 20 is the scope of a link.
+std::vector<int> link_local_interfaces(std::string_view if_inet6) {
+  std::vector<int> out;
+  std::istringstream lines{std::string(if_inet6)};
+  for (std::string line; std::getline(lines, line) && out.size() < kMostInterfaces;) {
+    std::istringstream words(line);
+    std::string address, index, length, scope;
+    words >> address >> index >> length >> scope;
+    const auto interface = number_in<int>(index, 16);
+    if (!interface || *interface <= 0 || scope != "20") continue;
+    if (std::ranges::find(out, *interface) == out.end()) out.push_back(*interface);
   }
   return out;
 }
 
 void send_to_discovery(BytesView datagram) noexcept {
   try {
-    const auto groups =
-        joined_groups(contents("/proc/self/net/igmp"), contents("/proc/self/net/igmp6"));
-    for (const auto port : shared_ports())
+    const auto [groups, ports] = discovery_places();
+    for (const auto port : ports)
       for (const auto& group : groups)
         send_one(datagram, {.is_ipv6 = group.is_ipv6, .port = port, .address = group.address},
                  group.interface);

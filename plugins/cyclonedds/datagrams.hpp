@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -13,7 +14,8 @@
 namespace ddssec::cyclonedds {
 
 /// Sends one datagram to each address from a socket of its own, without waiting or
-/// reporting an error.
+/// reporting an error. To an IPv6 address that is link-local it goes over each interface that has
+/// such an address itself, since the peer's address does not tell which link it is on.
 void send_datagram(BytesView datagram, std::span<const spi::UdpAddress> to) noexcept;
 
 /// A group that this machine has joined, on one interface.
@@ -33,8 +35,15 @@ std::vector<JoinedGroup> joined_groups(std::string_view igmp, std::string_view i
 /// multicast is heard; at most 16.
 std::vector<std::uint16_t> shared_ports();
 
+/// Whether any UDP socket of this process is bound; nothing if /proc does not tell its sockets.
+std::optional<bool> has_bound_udp();
+
+/// The interfaces with a link-local address, in a file of the form of /proc/net/if_inet6; at most
+/// 16.
+std::vector<int> link_local_interfaces(std::string_view if_inet6);
+
 /// The same to every multicast address on which this process may listen to discovery: the host's
-/// configuration can name any group and port.
+/// configuration can name any group and port. They are looked up at most once a second.
 void send_to_discovery(BytesView datagram) noexcept;
 
 }  // namespace ddssec::cyclonedds

@@ -84,6 +84,11 @@ std::optional<Event> openssl_warning(const std::string& openssl) {
   return advice ? std::nullopt : std::optional(Event(advice.error()));
 }
 
+std::optional<Event> transport_warning(std::optional<bool> has_udp) {
+  if (has_udp.value_or(true)) return std::nullopt;
+  return Event(Error(Code::transport_without_resets));
+}
+
 void say_clock_steps(Host& host, PluginKind own) noexcept {
   const auto news = host.calendar().news();
   if (news && speaks_for_all(own)) host.notice(Event(*news));

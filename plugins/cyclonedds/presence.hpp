@@ -28,6 +28,10 @@ bool speaks_for_all(PluginKind own) noexcept;
 void say_plugins_in_use(Host& host, PluginKind own,
                         std::string (*openssl)() = openssl_version) noexcept;
 
+/// transport_without_resets if the process has no UDP socket, or nothing. `has_udp`: as far as that
+/// is known.
+std::optional<Event> transport_warning(std::optional<bool> has_udp);
+
 /// Reports that the calendar was set, and what came of it; the library that speaks for all does.
 void say_clock_steps(Host& host, PluginKind own) noexcept;
 

@@ -80,8 +80,9 @@ class CryptoKeyFactory {
   /// are refused in time without it.
   virtual void forget_former_keys() = 0;
   /// Whether keys of that peer were given up since the last call, although the session with it goes
-  /// on: they were kept from the host, which would not have taken them. Only a further session
-  /// brings them again. Always false with a host that takes keys as they come.
+  /// on: they were kept from the host, which would not have taken them, or an endpoint waits for
+  /// them that the host discovered after it had dropped them. Only a further session brings them
+  /// again. To be called once a second. Always false with a host that takes keys as they come.
   virtual bool take_stranded_keys(IdentityHandle remote) = 0;
 
   /// A local participant goes with its endpoints and with what it has with remote ones. A remote

@@ -182,10 +182,10 @@ TEST(TokenLedger, CountsFromTheAcknowledgementOfTheMessage) {
   host.ledger.acknowledged(1, 10, host.now += seconds(1));
   host.now += TokenLedger::kMemory;
   host.ledger.acknowledged(1, 10, host.now);
-  EXPECT_EQ(host.ledger.size(), 1u);
+  EXPECT_EQ(host.ledger.pending(), 1u);
   host.now += seconds(10);
   host.ledger.acknowledged(1, 10, host.now);
-  EXPECT_EQ(host.ledger.size(), 0u);
+  EXPECT_EQ(host.ledger.pending(), 0u);
 }
 
 /// A stranger who sends a recorded one again would make it wait for another six minutes.

@@ -94,6 +94,32 @@ class Socket {
   std::uint16_t port_ = 0;
 };
 
+TEST(BoundUdp, IsAnySocketThatHasAPort) {
+  ASSERT_EQ(has_bound_udp(), false);
+  const int unbound = ::socket(AF_INET, SOCK_DGRAM, 0), tcp = ::socket(AF_INET, SOCK_STREAM, 0);
+  EXPECT_EQ(has_bound_udp(), false);
+  const Socket bound(false);
+  EXPECT_EQ(has_bound_udp(), true);
+  ::close(unbound);
+  ::close(tcp);
+}
+
+// As Linux 6.1 prints them.
+TEST(LinkLocalInterfaces, AreThoseWithAnAddressOfThatScope) {
+  constexpr std::string_view kAddresses =
+      "00000000000000000000000000000001 01 80 10 80       lo\n"
+      "fe80000000000000f03c91fffe2a1b3c 02 40 20 80     eth0\n"
+      "20010db8000000000000000000000001 02 40 00 80     eth0\n"
+      "fe800000000000000042a1fffe2a1b3c 02 40 20 80     eth0\n"
+      "fe800000000000000042a1fffe2a1b3c 1f 40 20 80 docker0\n";
+  EXPECT_THAT(link_local_interfaces(kAddresses), ::testing::ElementsAre(2, 31));
+  EXPECT_THAT(link_local_interfaces("nonsense\nfe80 zz 40 20\nfe80 00 40 20 80 x\n\n"),
+              ::testing::IsEmpty());
+  std::string many;
+  for (int i = 1; i < 40; ++i) many += "fe80 " + std::to_string(i) + " 40 20 80 x\n";
+  EXPECT_EQ(link_local_interfaces(many).size(), 16u);
+}
+
 TEST(SharedPorts, AreThoseThatOthersMayBindToo) {
   const Socket shared(true), alone(false);
   const auto ports = shared_ports();

@@ -44,6 +44,12 @@ TEST(MixtureWarning, NamesThoseThatAreNotOurs) {
   EXPECT_THAT(warning->to_line(), HasSubstr("found access control of another product"));
 }
 
+TEST(TransportWarning, IsOnlyForAProcessThatSurelyHasNoUdp) {
+  EXPECT_FALSE(transport_warning(true));
+  EXPECT_FALSE(transport_warning(std::nullopt));
+  EXPECT_EQ(transport_warning(false)->error.code(), Code::transport_without_resets);
+}
+
 TEST(OpensslWarning, NamesTheVersionAndWhatToDoInOneShortLine) {
   const auto warning = openssl_warning(kFlawed);
   ASSERT_TRUE(warning);

@@ -21,6 +21,7 @@ using testing::Return;
 constexpr GuidPrefix kLocal{{1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1}};
 constexpr GuidPrefix kRemote{{2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2}};
 std::atomic<DDS_Security_IdentityHandle> revoked{0};
+std::atomic<DDS_Security_IdentityHandle> stranded{0};  ///< whose keys never came
 
 /// Where a peer receives discovery.
 struct Socket {
@@ -160,9 +161,26 @@ TEST_F(SessionResetTest, MakesTheHostBeginAnew) {
   resets.forget({70});
 }
 
+TEST_F(SessionResetTest, AlsoFollowsKeysThatNeverCame) {
+  const auto remote = authenticate();
+  stranded = remote;
+  for (int i = 0; i < 1000 && revoked == 0; ++i) std::this_thread::sleep_for(10ms);
+  EXPECT_EQ(revoked, remote);
+  EXPECT_EQ(std::ranges::count(harness.events, Code::session_begun_again,
+                               [](const auto& event) { return event.error.code(); }),
+            1);
+}
+
+bool take_stranded(DDS_Security_IdentityHandle remote) {
+  return stranded.compare_exchange_strong(remote, 0);
+}
+
 }  // namespace
 }  // namespace ddssec::cyclonedds
 
+DDSSEC_EXPORT bool ddssec_take_stranded_keys(DDS_Security_IdentityHandle remote) {
+  return ddssec::cyclonedds::take_stranded(remote);
+}
 /// In a process with our cryptography that library exports it, and authentication looks it up.
 DDSSEC_EXPORT bool ddssec_take_session_reset(DDS_Security_IdentityHandle remote) {
   return ddssec::cyclonedds::SessionResets::of_process().take({remote});
