@@ -41,11 +41,12 @@ void LostSessions::established(IdentityHandle local, const Guid& remote,
 
 void LostSessions::lost(const Guid& remote) {
   const std::lock_guard lock(mutex_);
-  for (auto at = sessions_.lower_bound({remote, IdentityHandle{INT64_MIN}});
-       at != sessions_.end() && at->first.first == remote;) {
-    const auto next = std::next(at);  // it may itself be the one that gives way
-    if (at->second.lost == 0) note_lost(at->first, at->second);
-    at = next;
+  auto at = sessions_.lower_bound({remote, IdentityHandle{INT64_MIN}});
+  while (at != sessions_.end() && at->first.first == remote) {
+    const Key key = at->first;
+    // This session or the next one may give way to it.
+    if (at->second.lost == 0) note_lost(key, at->second);
+    at = sessions_.upper_bound(key);
   }
 }
 
