@@ -2,9 +2,11 @@
 #pragma once
 
 #include <array>
+#include <filesystem>
 #include <string>
 #include <vector>
 
+#include "base/result.hpp"
 #include "pki/participant_folder.hpp"
 
 namespace ddssec::cli {
