@@ -11,10 +11,15 @@ namespace {
 std::atomic<std::int64_t> calls = 0, held = 0, ever = 0;
 
 void* counted(void* place) {
-  if (place == nullptr) throw std::bad_alloc();
+  if (place == nullptr) return nullptr;
   const auto size = static_cast<std::int64_t>(malloc_usable_size(place));
   ++calls, held += size, ever += size;
   return place;
+}
+
+void* counted_or_throw(void* place) {
+  if (place == nullptr) throw std::bad_alloc();
+  return counted(place);
 }
 
 void release(void* place) noexcept {
@@ -32,10 +37,13 @@ std::int64_t octets_ever() { return ever; }
 
 namespace memory = ddssec::counted_memory;
 
-void* operator new(std::size_t size) { return memory::counted(std::malloc(size)); }
+void* operator new(std::size_t size) { return memory::counted_or_throw(std::malloc(size)); }
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+  return memory::counted(std::malloc(size));
+}
 void* operator new(std::size_t size, std::align_val_t alignment) {
   const auto unit = static_cast<std::size_t>(alignment);
-  return memory::counted(std::aligned_alloc(unit, (size + unit - 1) / unit * unit));
+  return memory::counted_or_throw(std::aligned_alloc(unit, (size + unit - 1) / unit * unit));
 }
 void operator delete(void* place) noexcept { memory::release(place); }
 void operator delete(void* place, std::size_t) noexcept { memory::release(place); }

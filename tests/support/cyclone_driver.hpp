@@ -218,6 +218,8 @@ class Link {
   Peer a_of_b, b_of_a;
 
  private:
+  /// Without links: from here on the destructor runs, even if the constructor throws.
+  Link(Participant& a, Participant& b) : a_(a), b_(b) {}
   void judge(Participant& self, Participant& remote, Peer& peer);
   void exchange_participant_keys(Participant& from, Peer& to, Participant& at, Peer& remote);
   void add_endpoints(const std::string& topic);

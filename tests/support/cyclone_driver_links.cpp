@@ -242,7 +242,7 @@ void authenticate(Participant& a, Participant& b, Peer& a_of_b, Peer& b_of_a) {
                                                 handshake) == DDS_SECURITY_VALIDATION_OK);
 }
 
-Link::Link(Participant& a, Participant& b, const std::string& topic) : a_(a), b_(b) {
+Link::Link(Participant& a, Participant& b, const std::string& topic) : Link(a, b) {
   authenticate(a_, b_, a_of_b, b_of_a);
   judge(a_, b_, a_of_b);
   judge(b_, a_, b_of_a);
@@ -340,12 +340,12 @@ void Link::add_endpoints(const std::string& topic) {
 Link::~Link() {
   auto* ours = a_.domain.cryptography().crypto_key_factory;
   auto* theirs = b_.domain.cryptography().crypto_key_factory;
-  if (sender.writer != 0) {
-    ours->unregister_datareader(ours, sender.remote_readers[0], nullptr);
+  for (const auto reader : sender.remote_readers)
+    ours->unregister_datareader(ours, reader, nullptr);
+  if (receiver.remote_writer != 0)
     theirs->unregister_datawriter(theirs, receiver.remote_writer, nullptr);
-    ours->unregister_datawriter(ours, sender.writer, nullptr);
-    theirs->unregister_datareader(theirs, receiver.reader, nullptr);
-  }
+  if (sender.writer != 0) ours->unregister_datawriter(ours, sender.writer, nullptr);
+  if (receiver.reader != 0) theirs->unregister_datareader(theirs, receiver.reader, nullptr);
   auto& access_a = a_.domain.access_control();
   auto& access_b = b_.domain.access_control();
   access_a.return_datawriter_sec_attributes(&access_a, &writer_attributes, nullptr);
@@ -354,7 +354,7 @@ Link::~Link() {
     auto* factory = self.domain.cryptography().crypto_key_factory;
     if (peer.crypto != 0) factory->unregister_participant(factory, peer.crypto, nullptr);
     auto& access = self.domain.access_control();
-    access.return_permissions_handle(&access, peer.permissions, nullptr);
+    if (peer.permissions != 0) access.return_permissions_handle(&access, peer.permissions, nullptr);
     auto& auth = self.domain.authentication();
     if (peer.identity != 0) auth.return_identity_handle(&auth, peer.identity, nullptr);
   }

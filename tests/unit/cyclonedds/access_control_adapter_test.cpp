@@ -81,6 +81,7 @@ TEST_F(AccessControlAdapterTest, AnAnnouncement_WithoutPermissionsToken_IsOfAnot
   for (const auto* announced : {static_cast<const DDS_Security_Token*>(nullptr), &none}) {
     EXPECT_EQ(c->validate_remote_permissions(c, nullptr, 1, 2, announced, &token, &refusal), 0);
     EXPECT_EQ(refusal.reason(), Code::permissions_token_class);
+    refusal.clear();
   }
 }
 

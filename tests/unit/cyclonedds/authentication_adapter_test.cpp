@@ -86,6 +86,7 @@ struct ProcessProperties : AuthenticationAdapterTest {
     qos.property.value = {1, 1, &property};
     DDS_Security_IdentityHandle handle = -1;
     DDS_Security_GUID_t guid{};
+    refusal.clear();
     return c->validate_local_identity(c, &handle, &guid, 7, &qos, &guid, &refusal);
   }
   void expect_engine_gets(const spi::PropertyList& properties) {

@@ -20,6 +20,11 @@ struct Refusal : Exception {
   ~Refusal() { std::free(message); }
   Refusal(const Refusal&) = delete;
   Refusal& operator=(const Refusal&) = delete;
+  /// Before it is passed to a second call, which would leak the message.
+  void clear() {
+    std::free(message);
+    static_cast<Exception&>(*this) = {};
+  }
   std::string text() const { return message != nullptr ? message : ""; }
   Code reason() const { return static_cast<Code>(code); }
 };
