@@ -42,6 +42,11 @@ else()  # the sanitizers do not check __memcpy_chk and the like, which this call
   target_compile_options(ddssec_options INTERFACE
     $<$<NOT:$<CONFIG:Debug>>:-U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2>)
 endif()
+# How much longer a test may take with sanitizers; in code, tests/support/slowdown.hpp.
+set(DDSSEC_SLOWDOWN 1)
+if(DDSSEC_SANITIZE)
+  set(DDSSEC_SLOWDOWN 10)
+endif()
 # ddssec_test_unfit_for_sanitizers(TEST REASON): under them ctest names it as disabled.
 function(ddssec_test_unfit_for_sanitizers test reason)
   if(DDSSEC_SANITIZE)
@@ -49,6 +54,44 @@ function(ddssec_test_unfit_for_sanitizers test reason)
     set_tests_properties(${test} PROPERTIES DISABLED TRUE)
   endif()
 endfunction()
+
+# ddssec_preload_sanitizer(TESTS ...): for tests in which a stock program loads our plugins, or in which another
+# library is preloaded. The runtime of the address sanitizer is preloaded into their processes, and need not be first.
+# Stock programs leak, and ROS 2 deletes objects with another size: only our own programs, which have a file in
+# build/asan/own-programs, check for both.
+# Call it after the other properties of the tests are set.
+function(ddssec_preload_sanitizer)
+  if(DDSSEC_SANITIZE MATCHES "address")
+    execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-file-name=libasan.so
+                    OUTPUT_VARIABLE runtime OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+    set(lenient "detect_leaks=0:new_delete_type_mismatch=0:verify_asan_link_order=0")
+    set_property(TEST ${ARGN} APPEND PROPERTY ENVIRONMENT "LD_PRELOAD=${runtime}"
+                 "ASAN_OPTIONS=${lenient}:include_if_exists=${CMAKE_BINARY_DIR}/own-programs/%b")
+  elseif(DDSSEC_SANITIZE)
+    foreach(test ${ARGN})
+      ddssec_test_unfit_for_sanitizers(${test} "only the address sanitizer is preloaded into stock programs")
+    endforeach()
+  endif()
+endfunction()
+
+# ddssec_check_own_programs(FOLDER): names the sanitized programs of a folder and those below it, for
+# ddssec_preload_sanitizer.
+function(ddssec_check_own_programs folder)
+  get_property(targets DIRECTORY ${folder} PROPERTY BUILDSYSTEM_TARGETS)
+  foreach(target ${targets})
+    get_target_property(type ${target} TYPE)
+    get_target_property(is_stock ${target} DDSSEC_NOT_SANITIZED)
+    if(type STREQUAL "EXECUTABLE" AND NOT is_stock)
+      file(GENERATE OUTPUT ${CMAKE_BINARY_DIR}/own-programs/$<TARGET_FILE_NAME:${target}>
+           CONTENT "detect_leaks=1\nnew_delete_type_mismatch=1\n")
+    endif()
+  endforeach()
+  get_property(below DIRECTORY ${folder} PROPERTY SUBDIRECTORIES)
+  foreach(child ${below})
+    ddssec_check_own_programs(${child})
+  endforeach()
+endfunction()
+
 if(DDSSEC_BUILD_FUZZ)
   add_compile_options(-fsanitize=fuzzer-no-link)  # what is fuzzed tells which branches it took
   add_compile_definitions(_GLIBCXX_ASSERTIONS)
@@ -61,6 +104,7 @@ function(ddssec_not_sanitized)
     foreach(target ${ARGN})
       target_compile_options(${target} PRIVATE -fno-sanitize=all)
       target_link_options(${target} PRIVATE -fno-sanitize=all)
+      set_target_properties(${target} PROPERTIES DDSSEC_NOT_SANITIZED TRUE)
     endforeach()
   endif()
 endfunction()
@@ -206,9 +250,10 @@ endfunction()
 
 # ddssec_discover_tests(NAME FILTER LABELS ...): the tests of test_NAME that fit GoogleTest's filter.
 function(ddssec_discover_tests name filter label)
+  math(EXPR timeout "120 * ${DDSSEC_SLOWDOWN}")
   string(MAKE_C_IDENTIFIER "${name}_${label}_${ARGN}_tests" list)
   gtest_discover_tests(test_${name} TEST_PREFIX ${name}. TEST_FILTER "${filter}" DISCOVERY_TIMEOUT 60
-                       TEST_LIST ${list} PROPERTIES LABELS ${label} TIMEOUT 120)
+                       TEST_LIST ${list} PROPERTIES LABELS ${label} TIMEOUT ${timeout})
   if(ARGN)  # PROPERTIES cannot hold a list.
     set(file ${CMAKE_CURRENT_BINARY_DIR}/${list}.cmake)
     file(WRITE ${file} "set_tests_properties(\${${list}} PROPERTIES LABELS \"${label};${ARGN}\")\n")

@@ -156,7 +156,6 @@ class Sticky(Blocked):
 
 
 @NEEDS_ROOT
-@unittest.skipUnless(LIBRARY.exists(), "the library that acts between calls is not built")
 class Removed(Blocked):
     """bravo's owner removes drafts from the folder."""
 
@@ -232,7 +231,6 @@ class InThePlace(Blocked):
         self.assertEqual(self.current("identity"), list(NAMES))
 
 
-@unittest.skipUnless(LIBRARY.exists(), "the library that acts between calls is not built")
 class Full(Blocked):
     """The disk is full from some write on, and has room again later."""
 

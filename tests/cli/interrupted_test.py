@@ -7,7 +7,6 @@ import os
 import re
 import shutil
 import subprocess
-import unittest
 import xml.etree.ElementTree
 
 from sros2_keystore import make_keystore
@@ -35,7 +34,6 @@ def is_whole(path, octets):
     raise AssertionError(f"what is {path}?")
 
 
-@unittest.skipUnless(LIBRARY.exists(), "the library that kills is not built")
 class Interrupted(Transcript):
     def setUp(self):
         super().setUp()

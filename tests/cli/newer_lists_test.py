@@ -7,7 +7,6 @@ import pathlib
 import shutil
 import subprocess
 import time
-import unittest
 
 from transcript import PROGRAM, Transcript, main
 
@@ -216,7 +215,6 @@ class Waiting(Lists):
         self.json("crl", "verify", "changed/demo/ca/identity/crl.pem", "--ca", "changed/demo", *NOW)
 
 
-@unittest.skipUnless(LIBRARY.exists(), "not with sanitizers")
 class WithoutTheKey(Lists):
     """A user who cannot open the CA's key distributes without a lock."""
 

@@ -105,7 +105,6 @@ class Blocked(Keystore):
                 shutil.rmtree(self.at / "ks")
                 self.setUp()
 
-    @unittest.skipUnless(LIBRARY.exists(), "the library that kills is not built")
     def test_it_may_be_killed_in_between_too(self):
         shutil.copy(LIBRARY, self.at / "kill.so")
         before = self.at.parent / (self.at.name + "-before")
