@@ -178,20 +178,16 @@ bool EndpointMatcher::has_place(const MatchTable& matched, RemoteParticipant& re
 EndpointMatcher::Verdict EndpointMatcher::judge(const EndpointData& local,
                                                 EndpointListener& listener,
                                                 const EndpointData& remote) {
+  const bool is_secured = core_.security && remote.guid.prefix != local_.prefix();
+  std::optional<Admission::Permission> permission;
+  if (is_secured)
+    permission = core_.security->admit(local.guid.entity, Admission::Endpoint::of(remote));
+  if (is_secured && !permission) return Verdict::refused;
   if (!is_compatible(local, remote, listener, core_)) return Verdict::refused;
-  if (!core_.security || remote.guid.prefix == local_.prefix()) return Verdict::ready;
-  return admit(local.guid.entity, remote);
-}
-
-EndpointMatcher::Verdict EndpointMatcher::admit(const EntityId& local, const EndpointData& remote) {
-  auto& security = *core_.security;
-  const auto admission = security.admit(
-      local, {remote.guid, remote.topic_name, remote.qos.partition, remote.qos.data_tags,
-              remote.security_info.value_or(spi::SecurityInfo{}), remote.by_secure_discovery,
-              remote.required_ciphers});
-  if (!admission) return Verdict::refused;
-  return security.introduce(local, remote.guid, admission->relay_only) ? Verdict::ready
-                                                                       : Verdict::awaits_keys;
+  if (!is_secured) return Verdict::ready;
+  return core_.security->introduce(local.guid.entity, remote.guid, permission->relay_only)
+             ? Verdict::ready
+             : Verdict::awaits_keys;
 }
 
 void EndpointMatcher::match(const EntityId& local, const Guid& remote) {

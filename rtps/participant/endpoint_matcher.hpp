@@ -59,8 +59,9 @@ class EndpointMatcher {
   /// is counted and once raises an event.
   bool has_place(const MatchTable& matched, RemoteParticipant& remote,
                  const EndpointData& endpoint);
+  /// Access control comes first: a participant that may not use the topic changes no status of
+  /// ours.
   Verdict judge(const EndpointData& local, EndpointListener& listener, const EndpointData& remote);
-  Verdict admit(const EntityId& local, const EndpointData& remote);
   void match(LocalWriter& writer, RemoteParticipant& remote, const EndpointData& data);
   void match(LocalReader& reader, RemoteParticipant& remote, const EndpointData& data);
   /// Two of our own.

@@ -119,6 +119,16 @@ Status Admission::check_ciphers(VendorId vendor, spi::CipherMask required) const
 
 // ---- endpoints
 
+Admission::Endpoint Admission::Endpoint::of(const EndpointData& announced) {
+  return {announced.guid,
+          announced.topic_name,
+          announced.qos.partition,
+          announced.qos.data_tags,
+          announced.security_info.value_or(spi::SecurityInfo{}),
+          announced.by_secure_discovery,
+          announced.required_ciphers};
+}
+
 Result<Admission::Announced> Admission::create_endpoint(const EntityId& id,
                                                         const NewEndpoint& endpoint) {
   auto& plugin = core_.own->plugins().access_control;
@@ -150,10 +160,25 @@ std::optional<Admission::Permission> Admission::admit(const EntityId& local,
                                                       const Endpoint& remote) {
   const auto* attributes = core_.keyring.attributes(local);
   if (attributes == nullptr) return std::nullopt;
+  return admit({*attributes, is_reader(local)}, remote);
+}
+
+bool Admission::may_write(const Endpoint& writer) {
+  const auto names = views_of(writer.partitions);
+  const auto attributes = core_.own->plugins().access_control.datareader_sec_attributes(
+      core_.own->permissions(), {.topic_name = writer.topic, .partitions = names});
+  if (attributes) return admit({*attributes, true}, writer).has_value();
+  core_.events.raise(Event(attributes.error().in("topic " + std::string(writer.topic)), {},
+                           writer.guid.to_string()));
+  return false;
+}
+
+std::optional<Admission::Permission> Admission::admit(const Local& local, const Endpoint& remote) {
   const auto* peer = core_.find(remote.guid.prefix);
   const auto* joined = peer == nullptr ? nullptr : peer->state.joined();
-  const auto status = joined != nullptr ? check_protection(*attributes, remote, peer->data.vendor)
-                                        : check_open(local, remote);
+  const auto status = joined != nullptr
+                          ? check_protection(local.attributes, remote, peer->data.vendor)
+                          : check_open(local.attributes, remote);
   if (!status) {
     core_.raise(status.error().in("topic " + std::string(remote.topic)), remote.guid,
                 core_.origin_of_announcement(remote.guid, remote.is_secure));
@@ -167,8 +192,9 @@ std::optional<Admission::Permission> Admission::admit(const EntityId& local,
 
 // DDS-Security 8.8.7: unauthenticated participants get topics without access control and without
 // protection of any kind.
-Status Admission::check_open(const EntityId& local, const Endpoint& remote) const {
-  if (is_open(*core_.keyring.attributes(local)) && admits_unauthenticated()) return {};
+Status Admission::check_open(const spi::EndpointSecurityAttributes& attributes,
+                             const Endpoint& remote) const {
+  if (is_open(attributes) && admits_unauthenticated()) return {};
   return fail(Code::rtps_peer_not_secured,
               {.expected = "an authenticated participant", .found = remote.guid.to_string()});
 }
@@ -186,14 +212,14 @@ Status Admission::check_protection(const spi::EndpointSecurityAttributes& attrib
       {.field = "endpoint_security_info", .expected = text_of(own), .found = text_of(remote.info)});
 }
 
-Result<Admission::Permission> Admission::check_permissions(const EntityId& local,
+Result<Admission::Permission> Admission::check_permissions(const Local& local,
                                                            const Association& peer,
                                                            const Endpoint& remote) {
   auto& plugin = core_.own->plugins().access_control;
   const auto names = views_of(remote.partitions);
   const spi::EndpointRequest request{
       .topic_name = remote.topic, .partitions = names, .data_tags = remote.data_tags};
-  if (is_reader(local)) {
+  if (local.reads) {
     DDSSEC_TRY(
         plugin.check_remote_datawriter(peer.permissions.handle, core_.own->domain_id(), request));
     return Permission{};

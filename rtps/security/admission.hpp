@@ -31,12 +31,16 @@ class Admission {
     spi::SecurityInfo info;
     bool is_secure = false;
     std::optional<spi::CipherMask> required_ciphers = {};
+    /// As it was announced.
+    static Endpoint of(const EndpointData& announced);
   };
   struct Permission {
     bool relay_only = false;
   };
   /// May it match our one? Nothing: no, and an event says why.
   std::optional<Permission> admit(const EntityId& local, const Endpoint& remote);
+  /// The same of a writer and a reader that we could make for it. False: no, and an event says why.
+  bool may_write(const Endpoint& writer);
 
   struct NewEndpoint {
     std::string_view topic;
@@ -57,10 +61,17 @@ class Admission {
   Status check_ciphers(VendorId vendor, spi::CipherMask required) const;
   Status check_participant(const ParticipantData& data) const;
   Status check_domain(const ParticipantData& proven) const;
-  Status check_open(const EntityId& local, const Endpoint& remote) const;
+  /// Our endpoint, made or not.
+  struct Local {
+    const spi::EndpointSecurityAttributes& attributes;
+    bool reads;
+  };
+  std::optional<Permission> admit(const Local& local, const Endpoint& remote);
+  Status check_open(const spi::EndpointSecurityAttributes& attributes,
+                    const Endpoint& remote) const;
   Status check_protection(const spi::EndpointSecurityAttributes& attributes, const Endpoint& remote,
                           VendorId vendor) const;
-  Result<Permission> check_permissions(const EntityId& local, const Association& peer,
+  Result<Permission> check_permissions(const Local& local, const Association& peer,
                                        const Endpoint& remote);
 
   SecurityCore& core_;

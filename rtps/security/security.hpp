@@ -41,6 +41,7 @@ class Security {
                                              const Admission::Endpoint& remote) {
     return admission_.admit(local, remote);
   }
+  bool may_write(const Admission::Endpoint& writer) { return admission_.may_write(writer); }
   Result<Admission::Announced> create_endpoint(const EntityId& id,
                                                const Admission::NewEndpoint& endpoint) {
     return admission_.create_endpoint(id, endpoint);

@@ -48,6 +48,27 @@ TEST_F(DataTags, OfARemoteWriterMustBeAllowed) {
   EXPECT_TRUE(b.events.has(Code::announced_writer_not_allowed)) << b.events.text();
 }
 
+// Access control comes before QoS: the reader was told of a mismatch with a writer that may not
+// use its topic at all.
+TEST_F(DataTags, AWriterThatIsNotAllowedChangesNoStatusOfTheReader) {
+  const auto writer =
+      a->create_writer(square(tagged(default_writer_qos(), "open")), a.listener, world.now);
+  ASSERT_TRUE(b->create_reader(square(default_reader_qos()), b.listener, world.now));
+  ASSERT_TRUE(match()) << b.events.text();
+  auto unfit = tagged(default_writer_qos(), "secret");
+  unfit.ownership = OwnershipKind::exclusive;
+  ASSERT_TRUE(a->change_qos(*writer, unfit, world.now));
+  ASSERT_TRUE(
+      world.run_until([&] { return b.events.has(Code::announced_writer_not_allowed); }, 300));
+  EXPECT_EQ(b.listener.incompatible, 0);
+  EXPECT_FALSE(b.events.has(Code::rtps_qos_incompatible)) << b.events.text();
+  // One that may is told apart.
+  unfit.data_tags = {{"level", "open", false}};
+  ASSERT_TRUE(a->change_qos(*writer, unfit, world.now));
+  EXPECT_TRUE(world.run_until([&] { return b.listener.incompatible == 1; }, 300));
+  EXPECT_TRUE(b.events.has(Code::rtps_qos_incompatible)) << b.events.text();
+}
+
 TEST_F(DataTags, OfARemoteReaderMustBeAllowed) {
   const auto reader =
       a->create_reader(square(tagged(default_reader_qos(), "open")), a.listener, world.now);

@@ -45,6 +45,7 @@ struct Events final : EventSink {
 struct Listener final : EndpointListener {
   int matched = 0;
   int alive = 0;
+  int incompatible = 0;
   std::set<Guid> known;
   std::vector<Change> changes;
   void on_matched(const EndpointData& remote) override {
@@ -54,8 +55,8 @@ struct Listener final : EndpointListener {
     matched -= static_cast<int>(known.erase(remote));
     signals.erase(remote);
   }
-  void on_incompatible_qos(const Guid&, const QosMismatch&) override {}
-  void on_inconsistent_topic(const EndpointData&) override {}
+  void on_incompatible_qos(const Guid&, const QosMismatch&) override { ++incompatible; }
+  void on_inconsistent_topic(const EndpointData&) override { ++incompatible; }
   bool on_change(Change& change) override {
     changes.push_back(std::move(change));
     return true;
