@@ -38,11 +38,13 @@ Result<DurableStore::Opened> DurableStore::open_stream(StreamKey key,
                                                        const DurabilityService& service) {
   DDSSEC_TRY(flush(kLongestOpen));  // what a writer before this one left behind
   const std::lock_guard store(store_mutex_);
+  forget_closed();
   for (key.ordinal = 0; key.ordinal < kMostAlike; ++key.ordinal) {
     const auto id = DDSSEC_TRY(store_.stream(key, service));
     {
       const std::lock_guard held(mutex_);
       if (!open_.insert(id).second) continue;
+      closed_.erase(id);
     }
     auto history = store_.load(id);
     if (history) return Opened{id, *std::move(history)};
@@ -58,6 +60,23 @@ Result<DurableStore::Opened> DurableStore::open_stream(StreamKey key,
 void DurableStore::close_stream(StreamId stream) {
   const std::lock_guard held(mutex_);
   open_.erase(stream);
+  closed_[stream] = appended_;
+}
+
+// A row that cannot be deleted now is when the store is opened again.
+void DurableStore::forget_closed() {
+  std::vector<StreamId> gone;
+  {
+    const std::lock_guard held(mutex_);
+    std::erase_if(closed_, [&](const auto& entry) {
+      const bool is_over = entry.second <= committed_;
+      if (is_over) gone.push_back(entry.first);
+      return is_over;
+    });
+  }
+  for (const auto stream : gone) {
+    [[maybe_unused]] const auto closed = store_.close(stream);
+  }
 }
 
 std::uint64_t DurableStore::append(StreamId stream, const Change& change, Time now) {

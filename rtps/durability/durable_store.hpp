@@ -33,6 +33,7 @@ class DurableStore {
   /// Of a new writer: the first stream of `key` that no other writer has open; its ordinal is
   /// chosen here. Errors: those of SampleStore.
   Result<Opened> open_stream(StreamKey key, const DurabilityService& service);
+  /// Once all that was appended to it is committed, nothing stays of a stream without samples.
   void close_stream(StreamId stream);
 
   /// Never waits. Returns a number that committed() reaches when the change is stored.
@@ -60,6 +61,8 @@ class DurableStore {
   DurableStore(SampleStore store, EventSink& events);
   void run();
   void commit(std::unique_lock<std::mutex>& held);
+  /// With the store's mutex.
+  void forget_closed();
   bool over() const { return pending_.size() >= kMostPending || octets_ >= kMostPendingOctets; }
   template <class Ready>
   Status wait(std::chrono::nanoseconds most, Ready ready);
@@ -75,6 +78,7 @@ class DurableStore {
   std::uint64_t appended_ = 0, committed_ = 0, groups_ = 0, left_out_ = 0;
   Status status_;
   std::set<StreamId> open_;
+  std::map<StreamId, std::uint64_t> closed_;  ///< with what must be committed before
   bool stopping_ = false;
   std::thread thread_;
 };

@@ -42,6 +42,14 @@ Bytes partition_octets(const std::vector<std::string>& names) {
   return out;
 }
 
+SqlStatement& bind_key(SqlStatement& statement, const StreamKey& key, BytesView partition) {
+  return statement.bind(1, std::int64_t{key.domain})
+      .bind(2, std::string_view(key.topic))
+      .bind(3, std::string_view(key.type))
+      .bind(4, partition)
+      .bind(5, std::int64_t{key.ordinal});
+}
+
 /// SQLite notices damage to its own structures, not to what they hold.
 std::array<std::uint8_t, kSumSize> sum_of(std::int64_t row, StreamId stream, const Change& change) {
   const auto key = change.key_hash.value_or(KeyHash{});
@@ -115,6 +123,13 @@ Status SampleStore::prepare(std::size_t most_octets) {
                                    "fraction, payload, sum, id, writer, "
                                    "number) VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"));
   last_row_ = DDSSEC_TRY(database_.number("SELECT coalesce(max(id), 0) FROM sample"));
+  // Without room they stay until there is some.
+  if (auto erased = erase_empty_streams();
+      !erased && erased.error().code() != Code::rtps_store_failed)
+    return erased;
+  last_stream_ =
+      DDSSEC_TRY(database_.number("SELECT max(coalesce((SELECT max(id) FROM stream), 0), "
+                                  "coalesce((SELECT max(stream) FROM sample), 0))"));
   erase_ = DDSSEC_TRY(database_.prepare("DELETE FROM sample WHERE id = ?"));
   return {};
 }
@@ -156,39 +171,69 @@ Status SampleStore::create_schema() {
   return database_.run("PRAGMA user_version=" + std::to_string(kVersion));
 }
 
-Result<StreamId> SampleStore::stream(const StreamKey& key, const DurabilityService& service) {
-  const auto partition = partition_octets(key.partition);
-  const auto bind = [&](SqlStatement& statement) -> SqlStatement& {
-    return statement.bind(1, std::int64_t{key.domain})
-        .bind(2, std::string_view(key.topic))
-        .bind(3, std::string_view(key.type))
-        .bind(4, BytesView(partition))
-        .bind(5, std::int64_t{key.ordinal});
-  };
+Status SampleStore::erase_empty_streams() {
+  constexpr std::string_view kEmpty =
+      "FROM stream WHERE NOT EXISTS (SELECT 1 FROM sample WHERE sample.stream = stream.id)";
+  if (DDSSEC_TRY(database_.number("SELECT count(*) " + std::string(kEmpty))) == 0) return {};
+  return database_.run("DELETE " + std::string(kEmpty));
+}
+
+Result<std::optional<StreamId>> SampleStore::row_of(const StreamKey& key) {
   auto find = DDSSEC_TRY(
       database_.prepare("SELECT id FROM stream WHERE domain = ? AND topic = ? AND type = ? AND "
                         "partition = ? AND ordinal = ?"));
-  StreamId id;
-  if (DDSSEC_TRY(bind(find).step())) {
-    id.value = find.number(0);
-  } else {
-    if (DDSSEC_TRY(database_.number("SELECT count(*) FROM stream")) >=
-        static_cast<std::int64_t>(kMostStreams))
-      return fail(Code::rtps_store_failed, {.document = path_,
-                                            .field = "writers",
-                                            .expected = "at most " + std::to_string(kMostStreams),
-                                            .found = "one more"});
-    auto insert =
-        DDSSEC_TRY(database_.prepare("INSERT INTO stream(domain, topic, type, partition, ordinal) "
-                                     "VALUES(?, ?, ?, ?, ?)"));
-    DDSSEC_TRY(bind(insert).run());
-    id.value = database_.last_row();
-  }
+  const auto partition = partition_octets(key.partition);
+  if (DDSSEC_TRY(bind_key(find, key, partition).step())) return StreamId{find.number(0)};
+  return std::nullopt;
+}
+
+Result<std::optional<StreamId>> SampleStore::find(const StreamKey& key) {
+  if (auto id = DDSSEC_TRY(row_of(key))) return id;
+  for (const auto& [id, stream] : streams_)
+    if (stream.key == key) return id;
+  return std::nullopt;
+}
+
+Status SampleStore::insert_row(StreamId id, const StreamKey& key) {
+  auto insert = DDSSEC_TRY(
+      database_.prepare("INSERT INTO stream(domain, topic, type, partition, ordinal, id) "
+                        "VALUES(?, ?, ?, ?, ?, ?)"));
+  const auto partition = partition_octets(key.partition);
+  return bind_key(insert, key, partition).bind(6, id.value).run();
+}
+
+Result<std::size_t> SampleStore::streams() {
+  const auto rows = DDSSEC_TRY(database_.number("SELECT count(*) FROM stream"));
+  const auto without =
+      std::ranges::count_if(streams_, [](const auto& entry) { return !entry.second.has_row; });
+  return static_cast<std::size_t>(rows) + static_cast<std::size_t>(without);
+}
+
+Result<StreamId> SampleStore::stream(const StreamKey& key, const DurabilityService& service) {
+  auto id = DDSSEC_TRY(find(key));
+  if (!id && DDSSEC_TRY(streams()) >= kMostStreams)
+    return fail(Code::rtps_store_failed, {.document = path_,
+                                          .field = "writers",
+                                          .expected = "at most " + std::to_string(kMostStreams),
+                                          .found = "one more"});
+  if (!id) id = StreamId{++last_stream_};
   Stream stream;
+  stream.key = key;
+  stream.has_row = DDSSEC_TRY(row_of(key)).has_value();
   stream.service = service;
-  DDSSEC_TRY(read_index(id, stream));
-  streams_[id] = std::move(stream);
-  return id;
+  DDSSEC_TRY(read_index(*id, stream));
+  streams_[*id] = std::move(stream);
+  return *id;
+}
+
+Status SampleStore::close(StreamId id) {
+  const auto at = streams_.find(id);
+  if (at == streams_.end()) return {};
+  const bool is_empty_row = at->second.has_row && at->second.samples == 0;
+  streams_.erase(at);
+  if (!is_empty_row) return {};
+  auto erase = DDSSEC_TRY(database_.prepare("DELETE FROM stream WHERE id = ?"));
+  return erase.bind(1, id.value).run();
 }
 
 Status SampleStore::read_index(StreamId id, Stream& stream) {
@@ -245,17 +290,26 @@ Result<std::vector<Change>> SampleStore::load(StreamId stream) {
 
 Status SampleStore::commit(std::span<const StoredChange> changes, Time now) {
   const auto left_out = left_out_;
+  std::vector<Stream*> inserted;
   const auto write = [&]() -> Status {
     auto transaction = DDSSEC_TRY(Database::Transaction::begin(database_));
-    for (const auto& [id, change] : changes)
-      if (const auto stream = streams_.find(id); stream != streams_.end())
-        DDSSEC_TRY(add(id, stream->second, change, now));
+    for (const auto& [id, change] : changes) {
+      const auto found = streams_.find(id);
+      if (found == streams_.end()) continue;
+      auto& stream = found->second;
+      DDSSEC_TRY(add(id, stream, change, now));
+      if (stream.has_row || stream.samples == 0) continue;
+      DDSSEC_TRY(insert_row(id, stream.key));
+      stream.has_row = true;
+      inserted.push_back(&stream);
+    }
     for (auto& [id, stream] : streams_) DDSSEC_TRY(clean_up(stream, now.to_nanoseconds().count()));
     return transaction.commit();
   };
   auto written = write();
   if (written) return written;
   left_out_ = left_out;
+  for (auto* stream : inserted) stream->has_row = false;
   for (auto& [id, stream] : streams_) DDSSEC_TRY(read_index(id, stream));
   return written;
 }

@@ -20,6 +20,7 @@ struct StreamKey {
   std::string topic, type;
   std::vector<std::string> partition = {};
   std::uint32_t ordinal = 0;  ///< among the participant's writers that are alike in all that
+  bool operator==(const StreamKey&) const = default;
 };
 
 /// Names a stream in one opened store.
@@ -50,8 +51,12 @@ class SampleStore {
   SampleStore(SampleStore&&) noexcept = default;
 
   /// The stream of a writer, new or with what it held; how much is kept of it from now on `service`
-  /// says. Errors: rtps_store_failed, rtps_store_unusable.
+  /// says. A new one is in the database from its first sample on. Errors: rtps_store_failed,
+  /// rtps_store_unusable.
   Result<StreamId> stream(const StreamKey& key, const DurabilityService& service);
+  /// Its writer is gone: without samples nothing of it stays. Errors: rtps_store_failed,
+  /// rtps_store_unusable (then it goes when the store is opened again).
+  Status close(StreamId stream);
   /// In the order in which they were stored, oldest first, each as its original writer's. Errors:
   /// rtps_store_unusable (one is not what was stored), rtps_store_failed.
   Result<std::vector<Change>> load(StreamId stream);
@@ -61,6 +66,8 @@ class SampleStore {
   /// rtps_store_unusable.
   Status commit(std::span<const StoredChange> changes, Time now);
 
+  /// Of how many writers it has samples, or will have: at most kMostStreams.
+  Result<std::size_t> streams();
   /// Samples held of it.
   std::size_t size(StreamId stream) const;
   /// Changes that did not fit the limits; never reset.
@@ -74,6 +81,8 @@ class SampleStore {
     KeyHash key{};
   };
   struct Stream {
+    StreamKey key;
+    bool has_row = false;
     DurabilityService service;
     std::map<KeyHash, Rows> instances;
     std::deque<Ended> ended;  ///< disposed instances that are still here
@@ -86,6 +95,13 @@ class SampleStore {
   Status check_origin();
   Status check_schema();
   Status create_schema();
+  /// Of all streams without samples.
+  Status erase_empty_streams();
+  /// Nothing: not in the database.
+  Result<std::optional<StreamId>> row_of(const StreamKey& key);
+  /// Nothing: known neither to the database nor to this.
+  Result<std::optional<StreamId>> find(const StreamKey& key);
+  Status insert_row(StreamId id, const StreamKey& key);
   Status read_index(StreamId id, Stream& stream);
   Status add(StreamId id, Stream& stream, const Change& change, Time now);
   bool has_room(const Stream& stream, const KeyHash& key) const;
@@ -98,7 +114,7 @@ class SampleStore {
   std::string path_;
   SqlStatement insert_, erase_;
   std::map<StreamId, Stream> streams_;
-  std::int64_t last_row_ = 0;
+  std::int64_t last_row_ = 0, last_stream_ = 0;
   std::uint64_t left_out_ = 0;
 };
 

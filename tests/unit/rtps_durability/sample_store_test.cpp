@@ -82,6 +82,54 @@ TEST_F(SampleStoreTest, StreamsDoNotMix) {
     EXPECT_EQ(numbers(*opened->load(*opened->stream(keys[i], keep_all()))), Numbers{i});
 }
 
+StreamKey junk(std::size_t number) {
+  auto key = kMap;
+  key.topic = "Junk" + std::to_string(number);
+  return key;
+}
+
+TEST_F(SampleStoreTest, StreamsWithoutSamplesLeaveNothingBehind) {
+  auto opened = *SampleStore::open(path);
+  const auto kept = *opened.stream(kMap, keep_all());
+  ASSERT_TRUE(opened.commit({{StoredChange{kept, sample(0)}}}, seconds(0)));
+  for (std::size_t i = 1; i < SampleStore::kMostStreams; ++i)
+    ASSERT_TRUE(opened.stream(junk(i), keep_all()));
+  EXPECT_EQ(code_of(opened.stream(junk(0), keep_all())), Code::rtps_store_failed);
+  for (std::size_t i = 1; i < SampleStore::kMostStreams; ++i)
+    ASSERT_TRUE(opened.close(*opened.stream(junk(i), keep_all())));
+  EXPECT_EQ(*opened.streams(), 1u);
+  // Those that had samples and lost them.
+  const auto emptied = *opened.stream(junk(0), keep_all());
+  ASSERT_TRUE(opened.commit({{StoredChange{emptied, sample(0)}, StoredChange{emptied, dispose(0)}}},
+                            seconds(0)));
+  ASSERT_TRUE(opened.commit({{StoredChange{emptied, sample(0)}}}, seconds(0)));
+  ASSERT_TRUE(opened.commit({{StoredChange{emptied, dispose(0)}}}, seconds(0)));
+  EXPECT_EQ(*opened.streams(), 2u);
+  ASSERT_TRUE(opened.close(emptied));
+  EXPECT_EQ(*opened.streams(), 1u);
+  EXPECT_EQ(numbers(*opened.load(*opened.stream(kMap, keep_all()))), Numbers{0});
+}
+
+// 1024 announcements filled a store for good.
+TEST_F(SampleStoreTest, AStoreThatWasFilledWithEmptyStreamsHasRoomAgain) {
+  store(0, 3);
+  {
+    auto database = *Database::open(path);
+    for (std::size_t i = 1; i < SampleStore::kMostStreams; ++i)
+      ASSERT_TRUE(
+          database.run("INSERT INTO stream(domain, topic, type, partition, ordinal) "
+                       "VALUES(1, 'Junk" +
+                       std::to_string(i) + "', 'Grid', x'', 0)"));
+  }
+  auto opened = *SampleStore::open(path);
+  EXPECT_EQ(*opened.streams(), 1u);
+  const auto id = opened.stream(junk(0), keep_all());
+  ASSERT_TRUE(id);
+  ASSERT_TRUE(opened.commit({{StoredChange{*id, sample(7)}}}, seconds(0)));
+  EXPECT_EQ(numbers(*opened.load(*opened.stream(kMap, keep_all()))), (Numbers{0, 1, 2}));
+  EXPECT_EQ(numbers(*opened.load(*id)), Numbers{7});
+}
+
 TEST_F(SampleStoreTest, LimitsLeaveOutWhatDoesNotFit) {
   auto service = keep_all();
   service.limits = {.max_samples = 5, .max_instances = 2, .max_samples_per_instance = 3};
