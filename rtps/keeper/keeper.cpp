@@ -35,6 +35,15 @@ Change announcement(const EndpointData& writer, const KeyHash& key) {
   return change;
 }
 
+/// What was remembered of it goes.
+Change end_of_announcement(const KeyHash& key) {
+  Change change;
+  change.key_hash = key;
+  change.key_only = true;
+  change.status.disposed = true;
+  return change;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Keeper>> Keeper::create(DomainParticipantOptions options,
@@ -64,12 +73,20 @@ Status Keeper::start() {
   auto known = DDSSEC_TRY(
       store_->open_stream(stream_of_announcements(participant_->domain_id()), DurabilityService{}));
   known_ = known.id;
-  for (const auto& change : known.history)
-    if (const auto writer = read_publication_data(change.payload.view()))
-      DDSSEC_TRY(keep(*writer, true));
+  for (const auto& change : known.history) DDSSEC_TRY(keep_known(change));
   auto* reader = participant_->builtin_datareader<PublicationBuiltinTopicData>();
   reader->set_listener(this, StatusKind::data_available);
   on_data_available(*reader);
+  return {};
+}
+
+Status Keeper::keep_known(const Change& announced) {
+  const auto writer = read_publication_data(announced.payload.view());
+  if (!writer) return {};
+  const auto kept = keep(*writer, std::nullopt);
+  // One that has no place keeps no other one from being served.
+  if (kept || kept.error().code() != Code::rtps_store_failed) return kept;
+  participant_->context_.environment().events.raise(Event(kept.error()));
   return {};
 }
 
@@ -77,11 +94,12 @@ void Keeper::on_data_available(AnyDataReader& any) {
   auto& reader = static_cast<BuiltinDataReader<PublicationBuiltinTopicData>&>(any);
   std::vector<BuiltinSample<PublicationBuiltinTopicData>> found;
   if (!reader.take(found)) return;
+  bool any_gone = false;
   for (const auto& [writer, info] : found) {
-    if (!info.valid_data || !wants(writer)) continue;
-    if (const auto kept = keep(writer, false); !kept)
-      participant_->context_.environment().events.raise(Event(kept.error()));
+    any_gone = any_gone || !info.valid_data;
+    if (info.valid_data && wants(writer)) consider(writer.guid);
   }
+  if (any_gone) replace_abandoned();
 }
 
 bool Keeper::wants(const EndpointData& writer) const {
@@ -91,43 +109,101 @@ bool Keeper::wants(const EndpointData& writer) const {
          });
 }
 
-// Who announces a topic first may be anybody. Until a writer that may write to it matched, another
-// identity that announces it says how it is kept.
-bool Keeper::is_settled(const KeyHash& key, const EndpointData& writer,
-                        const GuidPrefix& identity) const {
-  const auto known = topics_.find(key);
-  if (known == topics_.end()) return false;
-  const auto& [topic, first] = known->second;
-  const std::lock_guard lock(participant_->context_.mutex());
-  return topic->is_in_use() || first == identity ||
-         topic->like().qos.durability_service == writer.qos.durability_service;
+std::optional<EndpointData> Keeper::admitted(const Guid& writer) const {
+  auto& context = participant_->context_;
+  const std::lock_guard lock(context.mutex());
+  const auto& remotes = context.protocol().remote_participants();
+  const auto* announced = remotes.endpoint(writer);
+  if (announced == nullptr || !wants(*announced)) return std::nullopt;
+  const auto& security = remotes.core().security;
+  if (security && !security->may_write(Admission::Endpoint::of(*announced))) return std::nullopt;
+  auto out = *announced;
+  out.guid.prefix = remotes.core().identity_of(writer.prefix);
+  return out;
 }
 
-Status Keeper::keep(const EndpointData& writer, bool is_known) {
+void Keeper::consider(const Guid& writer) {
+  const auto announced = admitted(writer);
+  if (!announced) return;
+  if (const auto kept = keep(*announced, writer); !kept)
+    participant_->context_.environment().events.raise(Event(kept.error()));
+}
+
+// Until a writer has matched, which it does only if it may write, another identity that may write
+// as well and announces it in another way says how it is kept.
+bool Keeper::is_settled(const KeyHash& key, const EndpointData& writer) const {
+  const auto known = topics_.find(key);
+  if (known == topics_.end()) return false;
+  const auto& entry = known->second;
+  const std::lock_guard lock(participant_->context_.mutex());
+  return entry.topic->is_in_use() || entry.identity == writer.guid.prefix ||
+         entry.topic->is_made_for(writer);
+}
+
+Status Keeper::keep(const EndpointData& writer, const std::optional<Guid>& announcer) {
   const auto key = key_of(writer);
+  const auto& identity = writer.guid.prefix;
   const std::lock_guard held(mutex_);
   auto& context = participant_->context_;
-  const auto identity = [&] {
-    const std::lock_guard lock(context.mutex());
-    return context.protocol().remote_participants().identity_of(writer.guid.prefix);
-  }();
-  if (is_settled(key, writer, identity)) return {};
+  if (is_settled(key, writer)) return {};
   topics_.erase(key);
-  if (!make_room(identity))
+  if (announcer ? !make_room(identity) : topics_.size() >= kMostTopics)
     return fail(Code::rtps_store_failed,
                 {.document = "keeper",
                  .field = "topics",
                  .expected = fmt::format("at most {}, and of one identity as many as are free",
                                          kMostTopics),
                  .found = writer.topic_name});
-  const auto remember = [this, writer, key, is_known] {
-    if (!is_known)
+  const auto remember = [this, writer, key, announcer] {
+    if (announcer)
       store_->append(known_, announcement(writer, key), participant_->context_.moment().wall);
   };
   auto topic = std::make_unique<KeptTopic>(context, *store_, writer, remember);
   DDSSEC_TRY(topic->open(participant_->domain_id()));
-  topics_[key] = {std::move(topic), identity};
+  if (!announcer && !has_samples(*topic)) {
+    store_->append(known_, end_of_announcement(key), context.moment().wall);
+    return {};
+  }
+  topics_[key] = {std::move(topic), identity, announcer.value_or(Guid{})};
   return {};
+}
+
+bool Keeper::has_samples(const KeptTopic& topic) const {
+  const std::lock_guard lock(participant_->context_.mutex());
+  return topic.has_samples();
+}
+
+void Keeper::replace_abandoned() {
+  const auto names = remove_abandoned();
+  if (names.empty()) return;
+  for (const auto& writer : writers_on(names)) consider(writer);
+}
+
+std::set<std::string> Keeper::remove_abandoned() {
+  const std::lock_guard held(mutex_);
+  std::set<std::string> names;
+  std::vector<KeyHash> keys;
+  {
+    const std::lock_guard lock(participant_->context_.mutex());
+    const auto& remotes = participant_->context_.protocol().remote_participants();
+    for (const auto& [key, entry] : topics_) {
+      if (entry.topic->is_in_use() || remotes.endpoint(entry.announcer) != nullptr) continue;
+      names.insert(entry.topic->name());
+      keys.push_back(key);
+    }
+  }
+  for (const auto& key : keys) topics_.erase(key);  // which takes the lock
+  return names;
+}
+
+std::vector<Guid> Keeper::writers_on(const std::set<std::string>& topics) const {
+  std::vector<Guid> out;
+  const std::lock_guard lock(participant_->context_.mutex());
+  for (const auto& [prefix, remote] : participant_->context_.protocol().remote_participants().all())
+    for (const auto& [id, endpoint] : remote.endpoints)
+      if (is_writer(id) && topics.contains(endpoint.data.topic_name))
+        out.push_back(endpoint.data.guid);
+  return out;
 }
 
 bool Keeper::make_room(const GuidPrefix& identity) {

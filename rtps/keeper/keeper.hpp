@@ -17,9 +17,10 @@ struct KeeperOptions {
 /// A participant of its own. It needs no types: what it keeps are octets, with the key hashes that
 /// our durable writers send. Each sample says who wrote it (ORIGINAL_WRITER_INFO), so that our
 /// readers get none twice; other vendors' readers, which do not look at that, get twice what a
-/// writer that is still there has kept for them as well. How much is kept DURABILITY_SERVICE of the
-/// first writer of a topic says. A topic is remembered from its first sample on; until then it
-/// gives way to others. One keeper a file.
+/// writer that is still there has kept for them as well. The first writer of a topic that access
+/// control lets write to it says how the topic is kept, and how much by its DURABILITY_SERVICE. A
+/// topic is remembered from its first sample on; until then it gives way to others, and goes when
+/// the writer that announced it goes. One keeper a file.
 class Keeper final : private DataReaderListener {
  public:
   /// What one identity announced first takes no more places than are free, so that there is always
@@ -54,10 +55,24 @@ class Keeper final : private DataReaderListener {
   Status start();
   void on_data_available(AnyDataReader& reader) override;
   bool wants(const EndpointData& writer) const;
-  /// Keeps its topic from now on, unless it does. `is_known`: to the store as well.
-  Status keep(const EndpointData& writer, bool is_known);
+  /// Keeps the writer's topic if it is still there and may write to it.
+  void consider(const Guid& writer);
+  /// What the writer announced; the prefix is that of its identity. Nothing: it is gone, not wanted
+  /// or may not write.
+  std::optional<EndpointData> admitted(const Guid& writer) const;
+  /// What the store has of before. Errors: those of keep.
+  Status keep_known(const Change& announced);
+  /// Keeps the topic from now on, unless it does. `announcer`: nothing if the store knows it as
+  /// well. Errors: rtps_store_failed, those of KeptTopic::open.
+  Status keep(const EndpointData& writer, const std::optional<Guid>& announcer);
   /// What is kept with that key stays as it is.
-  bool is_settled(const KeyHash& key, const EndpointData& writer, const GuidPrefix& identity) const;
+  bool is_settled(const KeyHash& key, const EndpointData& writer) const;
+  /// Topics without samples whose announcers are gone; other writers on them are considered anew.
+  void replace_abandoned();
+  bool has_samples(const KeptTopic& topic) const;
+  /// Their names.
+  std::set<std::string> remove_abandoned();
+  std::vector<Guid> writers_on(const std::set<std::string>& topics) const;
   /// False: all places that `identity` may have are taken by topics with samples.
   bool make_room(const GuidPrefix& identity);
   template <class Count>
@@ -69,7 +84,8 @@ class Keeper final : private DataReaderListener {
   StreamId known_;  ///< of announcements of what is kept
   struct Entry {
     std::unique_ptr<KeptTopic> topic;
-    GuidPrefix identity;  ///< of who announced it first
+    GuidPrefix identity;  ///< of the announcer
+    Guid announcer;       ///< the writer that it was made for; of no use with samples
   };
   mutable std::mutex mutex_;  ///< of topics_
   std::map<KeyHash, Entry> topics_;

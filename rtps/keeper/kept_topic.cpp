@@ -9,6 +9,30 @@ namespace {
 // A commit takes about that long.
 constexpr MonotonicTime kLook = std::chrono::milliseconds(5);
 
+// What the original offers, so that whoever matches it matches this one; and of an instance that
+// somebody owns, this is the last to speak.
+Qos serving_qos(const Qos& original) {
+  auto qos = original;
+  qos.reliability.kind = ReliabilityKind::reliable;
+  qos.history = qos.durability_service.history;
+  qos.resource_limits = qos.durability_service.limits;
+  qos.ownership_strength = std::numeric_limits<std::int32_t>::min();
+  qos.presentation = {};
+  qos.user_data.clear();
+  return qos;
+}
+
+Qos reading_qos(const Qos& original) {
+  Qos qos;
+  qos.reliability = original.reliability;
+  qos.durability = DurabilityKind::transient;
+  qos.history.kind = HistoryKind::keep_all;
+  qos.ownership = original.ownership;
+  qos.partition = original.partition;
+  qos.data_representation = {DataRepresentation::xcdr1, DataRepresentation::xcdr2};
+  return qos;
+}
+
 }  // namespace
 
 KeptTopic::KeptTopic(ParticipantContext& context, DurableStore& store, EndpointData writer,
@@ -39,12 +63,13 @@ Status KeptTopic::open(DomainId domain) {
   const std::lock_guard held(context_.mutex());
   has_samples_ = !opened.history.empty();
   for (const auto& change : opened.history) seen_.add(SeenOriginals::of(change));
-  auto serving = request(serving_qos());
+  auto serving = request(serving_qos(like_.qos));
   serving.history = std::move(opened.history);
   serving.history_only = true;
   const auto now = context_.now();
   writer_ = DDSSEC_TRY(context_.protocol().create_writer(std::move(serving), *this, now));
-  reader_ = DDSSEC_TRY(context_.protocol().create_reader(request(reading_qos()), *this, now));
+  reader_ =
+      DDSSEC_TRY(context_.protocol().create_reader(request(reading_qos(like_.qos)), *this, now));
   context_.protocol().local_endpoints().reader(reader_)->acknowledge_before(
       [this](const Guid& from, SequenceNumber next) { return first_unstored(from, next); });
   context_.reschedule();
@@ -59,28 +84,10 @@ EndpointRequest KeptTopic::request(Qos qos) const {
           .type = like_.type};
 }
 
-// What the original offers, so that whoever matches it matches this one; and of an instance that
-// somebody owns, this is the last to speak.
-Qos KeptTopic::serving_qos() const {
-  auto qos = like_.qos;
-  qos.reliability.kind = ReliabilityKind::reliable;
-  qos.history = qos.durability_service.history;
-  qos.resource_limits = qos.durability_service.limits;
-  qos.ownership_strength = std::numeric_limits<std::int32_t>::min();
-  qos.presentation = {};
-  qos.user_data.clear();
-  return qos;
-}
-
-Qos KeptTopic::reading_qos() const {
-  Qos qos;
-  qos.reliability = like_.qos.reliability;
-  qos.durability = DurabilityKind::transient;
-  qos.history.kind = HistoryKind::keep_all;
-  qos.ownership = like_.qos.ownership;
-  qos.partition = like_.qos.partition;
-  qos.data_representation = {DataRepresentation::xcdr1, DataRepresentation::xcdr2};
-  return qos;
+bool KeptTopic::is_made_for(const EndpointData& writer) const {
+  return has_key(writer.guid.entity) == with_key_ && writer.type == like_.type &&
+         serving_qos(writer.qos) == serving_qos(like_.qos) &&
+         reading_qos(writer.qos) == reading_qos(like_.qos);
 }
 
 bool KeptTopic::on_change(Change& change) {

@@ -29,9 +29,11 @@ class KeptTopic final : private EndpointListener, private Timed {
   std::uint64_t without_key() const { return without_key_; }
   std::uint64_t dropped() const { return dropped_; }
   bool has_samples() const { return has_samples_; }
+  const std::string& name() const { return like_.topic_name; }
   /// A writer that may write to it matched, or it has samples.
   bool is_in_use() const { return has_samples_ || !writers_.empty(); }
-  const EndpointData& like() const { return like_; }
+  /// A topic that was made for that writer would be kept in the same way.
+  bool is_made_for(const EndpointData& writer) const;
 
  private:
   bool on_change(Change& change) override;
@@ -46,8 +48,6 @@ class KeptTopic final : private EndpointListener, private Timed {
   void on_alive(const Guid&) override {}
   void on_acknowledged() override {}
   EndpointRequest request(Qos qos) const;
-  Qos serving_qos() const;
-  Qos reading_qos() const;
 
   ParticipantContext& context_;
   DurableStore& store_;

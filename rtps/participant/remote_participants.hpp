@@ -87,8 +87,8 @@ class RemoteParticipants {
   /// Ours too; nullptr: not known.
   RemoteParticipant* find_or_self(const GuidPrefix& prefix);
   RemoteEndpoint* find_endpoint(const Guid& guid);
-  /// See ParticipantCore.
-  GuidPrefix identity_of(const GuidPrefix& peer) const { return core_.identity_of(peer); }
+  /// Who of them authenticated, and what they may.
+  const ParticipantCore& core() const { return core_; }
 
   // Participants.
   /// Adds a participant that is not known, from the source of the datagram that is being received.

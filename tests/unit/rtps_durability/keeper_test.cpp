@@ -27,6 +27,13 @@ struct KeeperTest : DurableFixture {
     both(keeper);
     return keeper.topics() == topics && keeper.flush(10s);
   }
+  /// Streams in the keeper's file, which nobody uses.
+  std::size_t rows() const {
+    auto file = Database::open(folder / "kept");
+    EXPECT_TRUE(file);
+    const auto count = file->number("SELECT count(*) FROM stream");
+    return count ? static_cast<std::size_t>(*count) : 0;
+  }
   /// What a late reader of `end` gets, until nothing more comes.
   std::vector<std::int64_t> late_joiner(Keeper& keeper, End& end, std::size_t count) {
     auto& reader = end.reader(late(DurabilityKind::transient));
@@ -201,8 +208,34 @@ TEST_P(KeeperTest, TopicsWithoutSamplesGiveWay) {
     both(*service);
     ASSERT_TRUE(a.publisher->delete_contained_entities());
   }
+  EXPECT_EQ(rows(), 2u) << "what is remembered of topics, and the one with samples";
   const auto service = keeper();
   EXPECT_EQ(service->topics(), 1u) << "only topics with samples are remembered";
+  EXPECT_EQ(late_joiner(*service, b, 3), (Values{0, 1, 2}));
+}
+
+// Whoever announced a topic first decided for ever how it is kept.
+TEST_P(KeeperTest, ATopicWithoutSamplesGoesWithTheWriterThatAnnouncedIt) {
+  const auto service = keeper();
+  auto first = std::make_unique<End>(environment, options());
+  auto other = durable(DurabilityKind::transient);
+  other.ownership = OwnershipKind::exclusive;
+  first->writer(other);
+  for (int i = 0; i < 300 && service->topics() == 0; ++i) {
+    first->participant->poll(0ms);
+    both(*service, 1);
+  }
+  ASSERT_EQ(service->topics(), 1u);
+  auto& writer = a.writer(durable(DurabilityKind::transient));
+  for (int i = 0; i < 50; ++i) first->participant->poll(0ms), both(*service, 1);
+  EXPECT_TRUE(writer.matched_subscriptions().empty());
+  first.reset();
+  both(*service, 50);
+  EXPECT_EQ(service->topics(), 1u);
+  ASSERT_FALSE(writer.matched_subscriptions().empty()) << "it is kept as this writer says";
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(writer.write({"north", i}));
+  both(*service);
+  ASSERT_TRUE(a.publisher->delete_contained_entities());
   EXPECT_EQ(late_joiner(*service, b, 3), (Values{0, 1, 2}));
 }
 

@@ -24,34 +24,29 @@ struct TypeTraits<Sensor> {
 
 namespace testing {
 
-/// A secured participant with its entities, polled by the test. `topics`: what it may publish and
-/// subscribe to.
-struct Secured {
-  Secured(const std::string& subject, const Rules& rules, ManualClock& clock,
-          std::string store = {}, std::vector<std::string> topics = {"*"})
+/// What one process brings along for a secured participant.
+struct SecuredProcess {
+  using Wrap = std::unique_ptr<spi::AccessControl> (*)(std::unique_ptr<spi::AccessControl>);
+  /// `wrap`: puts something around its access control.
+  explicit SecuredProcess(ManualClock& clock, Wrap wrap = nullptr)
       : environment{clock, random, events},
         authentication(authentication::make_authentication(environment)),
         access_control(access_control::make_access_control(environment)),
         cryptography(cryptography::make_cryptography(environment)) {
-    participant =
-        DomainParticipant::create(
-            {.domain_id = kDomain,
-             .domain_tag = std::to_string(::getpid()),
-             .interfaces = {"127.0.0.1"},
-             .multicast = false,
-             .own_thread = false,
-             .durability_store = std::move(store),
-             .security = SecurityOptions{{*authentication, *access_control, *cryptography},
-                                         properties_of(subject, rules, std::move(topics))}},
-            environment)
-            .value();
-    topic = participant->create_topic<Sensor>("Sensors").value();
+    if (wrap != nullptr) access_control = wrap(std::move(access_control));
   }
-  DataWriter<Sensor>& writer(const Qos& qos) {
-    return **participant->create_publisher().value()->create_datawriter<Sensor>(*topic, qos);
-  }
-  DataReader<Sensor>& reader(const Qos& qos) {
-    return **participant->create_subscriber().value()->create_datareader<Sensor>(*topic, qos);
+  /// `topics`: what it may publish and subscribe to.
+  DomainParticipantOptions options(const std::string& subject, const Rules& rules,
+                                   std::string store = {},
+                                   std::vector<std::string> topics = {"*"}) {
+    return {.domain_id = kDomain,
+            .domain_tag = std::to_string(::getpid()),
+            .interfaces = {"127.0.0.1"},
+            .multicast = false,
+            .own_thread = false,
+            .durability_store = std::move(store),
+            .security = SecurityOptions{{*authentication, *access_control, *cryptography},
+                                        properties_of(subject, rules, std::move(topics))}};
   }
 
   static inline const auto kDomain = static_cast<DomainId>(::getpid() % 200 + 30);
@@ -61,6 +56,25 @@ struct Secured {
   std::unique_ptr<spi::Authentication> authentication;
   std::unique_ptr<spi::AccessControl> access_control;
   std::unique_ptr<spi::Cryptography> cryptography;
+};
+
+/// A secured participant with its entities, polled by the test.
+struct Secured : SecuredProcess {
+  Secured(const std::string& subject, const Rules& rules, ManualClock& clock,
+          std::string store = {}, std::vector<std::string> topics = {"*"}, Wrap wrap = nullptr)
+      : SecuredProcess(clock, wrap) {
+    participant = DomainParticipant::create(
+                      options(subject, rules, std::move(store), std::move(topics)), environment)
+                      .value();
+    topic = participant->create_topic<Sensor>("Sensors").value();
+  }
+  DataWriter<Sensor>& writer(const Qos& qos) {
+    return **participant->create_publisher().value()->create_datawriter<Sensor>(*topic, qos);
+  }
+  DataReader<Sensor>& reader(const Qos& qos) {
+    return **participant->create_subscriber().value()->create_datareader<Sensor>(*topic, qos);
+  }
+
   std::unique_ptr<DomainParticipant> participant;
   Topic* topic = nullptr;
 };
