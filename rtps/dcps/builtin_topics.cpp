@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include <fmt/format.h>
+
 #include "base/hash.hpp"
 #include "rtps/dcps/domain_participant.hpp"
 
@@ -78,13 +80,13 @@ BuiltinTopics::BuiltinTopics(DomainParticipant& participant, ParticipantContext&
   GroupQos qos;
   qos.presentation.scope = PresentationScope::topic;
   subscriber_.reset(new Subscriber(participant_, context_, qos));
-  add<ParticipantBuiltinTopicData>();
-  add<TopicBuiltinTopicData>();
-  add<PublicationBuiltinTopicData>();
-  add<SubscriptionBuiltinTopicData>();
   [[maybe_unused]] const auto enabled = subscriber_->enable();  // or with the participant
-  const std::lock_guard lock(context_.mutex());
-  context_.protocol().listen(this);
+}
+
+BuiltinTopics& BuiltinTopics::of(std::unique_ptr<BuiltinTopics>& made,
+                                 DomainParticipant& participant, ParticipantContext& context) {
+  if (!made) made = std::make_unique<BuiltinTopics>(participant, context);
+  return *made;
 }
 
 BuiltinTopics::~BuiltinTopics() {
@@ -92,8 +94,27 @@ BuiltinTopics::~BuiltinTopics() {
   context_.protocol().listen(nullptr);
 }
 
+// The caller sees to it that only one thread makes any.
 template <class T>
-void BuiltinTopics::add() {
+void BuiltinTopics::make() {
+  {
+    const std::lock_guard lock(context_.mutex());
+    if (told_.contains(BuiltinTopicOf<T>::topic)) return;
+  }
+  create<T>();
+  const std::lock_guard lock(context_.mutex());
+  only_ = BuiltinTopicOf<T>::topic;
+  told_.try_emplace(only_);
+  context_.protocol().listen(this);
+  only_ = {};
+}
+template void BuiltinTopics::make<ParticipantBuiltinTopicData>();
+template void BuiltinTopics::make<TopicBuiltinTopicData>();
+template void BuiltinTopics::make<PublicationBuiltinTopicData>();
+template void BuiltinTopics::make<SubscriptionBuiltinTopicData>();
+
+template <class T>
+void BuiltinTopics::create() {
   const std::string name(BuiltinTopicOf<T>::topic);
   TypeSupport type{.name = name + "BuiltinTopicData"};
   // What a topic was can only be told by all of it.
@@ -111,55 +132,99 @@ void BuiltinTopics::add() {
       kAnyStatus);
 }
 
-void BuiltinTopics::deliver(std::string_view topic, const KeyHash& key, const Guid& of,
-                            Payload payload) {
+AnyDataReader* BuiltinTopics::reader_of(std::string_view topic) const {
+  if (!told_.contains(topic) || (!only_.empty() && topic != only_)) return nullptr;
+  for (const auto& member : subscriber_->members_)
+    if (member->topic().name() == topic) return static_cast<AnyDataReader*>(member.get());
+  return nullptr;
+}
+
+void BuiltinTopics::deliver(const News& news, Payload payload) {
+  auto* reader = reader_of(news.topic);
+  if (reader == nullptr) return;
   Change change;
-  change.writer = of;
-  change.key_hash = key;
-  change.source_time = context_.moment().wall;
-  const bool ends = payload.size() == 0;
-  change.status = {ends, ends};
-  change.key_only = ends;
   change.payload = std::move(payload);
-  for (auto& member : subscriber_->members_)
-    if (member->topic().name() == topic) {
-      static_cast<AnyDataReader&>(*member).on_change(change);
-      return;
-    }
+  told_[news.topic].ended.remove(news.key);
+  give(*reader, news, std::move(change));
+}
+
+// It may be that its reader had no room for it: then its end is no news.
+void BuiltinTopics::deliver_end(const News& news, const GuidPrefix& by) {
+  auto* reader = reader_of(news.topic);
+  if (reader == nullptr || reader->reception_.cache().lookup(news.key).is_nil()) return;
+  Change change;
+  change.status = {true, true};
+  change.key_only = true;
+  const auto octets = reader->reception_.cache().octets_of(news.key);
+  give(*reader, news, std::move(change));
+  reader->reception_.forget_ended(told_[news.topic].ended.add(news.key, identity_of(by), octets));
+}
+
+// What has ended gives way to what is there.
+void BuiltinTopics::give(AnyDataReader& reader, const News& news, Change change) {
+  change.writer = news.of;
+  change.key_hash = news.key;
+  change.source_time = context_.moment().wall;
+  auto& told = told_[news.topic];
+  bool taken = reader.on_change(change);
+  if (!taken) {
+    reader.reception_.forget_ended(told.ended.take_all());
+    taken = reader.on_change(change);
+  }
+  if (std::exchange(told.refused, !taken) || taken) return;
+  const auto& cache = reader.reception_.cache();
+  context_.environment().events.raise(
+      Event(Error(Code::rtps_too_many_endpoints,
+                  {.document = "builtin topic " + std::string(news.topic),
+                   .expected = "room in its reader",
+                   .found = fmt::format("{} instances of {} octets that the application has not "
+                                        "taken",
+                                        cache.instances(), cache.octets())}),
+            {}, news.of.to_string()));
+}
+
+// What goes is told when its keys are gone.
+GuidPrefix BuiltinTopics::identity_of(const GuidPrefix& participant) const {
+  const auto known = identities_.find(participant);
+  return known == identities_.end() ? participant : known->second;
 }
 
 void BuiltinTopics::on_participant(const ParticipantData& data) {
-  deliver("DCPSParticipant", data.guid.octets(), data.guid, payload_of(data));
+  const auto& prefix = data.guid.prefix;
+  identities_[prefix] = context_.protocol().remote_participants().core().identity_of(prefix);
+  deliver({"DCPSParticipant", data.guid.octets(), data.guid}, payload_of(data));
 }
 
 void BuiltinTopics::on_participant_gone(const Guid& guid) {
-  deliver("DCPSParticipant", guid.octets(), guid, {});
+  deliver_end({"DCPSParticipant", guid.octets(), guid}, guid.prefix);
+  identities_.erase(guid.prefix);
 }
 
 void BuiltinTopics::on_endpoint(const EndpointData& data) {
   const auto topic = is_writer(data.guid.entity) ? "DCPSPublication" : "DCPSSubscription";
-  deliver(topic, data.guid.octets(), data.guid, payload_of(data));
+  deliver({topic, data.guid.octets(), data.guid}, payload_of(data));
   count_topic(data, 1);
 }
 
 void BuiltinTopics::on_endpoint_gone(const EndpointData& data) {
   const auto topic = is_writer(data.guid.entity) ? "DCPSPublication" : "DCPSSubscription";
-  deliver(topic, data.guid.octets(), data.guid, {});
+  deliver_end({topic, data.guid.octets(), data.guid}, data.guid.prefix);
   count_topic(data, -1);
 }
 
 // A topic is there while anybody has an endpoint on it.
 void BuiltinTopics::count_topic(const EndpointData& data, int by) {
+  constexpr std::string_view kTopic = "DCPSTopic";
+  if (!told_.contains(kTopic)) return;
   const auto key = topic_key(data);
-  const Guid nobody;
   if (by > 0) {
     if (topic_of_.try_emplace(data.guid, key).second && ++endpoints_of_[key] == 1)
-      deliver("DCPSTopic", key, nobody, payload_of(data));
+      deliver({kTopic, key, {}}, payload_of(data));
     return;
   }
   if (topic_of_.erase(data.guid) == 0 || --endpoints_of_[key] > 0) return;
   endpoints_of_.erase(key);
-  deliver("DCPSTopic", key, nobody, {});
+  deliver_end({kTopic, key, {}}, data.guid.prefix);
 }
 
 }  // namespace ddssec::rtps

@@ -1,6 +1,7 @@
 // The builtin topics and their subscriber (DDS 1.4, 2.2.5): what discovery found, as samples.
 #pragma once
 
+#include "rtps/dcps/ended_instances.hpp"
 #include "rtps/dcps/subscriber.hpp"
 #include "rtps/discovery/discovery_listener.hpp"
 
@@ -81,13 +82,20 @@ class BuiltinDataReader final
   }
 };
 
-/// Made when a participant is first asked for its builtin subscriber; costs nothing before.
+/// Each reader is made when it is first asked for, and costs nothing before: what nobody takes from
+/// it stays. Of what has ended a bounded part does (EndedInstances).
 class BuiltinTopics final : private DiscoveryListener {
  public:
   BuiltinTopics(DomainParticipant& participant, ParticipantContext& context);
+  /// Made if it was not yet; with the lock of callbacks.
+  static BuiltinTopics& of(std::unique_ptr<BuiltinTopics>& made, DomainParticipant& participant,
+                           ParticipantContext& context);
   ~BuiltinTopics() override;
 
   Subscriber& subscriber() { return *subscriber_; }
+  /// Makes that reader, once, and tells it what is known.
+  template <class T>
+  void make();
 
  private:
   void on_participant(const ParticipantData& data) override;
@@ -95,16 +103,34 @@ class BuiltinTopics final : private DiscoveryListener {
   void on_endpoint(const EndpointData& data) override;
   void on_endpoint_gone(const EndpointData& data) override;
 
+  struct Told {
+    EndedInstances ended = {};
+    bool refused = false;  ///< it has no room, and an event said so
+  };
+  /// What a reader is told. `of`: nobody's, if a topic.
+  struct News {
+    std::string_view topic;
+    KeyHash key;
+    Guid of;
+  };
   template <class T>
-  void add();
-  /// Without a payload the instance ends.
-  void deliver(std::string_view topic, const KeyHash& key, const Guid& of, Payload payload);
+  void create();
+  /// nullptr: nobody asked for it, it is not meant, or it is deleted.
+  AnyDataReader* reader_of(std::string_view topic) const;
+  void deliver(const News& news, Payload payload);
+  void deliver_end(const News& news, const GuidPrefix& by);
+  /// Says so if it has no room.
+  void give(AnyDataReader& reader, const News& news, Change change);
   void count_topic(const EndpointData& data, int by);
+  GuidPrefix identity_of(const GuidPrefix& participant) const;
 
   DomainParticipant& participant_;
   ParticipantContext& context_;
   std::vector<std::unique_ptr<Topic>> topics_;
   std::unique_ptr<Subscriber> subscriber_;
+  std::map<std::string_view, Told> told_;        ///< by topic
+  std::string_view only_;                        ///< while this one is told what is known
+  std::map<GuidPrefix, GuidPrefix> identities_;  ///< of participants, also while they go
   std::map<Guid, KeyHash> topic_of_;
   std::map<KeyHash, int> endpoints_of_;
 };

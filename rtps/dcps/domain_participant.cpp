@@ -218,8 +218,12 @@ bool DomainParticipant::contains_entities() const {
 
 Subscriber& DomainParticipant::builtin_subscriber() {
   const std::lock_guard members(context_.callbacks());
-  if (!builtin_topics_) builtin_topics_ = std::make_unique<BuiltinTopics>(*this, context_);
-  return builtin_topics_->subscriber();
+  auto& topics = BuiltinTopics::of(builtin_topics_, *this, context_);
+  topics.make<ParticipantBuiltinTopicData>();
+  topics.make<TopicBuiltinTopicData>();
+  topics.make<PublicationBuiltinTopicData>();
+  topics.make<SubscriptionBuiltinTopicData>();
+  return topics.subscriber();
 }
 
 Status DomainParticipant::revise_keys() {

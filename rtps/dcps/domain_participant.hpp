@@ -139,14 +139,19 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
   Status set_default_topic_qos(const Qos& qos);
 
   /// What discovery found, as samples: readers of DCPSParticipant, DCPSTopic, DCPSPublication and
-  /// DCPSSubscription. They cannot be deleted.
+  /// DCPSSubscription, of which all are made now. They cannot be deleted. What has ended and is not
+  /// taken is kept within a bound for each identity (EndedInstances).
   Subscriber& builtin_subscriber();
   /// Its reader of ParticipantBuiltinTopicData, TopicBuiltinTopicData, PublicationBuiltinTopicData
-  /// or SubscriptionBuiltinTopicData; nullptr once the application has deleted it with the rest.
+  /// or SubscriptionBuiltinTopicData, which alone is made now, if it was not before; nullptr once
+  /// the application has deleted it with the rest.
   template <class T>
   BuiltinDataReader<T>* builtin_datareader() {
+    const std::lock_guard members(context_.callbacks());
+    auto& topics = BuiltinTopics::of(builtin_topics_, *this, context_);
+    topics.template make<T>();
     return static_cast<BuiltinDataReader<T>*>(
-        builtin_subscriber().lookup_datareader(BuiltinTopicOf<T>::topic));
+        topics.subscriber().lookup_datareader(BuiltinTopicOf<T>::topic));
   }
   /// Those that were accepted: if this participant is secured, authenticated or admitted without.
   std::vector<Guid> discovered_participants() const { return discovered_.participants(); }
@@ -189,7 +194,6 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
   friend class Topic;
 
   DomainParticipant(DomainParticipantOptions options, const Environment& environment);
-
   const DomainParticipantOptions options_;
   DomainParticipantQos qos_;
   Qos default_topic_qos_;

@@ -100,6 +100,8 @@ class HeldInstances {
   HeldInstance& create(const KeyHash& key, Payload key_value);
   /// To be called after a change to the instance: it goes where it belongs, or is forgotten.
   void settle(HeldInstance& instance);
+  /// It must have no samples.
+  void forget(HeldInstance& instance);
 
   void insert(HeldInstance& instance, HeldSample held);
   /// Says that the instance has ended; one sample says it for the instance, and says the latest.
@@ -141,7 +143,6 @@ class HeldInstances {
 
  private:
   void count(const HeldInstance& instance, int sign);
-  void forget(HeldInstance& instance);
 
   const History history_;
   const std::size_t max_samples_, max_instances_, max_per_instance_;

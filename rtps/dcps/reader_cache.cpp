@@ -163,6 +163,25 @@ bool ReaderCache::purge(MonotonicTime now) {
   return any;
 }
 
+std::size_t ReaderCache::octets_of(const KeyHash& key) const {
+  const auto* instance = held_.find(key);
+  if (instance == nullptr) return 0;
+  auto out = instance->key_value.size();
+  for (const auto& sample : instance->held) out += sample.change.payload.size();
+  return out;
+}
+
+void ReaderCache::forget_ended(const KeyHash& key) {
+  auto* instance = held_.find(key);
+  if (instance == nullptr || instance->state == InstanceState::alive) return;
+  {
+    const Recount recount(held_, *instance);
+    held_.hold_back(*instance, std::nullopt);
+    held_.erase_all(*instance);
+  }
+  held_.forget(*instance);
+}
+
 // DDS 1.4, 2.2.2.5.1.5: an instance that comes back is a new generation, and new to be seen.
 void ReaderCache::revive(Instance& instance) {
   if (instance.state == InstanceState::alive) return;

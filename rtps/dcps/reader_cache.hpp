@@ -75,6 +75,11 @@ class ReaderCache {
   /// The serialized key; nullptr for an unknown instance.
   const Payload* key_value(InstanceHandle instance) const;
 
+  /// Of one instance.
+  std::size_t octets_of(const KeyHash& key) const;
+  /// As if the instance had never been, if it has ended.
+  void forget_ended(const KeyHash& key);
+
   std::size_t samples() const { return held_.samples(); }
   std::size_t instances() const { return held_.all().size(); }
   std::size_t octets() const { return held_.octets(); }

@@ -154,6 +154,12 @@ void SampleReception::after_access(bool taken) {
   update_conditions();
 }
 
+void SampleReception::forget_ended(std::span<const KeyHash> keys) {
+  if (keys.empty()) return;
+  for (const auto& key : keys) samples_.cache().forget_ended(key);
+  update_conditions();
+}
+
 void SampleReception::pause(bool paused, MonotonicTime now) {
   presentation_.pause(paused, now);
   if (!paused) schedule_presenter();

@@ -64,6 +64,8 @@ class SampleReception final : private PresentedReader, private Timed {
   void pause(bool paused, MonotonicTime now);
   /// Calls the Presenter when it wants to be called.
   void schedule_presenter() { call_at(presentation_.next_tick()); }
+  /// See ReaderCache.
+  void forget_ended(std::span<const KeyHash> keys);
   void update_conditions() { reports_.conditions.update(samples_.cache()); }
 
   const ReaderCache& cache() const { return samples_.cache(); }

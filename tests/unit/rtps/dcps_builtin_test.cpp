@@ -93,6 +93,63 @@ TEST_P(Builtin, EndpointsAndTheirTopicsComeAndGo) {
   EXPECT_THAT(b.participant->discovered_topics(), IsEmpty());
 }
 
+// What a reader holds that nobody takes from is held for nothing.
+TEST_P(Builtin, OnlyTheReaderThatIsAskedForIsMade) {
+  EXPECT_THAT(take<PublicationBuiltinTopicData>(), IsEmpty());
+  auto& gone = a.reader(reliable());
+  auto& stays = a.reader(reliable());
+  auto& writer = a.writer(reliable());
+  ASSERT_TRUE(eventually([&] { return !b.participant->discovered_topics().empty(); }));
+  run(50ms);
+  ASSERT_TRUE(a.subscriber->delete_datareader(gone));
+  run(50ms);
+  const auto subscriptions = take<SubscriptionBuiltinTopicData>();
+  ASSERT_EQ(subscriptions.size(), 1u) << "it knows nothing of before it was made";
+  EXPECT_EQ(subscriptions[0].data.guid, stays.guid());
+  const auto publications = take<PublicationBuiltinTopicData>();
+  ASSERT_EQ(publications.size(), 1u);
+  EXPECT_EQ(publications[0].data.guid, writer.guid());
+  EXPECT_THAT(take<PublicationBuiltinTopicData>(), IsEmpty()) << "told once";
+  EXPECT_EQ(take<TopicBuiltinTopicData>().size(), 1u);
+}
+
+// 40,000 of them took 600 MB, until the process ended.
+TEST_P(Builtin, EndpointsThatCameAndWentTakeABoundedPlace) {
+  std::vector<BuiltinSample<SubscriptionBuiltinTopicData>> out;
+  auto* builtin = b.participant->builtin_datareader<SubscriptionBuiltinTopicData>();
+  testing::End honest(environment, options());
+  const auto carry = [&] { run(), honest.participant->poll(0ms), run(); };
+  auto& seen = honest.reader(reliable());
+  const auto guid = seen.guid();
+  const auto is_told = [&] {
+    carry();
+    EXPECT_TRUE(builtin->read(out));
+    return std::ranges::any_of(out, [&](const auto& s) { return s.data.guid == guid; });
+  };
+  for (int i = 0; i < 500 && !is_told(); ++i) clock.advance(10ms);
+  ASSERT_TRUE(honest.subscriber->delete_datareader(seen));
+  auto qos = reliable();
+  qos.user_data.assign(4096, 7);
+  constexpr std::size_t kJunk = 300;
+  for (std::size_t i = 0; i < kJunk; ++i) {
+    auto& junk = a.reader(qos);
+    carry();
+    ASSERT_TRUE(a.subscriber->delete_datareader(junk));
+    carry();
+  }
+  clock.advance(50ms), carry();
+  EXPECT_TRUE(builtin->read(out));
+  EXPECT_LT(out.size(), 2 * EndedInstances::kOctetsOfOne / 4096 + 2);
+  EXPECT_GT(out.size(), 40u) << "the latest are still told";
+  EXPECT_TRUE(std::ranges::any_of(out, [&](const auto& sample) {
+    return sample.data.guid == guid &&
+           sample.info.instance_state == InstanceState::not_alive_disposed;
+  })) << "what others withdrew is, too";
+  EXPECT_TRUE(builtin->take(out));
+  EXPECT_TRUE(builtin->read(out));
+  EXPECT_THAT(out, IsEmpty());
+}
+
 TEST_P(Builtin, ReadersStayAndAreOrdinaryOtherwise) {
   auto* reader = b.participant->builtin_datareader<ParticipantBuiltinTopicData>();
   auto& subscriber = b.participant->builtin_subscriber();
