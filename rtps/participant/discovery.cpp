@@ -155,7 +155,8 @@ bool Discovery::make_room(std::size_t octets) {
 // An announcement changes nothing of an authenticated participant and renews no lease of it: an
 // attacker can send announcements in its name, and may have been the first to do so. As long as
 // nothing is proven, every announcement counts, and no lease becomes shorter. The first one counts
-// again when it is repeated: its addresses may have given way to forged ones.
+// again when it is repeated: its addresses may have given way to forged ones. Addresses that the
+// handshake has signed stay, though keys are still under way.
 void Discovery::on_announced_again(RemoteParticipant& remote, ParticipantData data,
                                    std::size_t octets) {
   const auto prefix = data.guid.prefix;
@@ -174,6 +175,7 @@ void Discovery::on_announced_again(RemoteParticipant& remote, ParticipantData da
     remove(prefix);
     return add(std::move(data), octets);
   }
+  if (remote.has_signed_addresses && security->has_proven_identity(prefix)) return;
   if (!parts_.remotes.grow(remote, octets)) {
     ++core_.counters.refused_discovery;
     return;
@@ -193,18 +195,21 @@ void Discovery::accept(RemoteParticipant& remote) {
 }
 
 // A participant that sends anything lives. In the name of an authenticated one, only what was not
-// said before is a sign of life, as an attacker can repeat its messages. Its lease needs more: that
-// its own keys protected what is new. Whatever the governance leaves unprotected, it answers when
-// it is asked by the volatile secure channel (tick).
+// said before is a sign of life, as an attacker can repeat its messages, and only what its own keys
+// protected, as an attacker can invent the rest. Its writers need less where the governance
+// protects neither messages nor liveliness. Whatever the governance leaves unprotected, it answers
+// when it is asked by the volatile secure channel (tick).
 void Discovery::on_message(const GuidPrefix& source, const SignsOfLife& signs) {
   auto* remote = parts_.remotes.find(source);
   if (remote == nullptr) return;
   note_earned(core_, source);
   if (signs.is_directed && remote->accepted) core_.sender.limit().lift(source);
   const bool anything_counts = !core_.is_authenticated(source);
-  const bool may_count = signs.is_protected || !core_.attributes().is_rtps_protected();
+  const auto& attributes = core_.attributes();
+  const bool may_be_clear =
+      !attributes.is_rtps_protected() && !attributes.is_liveliness_protected();
   if (anything_counts || signs.is_proof) parts_.remotes.renew_lease(*remote, remote->data);
-  if (anything_counts || signs.is_proof || (signs.is_news && may_count))
+  if (anything_counts || signs.is_proof || (signs.is_news && may_be_clear))
     parts_.liveliness.note_alive(*remote, LivelinessKind::automatic);
 }
 
@@ -375,6 +380,7 @@ LocatorList Discovery::on_proven(const GuidPrefix& peer, const ParticipantData& 
   // Cyclone DDS leaves it to DCPSParticipantsSecure.
   if (proven.vendor != kVendorCyclone) remote->data.lease_duration = proven.lease_duration;
   if (!metatraffic.empty()) remote->metatraffic = metatraffic;
+  remote->has_signed_addresses = !metatraffic.empty();
   remote->metatraffic_sources.assign(remote->metatraffic.size(), remote->source);
   return metatraffic;
 }

@@ -23,10 +23,9 @@ class EndpointLookup {
 
 /// What a message says of its sender, whatever it says otherwise.
 struct SignsOfLife {
-  bool is_protected = false;  ///< by the sender's key
-  bool is_news = false;       ///< one of our endpoints had not heard it before
-  bool is_directed = false;   ///< it named us as its receiver
-  bool is_proof = false;      ///< what was news was protected by a key of the sender
+  bool is_news = false;      ///< one of our endpoints had not heard it before
+  bool is_directed = false;  ///< it named us as its receiver
+  bool is_proof = false;     ///< what was news was protected by a key of the sender
 };
 
 /// Takes what messages bring that is not for a matched reader or writer.

@@ -49,7 +49,6 @@ void MessageReceiver::read(const Header& header, BytesView datagram, MonotonicTi
 }
 
 void MessageReceiver::report(Context& context) {
-  context.signs.is_protected = context.shield.message;
   listener_.on_message(context.source, context.signs);
   context.signs = {.is_directed = context.signs.is_directed};
 }

@@ -35,7 +35,8 @@ struct RemoteParticipant {
   std::array<std::shared_ptr<LivelinessSignal>, 2> signals = {};
   /// Local readers of its writers with a finite lease that are MANUAL_BY_TOPIC.
   std::map<EntityId, std::vector<EndpointListener*>> watches = {};
-  bool accepted = false;  ///< authenticated, or admitted without
+  bool accepted = false;              ///< authenticated, or admitted without
+  bool has_signed_addresses = false;  ///< they come from its latest handshake
   bool heard_participants_secure = false;
   std::size_t endpoint_octets = 0;  ///< their price
   bool exceeds = false;             ///< it announced more, and the event was raised

@@ -77,6 +77,11 @@ bool Security::is_authenticated(const GuidPrefix& prefix) const {
   return peer != nullptr && peer->state.joined() != nullptr;
 }
 
+bool Security::has_proven_identity(const GuidPrefix& prefix) const {
+  const auto* peer = core_.find(prefix);
+  return peer != nullptr && peer->state.association() != nullptr;
+}
+
 bool Security::is_authenticating(const GuidPrefix& prefix) const {
   const auto* peer = core_.find(prefix);
   if (peer == nullptr) return false;

@@ -74,6 +74,8 @@ class Security {
   bool is_authenticated(const GuidPrefix& prefix) const;
   /// It was discovered as one that authenticates, and was not lost since.
   bool knows(const GuidPrefix& prefix) const { return core_.peers.contains(prefix); }
+  /// A handshake with it has succeeded, though its keys may still be under way.
+  bool has_proven_identity(const GuidPrefix& prefix) const;
   /// Its handshake has not come to an end, good or bad, and is not overdue.
   bool is_authenticating(const GuidPrefix& prefix) const;
   /// It sent a handshake message once: a participant that only announces itself gives way to it.

@@ -48,6 +48,28 @@ TEST(ForgedAnnouncement, OfManyAddresses_GivesWayToTheFirstAnnouncementWhenItIsR
   EXPECT_LT(pair.world.now - begin, seconds(5));
 }
 
+// Seed 24 of tests/sim: the handshake is over, and the keys are still under way. Before, samples
+// were sent to the forged address as long as the peer stayed.
+TEST(ForgedAnnouncement, AfterTheHandshake_AddsNoAddress) {
+  Pair pair(everything(ProtectionKind::sign));
+  pair.world.filter = [](const Node&, Bytes datagram) {
+    const Bytes group_of_key_exchange{0x31, 1, 20, 0, 0, 0, 0, 4, 0, 0, 0, 0};
+    return std::ranges::search(datagram, group_of_key_exchange).empty() ? one(std::move(datagram))
+                                                                        : std::vector<Bytes>();
+  };
+  pair.world.run(100);
+  ASSERT_FALSE(pair.a.knows(pair.b));
+  const auto elsewhere = Locator::udp_v4({192, 0, 2, 1}, 7411);
+  auto data = pair.a->remote_participants().all().at(pair.b->prefix()).data;
+  data.default_unicast = data.metatraffic_unicast = {elsewhere};
+  pair.a->receive(announcement(data), pair.world.now, elsewhere);
+  pair.world.filter = {};
+  ASSERT_TRUE(pair.world.run_until([&] { return know_each_other(pair); }));
+  const auto& peer = pair.a->remote_participants().all().at(pair.b->prefix());
+  EXPECT_EQ(std::ranges::count(peer.user, elsewhere), 0);
+  EXPECT_EQ(std::ranges::count(peer.metatraffic, elsewhere), 0);
+}
+
 TEST(ForgedAnnouncement, WithoutATokenDoesNotKeepThePeerOut) {
   expect_joined_after([](const GuidPrefix& name) {
     auto data = secured_data(name);

@@ -78,6 +78,33 @@ TEST(Session, ReplaysOfADeadPeersMessagesAreNoSignOfLife) {
   }
 }
 
+// Whatever the governance leaves unprotected is forged easily, with numbers that are new.
+TEST(Session, AForgedHeartbeat_WhereLivelinessIsProtected_IsNoSignOfLife) {
+  Pair pair(Rules{.discovery = kEncrypt, .liveliness = kEncrypt, .metadata = kSign});
+  auto offered = default_writer_qos();
+  offered.liveliness.lease_duration = Duration{{1, 0}};
+  pair.writer = pair.a->create_writer(square(offered), pair.a.listener, pair.world.now).value();
+  ASSERT_TRUE(pair.b->create_reader(square(default_reader_qos()), pair.b.listener, pair.world.now));
+  ASSERT_TRUE(pair.world.run_until([&] { return pair.b.listener.matched == 1; }));
+  pair.world.run(200);
+  EXPECT_GT(pair.b.listener.alive, 0);
+  pair.world.nodes = {&pair.b};
+  pair.world.run(5);  // what was under way
+  const auto alive = pair.b.listener.alive;
+  for (std::int32_t i = 1; i <= 100; ++i) {
+    const Heartbeat heartbeat{.reader = kEntityIdUnknown,
+                              .writer = kPublicationsWriter,
+                              .first = {1},
+                              .last = {0},
+                              .count = 1000 + i,
+                              .asserts_liveliness = true};
+    pair.b->receive(forged(pair.a->prefix(), heartbeat), pair.world.now);
+    pair.world.run(5);
+  }
+  EXPECT_EQ(pair.b.listener.matched, 1) << "the lease of the participant lasts";
+  EXPECT_EQ(pair.b.listener.alive, alive);
+}
+
 // To a participant of the same certificate that started later: the keys are others (T41).
 TEST(Session, ReplaysToASuccessorChangeNothing) {
   const auto rules = everything(kEncrypt);
