@@ -175,12 +175,11 @@ void BuiltinTopics::give(AnyDataReader& reader, const News& news, Change change)
   const auto& cache = reader.reception_.cache();
   context_.environment().events.raise(
       Event(Error(Code::rtps_too_many_endpoints,
-                  {.document = "builtin topic " + std::string(news.topic),
+                  {.document = fmt::format("builtin topic {}", news.topic),
                    .expected = "room in its reader",
                    .found = fmt::format("{} instances of {} octets that the application has not "
                                         "taken",
-                                        cache.instances(), cache.octets())}),
-            {}, news.of.to_string()));
+                                        cache.instances(), cache.octets())})));
 }
 
 // What goes is told when its keys are gone.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 namespace ddssec::rtps {
 
 SampleReception::SampleReception(const Reader& reader, Reports reports)
@@ -136,7 +138,7 @@ void SampleReception::on_dropped(const Guid& writer, std::uint32_t octets) {
       Error(Code::rtps_sample_dropped,
             {.document = "topic " + topic_.name(),
              .field = "serialized size",
-             .expected = "at most " + std::to_string(StatefulReader::kLargestSample),
+             .expected = fmt::format("at most {}", StatefulReader::kLargestSample),
              .found = std::to_string(octets)}),
       reader_.entity, writer);
 }

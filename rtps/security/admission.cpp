@@ -168,8 +168,8 @@ bool Admission::may_write(const Endpoint& writer) {
   const auto attributes = core_.own->plugins().access_control.datareader_sec_attributes(
       core_.own->permissions(), {.topic_name = writer.topic, .partitions = names});
   if (attributes) return admit({*attributes, true}, writer).has_value();
-  core_.events.raise(Event(attributes.error().in("topic " + std::string(writer.topic)), {},
-                           writer.guid.to_string()));
+  core_.raise(attributes.error().in("topic " + std::string(writer.topic)), writer.guid,
+              core_.origin_of_announcement(writer.guid, writer.is_secure));
   return false;
 }
 

@@ -2,6 +2,7 @@
 // matched (DDS-Security 8.8.2, 8.8.5, 8.8.6).
 #pragma once
 
+#include "rtps/discovery/endpoint_data.hpp"
 #include "rtps/security/security_core.hpp"
 
 namespace ddssec::rtps {

@@ -12,6 +12,9 @@
 #include "plugins/cyclonedds/session_resets.hpp"
 #include "tests/unit/cyclonedds/support.hpp"
 
+/// The peer whose keys never came.
+static std::atomic<DDS_Security_IdentityHandle> stranded_peer{0};
+
 namespace ddssec::cyclonedds {
 namespace {
 
@@ -21,7 +24,6 @@ using testing::Return;
 constexpr GuidPrefix kLocal{{1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1}};
 constexpr GuidPrefix kRemote{{2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2}};
 std::atomic<DDS_Security_IdentityHandle> revoked{0};
-std::atomic<DDS_Security_IdentityHandle> stranded{0};  ///< whose keys never came
 
 /// Where a peer receives discovery.
 struct Socket {
@@ -163,7 +165,7 @@ TEST_F(SessionResetTest, MakesTheHostBeginAnew) {
 
 TEST_F(SessionResetTest, AlsoFollowsKeysThatNeverCame) {
   const auto remote = authenticate();
-  stranded = remote;
+  stranded_peer = remote;
   for (int i = 0; i < 1000 && revoked == 0; ++i) std::this_thread::sleep_for(10ms);
   EXPECT_EQ(revoked, remote);
   EXPECT_EQ(std::ranges::count(harness.events, Code::session_begun_again,
@@ -171,15 +173,11 @@ TEST_F(SessionResetTest, AlsoFollowsKeysThatNeverCame) {
             1);
 }
 
-bool take_stranded(DDS_Security_IdentityHandle remote) {
-  return stranded.compare_exchange_strong(remote, 0);
-}
-
 }  // namespace
 }  // namespace ddssec::cyclonedds
 
 DDSSEC_EXPORT bool ddssec_take_stranded_keys(DDS_Security_IdentityHandle remote) {
-  return ddssec::cyclonedds::take_stranded(remote);
+  return stranded_peer.compare_exchange_strong(remote, 0);
 }
 /// In a process with our cryptography that library exports it, and authentication looks it up.
 DDSSEC_EXPORT bool ddssec_take_session_reset(DDS_Security_IdentityHandle remote) {
