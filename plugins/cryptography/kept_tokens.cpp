@@ -100,14 +100,16 @@ void hand_over(Shared& shared, const TokenMessage& message, const Passage& passa
 }
 
 /// A reader has tokens only if it needs those of writers. A writer needs those of readers if it
-/// protects submessages, and sends the key for these first.
+/// protects submessages, and sends the key for these first. True while another thread changes the
+/// endpoints.
 bool needs_tokens(const Shared& shared, const LocalParticipant& participant,
                   const TokenMessage& own) {
   if (own.is_of_reader) return true;
   if (own.tokens.empty()) return false;
   const auto material = read_crypto_token(own.tokens.front());
   if (!material) return false;
-  const std::lock_guard lock(shared.mutex);
+  const std::unique_lock lock(shared.mutex, std::try_to_lock);
+  if (!lock.owns_lock()) return true;
   return std::ranges::any_of(participant.endpoints, [&](std::int64_t handle) {
     const auto found = shared.registry.find<LocalEndpoint>(handle, EntityKind::local_writer);
     const auto* const key = found ? (*found)->submessage_key.read() : nullptr;
