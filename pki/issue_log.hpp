@@ -30,13 +30,13 @@ struct IssuedCertificate {
   std::string serial;  ///< as Certificate::serial
   std::string subject;
   WallTime not_after = {};
-  std::string folder = {};  ///< where it was put; empty = nobody knows
+  std::string folder = {};  ///< where it was put; empty: not known
   std::string file = {};    ///< its name there, unless cert.pem: others may have the same folder
   std::string sha256 = {};  ///< of the certificate, hexadecimal; empty in logs of other tools
   std::string key = {};     ///< key_digest(); empty in earlier logs
   std::optional<Revocation> revoked = std::nullopt;
 
-  /// The folder, or the file in it that is not cert.pem; empty = nobody knows.
+  /// The folder, or the file in it that is not cert.pem; empty: not known.
   std::string place() const { return file.empty() ? folder : folder + "/" + file; }
   /// True if both were put into one folder, under one name: they are one participant's.
   bool shares_place_with(const IssuedCertificate& other) const {

@@ -1,5 +1,5 @@
-// What stock products start with although ddssec does not read it, so that nobody can say what they
-// then allow. Measured with Cyclone DDS 0.10.2.
+// What stock products start with although ddssec does not read it: it cannot say what they then
+// allow. Measured with Cyclone DDS 0.10.2.
 #pragma once
 
 #include <string_view>

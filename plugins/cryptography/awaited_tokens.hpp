@@ -15,7 +15,7 @@ namespace ddssec::cryptography {
 /// The two endpoints, or participants, that key tokens are for.
 struct TokenKey {
   Guid remote;  ///< whose tokens
-  Guid local;   ///< whom they are for
+  Guid local;   ///< the receiver
   auto operator<=>(const TokenKey&) const = default;
 };
 

@@ -28,7 +28,7 @@ namespace ddssec::cryptography {
 /// A key token message, as far as the ledger is concerned.
 struct TokenMessage {
   Guid remote;           ///< whose keys: a participant or an endpoint
-  Guid local;            ///< whom they are for
+  Guid local;            ///< the receiver
   std::uint64_t number;  ///< writerSN
   bool is_of_reader;     ///< datareader_crypto_tokens
   std::vector<spi::Token> tokens;

@@ -389,7 +389,7 @@ void AuthenticationAdapter::revoke_stuck(const std::stop_token& stop, const Revo
                  .note = "from now on it is begun again at growing intervals, without another "
                          "event"}),
           {}, stuck.guid.to_string(),
-          // Without endpoints it has finished its handshake; anybody can announce the others.
+          // Without endpoints it has finished its handshake; strangers can announce the others.
           stuck.lacks_endpoints ? PeerProof::authenticated : PeerProof::claimed));
     }
     revoke(stuck.remote.value);

@@ -82,8 +82,8 @@ class BuiltinDataReader final
   }
 };
 
-/// Each reader is made when it is first asked for, and costs nothing before: what nobody takes from
-/// it stays. Of what has ended a bounded part does (EndedInstances).
+/// Each reader is made when it is first asked for, and costs nothing before: what no application
+/// takes from it stays. Of what has ended, a bounded part stays (EndedInstances).
 class BuiltinTopics final : private DiscoveryListener {
  public:
   BuiltinTopics(DomainParticipant& participant, ParticipantContext& context);
@@ -107,7 +107,7 @@ class BuiltinTopics final : private DiscoveryListener {
     EndedInstances ended = {};
     bool refused = false;  ///< it has no room, and an event said so
   };
-  /// What a reader is told. `of`: nobody's, if a topic.
+  /// What a reader is told. `of`: of no endpoint, if it is a topic.
   struct News {
     std::string_view topic;
     KeyHash key;
@@ -115,7 +115,7 @@ class BuiltinTopics final : private DiscoveryListener {
   };
   template <class T>
   void create();
-  /// nullptr: nobody asked for it, it is not meant, or it is deleted.
+  /// nullptr: no application asked for it, it is not meant, or it is deleted.
   AnyDataReader* reader_of(std::string_view topic) const;
   void deliver(const News& news, Payload payload);
   void deliver_end(const News& news, const GuidPrefix& by);
