@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <string>
+#include <utility>
 
 namespace ddssec::cryptography {
 namespace {
@@ -14,16 +15,17 @@ std::unexpected<Error> too_much(const BuiltinTopic& topic) {
 
 }  // namespace
 
-bool AnnouncedOctets::replace(std::size_t before, std::size_t after) {
+bool AnnouncedOctets::replace(std::size_t before, std::size_t after, Heard heard) {
   const std::lock_guard lock(mutex_);
-  if (after > before && sum_ - before + after > kMost) return false;
-  sum_ = sum_ - before + after;
+  auto& sum = sums_.at(std::to_underlying(heard));
+  if (after > before && sum - before + after > kMost) return false;
+  sum = sum - before + after;
   return true;
 }
 
-std::size_t AnnouncedOctets::sum() const {
+std::size_t AnnouncedOctets::sum(Heard heard) const {
   const std::lock_guard lock(mutex_);
-  return sum_;
+  return sums_.at(std::to_underlying(heard));
 }
 
 std::shared_ptr<AnnouncedOctets> AnnouncementAccounts::of(std::uint64_t subject) {
@@ -60,7 +62,12 @@ void SkippedNumbers::forget_below(std::uint64_t number) {
   while (!ranges_.empty() && ranges_.begin()->second <= number) ranges_.erase(ranges_.begin());
 }
 
-AnnouncedEndpoints::~AnnouncedEndpoints() { account_->replace(sum(), 0); }
+AnnouncedEndpoints::~AnnouncedEndpoints() { leave_account(); }
+
+void AnnouncedEndpoints::leave_account() {
+  account_->replace(sum(), 0);
+  account_->replace(sum_again(), 0, AnnouncedOctets::Heard::again);
+}
 
 std::size_t AnnouncedEndpoints::sum() const {
   std::size_t out = 0;
@@ -71,6 +78,13 @@ std::size_t AnnouncedEndpoints::sum() const {
   return out;
 }
 
+std::size_t AnnouncedEndpoints::sum_again() const {
+  std::size_t out = 0;
+  for (const auto& [id, writer] : writers_)
+    for (const auto& [entity, cost] : writer.again) out += cost;
+  return out;
+}
+
 std::size_t AnnouncedEndpoints::cost_of(const Announcement& announcement) {
   return announcement.octets + AnnouncedOctets::kOfEach;
 }
@@ -78,7 +92,7 @@ std::size_t AnnouncedEndpoints::cost_of(const Announcement& announcement) {
 void AnnouncedEndpoints::count_for(std::shared_ptr<AnnouncedOctets> account) {
   const std::lock_guard lock(mutex_);
   if (account == account_) return;
-  account_->replace(sum(), 0);
+  leave_account();
   writers_.clear();
   account_ = std::move(account);
 }
@@ -97,19 +111,18 @@ Status AnnouncedEndpoints::note(const BuiltinTopic& topic, const Announcement& a
   return {};
 }
 
-/// One that the host has acknowledged is new only to a participant that was made later. If it says
-/// that an endpoint ends, the host may have skipped it: that changes nothing.
+/// One that the host has acknowledged is new only to a participant that was made later; for all
+/// others a stranger may repeat it, also when the endpoint has ended. If it says that an endpoint
+/// ends, the host may have skipped it: that changes nothing.
 Status AnnouncedEndpoints::note_again(const BuiltinTopic& topic, Writer& writer,
                                       const Announcement& announcement) {
   if (announcement.kind != Announcement::Kind::announces) return {};
-  auto& counted = writer.endpoints[announcement.entity];
+  const auto known = writer.again.find(announcement.entity);
+  const auto counted = known == writer.again.end() ? 0 : known->second;
   const auto cost = std::max(counted, cost_of(announcement));
-  const bool fits = account_->replace(counted, cost);
-  if (fits)
-    counted = cost;
-  else if (counted == 0)
-    writer.endpoints.erase(announcement.entity);
-  return fits ? Status() : Status(too_much(topic));
+  if (!account_->replace(counted, cost, AnnouncedOctets::Heard::again)) return too_much(topic);
+  writer.again.insert_or_assign(announcement.entity, cost);
+  return {};
 }
 
 Status AnnouncedEndpoints::complete(const BuiltinTopic& topic, const Announcement& announcement) {
@@ -149,6 +162,12 @@ void AnnouncedEndpoints::acknowledged(const BuiltinTopic& topic, std::uint64_t n
   writer.skipped.forget_below(next);
 }
 
+bool AnnouncedEndpoints::is_acknowledged(const BuiltinTopic& topic, std::uint64_t number) const {
+  const std::lock_guard lock(mutex_);
+  const auto known = writers_.find(topic.writer);
+  return known != writers_.end() && number < known->second.next;
+}
+
 /// It counts for its endpoint from now on, and no longer by its number: never more than before.
 void AnnouncedEndpoints::settle(Writer& writer, const Announcement& announcement) {
   account_->replace(cost_of(announcement), 0);
@@ -159,7 +178,15 @@ void AnnouncedEndpoints::settle(Writer& writer, const Announcement& announcement
     set(writer, announcement.entity,
         is_skipped ? std::max(before, cost_of(announcement)) : cost_of(announcement));
   else if (announcement.kind == Announcement::Kind::ends && !is_skipped)
-    set(writer, announcement.entity, 0);
+    forget(writer, announcement.entity);
+}
+
+void AnnouncedEndpoints::forget(Writer& writer, const EntityId& entity) {
+  set(writer, entity, 0);
+  const auto known = writer.again.find(entity);
+  if (known == writer.again.end()) return;
+  account_->replace(known->second, 0, AnnouncedOctets::Heard::again);
+  writer.again.erase(known);
 }
 
 void AnnouncedEndpoints::set(Writer& writer, const EntityId& entity, std::size_t cost) {

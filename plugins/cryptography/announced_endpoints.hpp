@@ -2,6 +2,7 @@
 // announced, matched or not, with all that its announcement says. Cyclone DDS sets no bound.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -23,14 +24,18 @@ class AnnouncedOctets {
   /// What the core keeps of an endpoint whatever is announced of it, roughly.
   static constexpr std::size_t kOfEach = 1024;
 
+  /// Announcements that the host has acknowledged and that come again have a sum of their own: what
+  /// a stranger repeats takes no room from what is new.
+  enum class Heard : std::uint8_t { first, again };
+
   /// One announcement takes the place of another. False: that would be too much, and nothing
   /// changes.
-  bool replace(std::size_t before, std::size_t after);
-  std::size_t sum() const;
+  bool replace(std::size_t before, std::size_t after, Heard heard = Heard::first);
+  std::size_t sum(Heard heard = Heard::first) const;
 
  private:
   mutable std::mutex mutex_;
-  std::size_t sum_ = 0;
+  std::array<std::size_t, 2> sums_ = {};  ///< by Heard
 };
 
 /// Those of each subject (subject_of in engine.hpp) that has participants. Thread-safe.
@@ -99,6 +104,7 @@ class AnnouncedEndpoints {
   void skip(const BuiltinTopic& topic, std::uint64_t begin, std::uint64_t end);
   /// The host has acknowledged all below `next`.
   void acknowledged(const BuiltinTopic& topic, std::uint64_t next);
+  bool is_acknowledged(const BuiltinTopic& topic, std::uint64_t number) const;
 
  private:
   struct Writer {
@@ -106,12 +112,17 @@ class AnnouncedEndpoints {
     std::map<std::uint64_t, Announcement> passed = {};
     SkippedNumbers skipped = {};
     std::map<EntityId, std::size_t> endpoints = {};  ///< what the host holds of each
+    /// What came of each under numbers that were acknowledged.
+    std::map<EntityId, std::size_t> again = {};
   };
   static std::size_t cost_of(const Announcement& announcement);
   Status note_again(const BuiltinTopic& topic, Writer& writer, const Announcement& announcement);
   void settle(Writer& writer, const Announcement& announcement);
   void set(Writer& writer, const EntityId& entity, std::size_t cost);
+  void forget(Writer& writer, const EntityId& entity);
   std::size_t sum() const;
+  std::size_t sum_again() const;
+  void leave_account();
 
   mutable std::mutex mutex_;
   std::shared_ptr<AnnouncedOctets> account_ = std::make_shared<AnnouncedOctets>();

@@ -63,7 +63,7 @@ Result<FragmentWalks::Samples::iterator> FragmentWalks::sample_of(const BuiltinT
   if (count > kMostOfSample || piece.sample_size > kMostOctets)
     return unreadable_name(topic, "it is too large");
   if (piece.number <= writer.forgotten_until || !piece.begins_sample) return early();
-  DDSSEC_TRY(make_room(writer, piece.number, count, now));
+  DDSSEC_TRY(make_room(topic, writer, piece.number, count, announced, now));
   DDSSEC_TRY(announced.note(
       topic,
       {.number = piece.number, .kind = Announcement::Kind::unread, .octets = piece.sample_size}));
@@ -77,12 +77,16 @@ Result<FragmentWalks::Samples::iterator> FragmentWalks::sample_of(const BuiltinT
 }
 
 /// Of a forgotten sample the host may hold fragments. To forget the lowest alone keeps what must be
-/// remembered of all that were forgotten to one number.
-Status FragmentWalks::make_room(Writer& writer, std::uint64_t number, std::size_t fragments,
+/// remembered of all that were forgotten to one number. What the host has not acknowledged stays:
+/// it may still wait for one below it.
+Status FragmentWalks::make_room(const BuiltinTopic& topic, Writer& writer, std::uint64_t number,
+                                std::size_t fragments, const AnnouncedEndpoints& announced,
                                 MonotonicTime now) {
   while (writer.is_full(number, fragments)) {
     const auto lowest = writer.samples.begin();
-    if (number < lowest->first || now - lowest->second.last_progress < kKept) return early();
+    if (number < lowest->first || now - lowest->second.last_progress < kKept ||
+        !announced.is_acknowledged(topic, lowest->first))
+      return early();
     writer.forgotten_until = lowest->first;
     writer.erase(lowest);
   }

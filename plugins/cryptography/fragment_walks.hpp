@@ -8,7 +8,9 @@
 //
 // - Fragments pass in order only.
 // - One that passed comes again only as it was: its digest stays as long as its sample is known.
-// - Only the sample with the lowest number is forgotten, and no number up to it passes again.
+// - Only the sample with the lowest number is forgotten, once the host has acknowledged it: it
+// needs
+//   none up to that number any more. None of these passes again.
 #pragma once
 
 #include <chrono>
@@ -37,7 +39,7 @@ class FragmentWalks {
   static constexpr std::size_t kMostSamples = 512;       ///< of a writer: two windows of an ACKNACK
   /// Further ones, for numbers below the highest: the host needs the lowest first.
   static constexpr std::size_t kSpareSamples = 64, kSpareFragments = kMostOfSample;
-  /// So long is the lowest kept. One below it that was lost comes again within that time.
+  /// So long is the lowest kept, for other participants of this process.
   static constexpr MonotonicTime kKept = std::chrono::seconds(5);
 
   /// One DATA_FRAG that is not a whole sample, of a writer whose samples are parameter lists.
@@ -72,7 +74,9 @@ class FragmentWalks {
   Result<Samples::iterator> sample_of(const BuiltinTopic& topic, Writer& writer,
                                       const DataPiece& piece, AnnouncedEndpoints& announced,
                                       MonotonicTime now);
-  Status make_room(Writer& writer, std::uint64_t number, std::size_t fragments, MonotonicTime now);
+  static Status make_room(const BuiltinTopic& topic, Writer& writer, std::uint64_t number,
+                          std::size_t fragments, const AnnouncedEndpoints& announced,
+                          MonotonicTime now);
   Status read(const BuiltinTopic& topic, const Owner& owner, const DataPiece& piece, Sample& sample,
               AnnouncedEndpoints& announced, MonotonicTime now) const;
   Status go_on(const BuiltinTopic& topic, const Owner& owner, const DataPiece& piece,

@@ -118,6 +118,7 @@ struct AnnouncedEndpointsTest : ::testing::Test {
     return next;
   }
   std::size_t held() const { return account->sum(); }
+  std::size_t held_again() const { return account->sum(AnnouncedOctets::Heard::again); }
   static std::size_t cost(std::size_t user_data) {
     return announcement(1, user_data).size() + AnnouncedOctets::kOfEach;
   }
@@ -241,13 +242,38 @@ TEST_F(AnnouncedEndpointsTest, OneAnnouncementSaysOneThing) {
 }
 
 // To a participant that is made later: new to it, and once more in the host.
-TEST_F(AnnouncedEndpointsTest, ThatComeAgainLaterCountOnce) {
+TEST_F(AnnouncedEndpointsTest, ThatComeAgainLaterCountOnceElsewhere) {
   ASSERT_EQ(announce_under(1, 1), Code{});
   acknowledge(2);
-  EXPECT_EQ(announce_under(1, 1), Code{});
+  for (int turn = 0; turn < 2; ++turn) EXPECT_EQ(announce_under(1, 1), Code{});
   EXPECT_EQ(held(), cost(kUserData));
+  EXPECT_EQ(held_again(), cost(kUserData));
   EXPECT_EQ(announce_under(1, 2), Code{});
-  EXPECT_EQ(held(), 2 * cost(kUserData));
+  EXPECT_EQ(held(), cost(kUserData));
+  EXPECT_EQ(held_again(), 2 * cost(kUserData));
+  ASSERT_EQ(dispose_under(2, 1, kDisposed), Code{});
+  acknowledge(3);
+  EXPECT_EQ(held(), 0u);
+  EXPECT_EQ(held_again(), cost(kUserData));
+  peers.peer.announced.count_for(std::make_shared<AnnouncedOctets>());
+  EXPECT_EQ(held_again(), 0u) << "it left the account";
+}
+
+// Before: endpoints that had ended counted again, and nothing took them back.
+TEST_F(AnnouncedEndpointsTest, ThatAStrangerRepeatsTakeNoRoomFromNewOnes) {
+  constexpr std::uint32_t kMany = 2 * AnnouncedOctets::kMost / kUserData;
+  for (std::uint32_t number = 1; number <= 2 * kMany; number += 2) {
+    ASSERT_EQ(announce_under(number, number), Code{});
+    ASSERT_EQ(dispose_under(number + 1, number, kDisposed), Code{});
+    acknowledge(number + 2);
+  }
+  Code last{};
+  for (std::uint32_t number = 1; number <= 2 * kMany; number += 2)
+    last = announce_under(number, number);
+  EXPECT_EQ(last, Code::builtin_source_unreadable) << "these are bounded, too";
+  EXPECT_LE(held_again(), AnnouncedOctets::kMost);
+  EXPECT_EQ(held(), 0u);
+  EXPECT_EQ(announce_under(2 * kMany + 1, 1), Code{});
 }
 
 TEST_F(AnnouncedEndpointsTest, InFragmentsCountFromTheFirstOn) {

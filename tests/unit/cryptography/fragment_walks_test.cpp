@@ -66,6 +66,10 @@ class FragmentWalksTest : public ::testing::Test {
       if (const auto code = pass(sample, one, number, size); code != Code{}) return code;
     return {};
   }
+  /// The host has all below that number.
+  void acknowledge(std::uint32_t next) {
+    walks_.peer.announced.acknowledged(*builtin_topic_of(kPublications), next);
+  }
   OneOwner walks_;
 };
 
@@ -176,6 +180,7 @@ TEST_F(FragmentWalksTest, NothingThatFollowsLetsASampleBeSpliced) {
   ASSERT_EQ(pass_all(harmless, number), Code{});
   for (std::uint32_t one = 1; one <= 3 * kMost; ++one) {
     (void)pass_all(announcement(kPeer, 1400), number + one);
+    acknowledge(number + one + 1);
     if (one % 50 == 0) walks_.time += FragmentWalks::kKept;
     if (one % 7 == 0) {
       ASSERT_NE(pass(other, 1, number), Code{}) << one;
@@ -201,6 +206,7 @@ TEST_F(FragmentWalksTest, NewSamplesTakeThePlacesOfTheLowest) {
   for (std::uint32_t number = 1; number <= 2 * kMost; ++number) {
     walks_.time += std::chrono::milliseconds(100);
     ASSERT_EQ(pass_all(sample, number), Code{}) << number;
+    acknowledge(number + 1);
   }
 }
 
@@ -210,10 +216,25 @@ TEST_F(FragmentWalksTest, TheLowestStayForFiveSeconds) {
     ASSERT_EQ(pass_all(sample, number), Code{});
   EXPECT_EQ(pass(sample, 1, 2 + kMost), Code::builtin_fragment_early);
   EXPECT_EQ(pass_all(sample, 1), Code{}) << "the host needs this one first, and there is room";
+  acknowledge(2 + kMost);
+  EXPECT_EQ(pass(sample, 1, 2 + kMost), Code::builtin_fragment_early);
   walks_.time += FragmentWalks::kKept;
   EXPECT_EQ(pass_all(sample, 2 + kMost), Code{});
   EXPECT_EQ(pass(sample, 1, 1), Code::builtin_fragment_early) << "forgotten, and refused for good";
   EXPECT_EQ(pass_all(sample, 1 + kMost), Code{}) << "known still";
+}
+
+// Before: the lowest of those that came was forgotten, and the host waited for good.
+TEST_F(FragmentWalksTest, OneThatIsLostForLongPassesStill) {
+  const auto sample = announcement(kPeer, 3000);
+  for (std::uint32_t number = 2; number < 2 + kMost; ++number)
+    ASSERT_EQ(pass_all(sample, number), Code{});
+  walks_.time += 10 * FragmentWalks::kKept;
+  EXPECT_EQ(pass(sample, 1, 2 + kMost), Code::builtin_fragment_early);
+  EXPECT_EQ(pass_all(sample, 1), Code{});
+  acknowledge(2 + kMost);
+  walks_.time += FragmentWalks::kKept;
+  EXPECT_EQ(pass_all(sample, 2 + kMost), Code{});
 }
 
 TEST_F(FragmentWalksTest, UnfinishedOnesAreBounded) {
@@ -236,15 +257,19 @@ TEST_F(FragmentWalksTest, FragmentsAreBounded) {
     ASSERT_EQ(pass_all(sample, number), Code{});
   EXPECT_EQ(pass(sample, 1, most + 1), Code::builtin_fragment_early);
   walks_.time += FragmentWalks::kKept;
+  acknowledge(most + 1);
   EXPECT_EQ(pass(sample, 1, most + 1), Code{});
 }
 
-TEST_F(FragmentWalksTest, WhatNobodyGoesOnWithMakesRoom) {
+// A GAP can let the host go on to the next.
+TEST_F(FragmentWalksTest, AnUnfinishedOneMakesRoomOnceTheHostGoesOn) {
   const auto sample = announcement(kPeer, 3000);
   for (std::uint32_t number = 1; number <= kMost; ++number)
     ASSERT_EQ(pass(sample, 1, number), Code{});
   EXPECT_EQ(pass(sample, 1, 1 + kMost), Code::builtin_fragment_early);
   walks_.time += FragmentWalks::kKept;
+  EXPECT_EQ(pass(sample, 1, 1 + kMost), Code::builtin_fragment_early);
+  acknowledge(2);
   EXPECT_EQ(pass_all(sample, 1 + kMost), Code{});
   EXPECT_EQ(pass(sample, 2, 1), Code::builtin_fragment_early) << "it was given up";
   EXPECT_EQ(pass(sample, 2, 2), Code{});
@@ -261,6 +286,7 @@ TEST_F(FragmentWalksTest, AllHonestOnesPassUnderLoss) {
   for (int round = 0; !missing.empty(); ++round) {
     ASSERT_LT(round, 1000) << *missing.begin() << " never passes";
     walks_.time += std::chrono::milliseconds(100);
+    acknowledge(*missing.begin());
     const auto window =
         std::vector(missing.begin(), missing.upper_bound(*missing.begin() + kWindow - 1));
     for (const auto number : window) {
