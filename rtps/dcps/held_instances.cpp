@@ -125,12 +125,16 @@ void HeldInstances::insert(HeldInstance& instance, HeldSample held) {
   if (arrivals_ != nullptr) held.arrival = ++*arrivals_;
   octets_ += held.change.payload.size();
   ++(held.valid ? samples_ : instance.invalid);
+  if (held.expires != kNever) held.expiry = ++expiries_;
   if (spare_.empty()) {
     instance.held.insert(before, std::move(held));
   } else {
     spare_.front() = std::move(held);
     instance.held.splice(before, spare_, spare_.begin());
   }
+  const auto at = std::prev(before);
+  if (at->expires != kNever)
+    expiring_.emplace(std::pair(at->expires, at->expiry), Expiring{&instance, at});
   if (!instance.ready.linked()) instance.ready.append_to(ready_);
 }
 
@@ -150,12 +154,22 @@ HeldSamples::iterator HeldInstances::erase(HeldInstance& instance, HeldSamples::
   instance.unread -= at->is_read ? 0 : 1;
   octets_ -= at->change.payload.size();
   --(at->valid ? samples_ : instance.invalid);
+  if (at->expires != kNever) expiring_.erase({at->expires, at->expiry});
   const auto next = instance.held.erase(at, at);  // the same place, to be changed
   if (spare_.size() >= kMaxSpare) return instance.held.erase(next);
   next->change.payload = {};
   const auto after = std::next(next);
   spare_.splice(spare_.end(), instance.held, next);
   return after;
+}
+
+std::optional<HeldInstances::Expiring> HeldInstances::expired(MonotonicTime now) const {
+  if (next_expiry() > now || expiring_.empty()) return std::nullopt;
+  return expiring_.begin()->second;
+}
+
+MonotonicTime HeldInstances::next_expiry() const {
+  return expiring_.empty() ? kNever : expiring_.begin()->first.first;
 }
 
 void HeldInstances::erase_all(HeldInstance& instance) {

@@ -24,6 +24,7 @@ struct HeldSample {
   bool valid = true;  ///< has data
   std::int32_t disposed_generations = 0, no_writers_generations = 0;
   MonotonicTime expires = kNever;
+  std::uint64_t expiry = 0;   ///< tells it from others that expire at the same moment
   std::uint64_t arrival = 0;  ///< if ordered
   std::int32_t generations() const { return disposed_generations + no_writers_generations; }
 };
@@ -107,6 +108,14 @@ class HeldInstances {
   /// Says that the instance has ended; one sample says it for the instance, and says the latest.
   void insert_invalid(HeldInstance& instance, const Guid& writer, const std::optional<Time>& time);
   HeldSamples::iterator erase(HeldInstance& instance, HeldSamples::const_iterator at);
+  struct Expiring {
+    HeldInstance* instance;
+    HeldSamples::const_iterator sample;
+  };
+  /// The first whose time is over.
+  std::optional<Expiring> expired(MonotonicTime now) const;
+  /// kNever: none expires.
+  MonotonicTime next_expiry() const;
   void erase_all(HeldInstance& instance);
   /// Keeps a change for later in place of the one that is kept, if there is room for it.
   void hold_back(HeldInstance& instance, std::optional<Change> change);
@@ -153,6 +162,8 @@ class HeldInstances {
   std::map<KeyHash, HeldInstance*> by_key_;
   /// Which writer is among those of which instance, so that one that goes costs only its own.
   std::set<std::pair<Guid, InstanceHandle>> joined_;
+  std::map<std::pair<MonotonicTime, std::uint64_t>, Expiring> expiring_;
+  std::uint64_t expiries_ = 0;
   HeldSamples spare_;  ///< nodes of the past: a sample that comes allocates none
   std::size_t samples_ = 0, octets_ = 0;
   std::array<std::size_t, 12> counts_{};  ///< of samples, by their three states

@@ -107,7 +107,6 @@ void ReaderCache::store_alive(Instance& instance, Change& change, MonotonicTime 
   if (instance.invalid > 0 && instance.invalid_sample()->is_read)
     held_.erase(instance, instance.invalid_sample());
   if (held_.is_full(instance)) held_.erase(instance, instance.oldest());
-  next_expiry_ = std::min(next_expiry_, expires);
   held_.insert(instance, {.change = std::move(change),
                           .disposed_generations = instance.disposed_generations,
                           .no_writers_generations = instance.no_writers_generations,
@@ -221,21 +220,14 @@ void ReaderCache::select(const Query& query, const Moment& at, std::vector<Octet
 
 bool ReaderCache::expire(MonotonicTime now) {
   bool any = purge(now);
-  if (now < next_expiry_) return any;
-  next_expiry_ = kNever;
-  const auto& ready = held_.ready();
-  for (auto next = ready.begin(); next != ready.end();) {
-    auto& instance = **next++;
+  while (const auto ended = held_.expired(now)) {
+    auto& instance = *ended->instance;
     {
       const Recount recount(held_, instance);
-      for (auto at = instance.held.begin(); at != instance.held.end();) {
-        const bool ended = at->expires <= now;
-        if (!ended) next_expiry_ = std::min(next_expiry_, at->expires);
-        any = any || ended;
-        at = ended ? held_.erase(instance, at) : std::next(at);
-      }
+      held_.erase(instance, ended->sample);
     }
     held_.settle(instance);
+    any = true;
   }
   return any;
 }
@@ -266,7 +258,7 @@ void ReaderCache::check_deadlines(MonotonicTime now,
 }
 
 MonotonicTime ReaderCache::next_tick() const {
-  return std::min({next_expiry_, due_.empty() ? kNever : due_.front()->deadline,
+  return std::min({held_.next_expiry(), due_.empty() ? kNever : due_.front()->deadline,
                    purges_.empty() ? kNever : purges_.begin()->first,
                    quiet_.empty() ? kNever : quiet_.front()->quiet_until});
 }

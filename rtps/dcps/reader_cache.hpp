@@ -110,7 +110,6 @@ class ReaderCache {
   ReaderDataLifecycle lifecycle_;
   KeyOf key_of_;
   MonotonicTime separation_{};  ///< TIME_BASED_FILTER; 0: none
-  MonotonicTime next_expiry_ = kNever;
   std::map<Guid, Writer> writers_;
   InstanceTimes purges_;
   LinkedList<Instance> due_, quiet_;

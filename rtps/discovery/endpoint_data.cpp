@@ -409,6 +409,8 @@ Result<EndpointData> read_endpoint(BytesView payload, bool (*is_kind)(const Enti
   if (announced.participant && *announced.participant != owner)
     return fail(Code::rtps_parameter_invalid);
   if (!announced.has_reliability) data.qos.reliability.kind = default_reliability;
+  // A publisher is one of the same participant: no other one takes part in its sets.
+  if (data.group_guid && data.group_guid->prefix != data.guid.prefix) data.group_guid.reset();
   // The policy is a reader's (XTypes 7.6.3.4); a writer that sends it says nothing by it.
   if (!is_reader(data.guid.entity)) data.qos.type_consistency = {};
   return std::move(data);

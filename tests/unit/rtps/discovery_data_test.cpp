@@ -175,6 +175,15 @@ TEST(DiscoveryData, AnotherParticipantsGuidIsRefused) {
             Code::rtps_parameter_invalid);
 }
 
+// Before: it was believed, and the sets of the publisher that it named waited for this writer.
+TEST(DiscoveryData, AnotherParticipantsGroupIsPassedOver) {
+  auto data = publication();
+  data.group_guid = Guid{data.guid.prefix, EntityId{{0, 0, 1, 8}}};
+  EXPECT_EQ(read_publication_data(payload_of(data))->group_guid, data.group_guid);
+  data.group_guid->prefix = {};
+  EXPECT_FALSE(read_publication_data(payload_of(data))->group_guid);
+}
+
 TEST(DiscoveryData, RequiredParametersMustBeThere) {
   EXPECT_EQ(code_of(read_participant_data(
                 replaced(payload_of(participant()), {0x58, 0, 4, 0}, {0x00, 0x0f, 4, 0}))),
