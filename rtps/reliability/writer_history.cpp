@@ -52,16 +52,17 @@ SequenceNumber WriterHistory::add(Change change) {
   const bool marker = change.is_marker();
   markers_ += marker ? 1 : 0;
   if (marker) keep_marker(change.sequence_number);
-  auto& added = changes_.push_back({std::move(change), {0}, {0}});
+  auto& added = changes_.push_back({last(), std::move(change), {0}, {0}});
   if (by_instance_ && !marker) join_instance(added);
   trim_front();
+  forget_dropped();
   while (count_ - markers_ > most_changes_) remove_through(first());
   return last();
 }
 
 // A late joiner discards a set whose end is forgotten.
 void WriterHistory::keep_marker(SequenceNumber number) {
-  while (!marks_.empty() && (marks_.front() < base_ || markers_ > kMostMarkers)) {
+  while (!marks_.empty() && (marks_.front() < first() || markers_ > kMostMarkers)) {
     drop(marks_.front());
     marks_.pop_front();
   }
@@ -97,29 +98,35 @@ void WriterHistory::leave_instance(const Slot& leaving) {
 }
 
 void WriterHistory::drop(SequenceNumber number) {
-  if (number < base_ || number >= next_) return;
-  auto& dropped = slot(number);
-  if (!dropped.change) return;
+  const auto place = place_of(number);
+  if (!place || !changes_[*place].change) return;
+  auto& dropped = changes_[*place];
   octets_ -= dropped.change->payload.size();
   --count_;
   const bool marker = dropped.change->is_marker();
   markers_ -= marker ? 1 : 0;
   if (by_instance_ && !marker) leave_instance(dropped);
-  dropped = {};
+  dropped = {.number = number, .change = {}, .previous = {}, .next = {}};
 }
 
 void WriterHistory::trim_front() {
-  while (!changes_.empty() && !changes_.front().change) {
-    changes_.pop_front();
-    base_ = base_.next();
-  }
+  while (!changes_.empty() && !changes_.front().change) changes_.pop_front();
+}
+
+/// Those that were dropped behind one that stays, once they are more than half.
+void WriterHistory::forget_dropped() {
+  constexpr std::size_t kFew = 64;
+  if (changes_.size() <= 2 * count_ + kFew) return;
+  Ring<Slot> held;
+  for (std::size_t i = 0; i < changes_.size(); ++i)
+    if (changes_[i].change) held.push_back(std::move(changes_[i]));
+  changes_ = std::move(held);
 }
 
 void WriterHistory::remove_through(SequenceNumber number) {
-  while (!changes_.empty() && base_ <= number) {
-    drop(base_);
+  while (!changes_.empty() && changes_.front().number <= number) {
+    drop(changes_.front().number);
     changes_.pop_front();
-    base_ = base_.next();
   }
   trim_front();
 }
@@ -129,12 +136,31 @@ void WriterHistory::discard(SequenceNumber number) {
   trim_front();
 }
 
-const Change* WriterHistory::find(SequenceNumber number) const {
-  if (number < base_ || number >= next_) return nullptr;
-  const auto& change = changes_[static_cast<std::size_t>(number.value - base_.value)].change;
-  return change ? &*change : nullptr;
+/// The newest follow each other without a gap.
+std::optional<std::size_t> WriterHistory::place_of(SequenceNumber number) const {
+  if (number >= next_ || number < first()) return std::nullopt;
+  const auto back = static_cast<std::size_t>(last().value - number.value);
+  if (back < changes_.size() && changes_[changes_.size() - 1 - back].number == number)
+    return changes_.size() - 1 - back;
+  std::size_t begin = 0, end = changes_.size();
+  while (begin < end) {
+    const auto middle = begin + (end - begin) / 2;
+    if (changes_[middle].number < number)
+      begin = middle + 1;
+    else
+      end = middle;
+  }
+  return begin < changes_.size() && changes_[begin].number == number ? std::optional(begin)
+                                                                     : std::nullopt;
 }
 
-SequenceNumber WriterHistory::first() const { return changes_.empty() ? next_ : base_; }
+const Change* WriterHistory::find(SequenceNumber number) const {
+  const auto place = place_of(number);
+  return place && changes_[*place].change ? &*changes_[*place].change : nullptr;
+}
+
+SequenceNumber WriterHistory::first() const {
+  return changes_.empty() ? next_ : changes_.front().number;
+}
 
 }  // namespace ddssec::rtps

@@ -38,11 +38,14 @@ class WriterHistory {
   SequenceNumber last() const { return {next_.value - 1}; }
   std::size_t size() const { return count_; }
   std::size_t octets() const { return octets_; }
+  /// Those that are held, and those that were dropped and not forgotten: at most twice as many.
+  std::size_t places() const { return changes_.size(); }
 
  private:
   /// A change, and its neighbours of the same instance if instances are counted; 0: none.
   struct Slot {
-    std::optional<Change> change;
+    SequenceNumber number;
+    std::optional<Change> change;  ///< none: it was dropped
     SequenceNumber previous, next;
   };
   struct Instance {
@@ -51,21 +54,22 @@ class WriterHistory {
   };
   using Instances = std::map<KeyHash, Instance>;
 
-  Slot& slot(SequenceNumber number) {
-    return changes_[static_cast<std::size_t>(number.value - base_.value)];
-  }
+  /// Of a change that is held, or was dropped and not forgotten.
+  std::optional<std::size_t> place_of(SequenceNumber number) const;
+  Slot& slot(SequenceNumber number) { return changes_[*place_of(number)]; }
   void join_instance(Slot& added);
   void leave_instance(const Slot& slot);
   void drop(SequenceNumber number);
   void keep_marker(SequenceNumber number);
   void trim_front();
+  void forget_dropped();
 
   const History history_;
   const std::size_t most_changes_;
   const std::size_t most_per_instance_;
   const bool by_instance_;  ///< instances are counted
-  Ring<Slot> changes_;      ///< base_ onwards, with holes
-  SequenceNumber base_{1};
+  /// In the order of their numbers. Not many more than are held, however old the first of them is.
+  Ring<Slot> changes_;
   SequenceNumber next_{1};
   std::size_t count_ = 0;
   std::size_t markers_ = 0;  ///< among them; they count for no limit
