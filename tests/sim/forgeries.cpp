@@ -142,6 +142,17 @@ std::vector<KeyId> Forger::receivers_of(BytesView datagram) {
   return out;
 }
 
+// An IV that its owner will use soon: its receivers remember those that they had.
+cryptography::SendStart Forger::after(BytesView datagram, const KeyId& sender) {
+  const auto found = std::ranges::search(datagram, sender.octets);
+  const auto at = static_cast<std::size_t>(found.end() - datagram.begin());
+  cryptography::Iv iv{};
+  if (at + iv.size() > datagram.size()) return {5, 6};
+  std::ranges::copy(datagram.subspan(at, iv.size()), iv.begin());
+  const auto [session, suffix] = cryptography::parts_of(iv);
+  return {session, suffix + 1000 + dice_.below(100'000)};
+}
+
 // By a key that its owner gave to all its receivers.
 Bytes Forger::by_stolen_key(const spi::Token& token) {
   auto material = cryptography::read_crypto_token(token);
@@ -163,7 +174,8 @@ Bytes Forger::by_stolen_key(const spi::Token& token) {
     content.erase(content.begin(), content.begin() + kHeaderSize);
     content.insert(content.end(), datagram.begin() + kHeaderSize, datagram.end());
   }
-  cryptography::testing::Insider insider(std::move(*material));
+  const auto start = after(heard->octets, material->sender_key_id);
+  cryptography::testing::Insider insider(std::move(*material), start);
   const auto group = insider.group(
       whole ? cryptography::kMessageFrame : cryptography::kSubmessageFrame, content, macs);
   auto out = header;

@@ -1,6 +1,7 @@
 // What somebody without keys can make of octets it has heard, and of names it knows.
 #pragma once
 
+#include "plugins/cryptography/send_key.hpp"
 #include "tests/sim/invariants.hpp"
 #include "tests/sim/mangle.hpp"
 #include "tests/sim/network.hpp"
@@ -57,6 +58,8 @@ class Forger {
 
   /// A recorded datagram that was protected by that key; nullptr: none was heard.
   const Datagram* protected_by(const KeyId& sender);
+  /// Where that sender may go on after a datagram of its own.
+  cryptography::SendStart after(BytesView datagram, const KeyId& sender);
   /// Whose MACs a datagram bears.
   static std::vector<KeyId> receivers_of(BytesView datagram);
   GuidPrefix name();

@@ -89,13 +89,20 @@ class Tampering final : public testing::KeyThief, private spi::CryptoTransform {
     if (malice_.dice.chance(malice_.tampers)) mangle(out, malice_.dice, malice_.names);
     return out;
   }
-  /// The same, or others' submessages instead, if there is room.
+  /// Under the same header, which says whose key it is: changed submessages, its own endpoints in
+  /// another name, or others' submessages instead, if there is room.
   Bytes exchanged(BytesView message) {
-    if (!malice_.dice.chance(malice_.tampers / 2)) return changed(message);
-    const auto others = malice_.submessages();
-    if (others.size() > message.size() - kHeaderSize) return changed(message);
-    auto out = to_bytes(message.first(kHeaderSize));
-    out.insert(out.end(), others.begin(), others.end());
+    auto content = changed(message.subspan(kHeaderSize));
+    if (malice_.dice.chance(malice_.tampers) && !malice_.names.empty())
+      sim::exchange(content, message.subspan(8, GuidPrefix::size),
+                    malice_.dice.of(malice_.names).view());
+    if (malice_.dice.chance(malice_.tampers / 2)) {
+      auto others = malice_.submessages();
+      if (others.size() <= content.size()) content = std::move(others);
+    }
+    auto out = to_bytes(message);
+    out.resize(kHeaderSize);
+    out.insert(out.end(), content.begin(), content.end());
     return out;
   }
 

@@ -99,8 +99,11 @@ void Invariants::check_order(const End& reader, const Change& change) {
 void Invariants::on_alive(const End& reader, const Guid& writer) {
   const auto* life = ledger_.life(writer.prefix);
   if (!reader.subject->is_honest() || life == nullptr || life->died == kNever) return;
-  if (now_ - life->died < kMaxAfterlife) return;
-  if (++late_signs_[writer] > kMaxLateSigns)
+  const bool all_arrived = besieged_ && life->died >= besieged_since_ && protection_.covers_headers;
+  if (now_ - life->died < (all_arrived ? kMaxLastWords : kMaxAfterlife)) return;
+  auto& moments = late_signs_[writer];
+  moments.insert(now_);
+  if (moments.size() > kMaxLateSigns)
     fail(invariant::kLife, describe(reader) + " heard " + writer.to_string());
 }
 
@@ -110,7 +113,9 @@ void Invariants::on_call(const Subject& whose, const Cost& before, const Cost& a
   if (after.octets > kMaxOctets)
     fail(invariant::kMemory, whose.name + " holds " + std::to_string(after.octets) + " octets");
   const auto branches = after.branches - before.branches;
-  if (branches > kMaxBranches + kMaxBranchesPerOctet * octets)
+  const auto of_octets = std::min(branches, kMaxBranchesPerOctet * octets);
+  most_branches_ = std::max(most_branches_, branches - of_octets);
+  if (branches > kMaxBranches + of_octets)
     fail(invariant::kWork, whose.name + " took " + std::to_string(branches) + " branches for " +
                                std::to_string(octets) + " octets");
 }

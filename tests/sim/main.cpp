@@ -1,4 +1,5 @@
 // ddssec_sim: random attacks on real participants in a virtual network, from seeds. See README.md.
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -7,6 +8,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "tests/sim/repeatable_openssl.hpp"
 #include "tests/sim/schedule.hpp"
@@ -21,12 +23,13 @@ struct Options {
   double seconds = 0;       ///< of CPU; then no other seed begins
   std::string also;         ///< a file; the number at the beginning of each line is one more seed
   int steps = 0;
+  std::vector<std::string> like;  ///< seeds whose description lacks one of these are left out
   bool verbose = false;
 };
 
 constexpr const char* kUsage =
     "ddssec_sim [--seed N] [--seeds COUNT] [--seconds CPU] [--also FILE] [--steps HOSTILE] "
-    "[--verbose]\n";
+    "[--like TEXT]... [--verbose]\n";
 
 bool read_options(int count, char** words, Options& options) {
   for (int i = 1; i < count; ++i) {
@@ -47,6 +50,8 @@ bool read_options(int count, char** words, Options& options) {
       options.also = value;
     else if (word == "--steps")
       options.steps = std::atoi(value);
+    else if (word == "--like")
+      options.like.emplace_back(value);
     else
       return false;
   }
@@ -55,21 +60,35 @@ bool read_options(int count, char** words, Options& options) {
 
 double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
+bool is_wanted(const std::string& description, const Options& options) {
+  return std::ranges::all_of(options.like,
+                             [&](const auto& text) { return description.contains(text); });
+}
+
+/// Of all seeds.
+struct Most {
+  std::uint64_t branches = 0, seed = 0;
+};
+
 /// False: an invariant was violated.
-bool try_seed(std::uint64_t seed, const Options& options) {
+bool try_seed(std::uint64_t seed, const Options& options, Most& most) {
   const auto plan = sim::plan_of(seed, options.steps);
+  if (!is_wanted(describe(plan), options)) return true;
   for (const auto& subject : plan.cast) properties_of(subject, *plan.protection);
   sim::make_openssl_repeatable(seed);
   if (options.verbose) std::printf("%s\n", describe(plan).c_str());
   std::fflush(stdout);
   const auto outcome = sim::run(plan);
+  if (outcome.most_branches > most.branches) most = {outcome.most_branches, seed};
   if (options.verbose || outcome.violation)
-    std::printf("seed %llu: %ld steps, %llu datagrams, %.1f MB, reunion %.2f s, %016llx\n",
-                static_cast<unsigned long long>(seed), outcome.step,
-                static_cast<unsigned long long>(outcome.datagrams),
-                static_cast<double>(outcome.most.most_octets) / 1e6,
-                std::chrono::duration<double>(outcome.reunion).count(),
-                static_cast<unsigned long long>(outcome.fingerprint));
+    std::printf(
+        "seed %llu: %ld steps, %llu datagrams, %.1f MB, %llu branches, reunion %.2f s, %016llx\n",
+        static_cast<unsigned long long>(seed), outcome.step,
+        static_cast<unsigned long long>(outcome.datagrams),
+        static_cast<double>(outcome.most.most_octets) / 1e6,
+        static_cast<unsigned long long>(outcome.most_branches),
+        std::chrono::duration<double>(outcome.reunion).count(),
+        static_cast<unsigned long long>(outcome.fingerprint));
   if (!outcome.violation) return true;
   std::printf("VIOLATED in step %ld of seed %llu: %s\n  %s\n  %s\n", outcome.step,
               static_cast<unsigned long long>(seed),
@@ -99,6 +118,7 @@ int main(int count, char** words) {
     return EXIT_FAILURE;
   }
   std::uint64_t done = 0;
+  Most most;
   if (!options.also.empty()) {
     const auto others = other_seeds(options);
     if (!others) {
@@ -106,15 +126,17 @@ int main(int count, char** words) {
       return EXIT_FAILURE;
     }
     for (const auto seed : *others)
-      if (!try_seed(seed, options)) return EXIT_FAILURE;
+      if (!try_seed(seed, options, most)) return EXIT_FAILURE;
     done = others->size();
   }
   const bool by_time = options.seconds > 0;
   for (std::uint64_t i = 0; by_time ? cpu_seconds() < options.seconds : i < options.seeds; ++i) {
-    if (!try_seed(options.seed + i, options)) return EXIT_FAILURE;
+    if (!try_seed(options.seed + i, options, most)) return EXIT_FAILURE;
     ++done;
   }
-  std::printf("%llu seeds, %.1f s of CPU: every invariant held\n",
-              static_cast<unsigned long long>(done), cpu_seconds());
+  std::printf(
+      "%llu seeds, %.1f s of CPU: every invariant held; at most %llu branches, by seed %llu\n",
+      static_cast<unsigned long long>(done), cpu_seconds(),
+      static_cast<unsigned long long>(most.branches), static_cast<unsigned long long>(most.seed));
   return EXIT_SUCCESS;
 }

@@ -44,7 +44,8 @@ class Network {
 class Wire {
  public:
   virtual ~Wire() = default;
-  virtual void carry(const Subject& from, Datagram datagram) = 0;
+  /// `for_honest`: sent as a sample is written whose readers are all honest.
+  virtual void carry(const Subject& from, Datagram datagram, bool for_honest) = 0;
 };
 
 }  // namespace ddssec::rtps::sim

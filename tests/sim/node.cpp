@@ -20,6 +20,13 @@ void Endpoint::is_known_as(const Guid& guid) {
   around_.invariants.on_started(end_);
 }
 
+bool Endpoint::has_honest_peers_only() const {
+  return std::ranges::all_of(matched_, [this](const auto& one) {
+    const auto* life = around_.ledger.life(one.first.prefix);
+    return life != nullptr && life->subject->is_honest();
+  });
+}
+
 MonotonicTime Endpoint::matched_since(const Guid& remote) const {
   const auto at = matched_.find(remote);
   return at == matched_.end() ? kNever : at->second;
@@ -169,7 +176,7 @@ void Node::send(BytesView message, std::span<const Locator> to) {
   const FreeOfCharge simulation;
   around_.invariants.on_sent(subject_, message);
   for (const auto& locator : to)
-    around_.wire.carry(subject_, {address(), locator, to_bytes(message)});
+    around_.wire.carry(subject_, {address(), locator, to_bytes(message)}, writes_for_honest_);
 }
 
 void Node::raise(const Event& event) {
@@ -200,6 +207,7 @@ void Node::write(Endpoint& endpoint) {
   status.disposed = dice_.chance(100);
   if (subject_.is_honest())
     around_.ledger.write(guid, {endpoint.end().topic, octets, status, time, around_.now});
+  writes_for_honest_ = subject_.is_honest() && endpoint.has_honest_peers_only();
   call(octets.size(), [&] {
     Change change;
     change.source_time = time;
@@ -209,6 +217,7 @@ void Node::write(Endpoint& endpoint) {
     if (writer->write(std::move(change), around_.now) != number && subject_.is_honest())
       around_.invariants.fail("sequence numbers have no holes", subject_.name);
   });
+  writes_for_honest_ = false;
 }
 
 }  // namespace ddssec::rtps::sim

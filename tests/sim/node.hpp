@@ -25,6 +25,7 @@ class Endpoint final : public EndpointListener {
   Endpoint(const Surroundings& around, const End& end) : around_(around), end_(end) {}
   const End& end() const { return end_; }
   void is_known_as(const Guid& guid);
+  bool has_honest_peers_only() const;
   /// Since when; kNever: not.
   MonotonicTime matched_since(const Guid& remote) const;
   bool has(const Guid& writer, SequenceNumber number) const {
@@ -108,6 +109,7 @@ class Node final : private Transport, private EventSink {
   MonotonicTime asleep_until_{};
   std::vector<Datagram> in_socket_;
   std::map<Code, std::uint64_t> events_;
+  bool writes_for_honest_ = false;  ///< now
 };
 
 }  // namespace ddssec::rtps::sim

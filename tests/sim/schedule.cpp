@@ -185,7 +185,7 @@ class Run {
     world_.outsider().behave(plan_.siege);
     world_.malice().tampers = plan_.tampers;
     world_.invariants().set_besieged(true);
-    if (plan_.siege_steps >= kLongSiege) {
+    if (plan_.siege_restart) {
       auto& victim = *world_.nodes().front();
       victim.stop(false);
       world_.start(victim);
@@ -196,7 +196,13 @@ class Run {
     if (!is_over()) world_.check_dead();
   }
   Outcome outcome() {
-    Outcome out{world_.violation(), steps_, world_.fingerprint(), world_.delivered(), {}, reunion_};
+    Outcome out{.violation = world_.violation(),
+                .step = steps_,
+                .fingerprint = world_.fingerprint(),
+                .datagrams = world_.delivered(),
+                .most = {},
+                .most_branches = world_.invariants().most_branches(),
+                .reunion = reunion_};
     for (const auto& node : world_.nodes())
       if (node->is_honest() && node->cost().most_octets > out.most.most_octets)
         out.most = node->cost();
@@ -234,7 +240,9 @@ Plan plan_of(std::uint64_t seed, int steps) {
   if (dice.chance(100)) {
     plan.siege_steps += kLongSiege;
     plan.siege.replay = std::max(plan.siege.replay, 100u);
+    plan.siege_restart = true;
   }
+  if (dice.chance(250)) plan.siege_restart = true;
   plan.tampers = some(dice, 200);
   plan.hostile_steps = static_cast<int>(500 + dice.below(2500));
   // Longer than handshakes are patient, and than leases last.
@@ -263,11 +271,14 @@ std::string describe(const Plan& plan) {
   add("bridge", t.bridge), add("muffle", t.muffle), add("silence", t.silence),
       add("replay", t.replay), add("forge", t.forge);
   const auto& s = plan.siege;
-  add("siege", static_cast<unsigned>(plan.siege_steps));
+  add(plan.siege_steps >= kLongSiege ? "long siege" : "siege",
+      static_cast<unsigned>(plan.siege_steps));
   add("duplicate", s.duplicate), add("splice", s.splice), add("replay", s.replay),
       add("forge", s.forge);
   add("tamper", plan.tampers), add("restart", plan.restarts), add("sleep", plan.sleeps);
   add("calendar", plan.calendars), add("endpoints", plan.endpoints);
+  if (plan.siege_restart) out += "; restart in the siege";
+  out += plan.meets_first ? "; meets first" : "; meets late";
   return out;
 }
 

@@ -11,10 +11,11 @@ struct Plan {
   std::vector<Subject> cast;
   Temper temper = {};
   /// While everything that is sent arrives, and the attackers only add to it. In a long one a
-  /// participant restarts at its beginning.
+  /// participant that died at its beginning must be forgotten.
   Temper siege = {};
   int siege_steps = 0;
-  unsigned tampers = 0;  ///< see Malice
+  bool siege_restart = false;  ///< a participant restarts without a word at its beginning
+  unsigned tampers = 0;        ///< see Malice
   int hostile_steps = 0;
   bool meets_first = false;  ///< before the network is hostile
   // In a thousand steps.
@@ -30,9 +31,10 @@ struct Outcome {
   std::optional<Violation> violation;
   long step = 0;  ///< of the violation, or the last
   std::uint64_t fingerprint = 0;
-  std::uint64_t datagrams = 0;  ///< that arrived
-  Cost most;                    ///< of the honest node that took most memory
-  MonotonicTime reunion{};      ///< how long honest pairs took once the network was fair
+  std::uint64_t datagrams = 0;      ///< that arrived
+  Cost most;                        ///< of the honest node that took most memory
+  std::uint64_t most_branches = 0;  ///< for one call
+  MonotonicTime reunion{};          ///< how long honest pairs took once the network was fair
 };
 Outcome run(const Plan& plan);
 

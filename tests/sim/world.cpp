@@ -35,12 +35,14 @@ void World::set_hostile(bool hostile) {
   network_.lose_all();
 }
 
-void World::carry(const Subject& from, Datagram datagram) {
+void World::carry(const Subject& from, Datagram datagram, bool for_honest) {
   note(datagram.octets);
   const auto& to = datagram.to;
   const bool somewhere = to == kGroup || std::ranges::any_of(nodes_, [&](const auto& node) {
                            return node->address() == to;
                          });
+  if (for_honest && !somewhere)
+    invariants_.fail(invariant::kAstray, from.name + " sent a sample to " + to_string(to));
   auto& flow = flows_[datagram.from];
   flow.lost += somewhere ? 0 : datagram.octets.size();
   if (from.is_honest() && flow.lost > 3 * flow.in + Invariants::kMaxReflected)

@@ -32,7 +32,7 @@ class World final : private Wire {
   std::uint64_t delivered() const { return delivered_; }
 
  private:
-  void carry(const Subject& from, Datagram datagram) override;
+  void carry(const Subject& from, Datagram datagram, bool for_honest) override;
   void deliver(const Datagram& datagram);
   /// An insider forges with a key that it was given.
   void use_stolen_key();

@@ -16,9 +16,9 @@ struct Insider {
   std::unique_ptr<SendKey> key;
 
   /// With somebody's key, as one of its receivers has it.
-  explicit Insider(KeyMaterial material)
+  explicit Insider(KeyMaterial material, SendStart start = {5, 6})
       : own_(material.receiver_key_id, material.clone().receiver_key, environment) {
-    key = std::move(SendKey::create(std::move(material), {5, 6}, environment).value());
+    key = std::move(SendKey::create(std::move(material), start, environment).value());
   }
   /// With a key of its own.
   explicit Insider(TransformKind kind) : Insider(material_of(kind)) {}
