@@ -45,9 +45,9 @@ class Invariants {
   /// Memory of one participant, whatever others do: the sum of the product's own bounds on what
   /// this cast can reach, and some room.
   static constexpr std::int64_t kMaxOctets = std::int64_t{24} << 20;
-  /// Branches for one call, and for each octet of a datagram. Most were 627'503. Which code takes
-  /// them was not measured yet.
-  static constexpr std::uint64_t kMaxBranches = 750'000;
+  /// Branches for one call, and for each octet of a datagram. Most of seeds 1 to 400 were 660'642,
+  /// by seed 324; this is half as many more. Which code takes them was not measured yet.
+  static constexpr std::uint64_t kMaxBranches = 990'000;
   static constexpr std::uint64_t kMaxBranchesPerOctet = 400;
   /// After a writer's end, messages of it may still be under way for so long.
   static constexpr MonotonicTime kMaxAfterlife = seconds(20);
