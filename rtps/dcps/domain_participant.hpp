@@ -139,8 +139,9 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
   Status set_default_topic_qos(const Qos& qos);
 
   /// What discovery found, as samples: readers of DCPSParticipant, DCPSTopic, DCPSPublication and
-  /// DCPSSubscription, of which all are made now. They cannot be deleted. What has ended and is not
-  /// taken is kept within a bound for each identity (EndedInstances).
+  /// DCPSSubscription. This call makes all four, and they cannot be deleted. The samples of
+  /// entities that have ended stay until they are taken, within a bound for each identity
+  /// (EndedInstances).
   Subscriber& builtin_subscriber();
   /// Its reader of ParticipantBuiltinTopicData, TopicBuiltinTopicData, PublicationBuiltinTopicData
   /// or SubscriptionBuiltinTopicData, which alone is made now, if it was not before; nullptr once

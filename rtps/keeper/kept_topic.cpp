@@ -9,8 +9,8 @@ namespace {
 // A commit takes about that long.
 constexpr MonotonicTime kLook = std::chrono::milliseconds(5);
 
-// What the original offers, so that whoever matches it matches this one; and of an instance that
-// somebody owns, this is the last to speak.
+// The policies of the original writer, so that every reader that matches it matches this one, too.
+// Of an instance with an owner, this writer has the lowest strength.
 Qos serving_qos(const Qos& original) {
   auto qos = original;
   qos.reliability.kind = ReliabilityKind::reliable;

@@ -41,7 +41,7 @@ class Wire {
   Wire(const Wire&) = delete;
   Wire& operator=(const Wire&) = delete;
 
-  /// Whether somebody asks on this link for the owner of the address (neighbor solicitation).
+  /// Whether a neighbor solicitation on this link asks for the owner of the address.
   bool hears_question_for(const std::array<std::uint8_t, 16>& address) const {
     constexpr std::size_t kTargetAt = 48;
     std::array<std::uint8_t, 2000> packet{};

@@ -93,7 +93,7 @@ TEST_P(Builtin, EndpointsAndTheirTopicsComeAndGo) {
   EXPECT_THAT(b.participant->discovered_topics(), IsEmpty());
 }
 
-// What a reader holds that nobody takes from is held for nothing.
+// A reader from which the application takes nothing would hold its samples in vain.
 TEST_P(Builtin, OnlyTheReaderThatIsAskedForIsMade) {
   EXPECT_THAT(take<PublicationBuiltinTopicData>(), IsEmpty());
   auto& gone = a.reader(reliable());

@@ -27,7 +27,7 @@ struct KeeperTest : DurableFixture {
     both(keeper);
     return keeper.topics() == topics && keeper.flush(10s);
   }
-  /// Streams in the keeper's file, which nobody uses.
+  /// Streams in the keeper's file, while no keeper has it open.
   std::size_t rows() const {
     auto file = Database::open(folder / "kept");
     EXPECT_TRUE(file);
@@ -214,7 +214,7 @@ TEST_P(KeeperTest, TopicsWithoutSamplesGiveWay) {
   EXPECT_EQ(late_joiner(*service, b, 3), (Values{0, 1, 2}));
 }
 
-// Whoever announced a topic first decided for ever how it is kept.
+// Before: the first writer to announce a topic decided for ever how it is kept.
 TEST_P(KeeperTest, ATopicWithoutSamplesGoesWithTheWriterThatAnnouncedIt) {
   const auto service = keeper();
   auto first = std::make_unique<End>(environment, options());
