@@ -46,6 +46,10 @@ inline constexpr const char* kTakeSessionResetSymbol = "ddssec_take_session_rese
 using TakeStrandedKeys = bool(DDS_Security_IdentityHandle);
 inline constexpr const char* kTakeStrandedKeysSymbol = "ddssec_take_stranded_keys";
 
+/// What our access control tells it: the host forgets a reader of this process.
+using LookForEndedReaders = void();
+inline constexpr const char* kLookForEndedReadersSymbol = "ddssec_look_for_ended_readers";
+
 /// Each of our libraries exports one, for the line that says which are in use: the version.
 using PluginVersion = const char*();
 

@@ -1,12 +1,12 @@
 #include "plugins/cyclonedds/access_control_adapter.hpp"
 
-#include <algorithm>
-#include <array>
 #include <atomic>
 #include <string_view>
 
 #include "base/rollback.hpp"
 #include "plugins/cyclonedds/endpoint_scope.hpp"
+#include "plugins/cyclonedds/exempt_topics.hpp"
+#include "plugins/cyclonedds/own_readers.hpp"
 #include "plugins/cyclonedds/presence.hpp"
 #include "plugins/cyclonedds/process_properties.hpp"
 #include "plugins/cyclonedds/process_questions.hpp"
@@ -29,19 +29,11 @@ using Tags = DDS_Security_DataTags;
 
 spi::PermissionsHandle permissions(CPermissions handle) { return {handle}; }
 
-/// Cyclone's builtin topics show an application what this process has discovered anyway; nothing of
-/// them is on the network. rmw_cyclonedds needs them, and no permissions document lists them.
-/// Applications cannot create topics of these names: the core refuses the prefix DCPS.
-bool is_local_builtin_topic(std::string_view name) {
-  constexpr std::array<std::string_view, 4> kTopics = {"DCPSParticipant", "DCPSTopic",
-                                                       "DCPSPublication", "DCPSSubscription"};
-  return std::ranges::find(kTopics, name) != kTopics.end();
-}
-
-/// The core creates their readers in a partition of its own only.
-bool reads_local_builtin_topic(const spi::EndpointRequest& request) {
-  return is_local_builtin_topic(request.topic_name) && request.partitions.size() == 1 &&
-         request.partitions[0] == "__BUILT-IN PARTITION__";
+/// As is_carrier_topic, of that participant of ours.
+Result<bool> is_carriers(Adapter& adapter, CPermissions handle, std::string_view name) {
+  if (name != kCarrierTopic) return false;
+  return is_carrier_topic(
+      name, DDSSEC_TRY(adapter.engine().participant_sec_attributes(permissions(handle))));
 }
 
 CPermissions validate_local_permissions(Instance* instance, const dds_security_authentication*,
@@ -160,7 +152,9 @@ DDS_Security_boolean check_create_datareader(Instance* instance, const CPermissi
                                              Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     const auto question = DDSSEC_TRY(EndpointQuestion::from(topic_name, partition, tags));
-    if (reads_local_builtin_topic(question.request())) return {};
+    if (reads_local_builtin_topic(question.request()) ||
+        DDSSEC_TRY(is_carriers(adapter, handle, question.request().topic_name)))
+      return {};
     const auto local = permissions(handle);
     auto& engine = adapter.engine();
     DDSSEC_TRY(engine.check_create_datareader(local, domain_id, question.request()));
@@ -176,7 +170,8 @@ DDS_Security_boolean check_create_topic(Instance* instance, const CPermissions h
                                         const DDS_Security_Qos*, Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     DDSSEC_TRY(require(topic_name));
-    if (is_local_builtin_topic(topic_name)) return {};
+    if (is_local_builtin_topic(topic_name) || DDSSEC_TRY(is_carriers(adapter, handle, topic_name)))
+      return {};
     return adapter.engine().check_create_topic(permissions(handle), domain_id, topic_name);
   });
 }
@@ -390,6 +385,10 @@ DDS_Security_boolean get_datareader_sec_attributes(
       *attributes = closed_reader_attributes();
       return {};
     }
+    if (is_carrier_topic(request.topic_name, participant)) {
+      *attributes = to_c(carrier_attributes());
+      return {};
+    }
     return tell_attributes<&spi::AccessControl::datareader_sec_attributes>(adapter, handle, request,
                                                                            *attributes);
   };
@@ -403,13 +402,20 @@ DDS_Security_boolean return_attributes(Instance* instance, const Attributes*, Ex
 }
 
 /// The host declares what it returns const and never looks at it again.
-DDS_Security_boolean return_endpoint_attributes(
+DDS_Security_boolean return_datawriter_sec_attributes(
     Instance* instance, const DDS_Security_EndpointSecurityAttributes* attributes, Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter&) -> Status {
     if (attributes != nullptr)
       free_scope(const_cast<DDS_Security_PropertySeq&>(attributes->ac_endpoint_properties));
     return {};
   });
+}
+
+/// The host calls it once a reader is gone.
+DDS_Security_boolean return_datareader_sec_attributes(
+    Instance* instance, const DDS_Security_EndpointSecurityAttributes* attributes, Exception* ex) {
+  look_for_ended_readers();
+  return return_datawriter_sec_attributes(instance, attributes, ex);
 }
 
 DDS_Security_boolean return_permissions_handle(Instance* instance, CPermissions handle,
@@ -452,8 +458,8 @@ constexpr dds_security_access_control kTable = {
     .return_participant_sec_attributes =
         return_attributes<DDS_Security_ParticipantSecurityAttributes>,
     .return_topic_sec_attributes = return_attributes<DDS_Security_TopicSecurityAttributes>,
-    .return_datawriter_sec_attributes = return_endpoint_attributes,
-    .return_datareader_sec_attributes = return_endpoint_attributes,
+    .return_datawriter_sec_attributes = return_datawriter_sec_attributes,
+    .return_datareader_sec_attributes = return_datareader_sec_attributes,
     .return_permissions_handle = return_permissions_handle,
 };
 

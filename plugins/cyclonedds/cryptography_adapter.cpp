@@ -28,7 +28,8 @@ CryptographyAdapter::CryptographyAdapter(std::unique_ptr<Host> host,
       transform_engine_(engine_->transform()),
       transform_table_(kTransformFunctions, this),
       key_factory_table_(kKeyFactoryFunctions, this),
-      key_exchange_table_(kKeyExchangeFunctions, this) {
+      key_exchange_table_(kKeyExchangeFunctions, this),
+      reader_ends_([this] { return find_host_entities(host_->code()); }) {
   gv = domain;
   crypto_transform = &transform_table_;
   crypto_key_factory = &key_factory_table_;
@@ -38,8 +39,16 @@ CryptographyAdapter::CryptographyAdapter(std::unique_ptr<Host> host,
 }
 
 CryptographyAdapter::~CryptographyAdapter() {
+  {
+    const std::lock_guard lock(adapters().mutex);
+    adapters().all.erase(this);
+  }
+  reader_ends_.stop();  // which calls the host
+}
+
+void CryptographyAdapter::look_for_ended_readers() noexcept {
   const std::lock_guard lock(adapters().mutex);
-  adapters().all.erase(this);
+  for (auto* const adapter : adapters().all) adapter->reader_ends_.look_soon();
 }
 
 bool CryptographyAdapter::take_stranded_keys(spi::IdentityHandle remote) {

@@ -3,6 +3,7 @@
 
 #include "plugins/cyclonedds/context.hpp"
 #include "plugins/cyclonedds/opened_message.hpp"
+#include "plugins/cyclonedds/reader_ends.hpp"
 #include "plugins/spi/cryptography.hpp"
 
 namespace ddssec::cyclonedds {
@@ -31,10 +32,14 @@ class CryptographyAdapter final : public dds_security_cryptography {
   /// Asks those of all domains of the process: spi::CryptoKeyFactory::take_stranded_keys.
   static bool take_stranded_keys(spi::IdentityHandle remote);
 
+  /// Of all domains of the process: reader_ends.hpp.
+  static void look_for_ended_readers() noexcept;
+
   Host& host() { return *host_; }
   spi::CryptoKeyFactory& key_factory() { return key_factory_engine_; }
   spi::CryptoKeyExchange& key_exchange() { return key_exchange_engine_; }
   spi::CryptoTransform& transform() { return transform_engine_; }
+  OwnReaders& own_readers() { return reader_ends_.readers(); }
 
  private:
   static CryptographyAdapter& entered(CryptographyAdapter& adapter) {
@@ -57,6 +62,7 @@ class CryptographyAdapter final : public dds_security_cryptography {
   Table<dds_security_crypto_transform> transform_table_;
   Table<dds_security_crypto_key_factory> key_factory_table_;
   Table<dds_security_crypto_key_exchange> key_exchange_table_;
+  ReaderEnds reader_ends_;
 };
 
 /// The functions of each sub-table.

@@ -16,8 +16,8 @@ int init(void** context, ddsi_domaingv* domain, const void* caller, Make&& make)
   if (context == nullptr) return DDS_SECURITY_FAILED;
   *context = nullptr;
   try {
-    auto adapter =
-        std::make_unique<Adapter>(std::make_unique<Host>(make_host_log_for(caller)), make, domain);
+    auto adapter = std::make_unique<Adapter>(
+        std::make_unique<Host>(make_host_log_for(caller), caller), make, domain);
     *context = static_cast<CStruct*>(adapter.release());
     return DDS_SECURITY_SUCCESS;
   } catch (...) {

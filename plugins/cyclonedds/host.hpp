@@ -13,9 +13,10 @@ namespace ddssec::cyclonedds {
 /// One for each plugin context; outlives the engine. Thread-safe.
 class Host {
  public:
-  /// `log` takes the events that pass the rate limit.
-  explicit Host(std::unique_ptr<EventSink> log)
-      : log_(std::move(log)), limited_(*log_, clock_), counted_(limited_) {}
+  /// `log` takes the events that pass the rate limit; `code` is an address in the host's code, or
+  /// null.
+  explicit Host(std::unique_ptr<EventSink> log, const void* code = nullptr)
+      : code_(code), log_(std::move(log)), limited_(*log_, clock_), counted_(limited_) {}
   Host(const Host&) = delete;
   Host& operator=(const Host&) = delete;
 
@@ -23,6 +24,7 @@ class Host {
   const Environment& environment() const { return environment_; }
   const Clock& clock() const { return calendar_; }
   SteadyCalendar& calendar() { return calendar_; }
+  const void* code() const { return code_; }
 
   /// Raises one event; swallows whatever goes wrong meanwhile.
   void refused(const Error& error, Severity severity) noexcept;
@@ -43,6 +45,7 @@ class Host {
     EventSink& next_;
   };
 
+  const void* const code_;
   SystemClock clock_;
   SteadyCalendar calendar_{clock_};
   SystemRandom random_;

@@ -2,12 +2,12 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <dlfcn.h>
 #include <string>
 
 #include <dds/ddsrt/log.h>
 
 #include "plugins/cyclonedds/event_file.hpp"
+#include "plugins/cyclonedds/host_entities.hpp"
 
 namespace ddssec::cyclonedds {
 namespace {
@@ -52,16 +52,7 @@ class HostLog final : public EventSink {
 }  // namespace
 
 LogFunction find_host_log(const void* caller) noexcept {
-  Dl_info host{};
-  if (caller != nullptr && dladdr(caller, &host) != 0 && host.dli_fname != nullptr) {
-    // Already loaded, so this only counts up; libddsc may have been loaded without RTLD_GLOBAL.
-    if (void* library = dlopen(host.dli_fname, RTLD_LAZY | RTLD_NOLOAD)) {
-      void* symbol = dlsym(library, "dds_log");
-      dlclose(library);
-      if (symbol != nullptr) return as_log_function(symbol);
-    }
-  }
-  return as_log_function(dlsym(RTLD_DEFAULT, "dds_log"));
+  return as_log_function(find_host_symbol(caller, "dds_log"));
 }
 
 std::uint32_t log_category(Severity severity) {

@@ -31,6 +31,11 @@ HandshakeWatch::Questions questions_to_cryptography() {
   return questions;
 }
 
+void look_for_ended_readers() noexcept {
+  if (void* const symbol = dlsym(RTLD_DEFAULT, kLookForEndedReadersSymbol))
+    reinterpret_cast<LookForEndedReaders*>(symbol)();
+}
+
 bool holds(GovernanceFact fact, spi::IdentityHandle local) {
   void* const symbol = dlsym(RTLD_DEFAULT, kGovernanceFactsOfSymbol);
   return symbol != nullptr && has(reinterpret_cast<GovernanceFactsOf*>(symbol)(local.value), fact);

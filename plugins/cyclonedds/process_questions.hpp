@@ -17,6 +17,10 @@ spi::CipherMask ciphers_of_process();
 /// Empty functions without ours.
 HandshakeWatch::Questions questions_to_cryptography();
 
+/// A reader of this process may have ended: our cryptography says so to the peers
+/// (reader_ends.hpp). Nothing without ours.
+void look_for_ended_readers() noexcept;
+
 /// Without our access control nothing is known.
 bool holds(GovernanceFact fact, spi::IdentityHandle local);
 

@@ -59,10 +59,11 @@ DDS_Security_boolean encode_datawriter_submessage(
     const DDS_Security_DatareaderCryptoHandleSeq* list, DDS_Security_long* index, Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     DDSSEC_TRY(require(encoded));
+    OwnReaders::Room end;
     DDSSEC_TRY(encode_for<spi::DatareaderCryptoHandle>(
         *encoded, plain, list, [&](BytesView octets, auto receivers, MutableBytes room) {
-          return adapter.transform().encode_datawriter_submessage({sender}, receivers, octets,
-                                                                  room);
+          return adapter.transform().encode_datawriter_submessage(
+              {sender}, receivers, adapter.own_readers().said(octets, end), room);
         }));
     end_loop(index, list);
     return {};

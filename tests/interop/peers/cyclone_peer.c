@@ -27,10 +27,18 @@ struct companion {
   uint32_t samples, stays_for;
 };
 
+// Further readers of the participant, which it deletes after some seconds.
+struct passing {
+  dds_entity_t reader[PEER_MAX_PASSING];
+  uint32_t count;
+  dds_time_t until;
+};
+
 struct cyclone {
   dds_entity_t endpoint;  // the writer or the reader
   interop_Shape* loan;    // the sample handed out by take
   struct companion companion;
+  struct passing passing;
 };
 
 static uint32_t matched_readers(void* self) {
@@ -85,9 +93,16 @@ static void watch_companion(struct companion* companion) {
   peer_say("companion left");
 }
 
+static void watch_passing(struct passing* passing) {
+  if (passing->count == 0 || dds_time() < passing->until) return;
+  while (passing->count > 0) dds_delete(passing->reader[--passing->count]);
+  peer_say("the passing readers are deleted");
+}
+
 static bool take_sample(void* self, struct peer_sample* sample) {
   struct cyclone* cyclone = self;
   watch_companion(&cyclone->companion);
+  watch_passing(&cyclone->passing);
   return_loan(cyclone);
   void* raw = NULL;
   dds_sample_info_t info;
@@ -198,6 +213,19 @@ static dds_entity_t create_endpoint(dds_entity_t group, dds_entity_t topic,
   return endpoint;
 }
 
+// Beside the endpoint; peer_refused says what could not be made.
+static int create_passing(dds_entity_t reader, const struct peer_options* options,
+                          struct passing* passing) {
+  const dds_entity_t group = dds_get_parent(reader), topic = dds_get_topic(reader);
+  for (; passing->count < options->passing; ++passing->count) {
+    const dds_entity_t further = create_endpoint(group, topic, options);
+    if (further < 0) return peer_refused("passing reader", dds_strretcode(-further));
+    passing->reader[passing->count] = further;
+  }
+  passing->until = dds_time() + DDS_SECS(PEER_PASSING_SECONDS);
+  return 0;
+}
+
 // The endpoint of a participant that it makes too; peer_refused says what could not be made.
 static dds_entity_t join(const struct peer_options* options, dds_entity_t* participant) {
   *participant = create_participant(options);
@@ -241,6 +269,8 @@ static int run(const struct peer_options* options) {
   dds_entity_t participant;
   cyclone.endpoint = join(options, &participant);
   if (cyclone.endpoint < 0) return -cyclone.endpoint;
+  const int refused = create_passing(cyclone.endpoint, options, &cyclone.passing);
+  if (refused != 0) return refused;
   const struct peer_stack stack = {&cyclone, options->publish ? matched_readers : matched_writers,
                                    write_sample, acknowledged, take_sample};
   const int status = peer_run(options, &stack);

@@ -36,7 +36,7 @@ enum peer_security {
   PEER_SECURITY_COUNT
 };
 
-enum { PEER_MAX_PROPERTIES = 16 };
+enum { PEER_MAX_PROPERTIES = 16, PEER_MAX_PASSING = 100, PEER_PASSING_SECONDS = 5 };
 
 /// The command line, parsed. Strings belong to argv or live as long as the process.
 struct peer_options {
@@ -50,6 +50,7 @@ struct peer_options {
   uint32_t keep_last;   ///< history depth (publishers, and subscribers of Cyclone DDS); 0: keep all
   uint32_t lease;       ///< lease of the participant in seconds; 0: the stack's own
   uint32_t interval;    ///< milliseconds between two samples; 0: 5, with hold 100
+  uint32_t passing;     ///< further readers, deleted after some seconds (Cyclone DDS only)
   uint32_t user_data;   ///< octets, of the participant and its endpoints (Cyclone DDS only)
   double timeout;       ///< seconds after which the peer ends whatever happened
   const char* address;  ///< of the interface to use

@@ -1,0 +1,149 @@
+#include "plugins/cyclonedds/own_readers.hpp"
+
+#include <algorithm>
+
+#include "plugins/cyclonedds/disposal.hpp"
+#include "wire/data.hpp"
+#include "wire/data_frag.hpp"
+#include "wire/entity_ids.hpp"
+#include "wire/parameter_list.hpp"
+
+namespace ddssec::cyclonedds {
+namespace {
+
+constexpr rtps::ParameterId kTopicName = 0x0005, kUserData = 0x002c;
+constexpr std::size_t kGuidSize = GuidPrefix::size + EntityId::size;
+constexpr std::size_t kEncapsulationSize = 4;
+
+/// DATA and DATA_FRAG have it in the same place.
+bool is_of_subscriptions(BytesView submessage) {
+  constexpr std::size_t kWriterAt = 12;
+  return submessage.size() > kWriterAt + EntityId::size &&
+         (submessage[0] == static_cast<std::uint8_t>(rtps::SubmessageId::data) ||
+          submessage[0] == static_cast<std::uint8_t>(rtps::SubmessageId::data_frag)) &&
+         EntityId::from(submessage.subspan(kWriterAt, EntityId::size)) ==
+             rtps::kSubscriptionsSecureWriter;
+}
+
+std::optional<Guid> guid_from(BytesView octets) {
+  if (octets.size() != kGuidSize) return std::nullopt;
+  return Guid{GuidPrefix::from(octets.first(GuidPrefix::size)),
+              EntityId::from(octets.subspan(GuidPrefix::size))};
+}
+
+/// What follows its length in a string or a sequence of octets.
+BytesView counted(const rtps::Parameter& parameter) {
+  auto in = parameter.reader();
+  const auto length = in.read<std::uint32_t>();
+  if (!length) return {};
+  return in.read_bytes(*length).value_or(BytesView());
+}
+
+}  // namespace
+
+struct OwnReaders::Announcement {
+  EntityId to = {};  ///< the peers' reader, or all
+  rtps::SequenceNumber number{1};
+  bool is_end = false;
+  Guid reader = {};
+  bool is_carrier = false;
+  std::optional<Guid> ended = {};  ///< whose end a carrier carries
+
+  void take(const rtps::Parameter& parameter);
+  /// As far as the list goes: of a large announcement only the first fragment is looked at.
+  void take(BytesView payload);
+};
+
+void OwnReaders::Announcement::take(const rtps::Parameter& parameter) {
+  if (parameter.id == kEndpointGuid) {
+    reader = guid_from(parameter.value).value_or(Guid{});
+  } else if (parameter.id == kTopicName) {
+    auto name = as_text(counted(parameter));
+    if (name.ends_with('\0')) name.remove_suffix(1);
+    is_carrier = name == kCarrierTopic;
+  } else if (parameter.id == kUserData) {
+    ended = guid_from(counted(parameter));
+  }
+}
+
+void OwnReaders::Announcement::take(BytesView payload) {
+  if (payload.size() < kEncapsulationSize) return;
+  const auto endian = (payload[1] & 1) != 0 ? Endian::little : Endian::big;
+  rtps::ParameterReader list(payload.subspan(kEncapsulationSize), endian);
+  for (auto next = list.next(); next && *next; next = list.next()) take(**next);
+}
+
+std::optional<OwnReaders::Announcement> OwnReaders::read(BytesView submessage) {
+  if (!is_of_subscriptions(submessage)) return std::nullopt;
+  const rtps::SubmessageView view{static_cast<rtps::SubmessageId>(submessage[0]), submessage[1],
+                                  submessage.subspan(rtps::kSubmessageHeaderSize), submessage};
+  Announcement out;
+  if (view.id == rtps::SubmessageId::data_frag) {
+    const auto piece = rtps::read_data_frag(view);
+    if (!piece || piece->first.value != 1) return std::nullopt;
+    out.take(piece->payload);
+    out.is_carrier = false;  // ours are small
+    return out;
+  }
+  const auto data = rtps::read_data(view);
+  if (!data) return std::nullopt;
+  out.to = data->reader;
+  out.number = data->sequence_number;
+  out.is_end = data->kind == rtps::PayloadKind::key || data->inline_qos.status.disposed;
+  out.take(data->payload);
+  return out;
+}
+
+BytesView OwnReaders::said(BytesView submessage, Room& room) {
+  const auto announcement = read(submessage);
+  if (!announcement) return submessage;
+  const auto& ended = announcement->ended;
+  if (!announcement->is_carrier || !ended || ended->prefix != announcement->reader.prefix) {
+    note(*announcement);
+    return submessage;
+  }
+  rtps::SpanWriter out(room);
+  write(out, Disposal{.reader = announcement->to,
+                      .writer = rtps::kSubscriptionsSecureWriter,
+                      .number = announcement->number,
+                      .key = kEndpointGuid,
+                      .gone = *ended});
+  return out.view();
+}
+
+void OwnReaders::note(const Announcement& announcement) {
+  const auto& reader = announcement.reader;
+  if (reader == Guid{}) return;
+  const std::lock_guard lock(mutex_);
+  if (announcement.is_end) {
+    announced_.erase(reader);
+    ended_.insert(reader);
+  } else if (!ended_.contains(reader) && announced_.insert(reader).second) {
+    ++count_;
+  }
+}
+
+std::vector<Guid> OwnReaders::announced() const {
+  const std::lock_guard lock(mutex_);
+  return {announced_.begin(), announced_.end()};
+}
+
+std::uint64_t OwnReaders::count() const {
+  const std::lock_guard lock(mutex_);
+  return count_;
+}
+
+void OwnReaders::ended(const Guid& reader) {
+  const std::lock_guard lock(mutex_);
+  announced_.erase(reader);
+  ended_.insert(reader);
+}
+
+void OwnReaders::forget(const GuidPrefix& participant) {
+  const auto is_below = [&](const Guid& reader) { return reader.prefix == participant; };
+  const std::lock_guard lock(mutex_);
+  std::erase_if(announced_, is_below);
+  std::erase_if(ended_, is_below);
+}
+
+}  // namespace ddssec::cyclonedds

@@ -1,0 +1,92 @@
+#!/usr/bin/env python3
+"""A process deletes readers, and stays. Whoever writes to them hears that, as without security: two of ours, also where the writer
+comes after the readers have gone, and a writer on stock plugins. Cyclone's core says the end of a reader outside of any protection,
+where discovery is protected; our plugins say it inside (plugins/cyclonedds/own_readers.hpp).
+
+Usage: reader_ends_test.py BUILD [FILTER]
+"""
+
+import sys
+import tempfile
+
+sys.dont_write_bytecode = True
+
+import stories  # noqa: E402
+from insider_test import EVERYTHING, HONEST, World, check, samples  # noqa: E402
+from documents import Governance  # noqa: E402
+from scenarios import EO, SROS2  # noqa: E402
+
+PASSING = 20   # readers
+PATIENCE = 25  # seconds
+STAYS = 3      # seconds in which nothing else may be heard
+GOVERNANCES = {"sros2": SROS2, "everything": EVERYTHING,
+               "origin": Governance(discovery=EO, liveliness=EO, rtps=EO, metadata=EO, data="ENCRYPT"),
+               "discovery": Governance(discovery="ENCRYPT", read=False, write=False)}
+
+
+class Ends(World):
+    def readers(self):
+        return self.honest("subscribe", True, ["--passing", str(PASSING)])
+
+    def writer(self, kind):
+        words = self.side.arguments(self.pki, self.keys, False)
+        return self.start("publish", kind, ["--publish", "--payload", str(HONEST), "--timeout", "200", *words], self.settings)
+
+
+def matched(writer):
+    """The number of readers that it has, as it said last."""
+    said = [line.split()[1] for line in writer.lines if line.startswith(("matched ", "unmatched "))]
+    return int(said[-1]) if said else 0
+
+
+def has_gone(readers):
+    return "the passing readers are deleted" in readers.lines
+
+
+def one_is_left(world, writer, readers):
+    world.until("the writer hearing of the ends", lambda: matched(writer) == 1, PATIENCE)
+    world.passes(STAYS)
+    check(f"the writer has {matched(writer)} readers", matched(writer) == 1)
+    before = len(samples(readers, HONEST))
+    world.until("the reader that is left hearing on", lambda: len(samples(readers, HONEST)) >= before + 5, PATIENCE)
+
+
+def they_end(world, kind):
+    writer, readers = world.writer(kind), world.readers()
+    world.until("all readers being met", lambda: matched(writer) == PASSING + 1, PATIENCE)
+    world.until("the readers leaving", lambda: has_gone(readers), PATIENCE)
+    one_is_left(world, writer, readers)
+
+
+def they_have_ended(world, kind):
+    """Before the writer comes. The host announces the readers to it all the same, and our plugins that they are gone."""
+    readers = world.readers()
+    world.until("the readers leaving", lambda: has_gone(readers), PATIENCE)
+    writer = world.writer(kind)
+    world.until("the two talking", lambda: len(samples(readers, HONEST)) >= 3, PATIENCE)
+    one_is_left(world, writer, readers)
+
+
+def attempt(case):
+    _, story, kind, governance = case
+    with tempfile.TemporaryDirectory(prefix="ddssec-reader-ends-") as folder, Ends(folder, "ours", governance) as world:
+        try:
+            story(world, kind)
+            return None, ""
+        except AssertionError as one:
+            said = [line for peer in world.peers for line in peer.lines if "atched" in line]
+            return f"{one}; said: {said[-4:]}{world.logs()}", ""
+
+
+def cases():
+    for name, governance in GOVERNANCES.items():
+        yield f"end/{name}/ours", they_end, "ours", governance
+    for name in ("sros2", "everything"):
+        yield f"ended/{name}/ours", they_have_ended, "ours", GOVERNANCES[name]
+    for kind in ("stock", "fast", "embedded"):
+        yield f"end/sros2/{kind}", they_end, kind, SROS2
+        yield f"ended/sros2/{kind}", they_have_ended, kind, SROS2
+
+
+if __name__ == "__main__":
+    sys.exit(stories.run(cases(), attempt, at_once=4))

@@ -1,0 +1,89 @@
+// What access control says of the readers that carry ends (own_readers.hpp).
+#include <atomic>
+
+#include <gtest/gtest.h>
+
+#include "plugins/cyclonedds/access_control_adapter.hpp"
+#include "plugins/cyclonedds/own_readers.hpp"
+#include "tests/unit/cyclonedds/mocks.hpp"
+#include "tests/unit/cyclonedds/support.hpp"
+
+static std::atomic<int> looks_for_ended_readers{0};
+
+namespace ddssec::cyclonedds {
+namespace {
+
+struct Carriers : testing::Test {
+  /// Under governance that protects discovery, or does not; documents allow nothing.
+  void use(ProtectionKind discovery) {
+    ON_CALL(engine, participant_sec_attributes).WillByDefault([discovery](auto) {
+      return spi::ParticipantSecurityAttributes{.discovery = discovery};
+    });
+    ON_CALL(engine, check_create_topic).WillByDefault([](auto&&...) -> Status {
+      return fail(Code::topic_not_allowed);
+    });
+    ON_CALL(engine, check_create_datareader).WillByDefault([](auto&&...) -> Status {
+      return fail(Code::topic_not_allowed);
+    });
+    ON_CALL(engine, check_create_datawriter).WillByDefault([](auto&&...) -> Status {
+      return fail(Code::topic_not_allowed);
+    });
+  }
+  bool may_create(const std::string& name) {
+    const bool topic = c->check_create_topic(c, 8, 5, name.c_str(), &qos, nullptr) != 0;
+    const bool reader =
+        c->check_create_datareader(c, 8, 5, name.c_str(), &qos, nullptr, nullptr, nullptr) != 0;
+    EXPECT_EQ(topic, reader);
+    return reader;
+  }
+
+  Harness<AccessControlAdapter, MockAccessControl, spi::AccessControl> harness;
+  dds_security_access_control* c = &harness.adapter;
+  MockAccessControl& engine = *harness.engine;
+  DDS_Security_Qos qos{};
+  const std::string topic{kCarrierTopic};
+};
+
+TEST_F(Carriers, NeedNoPermissionWhereTheirAnnouncementsAreProtected) {
+  use(ProtectionKind::encrypt);
+  EXPECT_TRUE(may_create(topic));
+  EXPECT_FALSE(may_create(topic + "s"));
+  EXPECT_EQ(c->check_create_datawriter(c, 8, 5, topic.c_str(), &qos, nullptr, nullptr, nullptr), 0);
+}
+
+TEST_F(Carriers, AreOrdinaryReadersWhereTheirAnnouncementsAreNot) {
+  use(ProtectionKind::none);
+  EXPECT_FALSE(may_create(topic));
+}
+
+TEST_F(Carriers, HaveProtectedAnnouncementsUnderAnyGovernance) {
+  use(ProtectionKind::sign);
+  ON_CALL(engine, datareader_sec_attributes)
+      .WillByDefault([](auto&&...) -> Result<spi::EndpointSecurityAttributes> {
+        return fail(Code::topic_not_allowed);
+      });
+  DDS_Security_EndpointSecurityAttributes attributes{};
+  ASSERT_EQ(
+      c->get_datareader_sec_attributes(c, 8, topic.c_str(), nullptr, nullptr, &attributes, nullptr),
+      1);
+  EXPECT_TRUE(attributes.is_discovery_protected);
+  EXPECT_FALSE(attributes.is_submessage_protected);
+  EXPECT_FALSE(attributes.is_payload_protected);
+  EXPECT_EQ(c->return_datareader_sec_attributes(c, &attributes, nullptr), 1);
+}
+
+// The host does so when a reader is gone.
+TEST_F(Carriers, AreLookedForWhenTheHostReturnsAReadersAttributes) {
+  const int before = looks_for_ended_readers;
+  DDS_Security_EndpointSecurityAttributes attributes{};
+  EXPECT_EQ(c->return_datawriter_sec_attributes(c, &attributes, nullptr), 1);
+  EXPECT_EQ(looks_for_ended_readers, before);
+  EXPECT_EQ(c->return_datareader_sec_attributes(c, &attributes, nullptr), 1);
+  EXPECT_EQ(looks_for_ended_readers, before + 1);
+}
+
+}  // namespace
+}  // namespace ddssec::cyclonedds
+
+// What our cryptography in the same process exports.
+DDSSEC_EXPORT void ddssec_look_for_ended_readers() { ++looks_for_ended_readers; }

@@ -1,0 +1,158 @@
+#include "plugins/cyclonedds/reader_ends.hpp"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "plugins/cyclonedds/disposal.hpp"
+#include "wire/data.hpp"
+#include "wire/entity_ids.hpp"
+
+namespace ddssec::cyclonedds {
+namespace {
+
+constexpr GuidPrefix kOwn{{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}};
+
+/// Waits for what another thread does.
+template <class F>
+bool eventually(F&& is_so) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  while (!is_so() && std::chrono::steady_clock::now() < end)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  return is_so();
+}
+
+Guid reader(std::uint8_t number) { return {kOwn, {{0, 0, number, 7}}}; }
+
+/// What lives in the host, shared with the one that looks.
+struct World {
+  std::mutex mutex;
+  bool has_participant = true;
+  bool refuses = false;
+  std::set<Guid> alive;
+  std::vector<Guid> carried;
+  int looks = 0;
+};
+
+class FakeHost final : public HostEntities {
+ public:
+  explicit FakeHost(std::shared_ptr<World> world) : world_(std::move(world)) {}
+  std::vector<Participant> participants() const override {
+    const std::lock_guard lock(world_->mutex);
+    ++world_->looks;
+    if (!world_->has_participant) return {};
+    return {{.handle = 1, .guid = {kOwn, kEntityIdParticipant}, .entities = world_->alive}};
+  }
+  bool carry_end(const Participant& participant, const Guid& ended) const override {
+    const std::lock_guard lock(world_->mutex);
+    EXPECT_EQ(participant.handle, 1);
+    if (world_->refuses) return false;
+    world_->carried.push_back(ended);
+    return true;
+  }
+
+ private:
+  std::shared_ptr<World> world_;
+};
+
+struct ReaderEnds_ : ::testing::Test {
+  void announce(const Guid& guid) {
+    Bytes list(64), octets(128);
+    rtps::SpanWriter parameters(list);
+    parameters.write_bytes(std::array<std::uint8_t, 4>{0, 3, 0, 0});
+    {
+      const rtps::ParameterScope key(parameters, kEndpointGuid);
+      parameters.write_bytes(guid.octets());
+    }
+    rtps::write_sentinel(parameters);
+    rtps::SpanWriter out(octets);
+    write(out, rtps::Data{.reader = rtps::kSubscriptionsSecureReader,
+                          .writer = rtps::kSubscriptionsSecureWriter,
+                          .kind = rtps::PayloadKind::data,
+                          .payload = parameters.view()});
+    OwnReaders::Room room;
+    ends.readers().said(out.view(), room);
+  }
+  std::vector<Guid> carried() {
+    const std::lock_guard lock(world->mutex);
+    return world->carried;
+  }
+
+  std::shared_ptr<World> world = std::make_shared<World>();
+  FakeHost host{world};
+  ReaderEnds ends{[this] { return std::make_unique<FakeHost>(world); }};
+};
+
+TEST_F(ReaderEnds_, AreSaidOnceAfterTwoLooks) {
+  announce(reader(1));
+  announce(reader(2));
+  world->alive = {reader(1)};
+  EXPECT_TRUE(ends.look(host));
+  EXPECT_TRUE(carried().empty());
+  EXPECT_FALSE(ends.look(host));
+  EXPECT_EQ(carried(), std::vector{reader(2)});
+  EXPECT_FALSE(ends.look(host));
+  EXPECT_EQ(carried().size(), 1u);
+}
+
+TEST_F(ReaderEnds_, AreNotSaidOfAReaderThatIsThereAgain) {
+  announce(reader(1));
+  EXPECT_TRUE(ends.look(host));
+  world->alive = {reader(1)};
+  EXPECT_FALSE(ends.look(host));
+  world->alive.clear();
+  EXPECT_TRUE(ends.look(host)) << "counts anew";
+  EXPECT_TRUE(carried().empty());
+}
+
+TEST_F(ReaderEnds_, AreTriedAgainWhenTheHostRefuses) {
+  announce(reader(1));
+  world->refuses = true;
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(ends.look(host));
+  world->refuses = false;
+  EXPECT_FALSE(ends.look(host));
+  EXPECT_EQ(carried(), std::vector{reader(1)});
+}
+
+TEST_F(ReaderEnds_, AreNotSaidOfAParticipantThatIsGone) {
+  announce(reader(1));
+  announce(reader(2));
+  world->has_participant = false;
+  EXPECT_TRUE(ends.look(host));
+  EXPECT_FALSE(ends.look(host));
+  EXPECT_TRUE(ends.readers().announced().empty());
+  EXPECT_TRUE(carried().empty());
+}
+
+TEST_F(ReaderEnds_, AreFoundAfterAHint) {
+  announce(reader(1));
+  announce(reader(2));
+  world->alive = {reader(2)};
+  ends.look_soon();
+  EXPECT_TRUE(eventually([&] { return carried() == std::vector{reader(1)}; }));
+  ends.stop();
+}
+
+// Of a reader that ended before anybody was there the host tells whoever comes.
+TEST_F(ReaderEnds_, AreFoundOfReadersThatAreAnnouncedLater) {
+  ends.look_soon();
+  announce(reader(1));
+  EXPECT_TRUE(eventually([&] { return !carried().empty(); }));
+  const auto looks = [&] {
+    const std::lock_guard lock(world->mutex);
+    return world->looks;
+  };
+  const auto before = looks();
+  std::this_thread::sleep_for(ReaderEnds::kLater + ReaderEnds::kLater / 2);
+  EXPECT_EQ(looks(), before) << "the host is left alone while nothing is new";
+}
+
+TEST_F(ReaderEnds_, AreNotLookedForWhereTheHostLacksAFunction) {
+  ReaderEnds without([] { return nullptr; });
+  without.look_soon();
+  without.look_soon();
+  without.stop();
+}
+
+}  // namespace
+}  // namespace ddssec::cyclonedds
