@@ -123,6 +123,7 @@ class KeyFactory final : public spi::CryptoKeyFactory {
   bool is_key_revision_due(spi::ParticipantCryptoHandle local) override;
   void forget_former_keys() override;
   bool take_stranded_keys(spi::IdentityHandle remote) override;
+  void cut_off(spi::ParticipantCryptoHandle local) override;
   Status unregister_participant(spi::ParticipantCryptoHandle participant) override;
   Status unregister_datawriter(spi::DatawriterCryptoHandle datawriter) override;
   Status unregister_datareader(spi::DatareaderCryptoHandle datareader) override;

@@ -56,7 +56,8 @@ struct LocalParticipant final : Entity {
   Cipher cipher = Cipher::aes256_gcm;           ///< of messages and builtin endpoints
   Cipher endpoint_cipher = Cipher::aes256_gcm;  ///< of the application's endpoints
   spi::CipherMask allowed_ciphers = spi::kAllCiphers;
-  Published<SendKey> key;                ///< null if RTPS messages are not protected
+  Published<SendKey> key;  ///< null if RTPS messages are not protected
+  std::atomic<bool> is_cut_off = false;
   bool trusts_type_information = false;  ///< the host gets that of peers
   bool revises_keys = false;
   bool is_revising = false;  ///< the next keys are not in use yet
@@ -67,6 +68,13 @@ struct LocalParticipant final : Entity {
   std::unordered_set<std::int64_t> matched;                               ///< remote participants
   ReceiverPlaces receivers{ReceiverPlaces::kMostOfEach, "participants"};  ///< of RTPS messages
 };
+
+/// Error: identity_ended.
+inline Status check_not_cut_off(const LocalParticipant& participant) {
+  if (!participant.is_cut_off.load(std::memory_order_relaxed)) [[likely]]
+    return {};
+  return fail(Code::identity_ended);
+}
 
 /// In whose names the messages of a peer spoke, to tell each once. Thread-safe.
 class NamesSpoken {

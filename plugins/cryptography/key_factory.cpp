@@ -411,6 +411,11 @@ bool KeyFactory::take_stranded_keys(spi::IdentityHandle remote) {
   return are_stranded;
 }
 
+void KeyFactory::cut_off(spi::ParticipantCryptoHandle local) {
+  const ReadGuard guard;
+  if (const auto participant = shared_.local_participant(local)) (*participant)->is_cut_off = true;
+}
+
 void KeyFactory::drop_remote(RemoteParticipant& participant) {
   for (const auto handle : std::unordered_set(participant.endpoints))
     for (const auto kind : {EntityKind::remote_writer, EntityKind::remote_reader})

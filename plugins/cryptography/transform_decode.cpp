@@ -179,6 +179,7 @@ Result<std::size_t> decode_submessage(Shared& shared, Local receiver, Remote sen
   const auto& local = *DDSSEC_TRY(shared.local_endpoint(receiver, local_kind(receiver)));
   const auto& remote = *DDSSEC_TRY(shared.remote_endpoint(sender, remote_kind(sender)));
   if (&remote.local != &local) return fail(Code::crypto_not_matched);
+  DDSSEC_TRY(check_not_cut_off(local.participant));
   if (!is_protected(local.submessage)) return fail(Code::not_protected);
   const auto message = DDSSEC_TRY(read_protected_group(encoded, kSubmessageFrame));
   auto& key = *DDSSEC_TRY(submessage_key(remote, message.header.session_id));
@@ -257,6 +258,7 @@ Result<std::size_t> Transform::decode_serialized_payload(spi::DatareaderCryptoHa
   const auto& local = *DDSSEC_TRY(shared_.local_endpoint(receiver, EntityKind::local_reader));
   const auto& remote = *DDSSEC_TRY(shared_.remote_endpoint(sender, EntityKind::remote_writer));
   if (&remote.local != &local) return fail(Code::crypto_not_matched);
+  DDSSEC_TRY(check_not_cut_off(local.participant));
   if (!is_protected(local.payload)) return fail(Code::not_protected);
   auto& key = *DDSSEC_TRY(received(remote.remote_keys, &LevelKeys::payload));
   return open(shared_, remote.remote_keys, &LevelKeys::payload,
@@ -379,6 +381,7 @@ Result<std::size_t> Transform::open_message_of(spi::ParticipantCryptoHandle rece
                                                BytesView encoded, MutableBytes out) {
   const ReadGuard guard;
   const auto& local = *DDSSEC_TRY(shared_.local_participant(receiver));
+  DDSSEC_TRY(check_not_cut_off(local));
   const auto* const pair = DDSSEC_TRY(shared_.remote_participant(sender))->pair(receiver.value);
   if (pair == nullptr) return fail(Code::crypto_not_matched);
   if (!is_protected(local.rtps)) return fail(Code::not_protected);

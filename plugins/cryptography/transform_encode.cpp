@@ -238,6 +238,7 @@ Result<std::size_t> encode_submessage(const Shared& shared, Local handle,
                                       MutableBytes out) {
   const ReadGuard guard;
   const auto& sender = *DDSSEC_TRY(shared.local_endpoint(handle, local_kind(handle)));
+  DDSSEC_TRY(check_not_cut_off(sender.participant));
   if (!is_protected(sender.submessage)) return fail(Code::not_protected);
   GroupRequest request{kSubmessageFrame, {}, plain, DDSSEC_TRY(check_submessage(plain)), 0};
   if (sender.is_volatile) return encode_volatile(shared, sender, receivers, request, out);
@@ -288,6 +289,7 @@ Result<std::size_t> Transform::encode_serialized_payload(spi::DatawriterCryptoHa
                                                          BytesView plain, MutableBytes out) {
   const ReadGuard guard;
   const auto& writer = *DDSSEC_TRY(shared_.local_endpoint(sender, EntityKind::local_writer));
+  DDSSEC_TRY(check_not_cut_off(writer.participant));
   auto* const current = writer.payload_key.read();
   if (current == nullptr) return fail(Code::not_protected);
   auto& key = *current;
@@ -326,6 +328,7 @@ Result<std::size_t> Transform::encode_rtps_message(
     BytesView plain, MutableBytes out) {
   const ReadGuard guard;
   const auto& participant = *DDSSEC_TRY(shared_.local_participant(sender));
+  DDSSEC_TRY(check_not_cut_off(participant));
   auto* const key = participant.key.read();
   if (key == nullptr) return fail(Code::not_protected);
   DDSSEC_TRY(check_receivers(participant.rtps, receivers.size()));

@@ -46,7 +46,13 @@ inline constexpr const char* kTakeSessionResetSymbol = "ddssec_take_session_rese
 using TakeStrandedKeys = bool(DDS_Security_IdentityHandle);
 inline constexpr const char* kTakeStrandedKeysSymbol = "ddssec_take_stranded_keys";
 
-/// What our access control tells it: the host forgets a reader of this process.
+/// What our authentication and our access control tell our cryptography, and our authentication our
+/// access control: that local participant is cut off.
+using CutOff = void(DDS_Security_IdentityHandle);
+inline constexpr const char* kCutOffCryptographySymbol = "ddssec_cut_off_cryptography";
+inline constexpr const char* kCutOffAccessControlSymbol = "ddssec_cut_off_access_control";
+
+/// What our access control tells our cryptography: the host forgets a reader of this process.
 using LookForEndedReaders = void();
 inline constexpr const char* kLookForEndedReadersSymbol = "ddssec_look_for_ended_readers";
 

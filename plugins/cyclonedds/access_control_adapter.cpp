@@ -11,6 +11,7 @@
 #include "plugins/cyclonedds/process_properties.hpp"
 #include "plugins/cyclonedds/process_questions.hpp"
 #include "plugins/cyclonedds/token_translation.hpp"
+#include "plugins/cyclonedds/unguarded_endpoints.hpp"
 #include "plugins/cyclonedds/value_translation.hpp"
 #include "plugins/spi/clock_step_grace.hpp"
 #include "plugins/spi/flag_property.hpp"
@@ -68,6 +69,7 @@ CPermissions validate_remote_permissions(Instance* instance, const dds_security_
     // An announcement has none, if a stranger left it out.
     if (permissions_token == nullptr || permissions_token->class_id == nullptr)
       return fail(Code::permissions_token_class, {.found = "no permissions token"});
+    DDSSEC_TRY(adapter.facts().check(spi::IdentityHandle{local_identity}));
     const auto token = DDSSEC_TRY(token_from(permissions_token));
     const auto peer = DDSSEC_TRY(token_from(credential));
     return adapter.engine().validate_remote_permissions({local_identity}, {remote_identity}, token,
@@ -83,51 +85,6 @@ DDS_Security_boolean check_create_participant(Instance* instance, const CPermiss
   });
 }
 
-/// Cyclone 0.10.2 asks about a remote endpoint only if the endpoint's announcement wants that, and
-/// matches those of unauthenticated participants without asking. Only keys keep either out: where
-/// governance controls the access to a topic that has none, our own endpoint is what we can refuse.
-/// The same goes for a reader of a topic that only the protection of whole messages covers: the
-/// core takes the messages of an unauthenticated participant as they are.
-Status refuse_what_nothing_guards(Adapter& adapter, spi::PermissionsHandle handle,
-                                  const spi::EndpointRequest& request,
-                                  const spi::EndpointSecurityAttributes& endpoint, bool is_writer) {
-  const bool is_controlled =
-      is_writer ? endpoint.topic.is_read_protected : endpoint.topic.is_write_protected;
-  if (endpoint.is_submessage_protected() || endpoint.is_payload_protected()) return {};
-  const auto participant = DDSSEC_TRY(adapter.engine().participant_sec_attributes(handle));
-  const bool relies_on_messages = participant.is_rtps_protected() && !is_writer;
-  if (participant.allow_unauthenticated_participants && (is_controlled || relies_on_messages))
-    return fail(Code::unauthenticated_peers_unstoppable,
-                {.document = "governance",
-                 .field = "allow_unauthenticated_participants",
-                 .expected = "false, or protection of the topic",
-                 .found = "true"});
-  if (!is_controlled) return {};
-  return fail(Code::controlled_topic_unguarded,
-              {.document = "governance",
-               .field = is_writer ? "enable_read_access_control" : "enable_write_access_control",
-               .expected = "false, or protection of the topic",
-               .found = "true, with metadata_protection_kind and data_protection_kind NONE",
-               .note = "topic \"" + std::string(request.topic_name) + "\""});
-}
-
-/// Cyclone DDS asks no plugin about samples that go through shared memory.
-Status refuse_what_shared_memory_exposes(Adapter& adapter, spi::PermissionsHandle handle,
-                                         std::string_view topic, const DDS_Security_Qos* qos,
-                                         const spi::EndpointSecurityAttributes& endpoint,
-                                         Direction direction) {
-  auto& guard = adapter.shared_memory();
-  if (guard.is_allowed(handle)) return {};
-  const auto participant = DDSSEC_TRY(adapter.engine().participant_sec_attributes(handle));
-  const auto promise = promise_for_samples(participant, endpoint, direction);
-  if (promise.empty()) return {};
-  if (qos != nullptr) {
-    const auto properties = DDSSEC_TRY(properties_from(qos));
-    if (DDSSEC_TRY(SharedMemoryGuard::is_allowed_by(properties))) return {};
-  }
-  return guard.check(topic, promise);
-}
-
 DDS_Security_boolean check_create_datawriter(Instance* instance, const CPermissions handle,
                                              const CDomain domain_id, const char* topic_name,
                                              const DDS_Security_Qos* qos,
@@ -136,6 +93,7 @@ DDS_Security_boolean check_create_datawriter(Instance* instance, const CPermissi
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     const auto question = DDSSEC_TRY(EndpointQuestion::from(topic_name, partition, tags));
     const auto local = permissions(handle);
+    DDSSEC_TRY(adapter.facts().check(local));
     auto& engine = adapter.engine();
     DDSSEC_TRY(engine.check_create_datawriter(local, domain_id, question.request()));
     const auto writer = DDSSEC_TRY(engine.datawriter_sec_attributes(local, question.request()));
@@ -156,6 +114,7 @@ DDS_Security_boolean check_create_datareader(Instance* instance, const CPermissi
         DDSSEC_TRY(is_carriers(adapter, handle, question.request().topic_name)))
       return {};
     const auto local = permissions(handle);
+    DDSSEC_TRY(adapter.facts().check(local));
     auto& engine = adapter.engine();
     DDSSEC_TRY(engine.check_create_datareader(local, domain_id, question.request()));
     const auto reader = DDSSEC_TRY(engine.datareader_sec_attributes(local, question.request()));
@@ -172,6 +131,7 @@ DDS_Security_boolean check_create_topic(Instance* instance, const CPermissions h
     DDSSEC_TRY(require(topic_name));
     if (is_local_builtin_topic(topic_name) || DDSSEC_TRY(is_carriers(adapter, handle, topic_name)))
       return {};
+    DDSSEC_TRY(adapter.facts().check(permissions(handle)));
     return adapter.engine().check_create_topic(permissions(handle), domain_id, topic_name);
   });
 }
@@ -494,8 +454,12 @@ TypeLookup AccessControlAdapter::type_lookup() const {
 void AccessControlAdapter::listen(const dds_security_access_control_listener* listener) {
   if (listener == nullptr || listener->on_revoke_permissions == nullptr) return timer_.stop();
   const auto revoke = listener->on_revoke_permissions;
-  auto tasks = ExpiryTimer::tasks_of(*engine_,
-                                     [this, revoke](std::int64_t handle) { revoke(this, handle); });
+  auto tasks = ExpiryTimer::tasks_of(*engine_, [this, revoke](std::int64_t handle) {
+    const auto own = facts_.identity_of({handle});
+    if (!own) return static_cast<void>(revoke(this, handle));
+    facts_.cut_off(*own, Code::grant_expired);
+    cut_off_cryptography(*own);
+  });
   tasks.revoke_ended = [this, revoke_ended = std::move(tasks.revoke_ended)](const auto& stop) {
     say_clock_steps(*host_, PluginKind::access_control);
     revoke_ended(stop);

@@ -30,6 +30,9 @@ class AccessControlAdapter final : public dds_security_access_control {
   /// mask of GovernanceFact.
   static std::uint32_t governance_facts_of(spi::IdentityHandle local) noexcept;
 
+  /// What authentication tells about a local participant of whatever domain.
+  static void cut_off(spi::IdentityHandle local);
+
   static AccessControlAdapter& of(dds_security_access_control& instance) {
     return static_cast<AccessControlAdapter&>(instance);
   }

@@ -19,6 +19,10 @@ DDSSEC_EXPORT cyclonedds::MatchVerdict ddssec_judge_match(
   return AccessControlAdapter::judge(question);
 }
 
+DDSSEC_EXPORT void ddssec_cut_off_access_control(DDS_Security_IdentityHandle local) {
+  AccessControlAdapter::cut_off({local});
+}
+
 DDSSEC_EXPORT std::uint32_t ddssec_governance_facts_of(DDS_Security_IdentityHandle local) {
   return AccessControlAdapter::governance_facts_of({local});
 }

@@ -66,6 +66,12 @@ MatchVerdict AccessControlAdapter::judge(const MatchQuestion* question) noexcept
   }
 }
 
+void AccessControlAdapter::cut_off(spi::IdentityHandle local) {
+  const std::shared_lock lock(adapters().mutex);
+  for (const auto& [id, adapter] : adapters().by_id)
+    adapter->facts_.cut_off(local, Code::identity_ended);
+}
+
 std::uint32_t AccessControlAdapter::governance_facts_of(spi::IdentityHandle local) noexcept {
   try {
     const std::shared_lock lock(adapters().mutex);

@@ -134,7 +134,8 @@ bool is_for_good(const Error& refusal) {
 /// Where governance lets unauthenticated participants in, the core takes the peer for one.
 Result<CResult> not_admitted(Adapter& adapter, CIdentity local, const Guid& guid, Error refusal,
                              CIdentity& remote_handle) {
-  if (is_for_good(refusal) || admits_unauthenticated(local))
+  if (is_for_good(refusal) || admits_unauthenticated(local) ||
+      adapter.remotes().has_ended(identity(local)))
     return std::unexpected(std::move(refusal));
   const auto of_host = adapter.remotes().note_refused(guid);
   adapter.watch().not_admitted(of_host, guid);
@@ -181,6 +182,18 @@ CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
   });
 }
 
+/// Of a participant of ours that is cut off nothing is begun again: the host drops a peer for all
+/// its participants.
+void note_refused(Adapter& adapter, spi::IdentityHandle local, spi::IdentityHandle remote) {
+  if (!adapter.remotes().has_ended(local)) adapter.watch().refused(remote);
+}
+void note_refused(Adapter& adapter, spi::HandshakeHandle handshake) {
+  const auto pair = adapter.secrets().pair_of(handshake);
+  const auto& remotes = adapter.remotes();
+  if (pair && (remotes.has_ended(pair->first) || remotes.has_ended(pair->second))) return;
+  adapter.watch().refused(handshake);
+}
+
 CResult begin_handshake_request(Instance* instance, CHandshake* handle, CToken* message,
                                 const CIdentity initiator, const CIdentity replier,
                                 const DDS_Security_OctetSeq* participant_data, Exception* ex) {
@@ -214,7 +227,7 @@ CResult begin_handshake_reply(Instance* instance, CHandshake* handle, CToken* me
     const auto data = DDSSEC_TRY(octets_from(participant_data));
     const auto remote = adapter.remotes().pair(identity(replier), identity(initiator));
     auto begun = adapter.engine().begin_handshake_reply(request, remote, identity(replier), data);
-    if (!begun) adapter.watch().refused(identity(initiator));
+    if (!begun) note_refused(adapter, identity(replier), identity(initiator));
     const auto step = DDSSEC_TRY(std::move(begun));
     adapter.secrets().note(step.handle, identity(initiator), identity(replier));
     adapter.watch().progressed(identity(initiator), step.handle);
@@ -231,7 +244,7 @@ CResult process_handshake(Instance* instance, CToken* message_out, const CToken*
     *message_out = {};
     const auto message = DDSSEC_TRY(token_from(message_in));
     auto processed = adapter.engine().process_handshake(handshake(handle), message);
-    if (!processed) adapter.watch().refused(handshake(handle));
+    if (!processed) note_refused(adapter, handshake(handle));
     const auto step = DDSSEC_TRY(std::move(processed));
     DDSSEC_TRY(hand_out(step.message, *message_out));
     if (step.result == spi::ValidationResult::ok ||
@@ -449,8 +462,13 @@ void AuthenticationAdapter::listen(const dds_security_authentication_listener* l
   timer_.start({.revoke_ended =
                     [this, revoke](const std::stop_token& stop) {
                       say_clock_steps(*host_, PluginKind::authentication);
-                      for (const auto ended : remotes_.to_revoke(engine_->expire()))
-                        if (!stop.stop_requested()) revoke(this, ended.value);
+                      const auto ended = remotes_.to_revoke(engine_->expire());
+                      for (const auto local : ended.locals) {
+                        cut_off_access_control(local);
+                        cut_off_cryptography(local);
+                      }
+                      for (const auto remote : ended.remotes)
+                        if (!stop.stop_requested()) revoke(this, remote.value);
                       const auto end = [&](std::int64_t remote) { revoke(this, remote); };
                       revoke_stuck(stop, end);
                       revoke_reset(stop, end);

@@ -46,6 +46,26 @@ CryptographyAdapter::~CryptographyAdapter() {
   reader_ends_.stop();  // which calls the host
 }
 
+void CryptographyAdapter::note_local(spi::ParticipantCryptoHandle local,
+                                     spi::IdentityHandle identity) {
+  const std::lock_guard lock(locals_mutex_);
+  locals_[local] = identity;
+}
+
+void CryptographyAdapter::forget_local(spi::ParticipantCryptoHandle local) {
+  const std::lock_guard lock(locals_mutex_);
+  locals_.erase(local);
+}
+
+void CryptographyAdapter::cut_off(spi::IdentityHandle identity) {
+  const std::lock_guard lock(adapters().mutex);
+  for (auto* const adapter : adapters().all) {
+    const std::lock_guard locals_lock(adapter->locals_mutex_);
+    for (const auto& [local, its_identity] : adapter->locals_)
+      if (its_identity == identity) adapter->key_factory().cut_off(local);
+  }
+}
+
 void CryptographyAdapter::look_for_ended_readers() noexcept {
   const std::lock_guard lock(adapters().mutex);
   for (auto* const adapter : adapters().all) adapter->reader_ends_.look_soon();

@@ -32,6 +32,9 @@ class CryptographyAdapter final : public dds_security_cryptography {
   /// Asks those of all domains of the process: spi::CryptoKeyFactory::take_stranded_keys.
   static bool take_stranded_keys(spi::IdentityHandle remote);
 
+  /// A local participant of whatever domain is cut off: process_questions.hpp.
+  static void cut_off(spi::IdentityHandle local);
+
   /// Of all domains of the process: reader_ends.hpp.
   static void look_for_ended_readers() noexcept;
 
@@ -39,6 +42,9 @@ class CryptographyAdapter final : public dds_security_cryptography {
   spi::CryptoKeyFactory& key_factory() { return key_factory_engine_; }
   spi::CryptoKeyExchange& key_exchange() { return key_exchange_engine_; }
   spi::CryptoTransform& transform() { return transform_engine_; }
+  /// Whose keys they are, until the host unregisters it.
+  void note_local(spi::ParticipantCryptoHandle local, spi::IdentityHandle identity);
+  void forget_local(spi::ParticipantCryptoHandle local);
   OwnReaders& own_readers() { return reader_ends_.readers(); }
 
  private:
@@ -62,6 +68,8 @@ class CryptographyAdapter final : public dds_security_cryptography {
   Table<dds_security_crypto_transform> transform_table_;
   Table<dds_security_crypto_key_factory> key_factory_table_;
   Table<dds_security_crypto_key_exchange> key_exchange_table_;
+  std::mutex locals_mutex_;
+  std::map<spi::ParticipantCryptoHandle, spi::IdentityHandle> locals_ = {};
   ReaderEnds reader_ends_;
 };
 

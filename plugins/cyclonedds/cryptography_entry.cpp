@@ -39,6 +39,10 @@ DDSSEC_EXPORT bool ddssec_take_stranded_keys(DDS_Security_IdentityHandle remote)
   return CryptographyAdapter::take_stranded_keys({remote});
 }
 
+DDSSEC_EXPORT void ddssec_cut_off_cryptography(DDS_Security_IdentityHandle local) {
+  CryptographyAdapter::cut_off({local});
+}
+
 DDSSEC_EXPORT void ddssec_look_for_ended_readers() {
   CryptographyAdapter::look_for_ended_readers();
 }

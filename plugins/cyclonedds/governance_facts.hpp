@@ -1,10 +1,13 @@
-// What our access control shows our authentication of the governance of local participants.
+// What our access control knows of local participants: facts of their governance, which it shows
+// our authentication, and whether they are cut off.
 #pragma once
 
 #include <cstdint>
 #include <map>
 #include <mutex>
+#include <optional>
 
+#include "base/result.hpp"
 #include "plugins/spi/attributes.hpp"
 #include "plugins/spi/handles.hpp"
 
@@ -29,7 +32,7 @@ class GovernanceFacts {
     };
     add(attributes.allow_unauthenticated_participants, GovernanceFact::allows_unauthenticated);
     const std::lock_guard lock(mutex_);
-    locals_[permissions] = {local, facts};
+    locals_[permissions] = {.local = local, .facts = facts};
   }
   void forget(spi::PermissionsHandle permissions) {
     const std::lock_guard lock(mutex_);
@@ -42,11 +45,38 @@ class GovernanceFacts {
       if (known.local == local) return known.facts;
     return 0;
   }
+  /// Nothing: the permissions are those of a peer.
+  std::optional<spi::IdentityHandle> identity_of(spi::PermissionsHandle permissions) const {
+    const std::lock_guard lock(mutex_);
+    const auto known = locals_.find(permissions);
+    return known == locals_.end() ? std::nullopt : std::optional(known->second.local);
+  }
+
+  /// From now on the participant is refused, for that reason. The first counts.
+  void cut_off(spi::IdentityHandle local, Code reason) {
+    const std::lock_guard lock(mutex_);
+    for (auto& [permissions, known] : locals_)
+      if (known.local == local && !known.cut_off) known.cut_off = reason;
+  }
+  /// Error: the reason why it is cut off.
+  Status check(spi::PermissionsHandle permissions) const {
+    const std::lock_guard lock(mutex_);
+    const auto known = locals_.find(permissions);
+    return known == locals_.end() ? Status() : known->second.status();
+  }
+  Status check(spi::IdentityHandle local) const {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [permissions, known] : locals_)
+      if (known.local == local) return known.status();
+    return {};
+  }
 
  private:
   struct Known {
     spi::IdentityHandle local;
     std::uint32_t facts;
+    std::optional<Code> cut_off = {};
+    Status status() const { return cut_off ? Status(fail(*cut_off)) : Status(); }
   };
 
   mutable std::mutex mutex_;

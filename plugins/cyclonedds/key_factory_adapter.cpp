@@ -41,8 +41,10 @@ CHandle register_local_participant(Instance* instance, const DDS_Security_Identi
         say_plugins_in_use(adapter.host(), PluginKind::cryptography);
         const auto list =
             DDSSEC_TRY(with_process_properties(DDSSEC_TRY(optional_properties(properties))));
-        return adapter.key_factory().register_local_participant({identity}, {permissions}, list,
-                                                                attributes_from(*attributes));
+        const auto local = DDSSEC_TRY(adapter.key_factory().register_local_participant(
+            {identity}, {permissions}, list, attributes_from(*attributes)));
+        adapter.note_local(local, {identity});
+        return local;
       });
 }
 
@@ -134,6 +136,7 @@ DDS_Security_boolean unregister_participant(Instance* instance, const CHandle ha
     if (handle == DDS_SECURITY_HANDLE_NIL) return {};
     PeersWithKeys::of_process().left({handle});
     SessionResets::of_process().forget({handle});
+    adapter.forget_local({handle});
     return adapter.key_factory().unregister_participant({handle});
   });
 }

@@ -31,6 +31,18 @@ HandshakeWatch::Questions questions_to_cryptography() {
   return questions;
 }
 
+namespace {
+void cut_off(const char* name, spi::IdentityHandle local) {
+  if (void* const symbol = dlsym(RTLD_DEFAULT, name))
+    reinterpret_cast<CutOff*>(symbol)(local.value);
+}
+}  // namespace
+
+void cut_off_cryptography(spi::IdentityHandle local) { cut_off(kCutOffCryptographySymbol, local); }
+void cut_off_access_control(spi::IdentityHandle local) {
+  cut_off(kCutOffAccessControlSymbol, local);
+}
+
 void look_for_ended_readers() noexcept {
   if (void* const symbol = dlsym(RTLD_DEFAULT, kLookForEndedReadersSymbol))
     reinterpret_cast<LookForEndedReaders*>(symbol)();

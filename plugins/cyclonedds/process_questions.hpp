@@ -21,6 +21,13 @@ HandshakeWatch::Questions questions_to_cryptography();
 /// (reader_ends.hpp). Nothing without ours.
 void look_for_ended_readers() noexcept;
 
+/// The certificate or the permissions of a local participant have ended. Cyclone's core would
+/// delete the participant beneath the application's entities, and the process would end at the next
+/// call that needs it. So the core is not told: our other plugins refuse it everything. As far as
+/// they are ours.
+void cut_off_cryptography(spi::IdentityHandle local);
+void cut_off_access_control(spi::IdentityHandle local);
+
 /// Without our access control nothing is known.
 bool holds(GovernanceFact fact, spi::IdentityHandle local);
 

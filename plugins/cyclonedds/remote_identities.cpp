@@ -103,17 +103,22 @@ bool RemoteIdentities::stays(const Remote& remote, IdentityHandle pair) const {
   return own != remote.pairs.end() && ended(*own) && !std::ranges::all_of(remote.pairs, ended);
 }
 
-std::vector<IdentityHandle> RemoteIdentities::to_revoke(std::span<const IdentityHandle> ended) {
+bool RemoteIdentities::has_ended(IdentityHandle local) const {
   const std::lock_guard lock(mutex_);
+  return ended_locals_.contains(local);
+}
+
+RemoteIdentities::ToRevoke RemoteIdentities::to_revoke(std::span<const IdentityHandle> ended) {
+  const std::lock_guard lock(mutex_);
+  ToRevoke out;
   for (const auto handle : ended)
-    if (find(handle) == nullptr) ended_locals_.insert(handle);
-  std::vector<IdentityHandle> out;
+    if (find(handle) == nullptr && ended_locals_.insert(handle).second)
+      out.locals.push_back(handle);
   std::set<IdentityHandle> told;
   for (const auto handle : ended) {
     const auto* const remote = find(handle);
-    if (remote != nullptr && stays(*remote, handle)) continue;
-    const auto of_host = remote == nullptr ? handle : remote->of_host;
-    if (told.insert(of_host).second) out.push_back(of_host);
+    if (remote == nullptr || stays(*remote, handle)) continue;
+    if (told.insert(remote->of_host).second) out.remotes.push_back(remote->of_host);
   }
   return out;
 }

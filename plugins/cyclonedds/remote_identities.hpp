@@ -42,10 +42,17 @@ class RemoteIdentities {
   /// The host returns a remote identity, or a local one: what has to be returned to the engine.
   std::vector<spi::IdentityHandle> take(spi::IdentityHandle identity);
 
+  /// Has `expire` found that this local participant ended?
+  bool has_ended(spi::IdentityHandle local) const;
+
+  struct ToRevoke {
+    std::vector<spi::IdentityHandle> remotes = {};  ///< the host's handles
+    std::vector<spi::IdentityHandle> locals = {};
+  };
   /// What the engine's `expire` found, as the host knows it. The host can remove a remote
   /// participant for all its local ones only, so one whose only fault is that a local participant
   /// ended is left to the others that have it.
-  std::vector<spi::IdentityHandle> to_revoke(std::span<const spi::IdentityHandle> ended);
+  ToRevoke to_revoke(std::span<const spi::IdentityHandle> ended);
 
  private:
   struct Remote {

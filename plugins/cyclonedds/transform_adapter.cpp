@@ -144,10 +144,12 @@ constexpr DDS_Security_long kAskNext = DDS_SECURITY_ERR_INVALID_CRYPTO_RECEIVER_
 /// nothing to alarm anybody with.
 Telling as_one_of_several_receivers(const Error& error) {
   auto telling = plainly(error);
-  if (error.code() == Code::receiver_specific_mac_missing) telling.severity = Severity::debug;
+  if (error.code() == Code::receiver_specific_mac_missing || error.code() == Code::identity_ended)
+    telling.severity = Severity::debug;
   if (error.code() == Code::receiver_specific_mac_missing ||
       error.code() == Code::receiver_specific_mac_mismatch ||
-      error.code() == Code::message_from_before || error.code() == Code::key_material_not_received)
+      error.code() == Code::identity_ended || error.code() == Code::message_from_before ||
+      error.code() == Code::key_material_not_received)
     telling.host_code = kAskNext;
   return telling;
 }

@@ -85,6 +85,11 @@ class CryptoKeyFactory {
   /// again. To be called once a second. Always false with a host that takes keys as they come.
   virtual bool take_stranded_keys(IdentityHandle remote) = 0;
 
+  /// The participant's certificate or permissions have ended, or it was revoked: from now on
+  /// nothing is encoded or decoded for it or its endpoints (identity_ended), whatever the host
+  /// asks.
+  virtual void cut_off(ParticipantCryptoHandle local) = 0;
+
   /// A local participant goes with its endpoints and with what it has with remote ones. A remote
   /// one goes with its endpoints, for all local participants that have this handle.
   virtual Status unregister_participant(ParticipantCryptoHandle participant) = 0;

@@ -119,7 +119,7 @@ def leaves(watched):
 
 
 def ends(watched):
-    """Its permissions, or its certificate: Cyclone's core removes it."""
+    """Its permissions, or its certificate: it is cut off."""
     watched.until("its end", lambda: watched.logged(ENDED))
     if watched.companions_last < 0:
         raise TooLate("it ended before it heard anything")

@@ -34,11 +34,18 @@ struct passing {
   dds_time_t until;
 };
 
+// When a further topic, writer and reader are made, as an application may at any time.
+struct late {
+  dds_entity_t participant;
+  dds_time_t at;  // 0: not, or it is done
+};
+
 struct cyclone {
   dds_entity_t endpoint;  // the writer or the reader
   interop_Shape* loan;    // the sample handed out by take
   struct companion companion;
   struct passing passing;
+  struct late late;
 };
 
 static uint32_t matched_readers(void* self) {
@@ -99,10 +106,28 @@ static void watch_passing(struct passing* passing) {
   peer_say("the passing readers are deleted");
 }
 
+static const char* created(dds_entity_t entity) {
+  return entity >= 0 ? "created" : dds_strretcode(-entity);
+}
+
+static void watch_late(struct cyclone* cyclone) {
+  if (cyclone->late.at == 0 || dds_time() < cyclone->late.at) return;
+  cyclone->late.at = 0;
+  const dds_entity_t participant = cyclone->late.participant;
+  const dds_entity_t topic = dds_get_topic(cyclone->endpoint);
+  const dds_entity_t further =
+      dds_create_topic(participant, &interop_Shape_desc, "Further", NULL, NULL);
+  const dds_entity_t writer = dds_create_writer(participant, topic, NULL, NULL);
+  const dds_entity_t reader = dds_create_reader(participant, topic, NULL, NULL);
+  peer_say("late: topic %s, writer %s, reader %s", created(further), created(writer),
+           created(reader));
+}
+
 static bool take_sample(void* self, struct peer_sample* sample) {
   struct cyclone* cyclone = self;
   watch_companion(&cyclone->companion);
   watch_passing(&cyclone->passing);
+  watch_late(cyclone);
   return_loan(cyclone);
   void* raw = NULL;
   dds_sample_info_t info;
@@ -271,6 +296,8 @@ static int run(const struct peer_options* options) {
   if (cyclone.endpoint < 0) return -cyclone.endpoint;
   const int refused = create_passing(cyclone.endpoint, options, &cyclone.passing);
   if (refused != 0) return refused;
+  if (options->late > 0)
+    cyclone.late = (struct late){participant, dds_time() + DDS_SECS(options->late)};
   const struct peer_stack stack = {&cyclone, options->publish ? matched_readers : matched_writers,
                                    write_sample, acknowledged, take_sample};
   const int status = peer_run(options, &stack);

@@ -59,6 +59,7 @@ static void usage(const char* program, int status) {
       "       [--plugins auth=NAME,ac=NAME,crypto=NAME]   (Cyclone DDS only)\n"
       "       [--companion CERTIFICATE,KEY,PERMISSIONS,SAMPLES]   (Cyclone DDS only)\n"
       "       [--user-data OCTETS]   (Cyclone DDS only)\n"
+      "       [--late SECONDS]   until a subscriber makes further entities (Cyclone DDS only)\n"
       "       [--passing READERS]   further ones, deleted after some seconds (Cyclone DDS only)\n"
       "       [--property NAME=VALUE]...\n"
       "exit: 0 all samples seen or acknowledged, 2 usage, 3 refused, 4 no match, 5 no samples\n",
@@ -118,6 +119,7 @@ enum {
   OPT_PLUGINS,
   OPT_COMPANION,
   OPT_USER_DATA,
+  OPT_LATE,
   OPT_PASSING,
   OPT_PROPERTY,
   OPT_HELP
@@ -153,6 +155,7 @@ static const struct option table[] = {
     {"plugins", 1, NULL, OPT_PLUGINS},
     {"companion", 1, NULL, OPT_COMPANION},
     {"user-data", 1, NULL, OPT_USER_DATA},
+    {"late", 1, NULL, OPT_LATE},
     {"passing", 1, NULL, OPT_PASSING},
     {"property", 1, NULL, OPT_PROPERTY},
     {"help", 0, NULL, OPT_HELP},
@@ -210,6 +213,9 @@ static void apply(const char* program, int option, struct peer_options* options,
       break;
     case OPT_USER_DATA:
       options->user_data = number(program, optarg, MAX_USER_DATA);
+      break;
+    case OPT_LATE:
+      options->late = number(program, optarg, 3600);
       break;
     case OPT_PASSING:
       options->passing = number(program, optarg, PEER_MAX_PASSING);

@@ -31,6 +31,13 @@ struct Mortal : MockAuthentication {
 
 std::atomic<int> revocations = 0;
 
+Guid guid_of(std::int64_t remote) {
+  Guid guid{{{0x80}}, kEntityIdParticipant};
+  for (int i = 0; i < 8; ++i)
+    guid.prefix.octets[4 + i] = static_cast<std::uint8_t>(remote >> (8 * i));
+  return guid;
+}
+
 TEST(AdapterThreads, IdentitiesEndDuringHandshakes) {
   Harness<AuthenticationAdapter, Mortal, spi::Authentication> harness;
   harness.engine->secret->secret = *spi::SharedSecretOctets::copy_of(Bytes(32, 9));
@@ -51,6 +58,7 @@ TEST(AdapterThreads, IdentitiesEndDuringHandshakes) {
       const HostOctets data(Bytes(8, 1));
       for (int round = 0; round < 300 || revocations < 2; ++round) {
         const auto remote = ++harness.engine->last_identity;
+        harness.adapter.remotes().note({1}, guid_of(remote), {remote});
         DDS_Security_HandshakeHandle handshake = 0;
         DDS_Security_DataHolder message{};
         EXPECT_EQ(

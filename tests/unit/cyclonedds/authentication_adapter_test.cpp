@@ -352,6 +352,7 @@ std::atomic<DDS_Security_IdentityHandle> revoked_identity{0};
 std::atomic<const dds_security_authentication*> revoking_plugin{nullptr};
 
 TEST_F(AuthenticationAdapterTest, ExpiredIdentityIsRevokedThroughTheListener) {
+  harness.adapter.remotes().note({1}, {{{0x81}}, kEntityIdParticipant}, {31});
   ON_CALL(engine, expire).WillByDefault(Return(std::vector<spi::IdentityHandle>{{31}}));
   ON_CALL(engine, next_expiry).WillByDefault(Return(std::nullopt));
   const dds_security_authentication_listener listener{

@@ -117,6 +117,7 @@ class MockCryptography : public spi::Cryptography,
   MOCK_METHOD(bool, is_key_revision_due, (Participant), (override));
   MOCK_METHOD(void, forget_former_keys, (), (override));
   MOCK_METHOD(bool, take_stranded_keys, (spi::IdentityHandle), (override));
+  MOCK_METHOD(void, cut_off, (Participant), (override));
   MOCK_METHOD(Status, unregister_participant, (Participant), (override));
   MOCK_METHOD(Status, unregister_datawriter, (Datawriter), (override));
   MOCK_METHOD(Status, unregister_datareader, (Datareader), (override));

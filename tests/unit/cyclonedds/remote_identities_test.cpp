@@ -69,25 +69,36 @@ TEST_F(RemoteIdentitiesTest, ThatAreRefusedHaveAHandleForTheHostOnly) {
 }
 
 TEST_F(RemoteIdentitiesTest, ThatEndAreRevokedOnce) {
-  EXPECT_EQ(remotes.to_revoke(Handles{{11}, {12}}), Handles{{11}});
-  EXPECT_EQ(remotes.to_revoke(Handles{{12}}), Handles{{11}});
-  EXPECT_EQ(remotes.to_revoke({}), Handles{});
+  EXPECT_EQ(remotes.to_revoke(Handles{{11}, {12}}).remotes, Handles{{11}});
+  EXPECT_EQ(remotes.to_revoke(Handles{{12}}).remotes, Handles{{11}});
+  EXPECT_EQ(remotes.to_revoke({}).remotes, Handles{});
+}
+
+// The host would delete the participant beneath the application's entities.
+TEST_F(RemoteIdentitiesTest, OfOurOwnAreToldApart) {
+  const auto ended = remotes.to_revoke(Handles{kFirst, {11}});
+  EXPECT_EQ(ended.locals, Handles{kFirst});
+  EXPECT_TRUE(remotes.has_ended(kFirst));
+  EXPECT_FALSE(remotes.has_ended(kSecond));
+  remotes.take(kFirst);
+  EXPECT_FALSE(remotes.has_ended(kFirst));
 }
 
 TEST_F(RemoteIdentitiesTest, StayForTheOtherWhenALocalOneEnds) {
-  EXPECT_EQ(remotes.to_revoke(Handles{kFirst, {11}}), Handles{kFirst});
+  EXPECT_EQ(remotes.to_revoke(Handles{kFirst, {11}}).remotes, Handles{});
   // The host may not have taken the first one away yet.
-  EXPECT_EQ(remotes.to_revoke(Handles{kSecond, {12}}), (Handles{kSecond, {11}}));
+  EXPECT_EQ(remotes.to_revoke(Handles{kSecond, {12}}).remotes, Handles{{11}});
 }
 
 TEST_F(RemoteIdentitiesTest, GoWhenAllTheLocalOnesEndTogether) {
-  EXPECT_EQ(remotes.to_revoke(Handles{kFirst, {11}, kSecond, {12}}),
-            (Handles{kFirst, {11}, kSecond}));
+  const auto ended = remotes.to_revoke(Handles{kFirst, {11}, kSecond, {12}});
+  EXPECT_EQ(ended.remotes, Handles{{11}});
+  EXPECT_EQ(ended.locals, (Handles{kFirst, kSecond}));
 }
 
 TEST_F(RemoteIdentitiesTest, GoWhenTheOtherLocalOneWasReturned) {
   remotes.take(kFirst);
-  EXPECT_EQ(remotes.to_revoke(Handles{kSecond, {12}}), (Handles{kSecond, {11}}));
+  EXPECT_EQ(remotes.to_revoke(Handles{kSecond, {12}}).remotes, Handles{{11}});
 }
 
 }  // namespace

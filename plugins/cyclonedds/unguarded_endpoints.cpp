@@ -1,0 +1,47 @@
+#include "plugins/cyclonedds/unguarded_endpoints.hpp"
+
+#include "plugins/cyclonedds/token_translation.hpp"
+
+namespace ddssec::cyclonedds {
+
+Status refuse_what_nothing_guards(AccessControlAdapter& adapter, spi::PermissionsHandle handle,
+                                  const spi::EndpointRequest& request,
+                                  const spi::EndpointSecurityAttributes& endpoint, bool is_writer) {
+  const bool is_controlled =
+      is_writer ? endpoint.topic.is_read_protected : endpoint.topic.is_write_protected;
+  if (endpoint.is_submessage_protected() || endpoint.is_payload_protected()) return {};
+  const auto participant = DDSSEC_TRY(adapter.engine().participant_sec_attributes(handle));
+  const bool relies_on_messages = participant.is_rtps_protected() && !is_writer;
+  if (participant.allow_unauthenticated_participants && (is_controlled || relies_on_messages))
+    return fail(Code::unauthenticated_peers_unstoppable,
+                {.document = "governance",
+                 .field = "allow_unauthenticated_participants",
+                 .expected = "false, or protection of the topic",
+                 .found = "true"});
+  if (!is_controlled) return {};
+  return fail(Code::controlled_topic_unguarded,
+              {.document = "governance",
+               .field = is_writer ? "enable_read_access_control" : "enable_write_access_control",
+               .expected = "false, or protection of the topic",
+               .found = "true, with metadata_protection_kind and data_protection_kind NONE",
+               .note = "topic \"" + std::string(request.topic_name) + "\""});
+}
+
+Status refuse_what_shared_memory_exposes(AccessControlAdapter& adapter,
+                                         spi::PermissionsHandle handle, std::string_view topic,
+                                         const DDS_Security_Qos* qos,
+                                         const spi::EndpointSecurityAttributes& endpoint,
+                                         Direction direction) {
+  auto& guard = adapter.shared_memory();
+  if (guard.is_allowed(handle)) return {};
+  const auto participant = DDSSEC_TRY(adapter.engine().participant_sec_attributes(handle));
+  const auto promise = promise_for_samples(participant, endpoint, direction);
+  if (promise.empty()) return {};
+  if (qos != nullptr) {
+    const auto properties = DDSSEC_TRY(properties_from(qos));
+    if (DDSSEC_TRY(SharedMemoryGuard::is_allowed_by(properties))) return {};
+  }
+  return guard.check(topic, promise);
+}
+
+}  // namespace ddssec::cyclonedds

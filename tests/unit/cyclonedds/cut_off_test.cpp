@@ -1,0 +1,117 @@
+// A local participant whose certificate or permissions have ended: the host is not told, since it
+// would delete the participant beneath the application's entities. Our plugins refuse it.
+#include <atomic>
+#include <thread>
+
+#include "plugins/cyclonedds/access_control_adapter.hpp"
+#include "plugins/cyclonedds/authentication_adapter.hpp"
+#include "tests/unit/cyclonedds/support.hpp"
+
+static std::atomic<DDS_Security_IdentityHandle> cut_off_in_cryptography{0};
+static std::atomic<DDS_Security_IdentityHandle> cut_off_in_access_control{0};
+
+namespace ddssec::cyclonedds {
+namespace {
+
+constexpr spi::IdentityHandle kOwn{5}, kRemote{31};
+std::atomic<int> told{0};
+
+template <class F>
+bool soon(F&& is_so) {
+  for (int i = 0; i < 1000 && !is_so(); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  return is_so();
+}
+
+TEST(CutOff, TheHostIsNotToldThatOurOwnIdentityEnded) {
+  Harness<AuthenticationAdapter, MockAuthentication, spi::Authentication> harness;
+  auto* c = static_cast<dds_security_authentication*>(&harness.adapter);
+  harness.adapter.remotes().note(kOwn, {{{0x81}}, kEntityIdParticipant}, kRemote);
+  ON_CALL(*harness.engine, expire).WillByDefault([](auto) { return std::vector{kOwn, kRemote}; });
+  static std::atomic<DDS_Security_IdentityHandle> revoked{0};
+  told = 0;
+  cut_off_in_cryptography = cut_off_in_access_control = 0;
+  const dds_security_authentication_listener listener{
+      [](const dds_security_authentication*,
+         const DDS_Security_IdentityHandle handle) -> DDS_Security_boolean {
+        revoked = handle;
+        ++told;
+        return 1;
+      },
+      nullptr};
+  ASSERT_EQ(c->set_listener(c, &listener, nullptr), 1);
+  EXPECT_TRUE(soon([] { return told > 0; }));
+  EXPECT_EQ(c->set_listener(c, nullptr, nullptr), 1);
+  EXPECT_EQ(revoked, kRemote.value);
+  EXPECT_EQ(cut_off_in_cryptography, kOwn.value) << "before any peer goes";
+  EXPECT_EQ(cut_off_in_access_control, kOwn.value);
+}
+
+struct CutOffPermissions : testing::Test {
+  CutOffPermissions() {
+    ON_CALL(engine, validate_local_permissions).WillByDefault([](auto&&...) {
+      return spi::PermissionsHandle{8};
+    });
+    EXPECT_EQ(c->validate_local_permissions(c, nullptr, kOwn.value, 5, &qos, nullptr), 8);
+  }
+  bool may_create() {
+    const bool topic = c->check_create_topic(c, 8, 5, "Square", &qos, nullptr) != 0;
+    const bool reader =
+        c->check_create_datareader(c, 8, 5, "Square", &qos, nullptr, nullptr, nullptr) != 0;
+    const bool writer =
+        c->check_create_datawriter(c, 8, 5, "Square", &qos, nullptr, nullptr, nullptr) != 0;
+    EXPECT_EQ(topic, reader);
+    EXPECT_EQ(topic, writer);
+    return topic;
+  }
+
+  Harness<AccessControlAdapter, MockAccessControl, spi::AccessControl> harness;
+  dds_security_access_control* c = &harness.adapter;
+  MockAccessControl& engine = *harness.engine;
+  DDS_Security_Qos qos{};
+};
+
+TEST_F(CutOffPermissions, MakeEveryCreationARefusalThatSaysWhy) {
+  EXPECT_TRUE(may_create());
+  AccessControlAdapter::cut_off({6});
+  EXPECT_TRUE(may_create()) << "that was another";
+  AccessControlAdapter::cut_off(kOwn);
+  EXPECT_FALSE(may_create());
+  Refusal refusal;
+  EXPECT_EQ(c->check_create_topic(c, 8, 5, "Square", &qos, &refusal), 0);
+  EXPECT_EQ(refusal.reason(), Code::identity_ended);
+}
+
+TEST_F(CutOffPermissions, AreNotRevokedThroughTheListenerButThoseOfPeersAre) {
+  ON_CALL(engine, expire).WillByDefault([](auto) {
+    return std::vector<spi::PermissionsHandle>{{8}, {41}};
+  });
+  static std::atomic<DDS_Security_PermissionsHandle> revoked{0};
+  cut_off_in_cryptography = 0;
+  const dds_security_access_control_listener listener{
+      [](const dds_security_access_control*,
+         const DDS_Security_PermissionsHandle handle) -> DDS_Security_boolean {
+        revoked = handle;
+        return 1;
+      }};
+  ASSERT_EQ(c->set_listener(c, &listener, nullptr), 1);
+  EXPECT_TRUE(soon([] { return revoked != 0; }));
+  EXPECT_EQ(c->set_listener(c, nullptr, nullptr), 1);
+  EXPECT_EQ(revoked, 41);
+  EXPECT_EQ(cut_off_in_cryptography, kOwn.value);
+  EXPECT_FALSE(may_create());
+  Refusal refusal;
+  EXPECT_EQ(c->check_create_topic(c, 8, 5, "Square", &qos, &refusal), 0);
+  EXPECT_EQ(refusal.reason(), Code::grant_expired);
+}
+
+}  // namespace
+}  // namespace ddssec::cyclonedds
+
+// What our other plugins in the same process export.
+DDSSEC_EXPORT void ddssec_cut_off_cryptography(DDS_Security_IdentityHandle local) {
+  cut_off_in_cryptography = local;
+}
+DDSSEC_EXPORT void ddssec_cut_off_access_control(DDS_Security_IdentityHandle local) {
+  cut_off_in_access_control = local;
+}
