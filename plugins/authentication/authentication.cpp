@@ -9,6 +9,7 @@
 #include "plugins/authentication/auth_request.hpp"
 #include "plugins/authentication/identity_table.hpp"
 #include "plugins/authentication/identity_token.hpp"
+#include "plugins/authentication/kept_requests.hpp"
 #include "plugins/authentication/participant_data.hpp"
 #include "plugins/authentication/revocation.hpp"
 #include "plugins/spi/property_names.hpp"
@@ -97,6 +98,7 @@ class PkiDh final : public spi::Authentication {
                               BytesView participant_data);
   Result<HandshakeStep> step(HandshakeHandle handle, const Token& message);
   Result<HandshakeContext> context(const Pair& pair) const;
+  void take_up_request(const std::shared_ptr<Pair>& pair);
   Status check_room(const Pair& pair) const;
   void make_room(Pair& pair);
   HandshakeStep keep(const std::shared_ptr<Pair>& pair, HandshakeOutcome outcome,
@@ -112,6 +114,7 @@ class PkiDh final : public spi::Authentication {
   TrustStores stores_;
   UnprovenOctets unproven_;
   IdentityTable table_;
+  KeptRequests kept_requests_;
   std::mutex given_out_mutex_;
   std::vector<HandshakeHandle> given_out_;  ///< whose credentials, since the last `expire`
 };
@@ -171,12 +174,14 @@ Result<PkiDh::RemoteIdentity> PkiDh::admit(IdentityHandle local,
   std::optional<spi::Challenge> announced;
   if (auth_request) announced = DDSSEC_TRY(read_auth_request(*auth_request));
   DDSSEC_TRY(identity->verify(environment_.clock.now()));
-  spi::Challenge own_challenge{};
-  DDSSEC_TRY(environment_.random.fill(own_challenge));
+  const auto kept = kept_requests_.challenge(local, guid, environment_.clock.monotonic());
+  auto own_challenge = kept.value_or(spi::Challenge{});
+  if (!kept) DDSSEC_TRY(environment_.random.fill(own_challenge));
 
   const auto pair = DDSSEC_TRY(
       table_.admit_remote(local, {guid, identity_token, std::move(claim.subject)}, own_challenge));
   const std::scoped_lock lock(pair->mutex);
+  if (kept && pair->own_challenge == *kept) take_up_request(pair);
   if (announced) pair->announced_challenge = announced;
   RemoteIdentity result{pair->remote_handle, ValidationResult::pending_handshake_message,
                         std::nullopt};
@@ -187,8 +192,13 @@ Result<PkiDh::RemoteIdentity> PkiDh::admit(IdentityHandle local,
 }
 
 Status PkiDh::return_identity_handle(IdentityHandle identity) {
-  if (table_.remove(identity)) return {};
-  return fail(Code::unknown_identity);
+  const auto pair = table_.pair_of(identity);
+  if (!table_.remove(identity)) return fail(Code::unknown_identity);
+  if (pair)
+    kept_requests_.keep(*pair, environment_.clock.monotonic());
+  else
+    kept_requests_.forget(identity);
+  return {};
 }
 
 std::vector<IdentityHandle> PkiDh::expire(IdentityHandle local) {
@@ -235,6 +245,15 @@ Result<HandshakeContext> PkiDh::context(const Pair& pair) const {
   DDSSEC_TRY(pair.local->verify(now));
   return HandshakeContext{*pair.local, pair.remote_guid, pair.own_challenge,
                           pair.announced_challenge, now};
+}
+
+/// The pair's lock is held.
+void PkiDh::take_up_request(const std::shared_ptr<Pair>& pair) {
+  auto request = kept_requests_.take(pair->local_handle, pair->remote_guid);
+  if (!request) return;
+  pair->handshakes.reserve(pair->handshakes.size() + 1);
+  request->handle = table_.add_handshake(pair);
+  pair->handshakes.push_back(std::move(*request));
 }
 
 /// Only one that waited long gives way to another.

@@ -180,6 +180,12 @@ void IdentityTable::forget(Remotes::iterator remote) {
   remotes_.erase(remote);
 }
 
+std::shared_ptr<Pair> IdentityTable::pair_of(spi::IdentityHandle handle) const {
+  const std::shared_lock lock(mutex_);
+  const auto remote = remotes_.find(handle.value);
+  return remote == remotes_.end() ? nullptr : remote->second.pair;
+}
+
 bool IdentityTable::remove(spi::IdentityHandle handle) {
   const std::unique_lock lock(mutex_);
   if (const auto remote = remotes_.find(handle.value); remote != remotes_.end()) {

@@ -79,6 +79,8 @@ class IdentityTable {
                                              const spi::Challenge& own_challenge);
   /// A pair that exists. Errors: unknown_identity, also for another's remote; identity_ended.
   Result<std::shared_ptr<Pair>> pair(spi::IdentityHandle local, spi::IdentityHandle remote) const;
+  /// Of a remote identity, whether it ended or not; null: there is none.
+  std::shared_ptr<Pair> pair_of(spi::IdentityHandle remote) const;
   /// Error: unknown_handshake, identity_ended.
   Result<std::shared_ptr<Pair>> pair_of(spi::HandshakeHandle handle) const;
 

@@ -62,8 +62,8 @@ Result<std::vector<pki::Certificate>> load_bundle(std::string_view uri, std::str
 
 Result<pki::Certificate> load_certificate(const spi::PropertyList& properties) {
   constexpr auto kName = property::kIdentityCertificate;
-  const Bytes octets = DDSSEC_TRY(
-      pki::load_certificates(spi::property_value(properties, kName), kName, pki::kMostCertificateOctets));
+  const Bytes octets = DDSSEC_TRY(pki::load_certificates(spi::property_value(properties, kName),
+                                                         kName, pki::kMostCertificateOctets));
   return in(pki::Certificate::from_pem(octets), kName);
 }
 

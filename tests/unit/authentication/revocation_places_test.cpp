@@ -1,4 +1,6 @@
 // Where a revocation list is looked for, and how often.
+#include <gmock/gmock.h>
+
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/authentication/revocation_lists.hpp"
 

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include "plugins/authentication/revocation_lists.hpp"
 #include "tests/support/delta_list.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/authentication/revocation_lists.hpp"

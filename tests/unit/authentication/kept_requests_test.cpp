@@ -1,0 +1,82 @@
+// What becomes of a request when the host drops a peer and meets it again: stock plugins answer the
+// first request that they saw, and no other.
+#include "plugins/authentication/kept_requests.hpp"
+
+#include "tests/unit/authentication/fixture.hpp"
+
+namespace ddssec::authentication {
+namespace {
+
+struct KeptRequest : ::testing::Test {
+  /// The host of the one that begins drops the other, and meets it again.
+  void meet_again() {
+    ASSERT_OK((*two.low.engine)->return_identity_handle(two.high_at_low));
+    const auto again = two.low.discover(two.high);
+    ASSERT_OK(again);
+    two.high_at_low = again->handle;
+  }
+  Token request() {
+    const auto step = two.request();
+    EXPECT_TRUE(step);
+    return step ? *step->message : Token{};
+  }
+
+  Pairing pairing;
+  Two& two = pairing.two;
+};
+
+TEST_F(KeptRequest, IsRepeatedAndItsAnswerCounts) {
+  const auto first = two.request();
+  ASSERT_OK(first);
+  const auto reply = two.reply(*first->message);
+  ASSERT_OK(reply);
+  for (int times = 0; times < 3; ++times) meet_again();
+  const auto again = two.request();
+  ASSERT_OK(again);
+  EXPECT_EQ(*again->message, *first->message);
+  EXPECT_CODE(two.at_low(first->handle, *reply->message), unknown_handshake);
+  pairing.expect_finish(*again, *reply);
+}
+
+TEST_F(KeptRequest, IsForgottenAfterAnHour) {
+  const auto first = request();
+  meet_again();
+  EXPECT_EQ(request(), first);
+  two.low.engine->clock.advance(KeptRequests::kLife + 1s);
+  meet_again();
+  EXPECT_NE(request(), first);
+}
+
+TEST_F(KeptRequest, IsNotKeptOnceItWasAnswered) {
+  const auto first = two.request();
+  ASSERT_OK(first);
+  const auto reply = two.reply(*first->message);
+  ASSERT_OK(reply);
+  ASSERT_OK(two.at_low(first->handle, *reply->message));
+  meet_again();
+  EXPECT_NE(request(), *first->message);
+}
+
+TEST_F(KeptRequest, GivesWayToLaterOnesOfOthers) {
+  const auto first = request();
+  ASSERT_OK((*two.low.engine)->return_identity_handle(two.high_at_low));
+  for (std::size_t i = 0; i < KeptRequests::kMost; ++i) {
+    two.low.engine->clock.advance(1ms);
+    auto guid = two.high.guid;
+    guid.prefix.octets[10] = static_cast<std::uint8_t>(i + 1);
+    guid.prefix.octets[11] = static_cast<std::uint8_t>(i >> 8);
+    const auto other =
+        (*two.low.engine)->validate_remote_identity(two.low.handle, {}, two.high.token, guid);
+    ASSERT_OK(other);
+    ASSERT_OK(
+        (*two.low.engine)->begin_handshake_request(two.low.handle, other->handle, two.low.data));
+    ASSERT_OK((*two.low.engine)->return_identity_handle(other->handle));
+  }
+  const auto again = two.low.discover(two.high);
+  ASSERT_OK(again);
+  two.high_at_low = again->handle;
+  EXPECT_NE(request(), first);
+}
+
+}  // namespace
+}  // namespace ddssec::authentication
