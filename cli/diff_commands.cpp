@@ -32,6 +32,10 @@ bool is_wider_to_others(const governance::Readings& readings) {
   });
 }
 
+bool is_narrower_to_others(const governance::Readings& readings) {
+  return std::ranges::any_of(readings.all, &governance::Reading::narrows);
+}
+
 /// Where stock products read a range of domains in another way, the comparison is not theirs.
 void warn_of_open_ranges(Report& report, Rule rule, const std::vector<governance::Note>& notes,
                          const std::filesystem::path& file) {
@@ -89,8 +93,9 @@ Result<Report> permissions_diff(const Arguments& arguments, const Context& conte
   const bool reached =
       threshold == "wider"
           ? is_worse(diff.verdict, ChangeClass::wider) || is_wider_to_others(diff.readings)
-      : threshold == "narrower" ? is_worse(diff.verdict, ChangeClass::narrower)
-      : threshold == "any"      ? std::ranges::any_of(diff.changes, is_not_only_spelling) ||
+      : threshold == "narrower"
+          ? is_worse(diff.verdict, ChangeClass::narrower) || is_narrower_to_others(diff.readings)
+      : threshold == "any" ? std::ranges::any_of(diff.changes, is_not_only_spelling) ||
                                  is_other_to_products(diff.readings, sides)
                            : false;
   if (is_wider_to_others(diff.readings))

@@ -1,6 +1,7 @@
 #include "governance/cyclonedds_subject.hpp"
 
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <set>
 
@@ -71,6 +72,74 @@ const Grant* GrantsForCyclone::taken_for(std::string_view certificate) const {
     return cyclonedds_takes(grant->subject_name, certificate);
   });
   return taken == fewest->end() ? nullptr : *taken;
+}
+
+namespace {
+
+/// What a document has for one subject, however that is written.
+struct OwnGrants {
+  const Grant* first = nullptr;
+  std::size_t count = 0;
+};
+using OwnGrantsOf = std::map<std::string_view, OwnGrants>;
+
+/// The subjects of both documents, by what is the same for every spelling.
+struct SubjectsOfBoth {
+  std::map<std::string, std::vector<std::string>> texts;  ///< as certificates say them
+  OwnGrantsOf before, after;
+
+  SubjectsOfBoth(const Permissions& old_document, const Permissions& new_document) {
+    add(old_document, before);
+    add(new_document, after);
+  }
+
+ private:
+  void add(const Permissions& document, OwnGrantsOf& own) {
+    for (const auto& grant : document.grants) {
+      const auto subject = subject_of(grant);
+      if (!subject) continue;
+      auto& [key, all] = *texts.try_emplace(subject->key).first;
+      if (std::ranges::find(all, subject->text) == all.end()) all.push_back(subject->text);
+      auto& grants = own[key];
+      if (grants.count++ == 0) grants.first = &grant;
+    }
+  }
+};
+
+/// Does ddssec look at that grant, and at no other?
+bool is_the_only_one(const OwnGrantsOf& own, const std::string& key, const Grant* taken) {
+  const auto found = own.find(key);
+  if (found == own.end()) return taken == nullptr;
+  return taken == found->second.first && found->second.count == 1;
+}
+
+void add_as(const std::string& subject, const Grant* taken, Permissions& out) {
+  if (taken == nullptr) return;
+  out.grants.push_back(*taken);
+  out.grants.back().subject_name = subject;
+}
+
+}  // namespace
+
+std::vector<TakenByCyclone> taken_by_cyclonedds(const Permissions& old_document,
+                                                const Permissions& new_document) {
+  const GrantsForCyclone before(old_document), after(new_document);
+  std::vector<TakenByCyclone> out;
+  bool is_other = false;
+  const SubjectsOfBoth subjects(old_document, new_document);
+  for (const auto& [key, texts] : subjects.texts) {
+    if (out.size() < texts.size()) out.resize(texts.size());
+    for (std::size_t i = 0; i < texts.size(); ++i) {
+      const auto* const o = before.taken_for(texts[i]);
+      const auto* const n = after.taken_for(texts[i]);
+      is_other |=
+          !is_the_only_one(subjects.before, key, o) || !is_the_only_one(subjects.after, key, n);
+      add_as(texts[i], o, out[i].before);
+      add_as(texts[i], n, out[i].after);
+    }
+  }
+  if (!is_other) out.clear();
+  return out;
 }
 
 std::vector<StrayGrant> stray_grants(const Permissions& document,

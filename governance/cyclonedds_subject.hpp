@@ -33,6 +33,18 @@ class GrantsForCyclone {
   std::unordered_map<std::string_view, std::vector<const Grant*>> by_piece_;
 };
 
+/// Two documents, as Cyclone DDS's own plugins read them for the same certificates: of each
+/// document one grant for a certificate, under the certificate's own subject.
+struct TakenByCyclone {
+  Permissions before, after;
+};
+
+/// For certificates of all subjects of both documents. One subject can be written in several ways
+/// in certificates, so there can be several pairs; nothing: they take what ddssec takes. Subject
+/// expressions are left out: Cyclone DDS refuses such documents.
+std::vector<TakenByCyclone> taken_by_cyclonedds(const Permissions& old_document,
+                                                const Permissions& new_document);
+
 /// A grant that Cyclone DDS takes for a certificate of another subject.
 struct StrayGrant {
   const Grant* grant;

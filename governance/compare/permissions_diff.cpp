@@ -10,6 +10,7 @@
 #include "governance/compare/effort.hpp"
 #include "governance/compare/stock_changes.hpp"
 #include "governance/compare/subjects.hpp"
+#include "governance/cyclonedds_subject.hpp"
 
 namespace ddssec::governance {
 namespace {
@@ -285,10 +286,15 @@ PermissionsDiff compare(const Permissions& old_document, const Permissions& new_
   for (const auto product : kStockProducts) {
     const auto before = as_stock_reads(old_document, product);
     const auto after = as_stock_reads(new_document, product);
-    if (before || after)
-      stock.push_back({product, PermissionsComparison(before ? *before : old_document,
-                                                      after ? *after : new_document, options)
-                                    .run()});
+    const auto& o = before ? *before : old_document;
+    const auto& n = after ? *after : new_document;
+    if (product == StockProduct::cyclonedds) {
+      const auto taken = taken_by_cyclonedds(o, n);
+      for (const auto& pair : taken)
+        stock.push_back({product, PermissionsComparison(pair.before, pair.after, options).run()});
+      if (!taken.empty()) continue;
+    }
+    if (before || after) stock.push_back({product, PermissionsComparison(o, n, options).run()});
   }
   add_stock_changes(stock, out);
   return out;

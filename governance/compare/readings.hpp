@@ -17,6 +17,8 @@ struct Reading {
   int line = 0;            ///< where it stands first
   /// A participant has rights with Cyclone DDS that it does not have with ddssec.
   bool widens = false;
+  /// A participant loses rights with a stock product that it keeps with ddssec.
+  bool narrows = false;
 };
 
 struct Readings {

@@ -17,6 +17,11 @@ constexpr ChangeClass kWorse[] = {ChangeClass::weaker, ChangeClass::wider, Chang
 
 bool is_worse(ChangeClass change) { return std::ranges::find(kWorse, change) != std::end(kWorse); }
 
+bool loses(ChangeClass change) {
+  return change == ChangeClass::narrower || change == ChangeClass::mixed ||
+         change == ChangeClass::unknown;
+}
+
 bool covers(const DomainScope& outer, const DomainScope& inner) {
   return std::ranges::all_of(inner.domains, [&](const DomainRange& range) {
     return std::ranges::any_of(outer.domains, [&](const DomainRange& one) {
@@ -117,7 +122,8 @@ void add_stock_changes(const std::vector<StockPermissionsDiff>& stock, Permissio
                         .expression = {},
                         .sentence = std::move(text),
                         .line = change.new_line,
-                        .widens = is_worse(change.change)}});
+                        .widens = is_worse(change.change),
+                        .narrows = loses(change.change)}});
     }
   for (auto& [products, reading] : found) {
     reading.sentence = fmt::format("with {}: {}", products, reading.sentence);

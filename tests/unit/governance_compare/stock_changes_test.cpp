@@ -154,5 +154,38 @@ TEST(StockChanges, DenialWithAnOpenRange_IsWiderToBothProducts) {
   EXPECT_THAT(diff.readings.all[0].sentence, HasSubstr("in domain 1-230"));
 }
 
+/// The first grant for the subject, as it is spelt, allows one topic; a second one all.
+Permissions two_grants(const std::string& spelling) {
+  auto document = with({rule(true, {{"*"}})});
+  document.grants[0].subject_name = spelling;
+  auto second = document.grants[0];
+  second.subject_name = "CN=talker";
+  for (auto* list : {&second.rules[0].publish, &second.rules[0].subscribe})
+    list->front().topics = {{"*"}};
+  document.grants.push_back(second);
+  return document;
+}
+
+// ddssec takes the first grant all the same.
+TEST(StockChanges, SpellingOfAFirstGrant_CycloneDdsTakesTheSecond_IsWiderToIt) {
+  for (const auto* spelling : {"cn=talker", "CN = talker", "CN=\\74alker"}) {
+    const auto diff = compare(two_grants("CN=talker"), two_grants(spelling));
+    EXPECT_EQ(diff.verdict, ChangeClass::neutral) << spelling;
+    EXPECT_TRUE(std::ranges::any_of(diff.readings.all, &Reading::widens)) << spelling;
+    const auto back = compare(two_grants(spelling), two_grants("CN=talker"));
+    EXPECT_FALSE(back.readings.all.empty()) << spelling;
+    EXPECT_TRUE(std::ranges::none_of(back.readings.all, &Reading::widens)) << spelling;
+  }
+}
+
+TEST(StockChanges, SpellingOfTheOnlyGrant_CycloneDdsTakesNone_IsNarrowerToIt) {
+  auto before = with({rule(true, {{"*"}})}), after = before;
+  after.grants[0].subject_name = "cn=talker";
+  const auto diff = compare(before, after);
+  EXPECT_TRUE(std::ranges::any_of(
+      diff.readings.all, [](const Reading& one) { return one.narrows && one.sentence.contains("narrower"); }));
+  EXPECT_TRUE(std::ranges::none_of(diff.readings.all, &Reading::widens));
+}
+
 }  // namespace
 }  // namespace ddssec::governance
