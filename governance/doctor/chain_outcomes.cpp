@@ -6,11 +6,14 @@
 namespace ddssec::governance::doctor {
 namespace {
 
-// The one certificate that can have issued `certificate`, or nullptr.
+// The certificate that issued `certificate`, or one of the issuer's name, or nullptr.
 const pki::Certificate* issuer_of(const pki::Certificate& certificate,
                                   const std::vector<pki::Certificate>& cas) {
-  const auto found = std::ranges::find_if(
-      cas, [&](const pki::Certificate& ca) { return ca.subject() == certificate.issuer(); });
+  auto found = std::ranges::find_if(
+      cas, [&](const pki::Certificate& ca) { return certificate.is_issued_by(ca); });
+  if (found == cas.end())
+    found = std::ranges::find_if(
+        cas, [&](const pki::Certificate& ca) { return ca.subject() == certificate.issuer(); });
   return found == cas.end() ? nullptr : &*found;
 }
 
@@ -27,7 +30,7 @@ bool leads_to_root(const pki::Certificate& certificate, const std::vector<pki::C
 
 bool first_is_root_of(const pki::Certificate& certificate,
                       const std::vector<pki::Certificate>& cas) {
-  return cas.front().subject() == certificate.issuer() &&
+  return issuer_of(certificate, cas) == &cas.front() &&
          cas.front().subject() == cas.front().issuer();
 }
 

@@ -260,6 +260,19 @@ class Golden(WithoutLists):
         self.assertIn("a delta revocation list", told["DOC002"]["message"])
         self.assertIn("a complete list of CN=deltaCRL CA1", told["DOC002"]["message"])
 
+    def test_another_ca_of_the_same_name_stands_first(self):
+        """Measured: stock Cyclone DDS reads the first certificate only, and refuses the participant."""
+        shop = golden_folders.Workshop(self.at / "shop")
+        folder = self.at / "two-of-one-name"
+        made = golden_folders.Folder(shop, folder)
+        other = shop.ca("same-name", subject="/CN=identity CA")
+        own = made.identity_ca.joinpath("cert.pem").read_text()
+        (folder / "identity_ca.pem").write_text((other / "cert.pem").read_text() + own)
+        out = self.json("doctor", "two-of-one-name", exit=1)
+        self.assertEqual(out["result"]["verdicts"], {**dict.fromkeys(VENDORS, "ok"), VENDORS[0]: "fail"})
+        (folder / "identity_ca.pem").write_text(own + (other / "cert.pem").read_text())
+        self.assertEqual(self.json("doctor", "two-of-one-name", exit=0)["result"]["verdicts"], dict.fromkeys(VENDORS, "ok"))
+
     def test_lint_of_both_documents_is_part_of_it(self):
         folder = self.at / "dead"
         shutil.copytree(self.paths["correct"], folder)
