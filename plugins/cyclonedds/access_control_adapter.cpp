@@ -459,6 +459,7 @@ void AccessControlAdapter::listen(const dds_security_access_control_listener* li
     if (!own) return static_cast<void>(revoke(this, handle));
     facts_.cut_off(*own, Code::grant_expired);
     cut_off_cryptography(*own);
+    if (facts_.has_others(*own)) revoke(this, handle);
   });
   tasks.revoke_ended = [this, revoke_ended = std::move(tasks.revoke_ended)](const auto& stop) {
     say_clock_steps(*host_, PluginKind::access_control);

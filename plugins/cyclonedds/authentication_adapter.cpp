@@ -456,6 +456,12 @@ void AuthenticationAdapter::send_resets() {
   }
 }
 
+bool AuthenticationAdapter::has_others(spi::IdentityHandle local) const {
+  return std::ranges::any_of(farewells_.locals(), [&](const auto& other) {
+    return other.handle != local && !remotes_.has_ended(other.handle);
+  });
+}
+
 void AuthenticationAdapter::listen(const dds_security_authentication_listener* listener) {
   if (listener == nullptr || listener->on_revoke_identity == nullptr) return timer_.stop();
   const auto revoke = listener->on_revoke_identity;
@@ -466,6 +472,7 @@ void AuthenticationAdapter::listen(const dds_security_authentication_listener* l
                       for (const auto local : ended.locals) {
                         cut_off_access_control(local);
                         cut_off_cryptography(local);
+                        if (has_others(local)) revoke(this, local.value);
                       }
                       for (const auto remote : ended.remotes)
                         if (!stop.stop_requested()) revoke(this, remote.value);

@@ -38,6 +38,8 @@ class AuthenticationAdapter final : public dds_security_authentication {
  private:
   using Revoke = std::function<void(std::int64_t)>;
   /// Makes the host begin again with peers whose handshake came to no end.
+  /// Has this domain of the process another local participant that did not end?
+  bool has_others(spi::IdentityHandle local) const;
   void revoke_stuck(const std::stop_token& stop, const Revoke& revoke);
   /// Makes a peer that answers nothing begin again, too.
   void say_farewell(const Guid& peer);

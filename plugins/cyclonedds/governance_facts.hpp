@@ -58,6 +58,13 @@ class GovernanceFacts {
     for (auto& [permissions, known] : locals_)
       if (known.local == local && !known.cut_off) known.cut_off = reason;
   }
+  /// Has this domain of the process another local participant that is not cut off?
+  bool has_others(spi::IdentityHandle local) const {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [permissions, known] : locals_)
+      if (known.local != local && !known.cut_off) return true;
+    return false;
+  }
   /// Error: the reason why it is cut off.
   Status check(spi::PermissionsHandle permissions) const {
     const std::lock_guard lock(mutex_);

@@ -21,10 +21,12 @@ HandshakeWatch::Questions questions_to_cryptography();
 /// (reader_ends.hpp). Nothing without ours.
 void look_for_ended_readers() noexcept;
 
-/// The certificate or the permissions of a local participant have ended. Cyclone's core would
-/// delete the participant beneath the application's entities, and the process would end at the next
-/// call that needs it. So the core is not told: our other plugins refuse it everything. As far as
-/// they are ours.
+/// The certificate or the permissions of a local participant have ended. Cyclone's core would delete
+/// the participant beneath the application's entities, and the process would end at the next call
+/// that needs it. So the core is not told, and our other plugins refuse it everything, as far as
+/// they are ours. Where the process has others in the domain, it is told: peers go on meeting a
+/// participant that is announced, and what they say when they give it up ends them for all
+/// participants of the process.
 void cut_off_cryptography(spi::IdentityHandle local);
 void cut_off_access_control(spi::IdentityHandle local);
 

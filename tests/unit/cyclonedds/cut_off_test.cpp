@@ -47,6 +47,26 @@ TEST(CutOff, TheHostIsNotToldThatOurOwnIdentityEnded) {
   EXPECT_EQ(cut_off_in_access_control, kOwn.value);
 }
 
+// What peers say when they give up a participant that is still announced, the host takes for all.
+TEST(CutOff, TheHostIsToldWhereTheProcessHasOthersInTheDomain) {
+  Harness<AuthenticationAdapter, MockAuthentication, spi::Authentication> harness;
+  auto* c = static_cast<dds_security_authentication*>(&harness.adapter);
+  harness.adapter.farewells().add_local(kOwn, {{1}});
+  harness.adapter.farewells().add_local({6}, {{2}});
+  ON_CALL(*harness.engine, expire).WillByDefault([](auto) { return std::vector{kOwn}; });
+  static std::atomic<DDS_Security_IdentityHandle> revoked{0};
+  const dds_security_authentication_listener listener{
+      [](const dds_security_authentication*,
+         const DDS_Security_IdentityHandle handle) -> DDS_Security_boolean {
+        revoked = handle;
+        return 1;
+      },
+      nullptr};
+  ASSERT_EQ(c->set_listener(c, &listener, nullptr), 1);
+  EXPECT_TRUE(soon([] { return revoked == kOwn.value; }));
+  EXPECT_EQ(c->set_listener(c, nullptr, nullptr), 1);
+}
+
 struct CutOffPermissions : testing::Test {
   CutOffPermissions() {
     ON_CALL(engine, validate_local_permissions).WillByDefault([](auto&&...) {
@@ -103,6 +123,26 @@ TEST_F(CutOffPermissions, AreNotRevokedThroughTheListenerButThoseOfPeersAre) {
   Refusal refusal;
   EXPECT_EQ(c->check_create_topic(c, 8, 5, "Square", &qos, &refusal), 0);
   EXPECT_EQ(refusal.reason(), Code::grant_expired);
+}
+
+TEST_F(CutOffPermissions, AreRevokedWhereTheProcessHasOthersInTheDomain) {
+  ON_CALL(engine, validate_local_permissions).WillByDefault([](auto&&...) {
+    return spi::PermissionsHandle{9};
+  });
+  EXPECT_EQ(c->validate_local_permissions(c, nullptr, 6, 5, &qos, nullptr), 9);
+  ON_CALL(engine, expire).WillByDefault([](auto) {
+    return std::vector<spi::PermissionsHandle>{{8}};
+  });
+  static std::atomic<DDS_Security_PermissionsHandle> revoked{0};
+  const dds_security_access_control_listener listener{
+      [](const dds_security_access_control*,
+         const DDS_Security_PermissionsHandle handle) -> DDS_Security_boolean {
+        revoked = handle;
+        return 1;
+      }};
+  ASSERT_EQ(c->set_listener(c, &listener, nullptr), 1);
+  EXPECT_TRUE(soon([] { return revoked == 8; }));
+  EXPECT_EQ(c->set_listener(c, nullptr, nullptr), 1);
 }
 
 }  // namespace
