@@ -114,7 +114,7 @@ class PkiDh final : public spi::Authentication {
   TrustStores stores_;
   UnprovenOctets unproven_;
   IdentityTable table_;
-  KeptRequests kept_requests_;
+  KeptRequests kept_requests_{environment_.random};
   std::mutex given_out_mutex_;
   std::vector<HandshakeHandle> given_out_;  ///< whose credentials, since the last `expire`
 };

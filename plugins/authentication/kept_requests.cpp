@@ -1,27 +1,37 @@
 #include "plugins/authentication/kept_requests.hpp"
 
 #include <algorithm>
+#include <array>
+#include <iterator>
 
 namespace ddssec::authentication {
 
 void KeptRequests::keep(Pair& pair, MonotonicTime now) {
+  const auto has_ended = [](const PairHandshake& one) {
+    return std::holds_alternative<Established>(one.state);
+  };
   const auto waits = [](const PairHandshake& one) {
     return std::holds_alternative<AwaitReply>(one.state);
   };
   const std::scoped_lock lock(pair.mutex, mutex_);
-  const auto found = std::ranges::find_if(pair.handshakes, waits);
-  if (found == pair.handshakes.end()) return;
+  if (std::ranges::any_of(pair.handshakes, has_ended)) return;
+  Kept kept{pair.own_challenge, now};
+  const auto request = std::ranges::find_if(pair.handshakes, waits);
+  if (request != pair.handshakes.end()) {
+    kept.since = request->since;
+    kept.request = std::move(*request);
+  }
   make_room(now);
-  all_.insert_or_assign({pair.local_handle, pair.remote_guid},
-                        Kept{pair.own_challenge, std::move(*found)});
+  all_.insert_or_assign({pair.local_handle, pair.remote_guid}, std::move(kept));
 }
 
 void KeptRequests::make_room(MonotonicTime now) {
-  std::erase_if(all_,
-                [&](const auto& entry) { return now - entry.second.handshake.since > kLife; });
+  std::erase_if(all_, [&](const auto& entry) { return now - entry.second.since > kLife; });
   if (all_.size() < kMost) return;
-  all_.erase(std::ranges::min_element(
-      all_, {}, [](const auto& entry) { return entry.second.handshake.since; }));
+  std::array<std::uint8_t, 2> chance{};
+  static_assert(kMost <= 1u << 8 * chance.size());
+  if (!random_.fill(chance)) chance = {};
+  all_.erase(std::next(all_.begin(), (chance[0] << 8 | chance[1]) % std::ssize(all_)));
 }
 
 std::optional<spi::Challenge> KeptRequests::challenge(spi::IdentityHandle local, const Guid& remote,
@@ -29,7 +39,7 @@ std::optional<spi::Challenge> KeptRequests::challenge(spi::IdentityHandle local,
   const std::lock_guard lock(mutex_);
   const auto found = all_.find({local, remote});
   if (found == all_.end()) return std::nullopt;
-  if (now - found->second.handshake.since <= kLife) return found->second.challenge;
+  if (now - found->second.since <= kLife) return found->second.challenge;
   all_.erase(found);
   return std::nullopt;
 }
@@ -38,7 +48,7 @@ std::optional<PairHandshake> KeptRequests::take(spi::IdentityHandle local, const
   const std::lock_guard lock(mutex_);
   auto node = all_.extract({local, remote});
   if (node.empty()) return std::nullopt;
-  return std::move(node.mapped().handshake);
+  return std::move(node.mapped().request);
 }
 
 void KeptRequests::forget(spi::IdentityHandle local) {

@@ -176,7 +176,10 @@ CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
       std::swap(*local_auth_request, sent);
       free_token(sent);
     }
-    adapter.watch().met(of_host, guid);
+    adapter.watch().met(of_host, guid,
+                        admits_unauthenticated(local_handle)
+                            ? HandshakeWatch::kMaxWaitForUnauthenticated
+                            : HandshakeWatch::kMaxWait);
     *remote_handle = of_host.value;
     return to_c(remote.result);
   });
@@ -254,8 +257,8 @@ CResult process_handshake(Instance* instance, CToken* message_out, const CToken*
   });
 }
 
-/// A lost session: the peer can be told, should the host drop it while the peer keeps the session.
-/// Only our plugins understand that, and announce ChaCha20-Poly1305.
+/// A peer can be told that we lost the session, should the host drop it while the peer keeps that.
+/// Only our plugins understand that, and announce ChaCha20-Poly1305; others are waited for.
 void note_session(Adapter& adapter, spi::HandshakeHandle handshake,
                   const spi::SharedSecret& secret) {
   const auto pair = adapter.secrets().pair_of(handshake);
@@ -269,6 +272,8 @@ void note_session(Adapter& adapter, spi::HandshakeHandle handshake,
   if (!guid) return;
   if ((secret.peer_ciphers & spi::kChaCha20Poly1305Bit) != 0)
     adapter.lost_sessions().established(local, *guid, secret);
+  else
+    adapter.watch().keeps_its_session(handshake);
 }
 
 DDS_Security_SharedSecretHandle get_shared_secret(Instance* instance, const CHandshake handle,

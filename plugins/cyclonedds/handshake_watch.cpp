@@ -7,9 +7,12 @@ namespace ddssec::cyclonedds {
 using spi::HandshakeHandle;
 using spi::IdentityHandle;
 
-void HandshakeWatch::met(IdentityHandle remote, const Guid& guid) {
+void HandshakeWatch::met(IdentityHandle remote, const Guid& guid, Duration longest_wait) {
   const std::lock_guard lock(mutex_);
-  remotes_.try_emplace(remote, Remote{guid, {}}).first->second.since = clock_.monotonic();
+  const auto now = clock_.monotonic();
+  auto& known = remotes_.try_emplace(remote, Remote{guid, now}).first->second;
+  known.since = now;
+  known.longest_wait = longest_wait;
 }
 
 void HandshakeWatch::not_admitted(IdentityHandle remote, const Guid& guid) {
@@ -52,6 +55,11 @@ void HandshakeWatch::finished(HandshakeHandle handshake) {
   remote->since = clock_.monotonic();
 }
 
+void HandshakeWatch::keeps_its_session(HandshakeHandle handshake) {
+  const std::lock_guard lock(mutex_);
+  if (auto* const remote = of(handshake)) remote->keeps_its_session = true;
+}
+
 void HandshakeWatch::forget(HandshakeHandle handshake) {
   const std::lock_guard lock(mutex_);
   handshakes_.erase(handshake);
@@ -66,9 +74,17 @@ void HandshakeWatch::forget(IdentityHandle remote) {
 HandshakeWatch::Duration HandshakeWatch::patience(const Remote& remote) const {
   auto wait = remote.was_disturbed && !remote.is_under_way ? kPatience : kLongPatience;
   const auto past = past_.find(remote.guid);
-  for (unsigned i = 0; past != past_.end() && i < past->second.times && wait < kMaxWait; ++i)
+  for (unsigned i = 0; past != past_.end() && i < past->second.times && wait < remote.longest_wait;
+       ++i)
     wait *= 2;
-  return std::min(wait, kMaxWait);
+  return std::min(wait, remote.longest_wait);
+}
+
+/// Endpoints are missing only after the end of the handshake.
+bool HandshakeWatch::is_stuck(const Remote& remote, Duration now) const {
+  if (remote.is_settled) return false;
+  if (!remote.lacks_endpoints && now - remote.met >= remote.longest_wait) return true;
+  return now - remote.since >= patience(remote);
 }
 
 /// Of a bounded memory: who invents GUIDs makes it forget those that waited longest.
@@ -81,6 +97,11 @@ HandshakeWatch::Past& HandshakeWatch::past_of(const Guid& guid, Duration now) {
   return past;
 }
 
+void HandshakeWatch::await_keys(IdentityHandle handle, Remote& remote, const Questions& ask) const {
+  if (remote.keeps_its_session && !remote.was_disturbed) remote.since = clock_.monotonic();
+  if (ask.last_heard) remote.since = std::max(remote.since, ask.last_heard(handle));
+}
+
 bool HandshakeWatch::is_settled(IdentityHandle handle, Remote& remote, const Questions& ask) const {
   if (!remote.is_finished) return false;
   if (remote.is_settled) {
@@ -91,7 +112,7 @@ bool HandshakeWatch::is_settled(IdentityHandle handle, Remote& remote, const Que
   }
   remote.lacks_endpoints = false;
   if (ask.has_keys && !ask.has_keys(handle)) {
-    if (ask.last_heard) remote.since = std::max(remote.since, ask.last_heard(handle));
+    await_keys(handle, remote, ask);
     return false;
   }
   remote.lacks_endpoints = ask.is_matched && !ask.is_matched(handle);
@@ -105,11 +126,10 @@ std::vector<HandshakeWatch::Stuck> HandshakeWatch::give_up(const Questions& ask)
   std::vector<Stuck> out;
   for (auto& [handle, remote] : remotes_) {
     remote.is_settled = is_settled(handle, remote, ask);
-    const auto waited = now - remote.since;
-    if (remote.is_settled || waited < patience(remote)) continue;
+    if (!is_stuck(remote, now)) continue;
     auto& past = past_of(remote.guid, now);
     out.push_back({handle, remote.guid, remote.was_disturbed, remote.lacks_endpoints,
-                   past.times == 0, waited});
+                   past.times == 0, now - remote.since});
     ++past.times;
   }
   for (const auto& stuck : out) {

@@ -25,16 +25,19 @@ class HandshakeWatch {
   /// How long in every other case. Long, because a busy peer may only be slow, and one that has
   /// answered us, or finished its half, does not notice that we begin again.
   static constexpr Duration kLongPatience = std::chrono::seconds(20);
-  /// Each further time the wait doubles, up to this. Longer than the 100 seconds after which the
-  /// core itself gives up and, where governance says so, takes the peer for an unauthenticated one.
-  static constexpr Duration kMaxWait = std::chrono::seconds(120);
+  /// Each further time the wait doubles, up to this. No handshake lives longer: after 100 seconds
+  /// the core's own timer ends it, and Cyclone DDS 0.10.2 then damages its list of timers.
+  static constexpr Duration kMaxWait = std::chrono::seconds(80);
+  /// The same where governance lets unauthenticated participants in: the core takes the peer for
+  /// one when its timer ends the handshake.
+  static constexpr Duration kMaxWaitForUnauthenticated = std::chrono::seconds(120);
   /// A peer that was not given up for so long starts from the beginning.
   static constexpr Duration kForgetAfter = std::chrono::minutes(10);
   static constexpr std::size_t kMaxPeers = 1024;
 
   explicit HandshakeWatch(const Clock& clock) : clock_(clock) {}
 
-  void met(spi::IdentityHandle remote, const Guid& guid);
+  void met(spi::IdentityHandle remote, const Guid& guid, Duration longest_wait = kMaxWait);
   /// What was announced in its name was refused; the host asks again, and its wait goes on.
   void not_admitted(spi::IdentityHandle remote, const Guid& guid);
   /// We sent a request or a reply.
@@ -45,6 +48,9 @@ class HandshakeWatch {
   /// From now on the remote is not given up, whatever becomes of other handshakes with it; unless
   /// its keys do not come, which says that it did not finish its half.
   void finished(spi::HandshakeHandle handshake);
+  /// The peer has finished its half, and would not notice that we begin again: its keys are waited
+  /// for as long as there can be a handshake, unless a message was refused.
+  void keeps_its_session(spi::HandshakeHandle handshake);
   void forget(spi::HandshakeHandle handshake);
   void forget(spi::IdentityHandle remote);
 
@@ -75,7 +81,10 @@ class HandshakeWatch {
  private:
   struct Remote {
     Guid guid;
-    Duration since;  ///< its last progress
+    Duration met;
+    Duration since = met;  ///< its last progress
+    Duration longest_wait = kMaxWait;
+    bool keeps_its_session = false;
     bool was_disturbed = false;
     bool is_under_way = false;  ///< we sent a request or a reply
     bool is_finished = false;
@@ -88,6 +97,8 @@ class HandshakeWatch {
   };
   Duration patience(const Remote& remote) const;
   bool is_settled(spi::IdentityHandle handle, Remote& remote, const Questions& ask) const;
+  void await_keys(spi::IdentityHandle handle, Remote& remote, const Questions& ask) const;
+  bool is_stuck(const Remote& remote, Duration now) const;
   Past& past_of(const Guid& guid, Duration now);
   Remote* of(spi::HandshakeHandle handshake);
 

@@ -6,8 +6,10 @@
 // Prints "ready" once both devices "link0" are there; then takes commands, one a line:
 //   loss P   duplicate P   delay P MS   ...       probabilities from 0 to 1, for all directions
 //   cut      heal      quit
-//   lose-keys N     from now on messages of the key exchange that the n-th namespace sends are lost;
-//                   lose-keys 0 ends that
+//   lose WHAT N     from now on messages of a kind that the n-th namespace sends are lost: with
+//                   "keys" those of the key exchange, else those that hold this word;
+//                   lose WHAT 0 ends that
+//   hold WHAT N     the same, but they arrive when hold WHAT 0 ends it
 // Ends at the end of its input and then prints what it did.
 #include <algorithm>
 #include <array>
@@ -27,6 +29,7 @@
 #include <string>
 #include <sys/ioctl.h>
 #include <unistd.h>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -58,7 +61,9 @@ struct Faults {
   double loss = 0, duplicate = 0, delayed = 0;
   std::chrono::microseconds longest{0};
   bool cut = false;
-  std::size_t loses_keys_of = 0;  ///< a namespace, from 1 on
+  std::string lost_kind = {};
+  std::size_t loses_of = 0;  ///< a namespace, from 1 on
+  bool holds = false;        ///< instead of losing
 };
 
 struct Counts {
@@ -84,6 +89,14 @@ class Direction {
   }
 
   void lose() { ++counts_.lost; }
+
+  void hold(const Packet& packet) {
+    ++counts_.delayed;
+    if (held_.size() < kMostWaiting) held_.push_back(packet);
+  }
+  void release(Clock::time_point now) {
+    for (auto& packet : std::exchange(held_, {})) put(std::move(packet), {}, now);
+  }
 
   void send_due(Clock::time_point now) {
     for (; !waiting_.empty() && waiting_.top().due <= now; waiting_.pop()) {
@@ -124,6 +137,7 @@ class Direction {
   }
 
   int to_;
+  std::vector<Packet> held_;
   std::mt19937 random_;
   unsigned long number_ = 0;
   std::priority_queue<Waiting> waiting_;
@@ -136,8 +150,8 @@ bool obey(std::istringstream line, Faults& faults) {
     double milliseconds = 0;
     if (word == "cut" || word == "heal")
       faults.cut = word == "cut";
-    else if (word == "lose-keys")
-      line >> faults.loses_keys_of;
+    else if (word == "lose" || word == "hold")
+      line >> faults.lost_kind >> faults.loses_of, faults.holds = word == "hold";
     else if (word == "loss")
       line >> faults.loss;
     else if (word == "duplicate")
@@ -173,13 +187,17 @@ int milliseconds_until(const std::vector<Direction>& ways) {
   return std::max(0, static_cast<int>(left.count()));
 }
 
-/// Whether a packet holds a submessage that ParticipantVolatileMessageSecure protects: by AES-256-GCM
-/// and the key id 0, which no other has.
+/// Whether a packet holds a submessage that ParticipantVolatileMessageSecure protects: by
+/// AES-256-GCM and the key id 0, which no other has.
 bool holds_key_exchange(const Packet& packet) {
   constexpr std::array<char, 12> kLittle = {0x31, 1, 20, 0, 0, 0, 0, 4, 0, 0, 0, 0};
   constexpr std::array<char, 12> kBig = {0x31, 0, 0, 20, 0, 0, 0, 4, 0, 0, 0, 0};
   return !std::ranges::search(packet, kLittle).empty() ||
          !std::ranges::search(packet, kBig).empty();
+}
+
+bool is_of_kind(const Packet& packet, const std::string& kind) {
+  return kind == "keys" ? holds_key_exchange(packet) : !std::ranges::search(packet, kind).empty();
 }
 
 /// Takes what arrived at the device of the n-th namespace, a share of it at a time.
@@ -195,10 +213,13 @@ void receive(int device, std::size_t n, std::vector<Direction>& ways, const Faul
     const auto high = static_cast<unsigned char>(packet[kDestination]);
     const std::size_t last = static_cast<unsigned char>(packet[kDestination + 3]);
     const bool is_group = high >= 224;
-    const bool is_lost = faults.loses_keys_of == n + 1 && holds_key_exchange(packet);
+    const bool is_lost = faults.loses_of == n + 1 && is_of_kind(packet, faults.lost_kind);
     for (std::size_t to = 0; to < ways.size(); ++to) {
       if (to == n || !(is_group || last == to + 1)) continue;
-      is_lost ? ways[to].lose() : ways[to].take(packet, faults, now);
+      if (!is_lost)
+        ways[to].take(packet, faults, now);
+      else
+        faults.holds ? ways[to].hold(packet) : ways[to].lose();
     }
   }
 }
@@ -213,7 +234,10 @@ void carry(const std::vector<int>& devices, std::vector<Direction>& ways) {
     if (watched[0].revents != 0 && !read_commands(rest, faults)) return;
     for (std::size_t i = 0; i < devices.size(); ++i)
       if (watched[i + 1].revents != 0) receive(devices[i], i, ways, faults);
-    for (auto& way : ways) way.send_due(Clock::now());
+    for (auto& way : ways) {
+      if (faults.loses_of == 0) way.release(Clock::now());
+      way.send_due(Clock::now());
+    }
   }
 }
 

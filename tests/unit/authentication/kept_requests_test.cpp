@@ -15,6 +15,7 @@ struct KeptRequest : ::testing::Test {
     ASSERT_OK(again);
     two.high_at_low = again->handle;
   }
+  void invent(std::size_t count);
   Token request() {
     const auto step = two.request();
     EXPECT_TRUE(step);
@@ -57,11 +58,9 @@ TEST_F(KeptRequest, IsNotKeptOnceItWasAnswered) {
   EXPECT_NE(request(), *first->message);
 }
 
-TEST_F(KeptRequest, GivesWayToLaterOnesOfOthers) {
-  const auto first = request();
-  ASSERT_OK((*two.low.engine)->return_identity_handle(two.high_at_low));
-  for (std::size_t i = 0; i < KeptRequests::kMost; ++i) {
-    two.low.engine->clock.advance(1ms);
+/// Begins with so many others, and drops them.
+void KeptRequest::invent(std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) {
     auto guid = two.high.guid;
     guid.prefix.octets[10] = static_cast<std::uint8_t>(i + 1);
     guid.prefix.octets[11] = static_cast<std::uint8_t>(i >> 8);
@@ -72,10 +71,60 @@ TEST_F(KeptRequest, GivesWayToLaterOnesOfOthers) {
         (*two.low.engine)->begin_handshake_request(two.low.handle, other->handle, two.low.data));
     ASSERT_OK((*two.low.engine)->return_identity_handle(other->handle));
   }
+}
+
+TEST_F(KeptRequest, IsNotTheOneThatGivesWayWhenAStrangerInventsOthers) {
+  const auto first = request();
+  ASSERT_OK((*two.low.engine)->return_identity_handle(two.high_at_low));
+  two.low.engine->clock.advance(1s);
+  invent(KeptRequests::kMost);  // the oldest is not the first to go
+  const auto again = two.low.discover(two.high);
+  ASSERT_OK(again);
+  two.high_at_low = again->handle;
+  EXPECT_EQ(request(), first);
+}
+
+TEST_F(KeptRequest, IsOneOfABoundedNumber) {
+  const auto first = request();
+  ASSERT_OK((*two.low.engine)->return_identity_handle(two.high_at_low));
+  invent(10 * KeptRequests::kMost);
   const auto again = two.low.discover(two.high);
   ASSERT_OK(again);
   two.high_at_low = again->handle;
   EXPECT_NE(request(), first);
+}
+
+// Stock plugins take no reply with another challenge than the one that we announced first.
+TEST_F(KeptRequest, SoIsTheChallengeOfTheReplier) {
+  const auto req = two.request();
+  ASSERT_OK(req);
+  const auto first = two.reply(*req->message);
+  ASSERT_OK(first);
+  ASSERT_OK((*two.high.engine)->return_identity_handle(two.low_at_high));
+  const auto again = two.high.discover(two.low);
+  ASSERT_OK(again);
+  two.low_at_high = again->handle;
+  const auto second = two.reply(*req->message);
+  ASSERT_OK(second);
+  EXPECT_EQ(field(*second->message, "challenge2"), field(*first->message, "challenge2"));
+  EXPECT_NE(field(*second->message, "dh2"), field(*first->message, "dh2"));
+  pairing.expect_finish(*req, *second);
+}
+
+// Else what was recorded of one session would do for the next.
+TEST_F(KeptRequest, NoChallengeServesTwoSessions) {
+  const auto req = two.request();
+  ASSERT_OK(req);
+  const auto first = two.reply(*req->message);
+  ASSERT_OK(first);
+  pairing.expect_finish(*req, *first);
+  ASSERT_OK((*two.high.engine)->return_identity_handle(two.low_at_high));
+  const auto again = two.high.discover(two.low);
+  ASSERT_OK(again);
+  two.low_at_high = again->handle;
+  const auto second = two.reply(*req->message);
+  ASSERT_OK(second);
+  EXPECT_NE(field(*second->message, "challenge2"), field(*first->message, "challenge2"));
 }
 
 }  // namespace

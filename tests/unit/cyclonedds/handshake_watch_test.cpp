@@ -88,10 +88,52 @@ TEST_F(HandshakeWatchTest, APeerThatHasTheSecretIsWaitedForWhileItIsHeard) {
   watch.met(remote, guid_of(1));
   watch.progressed(remote, handshake);
   watch.finished(handshake);
-  for (int i = 0; i < 30; ++i) {
+  for (int i = 0; i < 5; ++i) {
     EXPECT_TRUE(after(10s).empty());
     heard = clock.monotonic();
   }
+  EXPECT_TRUE(after(19900ms).empty());
+  EXPECT_EQ(after(200ms).size(), 1u);
+}
+
+// Cyclone DDS 0.10.2 damages its memory when its own timer ends a handshake, after 100 s.
+TEST_F(HandshakeWatchTest, NoHandshakeLivesAsLongAsTheTimerOfTheCore) {
+  ask.has_keys = [](auto) { return false; };
+  ask.last_heard = [&](auto) { return clock.monotonic(); };
+  watch.met(remote, guid_of(1));
+  for (int i = 0; i < 7; ++i) {
+    watch.progressed(remote, handshake);
+    EXPECT_TRUE(after(10s).empty());
+  }
+  watch.finished(handshake);
+  EXPECT_TRUE(after(9900ms).empty());
+  EXPECT_EQ(after(200ms).size(), 1u);
+  // Where that makes the peer an unauthenticated one, it has to come to that.
+  watch.met(other, guid_of(2), HandshakeWatch::kMaxWaitForUnauthenticated);
+  for (int i = 0; i < 11; ++i) {
+    watch.progressed(other, second);
+    EXPECT_TRUE(after(10s).empty());
+  }
+}
+
+// Stock plugins and Fast DDS keep their session, whatever we begin anew.
+TEST_F(HandshakeWatchTest, APeerThatKeepsItsSessionIsWaitedForUnlessAMessageWasRefused) {
+  bool sent = false;
+  ask.has_keys = [&](auto) { return sent; };
+  const auto meet = [&] {
+    watch.met(remote, guid_of(1));
+    watch.progressed(remote, handshake);
+    watch.finished(handshake);
+    watch.keeps_its_session(handshake);
+  };
+  meet();
+  EXPECT_TRUE(after(79s).empty());
+  sent = true;
+  EXPECT_TRUE(after(300s).empty());
+  sent = false;
+  watch.forget(remote);
+  meet();
+  watch.refused(handshake);
   EXPECT_TRUE(after(19900ms).empty());
   EXPECT_EQ(after(200ms).size(), 1u);
 }
@@ -140,7 +182,7 @@ TEST_F(HandshakeWatchTest, APeerThatLacksEndpointsIsGivenUpAgainAndAgain) {
   const auto stuck = after(200ms);
   ASSERT_EQ(stuck.size(), 1u);
   EXPECT_TRUE(stuck[0].lacks_endpoints);
-  for (const auto wait : {40s, 80s, 120s, 120s}) {  // as long as somebody forges
+  for (const auto wait : {40s, 80s, 80s, 80s}) {  // as long as somebody forges
     meet();
     EXPECT_TRUE(after(wait - 1s).empty());
     EXPECT_EQ(after(2s).size(), 1u);
@@ -203,18 +245,18 @@ TEST_F(HandshakeWatchTest, NorOneThatAuthenticatedWithAnotherLocalParticipant) {
   EXPECT_TRUE(after(300s).empty());
 }
 
-TEST_F(HandshakeWatchTest, TheWaitDoublesUpToTwoMinutes) {
+TEST_F(HandshakeWatchTest, TheWaitDoublesUpToEightySeconds) {
   std::vector<std::chrono::nanoseconds> waits;
   for (int i = 0; i < 8; ++i) {
     watch.met(remote, guid_of(1));
     watch.refused(remote);
-    const auto stuck = after(121s);
+    const auto stuck = after(81s);
     ASSERT_EQ(stuck.size(), 1u);
     EXPECT_EQ(stuck[0].is_first, i == 0);
     waits.push_back(stuck[0].waited);
   }
   EXPECT_EQ(waits,
-            (std::vector<std::chrono::nanoseconds>{2500ms, 5s, 10s, 20s, 40s, 80s, 120s, 120s}));
+            (std::vector<std::chrono::nanoseconds>{2500ms, 5s, 10s, 20s, 40s, 80s, 80s, 80s}));
   // Another peer has its own count, and this one's is forgotten after a while.
   watch.met(other, guid_of(2));
   watch.refused(other);
