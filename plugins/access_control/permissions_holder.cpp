@@ -28,12 +28,14 @@ bool give_the_same(const governance::Grant& a, const governance::Grant& b) {
 
 }  // namespace
 
+bool PermissionsHolder::is_over(WallTime now) const {
+  return now >= grant_->grant().validity.not_after || now > document_->signer_not_after();
+}
+
 Result<Grant> PermissionsHolder::grant(WallTime now) {
   if (!document_) return fail(Code::peer_has_no_permissions);
   const std::lock_guard lock(mutex_);
-  if (grant_ && grant_->grant().validity.contains(now) && document_->check_signer(now)) {
-    return grant_;
-  }
+  if (grant_ && !is_over(now)) return grant_;
   auto found = document_->grant_for(subject_.name, subject_.shown, participant_->domain,
                                     participant_->domain_tag, now);
   if (!found) return std::unexpected(found.error().in(document_name_));

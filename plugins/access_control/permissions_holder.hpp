@@ -62,7 +62,8 @@ class PermissionsHolder {
   const std::string& document_name() const { return document_name_; }
 
   /// The grant that is valid at `now`: by the wall clock at every call, so that neither a host that
-  /// forgets to call expire nor a clock that jumps lets anybody in. When a grant ends, another of
+  /// forgets to call expire nor a clock that jumps lets anybody in. One that was valid has not ended
+  /// because the clock goes back to a time before it began. When a grant ends, another of
   /// the same document takes over; a peer's only if it gives the same: else the peer ends, and what
   /// it may have is judged when it comes again. Errors: those of PermissionsDocument::grant_for,
   /// peer_has_no_permissions.
@@ -82,6 +83,8 @@ class PermissionsHolder {
   const std::string document_name_;
   const std::shared_ptr<PermissionsDocument> document_;
   AnnouncedEndpoints announced_;
+  bool is_over(WallTime now) const;
+
   mutable std::mutex mutex_;
   Grant grant_;
   bool reported_ = false;

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The calendar of one of two Cyclone DDS processes on our plugins is set while they talk. Wrong for some seconds, it
-parts nobody, as with stock plugins; set to stay, it ends what has ended by it, when the time of grace is over.
+parts nobody, as with stock plugins; set to stay, it ends what has ended by it, when the time of grace is over, but
+not what was not yet valid at the time that it shows.
 
 Usage: clock_test.py BUILD
 """
@@ -24,6 +25,7 @@ PATIENCE = 20.0    # seconds
 WRONG_FOR = 6.0    # seconds
 FURTHER = 15       # samples, at ten a second
 YEARS = "+9000d"   # later than any certificate of the tests ends
+BEFORE = "-900d"   # before any of them began
 FAKETIME = next(pathlib.Path("/usr/lib").glob("*/faketime/libfaketimeMT.so.1"), None)
 
 
@@ -103,6 +105,17 @@ def set_to_stay(listening, calendar):
     check(listening.samples == before, "it hears on with a certificate that has ended")
 
 
+def set_back_to_stay(listening, calendar):
+    calendar.set(BEFORE)
+    listening.until("the calendar being followed", lambda: "clock_step_followed 1623" in listening.log)
+    end = time.monotonic() + WRONG_FOR
+    while time.monotonic() < end:
+        listening.hears_on()
+    calendar.set("+0")
+    listening.until("its being followed again", lambda: listening.log.count("clock_step_followed 1623") == 2)
+    listening.hears_on()
+
+
 def run(name, story, grace=None):
     begin, fault = time.monotonic(), None
     with tempfile.TemporaryDirectory(prefix="ddssec-clock-") as folder:
@@ -139,8 +152,9 @@ def run(name, story, grace=None):
 
 def main():
     check(FAKETIME is not None, "libfaketime is not installed (scripts/bootstrap.sh --dev)")
-    stories = (("wrong for some seconds", wrong_for_some_seconds), ("set to stay", set_to_stay, 3))
-    with concurrent.futures.ThreadPoolExecutor(max_workers=2) as pool:
+    stories = (("wrong for some seconds", wrong_for_some_seconds), ("set to stay", set_to_stay, 3),
+               ("set back to stay", set_back_to_stay, 3))
+    with concurrent.futures.ThreadPoolExecutor(max_workers=3) as pool:
         return 0 if all(list(pool.map(lambda story: run(*story), stories))) else 1
 
 
