@@ -4,6 +4,7 @@
 
 #include <exception>
 #include <new>
+#include <system_error>
 #include <utility>
 
 #include "base/result.hpp"
@@ -44,6 +45,11 @@ auto at_c_boundary(Host& host, Exception* ex, F&& f, Tell&& tell) noexcept
       return std::forward<F>(f)();
     } catch (const std::bad_alloc&) {
       return fail(Code::out_of_memory);
+    } catch (const std::system_error& thrown) {
+      // No further thread, for one.
+      if (thrown.code() == std::errc::resource_unavailable_try_again)
+        return fail(Code::out_of_memory);
+      return std::unexpected(error_from(&thrown));
     } catch (const std::exception& thrown) {
       return std::unexpected(error_from(&thrown));
     } catch (...) {

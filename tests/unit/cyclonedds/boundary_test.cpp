@@ -79,6 +79,13 @@ TEST_F(Boundary, ThrownExceptionsDeny) {
   Refusal memory;
   EXPECT_EQ(allowed_at_c_boundary(host, &memory, []() -> Status { throw std::bad_alloc(); }), 0);
   EXPECT_EQ(memory.reason(), Code::out_of_memory);
+
+  Refusal thread;
+  const auto no_thread = []() -> Status {
+    throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again));
+  };
+  EXPECT_EQ(allowed_at_c_boundary(host, &thread, no_thread), 0);
+  EXPECT_EQ(thread.reason(), Code::out_of_memory);
 }
 
 TEST_F(Boundary, AnEnginesOwnEventIsNotRepeated) {
