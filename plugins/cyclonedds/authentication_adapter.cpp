@@ -333,7 +333,8 @@ DDS_Security_boolean return_identity_handle(Instance* instance, const CIdentity 
     if (const auto guid = adapter.remotes().guid(identity(handle))) {
       adapter.lost_sessions().lost(*guid);
     } else {
-      adapter.lost_sessions().remove_local(identity(handle));
+      for (const auto& reset : adapter.lost_sessions().remove_local(identity(handle)))
+        send_datagram(reset.message, reset.to);
       adapter.farewells().remove_local(identity(handle));
     }
     adapter.secrets().drop(identity(handle));

@@ -17,10 +17,17 @@ void LostSessions::add_local(IdentityHandle local, const GuidPrefix& prefix) {
   locals_[local].prefix = prefix;
 }
 
-void LostSessions::remove_local(IdentityHandle local) {
+std::vector<LostSessions::Reset> LostSessions::remove_local(IdentityHandle local) {
   const std::lock_guard lock(mutex_);
-  if (locals_.erase(local) == 0) return;
-  std::erase_if(sessions_, [&](const auto& entry) { return entry.first.second == local; });
+  std::vector<Reset> out;
+  if (locals_.erase(local) == 0) return out;
+  std::erase_if(sessions_, [&](const auto& entry) {
+    const auto& [key, session] = entry;
+    if (key.second != local) return false;
+    out.push_back({spi::write_reset(session.sender, session.token), session.to});
+    return true;
+  });
+  return out;
 }
 
 void LostSessions::established(IdentityHandle local, const Guid& remote,

@@ -2,6 +2,8 @@
 // that failed in one direction only, for example. Such a peer gets our reset token
 // (plugins/spi/session_reset.hpp), or it would ignore every new handshake: often when it is met
 // again, and seldom while it is not, since a forged announcement can keep our host from meeting it.
+// A participant of ours that ends sends them its tokens, too: the clear farewell of its host is not
+// believed, and its secured one finds no peer any more.
 #pragma once
 
 #include <array>
@@ -52,8 +54,12 @@ class LostSessions {
   explicit LostSessions(const Clock& clock) : clock_(clock) {}
 
   void add_local(spi::IdentityHandle local, const GuidPrefix& prefix);
-  /// A local participant is gone, with its sessions.
-  void remove_local(spi::IdentityHandle local);
+  struct Reset {
+    Bytes message;
+    std::vector<spi::UdpAddress> to;
+  };
+  /// A local participant is gone, with its sessions. What tells its peers so.
+  std::vector<Reset> remove_local(spi::IdentityHandle local);
   /// Two participants have authenticated: forgets a session that they had lost before.
   void established(spi::IdentityHandle local, const Guid& remote, const spi::SharedSecret& secret);
   /// The host has dropped the remote participant.

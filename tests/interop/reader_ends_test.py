@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""A process deletes readers, and stays. Whoever writes to them hears that, as without security: two of ours, also where the writer
+"""A process deletes readers, and stays, or ends in order. The writers hear that, as without security: two of ours, also where the writer
 comes after the readers have gone, and a writer on stock plugins. Cyclone's core says the end of a reader outside of any protection,
-where discovery is protected; our plugins say it inside (plugins/cyclonedds/own_readers.hpp).
+where discovery is protected; our plugins say it inside (plugins/cyclonedds/own_readers.hpp), and the end of a participant by
+a token (plugins/cyclonedds/lost_sessions.hpp).
 
 Usage: reader_ends_test.py BUILD [FILTER]
 """
@@ -18,6 +19,7 @@ from scenarios import EO, SROS2  # noqa: E402
 
 PASSING = 20   # readers
 PATIENCE = 25  # seconds
+SOON = 4       # seconds; a lease is ten
 STAYS = 3      # seconds in which nothing else may be heard
 GOVERNANCES = {"sros2": SROS2, "everything": EVERYTHING,
                "origin": Governance(discovery=EO, liveliness=EO, rtps=EO, metadata=EO, data="ENCRYPT"),
@@ -67,6 +69,13 @@ def they_have_ended(world, kind):
     one_is_left(world, writer, readers)
 
 
+def process_ends(world, kind):
+    writer, reader = world.writer(kind), world.honest("subscribe", True)
+    world.until("the two talking", lambda: len(samples(reader, HONEST)) >= 3, PATIENCE)
+    reader.stop()
+    world.until("the writer hearing of the end", lambda: matched(writer) == 0, SOON)
+
+
 def attempt(case):
     _, story, kind, governance = case
     with tempfile.TemporaryDirectory(prefix="ddssec-reader-ends-") as folder, Ends(folder, "ours", governance) as world:
@@ -81,6 +90,7 @@ def attempt(case):
 def cases():
     for name, governance in GOVERNANCES.items():
         yield f"end/{name}/ours", they_end, "ours", governance
+        yield f"process/{name}/ours", process_ends, "ours", governance
     for name in ("sros2", "everything"):
         yield f"ended/{name}/ours", they_have_ended, "ours", GOVERNANCES[name]
     for kind in ("stock", "fast", "embedded"):

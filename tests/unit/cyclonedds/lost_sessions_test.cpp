@@ -70,6 +70,19 @@ TEST_F(LostSessionsTest, ArePresentedWhenThePeerIsMetAgain) {
   EXPECT_EQ(all[0].to, secret_of(1).peer_addresses);
 }
 
+// The clear farewell of its host is not believed.
+TEST_F(LostSessionsTest, AParticipantThatEndsPresentsThemAll) {
+  sessions.add_local(second, kOwn);
+  sessions.established(local, remote(1), secret_of(1));
+  sessions.established(second, remote(1), secret_of(2));
+  lose(remote(2));
+  const auto all = sessions.remove_local(local);
+  ASSERT_EQ(all.size(), 2u);
+  EXPECT_EQ(all[0].message, spi::write_reset(kOwn, spi::derive_reset_token(secret_of(1), kOwn)));
+  EXPECT_EQ(all[0].to, secret_of(1).peer_addresses);
+  EXPECT_TRUE(sessions.remove_local(local).empty());
+}
+
 // A host that believes a forged announcement of the peer does not meet it.
 TEST_F(LostSessionsTest, ArePresentedSeldomWhileThePeerIsNotMet) {
   lose(remote(1));
