@@ -79,12 +79,13 @@ void DurableStore::forget_closed() {
   }
 }
 
-std::uint64_t DurableStore::append(StreamId stream, const Change& change, Time now) {
+std::uint64_t DurableStore::append(StreamId stream, const Change& change, Time now,
+                                   const std::optional<GuidPrefix>& identity) {
   std::uint64_t number = 0;
   {
     const std::lock_guard held(mutex_);
     octets_ += change.payload.size();
-    pending_.push_back({stream, change});
+    pending_.push_back({stream, change, identity});
     now_ = now;
     number = ++appended_;
   }
@@ -157,6 +158,24 @@ void DurableStore::run() {
   }
 }
 
+void DurableStore::report(std::uint64_t beyond_limits,
+                          const std::vector<StoreShares::Refusals>& refusals) {
+  if (const auto more = beyond_limits - std::exchange(beyond_limits_, beyond_limits); more != 0)
+    events_.raise(Event(Error(Code::rtps_store_failed, {.document = store_.path(),
+                                                        .field = "DURABILITY_SERVICE",
+                                                        .expected = "samples within its limits",
+                                                        .found = std::to_string(more) + " more"})));
+  for (const auto& [identity, samples] : refusals)
+    events_.raise(Event(
+        Error(Code::rtps_store_failed,
+              {.document = store_.path(),
+               .field = "share of the participants whose GUIDs begin with " +
+                        to_hex(BytesView(identity.octets).first(6)),
+               .expected = "at most as many octets as are free",
+               .found = std::to_string(samples) + " samples more",
+               .note = "they are not kept; another event follows when they are twice as many"})));
+}
+
 // A group that fails stays, before whatever comes after it.
 void DurableStore::commit(std::unique_lock<std::mutex>& held) {
   std::vector<StoredChange> group;
@@ -166,15 +185,11 @@ void DurableStore::commit(std::unique_lock<std::mutex>& held) {
   held.unlock();
   std::unique_lock store(store_mutex_);
   auto written = store_.commit(group, now);
-  const auto left_out = store_.left_out();
+  const auto beyond_limits = store_.left_out(), left_out = beyond_limits + store_.over_share();
+  const auto refusals = store_.take_refusals();
   store.unlock();
   if (!written && status_) events_.raise(Event(written.error()));
-  if (left_out != left_out_)
-    events_.raise(Event(
-        Error(Code::rtps_store_failed, {.document = store_.path(),
-                                        .field = "DURABILITY_SERVICE",
-                                        .expected = "samples within its limits",
-                                        .found = std::to_string(left_out - left_out_) + " more"})));
+  report(beyond_limits, refusals);
   held.lock();
   left_out_ = left_out;
   status_ = std::move(written);

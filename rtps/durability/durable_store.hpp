@@ -36,13 +36,16 @@ class DurableStore {
   /// Once all that was appended to it is committed, nothing stays of a stream without samples.
   void close_stream(StreamId stream);
 
-  /// Never waits. Returns a number that committed() reaches when the change is stored.
-  std::uint64_t append(StreamId stream, const Change& change, Time now);
+  /// Never waits. Returns a number that committed() reaches when the change is stored, or left out.
+  /// `identity`: see StoredChange.
+  std::uint64_t append(StreamId stream, const Change& change, Time now,
+                       const std::optional<GuidPrefix>& identity = {});
   /// How many of all that was appended is stored, in the order of append.
   std::uint64_t committed() const;
   /// How many are not.
   std::uint64_t pending() const;
-  /// How many were left out for DURABILITY_SERVICE's limits; never reset.
+  /// How many were left out for DURABILITY_SERVICE's limits or the share of an identity; never
+  /// reset.
   std::uint64_t left_out() const;
   /// True: append would make the queue longer than it may be.
   bool is_behind() const;
@@ -61,6 +64,7 @@ class DurableStore {
   DurableStore(SampleStore store, EventSink& events);
   void run();
   void commit(std::unique_lock<std::mutex>& held);
+  void report(std::uint64_t beyond_limits, const std::vector<StoreShares::Refusals>& refusals);
   /// With the store's mutex.
   void forget_closed();
   bool over() const { return pending_.size() >= kMostPending || octets_ >= kMostPendingOctets; }
@@ -75,7 +79,8 @@ class DurableStore {
   std::vector<StoredChange> pending_;
   std::size_t octets_ = 0;
   Time now_{};
-  std::uint64_t appended_ = 0, committed_ = 0, groups_ = 0, left_out_ = 0;
+  std::uint64_t appended_ = 0, committed_ = 0, groups_ = 0;
+  std::uint64_t beyond_limits_ = 0, left_out_ = 0;
   Status status_;
   std::set<StreamId> open_;
   std::map<StreamId, std::uint64_t> closed_;  ///< with what must be committed before

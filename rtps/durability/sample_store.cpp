@@ -12,7 +12,7 @@ namespace ddssec::rtps {
 namespace {
 
 constexpr std::int64_t kApplicationId = 0x44445353;  // "DDSS"
-constexpr std::int64_t kVersion = 2;
+constexpr std::int64_t kVersion = 3, kOldVersion = 2;
 constexpr std::size_t kPageSize = 4096;
 constexpr std::size_t kSumSize = 8;
 constexpr std::size_t kLargestPayload = 64u << 20;
@@ -24,8 +24,18 @@ constexpr std::string_view kSchema[] = {
     "CREATE TABLE sample(id INTEGER PRIMARY KEY, stream INTEGER NOT NULL, key BLOB NOT NULL, "
     "keyed INTEGER NOT NULL, disposed INTEGER NOT NULL, seconds INTEGER NOT NULL, "
     "fraction INTEGER NOT NULL, writer BLOB NOT NULL, number INTEGER NOT NULL, "
-    "payload BLOB NOT NULL, sum BLOB NOT NULL)",
+    "payload BLOB NOT NULL, sum BLOB NOT NULL, identity BLOB)",
     "CREATE INDEX sample_of_stream ON sample(stream, id)"};
+
+constexpr std::string_view kSinceVersion3 = ", identity BLOB";
+
+/// As SQLite has it, which is how it was written.
+std::string schema_of(std::int64_t version, std::string_view sql) {
+  std::string out(sql);
+  if (const auto at = out.find(kSinceVersion3); version < 3 && at != std::string::npos)
+    out.erase(at, kSinceVersion3.size());
+  return out;
+}
 
 std::size_t limit_of(std::int32_t value, std::size_t otherwise) {
   return value == kLengthUnlimited ? otherwise : static_cast<std::size_t>(value);
@@ -106,22 +116,24 @@ Status SampleStore::prepare(std::size_t most_octets) {
        {"PRAGMA trusted_schema=OFF", "PRAGMA cell_size_check=ON", "PRAGMA locking_mode=EXCLUSIVE"})
     DDSSEC_TRY(database_.run(pragma));
   DDSSEC_TRY(check_origin());
-  const auto pages = std::max<std::size_t>(most_octets / kPageSize, 16);
+  most_pages_ = std::max<std::size_t>(most_octets / kPageSize, 16);
   for (const auto& pragma :
        {std::string("PRAGMA journal_mode=WAL"), std::string("PRAGMA synchronous=FULL"),
         std::string("PRAGMA journal_size_limit=16777216"),
-        "PRAGMA max_page_count=" + std::to_string(pages)})
+        "PRAGMA max_page_count=" + std::to_string(most_pages_)})
     DDSSEC_TRY(database_.run(pragma));
   {
     auto transaction = DDSSEC_TRY(Database::Transaction::begin(database_));
     if (DDSSEC_TRY(database_.number("SELECT count(*) FROM sqlite_master")) == 0)
       DDSSEC_TRY(create_schema());
+    else if (DDSSEC_TRY(database_.number("PRAGMA user_version")) == kOldVersion)
+      DDSSEC_TRY(renew_schema());
     DDSSEC_TRY(transaction.commit());
   }
   insert_ =
       DDSSEC_TRY(database_.prepare("INSERT INTO sample(stream, key, keyed, disposed, seconds, "
-                                   "fraction, payload, sum, id, writer, "
-                                   "number) VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"));
+                                   "fraction, payload, sum, id, writer, number, identity) "
+                                   "VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"));
   last_row_ = DDSSEC_TRY(database_.number("SELECT coalesce(max(id), 0) FROM sample"));
   // Without room they stay until there is some.
   if (auto erased = erase_empty_streams();
@@ -131,7 +143,7 @@ Status SampleStore::prepare(std::size_t most_octets) {
       DDSSEC_TRY(database_.number("SELECT max(coalesce((SELECT max(id) FROM stream), 0), "
                                   "coalesce((SELECT max(stream) FROM sample), 0))"));
   erase_ = DDSSEC_TRY(database_.prepare("DELETE FROM sample WHERE id = ?"));
-  return {};
+  return read_shares();
 }
 
 Status SampleStore::check_origin() {
@@ -142,10 +154,10 @@ Status SampleStore::check_origin() {
   if (id != kApplicationId)
     return unusable(path_, "a store of samples", "a database of another application");
   const auto version = DDSSEC_TRY(database_.number("PRAGMA user_version"));
-  if (version != kVersion)
+  if (version != kVersion && version != kOldVersion)
     return unusable(path_, "version " + std::to_string(kVersion),
                     "version " + std::to_string(version));
-  DDSSEC_TRY(check_schema());
+  DDSSEC_TRY(check_schema(version));
   auto check = DDSSEC_TRY(database_.prepare("PRAGMA integrity_check(1)"));
   DDSSEC_TRY(check.step());
   if (check.text(0) != "ok") return unusable(path_, "a store that is whole", check.text(0));
@@ -153,12 +165,12 @@ Status SampleStore::check_origin() {
 }
 
 // No trigger and no view that somebody put there is ever run.
-Status SampleStore::check_schema() {
+Status SampleStore::check_schema(std::int64_t version) {
   auto statement = DDSSEC_TRY(
       database_.prepare("SELECT sql FROM sqlite_master WHERE sql IS NOT NULL ORDER BY rowid"));
   std::size_t count = 0;
   for (; DDSSEC_TRY(statement.step()); ++count)
-    if (count >= std::size(kSchema) || statement.text(0) != kSchema[count])
+    if (count >= std::size(kSchema) || statement.text(0) != schema_of(version, kSchema[count]))
       return unusable(path_, "the tables of a store of samples", statement.text(0));
   if (count == std::size(kSchema)) return {};
   return unusable(path_, std::to_string(std::size(kSchema)) + " tables and indexes",
@@ -168,6 +180,12 @@ Status SampleStore::check_schema() {
 Status SampleStore::create_schema() {
   for (const auto sql : kSchema) DDSSEC_TRY(database_.run(sql));
   DDSSEC_TRY(database_.run("PRAGMA application_id=" + std::to_string(kApplicationId)));
+  return database_.run("PRAGMA user_version=" + std::to_string(kVersion));
+}
+
+Status SampleStore::renew_schema() {
+  DDSSEC_TRY(database_.run("ALTER TABLE sample ADD COLUMN " +
+                           std::string(kSinceVersion3.substr(sizeof(", ") - 1))));
   return database_.run("PRAGMA user_version=" + std::to_string(kVersion));
 }
 
@@ -240,21 +258,57 @@ Status SampleStore::read_index(StreamId id, Stream& stream) {
   stream.instances.clear();
   stream.ended.clear();
   stream.samples = 0;
-  auto rows = DDSSEC_TRY(database_.prepare(
-      "SELECT id, key, disposed, seconds FROM sample WHERE stream = ? ORDER BY id"));
+  auto rows = DDSSEC_TRY(
+      database_.prepare("SELECT id, key, disposed, seconds, length(payload), identity FROM sample "
+                        "WHERE stream = ? ORDER BY id"));
   rows.bind(1, id.value);
   while (DDSSEC_TRY(rows.step())) {
     const auto key = rows.octets(1);
     if (key.size() != KeyHash{}.size()) return damaged(rows.number(0));
     KeyHash hash{};
     std::ranges::copy(key, hash.begin());
-    stream.instances[hash].push_back(rows.number(0));
+    const auto octets = StoreShares::cost(static_cast<std::size_t>(rows.number(4)));
+    stream.instances[hash].push_back(
+        {rows.number(0), static_cast<std::uint32_t>(octets), account_of(rows.octets(5))});
     ++stream.samples;
     if (rows.number(2) == 0 || stream.service.cleanup_delay.is_infinite()) continue;
     const auto since = std::chrono::seconds(rows.number(3));
     stream.ended.push_back({(since + stream.service.cleanup_delay.to_nanoseconds()).count(), hash});
   }
   return {};
+}
+
+StoreShares::Account SampleStore::account_of(BytesView identity) {
+  if (identity.size() != GuidPrefix{}.octets.size()) return StoreShares::kNone;
+  return shares_.account(GuidPrefix::from(identity));
+}
+
+Status SampleStore::read_shares() {
+  shares_.clear();
+  auto rows = DDSSEC_TRY(database_.prepare(
+      "SELECT identity, count(*), sum(length(payload)) FROM sample GROUP BY identity"));
+  while (DDSSEC_TRY(rows.step())) {
+    const auto count = static_cast<std::size_t>(rows.number(1));
+    shares_.add(account_of(rows.octets(0)),
+                static_cast<std::size_t>(rows.number(2)) + count * StoreShares::cost(0));
+  }
+  return measure_room();
+}
+
+Status SampleStore::measure_room() {
+  const auto pages = DDSSEC_TRY(database_.number("PRAGMA page_count")) -
+                     DDSSEC_TRY(database_.number("PRAGMA freelist_count"));
+  const auto used = std::min(static_cast<std::size_t>(pages), most_pages_);
+  free_ = measured_free_ = (most_pages_ - used) * kPageSize;
+  return {};
+}
+
+/// What a sample takes in pages is not known before; so it is looked at now and then.
+Result<bool> SampleStore::has_share(StoreShares::Account account, std::size_t octets,
+                                    std::size_t freed) {
+  if (account == StoreShares::kNone || octets <= freed) return true;
+  if (free_ < measured_free_ - measured_free_ / 16) DDSSEC_TRY(measure_room());
+  return shares_.octets(account) - freed + octets <= free_;
 }
 
 std::unexpected<Error> SampleStore::damaged(std::int64_t row) const {
@@ -289,15 +343,17 @@ Result<std::vector<Change>> SampleStore::load(StreamId stream) {
 }
 
 Status SampleStore::commit(std::span<const StoredChange> changes, Time now) {
-  const auto left_out = left_out_;
+  const auto left_out = left_out_, over_share = over_share_;
   std::vector<Stream*> inserted;
   const auto write = [&]() -> Status {
     auto transaction = DDSSEC_TRY(Database::Transaction::begin(database_));
-    for (const auto& [id, change] : changes) {
+    DDSSEC_TRY(measure_room());
+    for (const auto& stored : changes) {
+      const auto id = stored.stream;
       const auto found = streams_.find(id);
       if (found == streams_.end()) continue;
       auto& stream = found->second;
-      DDSSEC_TRY(add(id, stream, change, now));
+      DDSSEC_TRY(add(id, stream, stored, now));
       if (stream.has_row || stream.samples == 0) continue;
       DDSSEC_TRY(insert_row(id, stream.key));
       stream.has_row = true;
@@ -309,8 +365,10 @@ Status SampleStore::commit(std::span<const StoredChange> changes, Time now) {
   auto written = write();
   if (written) return written;
   left_out_ = left_out;
+  over_share_ = over_share;
   for (auto* stream : inserted) stream->has_row = false;
   for (auto& [id, stream] : streams_) DDSSEC_TRY(read_index(id, stream));
+  DDSSEC_TRY(read_shares());
   return written;
 }
 
@@ -323,56 +381,84 @@ bool SampleStore::has_room(const Stream& stream, const KeyHash& key) const {
   return held->second.size() < limit_of(limits.max_samples_per_instance, kMostSamples);
 }
 
-Status SampleStore::add(StreamId id, Stream& stream, const Change& change, Time now) {
+std::size_t SampleStore::replaced(const Stream& stream, const Rows& rows) {
+  const auto& history = stream.service.history;
+  const auto depth = static_cast<std::size_t>(history.depth);
+  if (history.kind != HistoryKind::keep_last || rows.size() < depth) return 0;
+  return rows.size() - depth + 1;
+}
+
+Status SampleStore::add(StreamId id, Stream& stream, const StoredChange& stored, Time now) {
+  const auto& change = stored.change;
   const auto key = change.key_hash.value_or(KeyHash{});
-  const auto& service = stream.service;
   if (!change.is_alive() && !change.status.disposed) return {};
-  if (change.status.disposed && service.cleanup_delay == kDurationZero)
+  if (change.status.disposed && stream.service.cleanup_delay == kDurationZero)
     return erase_instance(stream, key);
-  if (service.history.kind == HistoryKind::keep_last) {
-    const auto held = stream.instances.find(key);
-    while (held != stream.instances.end() &&
-           held->second.size() >= static_cast<std::size_t>(service.history.depth)) {
-      DDSSEC_TRY(erase_row(held->second.front()));
-      held->second.pop_front();
-      --stream.samples;
-    }
+  const auto held = stream.instances.find(key);
+  std::size_t count = 0, freed = 0;
+  const auto account = stored.identity ? shares_.account(*stored.identity) : StoreShares::kNone;
+  if (held != stream.instances.end()) count = replaced(stream, held->second);
+  for (std::size_t i = 0; i < count; ++i)
+    if (held->second[i].account == account) freed += held->second[i].octets;
+  const auto octets = StoreShares::cost(change.payload.size());
+  if (!DDSSEC_TRY(has_share(account, octets, freed))) {
+    ++over_share_;
+    shares_.refuse(account);
+    return change.status.disposed ? erase_instance(stream, key) : Status{};
+  }
+  for (; count > 0; --count, --stream.samples) {
+    DDSSEC_TRY(erase_row(held->second.front()));
+    held->second.pop_front();
   }
   if (!has_room(stream, key)) return ++left_out_, Status{};
+  return insert(id, stream, stored, now);
+}
+
+Status SampleStore::insert(StreamId id, Stream& stream, const StoredChange& stored, Time now) {
+  auto change = stored.change;
+  const auto key = change.key_hash.value_or(KeyHash{});
   const auto time = change.source_time.value_or(now);
-  auto stored = change;
-  stored.source_time = time;
-  stored.status.unregistered = false;
-  const auto sum = sum_of(++last_row_, id, stored);
+  change.source_time = time;
+  change.status.unregistered = false;
+  const auto sum = sum_of(++last_row_, id, change);
   const auto origin = change.origin();
   const auto writer = origin.writer.octets();
-  DDSSEC_TRY(insert_.bind(1, id.value)
-                 .bind(2, BytesView(key))
-                 .bind(3, std::int64_t{change.key_hash.has_value()})
-                 .bind(4, std::int64_t{change.status.disposed})
-                 .bind(5, std::int64_t{time.seconds})
-                 .bind(6, std::int64_t{time.fraction})
-                 .bind(7, change.payload.view())
-                 .bind(8, BytesView(sum))
-                 .bind(9, last_row_)
-                 .bind(10, BytesView(writer))
-                 .bind(11, origin.number.value)
-                 .run());
-  stream.instances[key].push_back(last_row_);
+  insert_.bind(1, id.value)
+      .bind(2, BytesView(key))
+      .bind(3, std::int64_t{change.key_hash.has_value()})
+      .bind(4, std::int64_t{change.status.disposed})
+      .bind(5, std::int64_t{time.seconds})
+      .bind(6, std::int64_t{time.fraction})
+      .bind(7, change.payload.view())
+      .bind(8, BytesView(sum))
+      .bind(9, last_row_)
+      .bind(10, BytesView(writer))
+      .bind(11, origin.number.value);
+  if (stored.identity) insert_.bind(12, BytesView(stored.identity->octets));
+  DDSSEC_TRY(insert_.run());
+  const auto account = stored.identity ? shares_.account(*stored.identity) : StoreShares::kNone;
+  const auto octets = StoreShares::cost(change.payload.size());
+  shares_.add(account, octets);
+  free_ -= std::min(free_, 2 * octets);
+  stream.instances[key].push_back({last_row_, static_cast<std::uint32_t>(octets), account});
   ++stream.samples;
   std::erase_if(stream.ended, [&](const Ended& ended) { return ended.key == key; });
-  if (change.status.disposed && !service.cleanup_delay.is_infinite())
-    stream.ended.push_back(
-        {(now.to_nanoseconds() + service.cleanup_delay.to_nanoseconds()).count(), key});
+  const auto delay = stream.service.cleanup_delay;
+  if (change.status.disposed && !delay.is_infinite())
+    stream.ended.push_back({(now.to_nanoseconds() + delay.to_nanoseconds()).count(), key});
   return {};
 }
 
-Status SampleStore::erase_row(std::int64_t row) { return erase_.bind(1, row).run(); }
+Status SampleStore::erase_row(const Row& row) {
+  DDSSEC_TRY(erase_.bind(1, row.id).run());
+  shares_.remove(row.account, row.octets);
+  return {};
+}
 
 Status SampleStore::erase_instance(Stream& stream, const KeyHash& key) {
   const auto held = stream.instances.find(key);
   if (held == stream.instances.end()) return {};
-  for (const auto row : held->second) DDSSEC_TRY(erase_row(row));
+  for (const auto& row : held->second) DDSSEC_TRY(erase_row(row));
   stream.samples -= held->second.size();
   stream.instances.erase(held);
   std::erase_if(stream.ended, [&](const Ended& ended) { return ended.key == key; });

@@ -9,6 +9,7 @@
 
 #include "base/ids.hpp"
 #include "rtps/durability/database.hpp"
+#include "rtps/durability/store_shares.hpp"
 #include "rtps/qos/qos.hpp"
 #include "rtps/reliability/change.hpp"
 
@@ -32,6 +33,8 @@ struct StreamId {
 struct StoredChange {
   StreamId stream;
   Change change;
+  /// Whose share of the store it takes (ParticipantCore::identity_of); nothing: it has no bound.
+  std::optional<GuidPrefix> identity = {};
 };
 
 /// Whatever a commit wrote survives the end of the process or, for a file, of the machine; whatever
@@ -61,7 +64,8 @@ class SampleStore {
   /// rtps_store_unusable (one is not what was stored), rtps_store_failed.
   Result<std::vector<Change>> load(StreamId stream);
   /// All of them or, if it fails, none. What exceeds DURABILITY_SERVICE's limits is left out and
-  /// counted; with KEEP_LAST the oldest goes instead. Disposed instances go when
+  /// counted; with KEEP_LAST the oldest goes instead. What exceeds the share of its identity is
+  /// left out and counted, too; the end of an instance then removes it. Disposed instances go when
   /// service_cleanup_delay is over: `now` is the calendar time. Errors: rtps_store_failed,
   /// rtps_store_unusable.
   Status commit(std::span<const StoredChange> changes, Time now);
@@ -72,10 +76,18 @@ class SampleStore {
   std::size_t size(StreamId stream) const;
   /// Changes that did not fit the limits; never reset.
   std::uint64_t left_out() const { return left_out_; }
+  /// Changes that did not fit the share of their identity; never reset.
+  std::uint64_t over_share() const { return over_share_; }
+  std::vector<StoreShares::Refusals> take_refusals() { return shares_.take_news(); }
   const std::string& path() const { return path_; }
 
  private:
-  using Rows = std::deque<std::int64_t>;
+  struct Row {
+    std::int64_t id;
+    std::uint32_t octets;
+    StoreShares::Account account;
+  };
+  using Rows = std::deque<Row>;
   struct Ended {
     std::int64_t due = 0;  ///< nanoseconds of the calendar
     KeyHash key{};
@@ -93,8 +105,10 @@ class SampleStore {
       : database_(std::move(database)), path_(std::move(path)) {}
   Status prepare(std::size_t most_octets);
   Status check_origin();
-  Status check_schema();
+  Status check_schema(std::int64_t version);
   Status create_schema();
+  /// Of version 2, which said of no sample who had sent it.
+  Status renew_schema();
   /// Of all streams without samples.
   Status erase_empty_streams();
   /// Nothing: not in the database.
@@ -103,10 +117,17 @@ class SampleStore {
   Result<std::optional<StreamId>> find(const StreamKey& key);
   Status insert_row(StreamId id, const StreamKey& key);
   Status read_index(StreamId id, Stream& stream);
-  Status add(StreamId id, Stream& stream, const Change& change, Time now);
+  Status read_shares();
+  StoreShares::Account account_of(BytesView identity);
+  Status add(StreamId id, Stream& stream, const StoredChange& stored, Time now);
+  Status insert(StreamId id, Stream& stream, const StoredChange& stored, Time now);
+  /// With KEEP_LAST, how many of an instance's rows the next one replaces.
+  static std::size_t replaced(const Stream& stream, const Rows& rows);
+  Result<bool> has_share(StoreShares::Account account, std::size_t octets, std::size_t freed);
+  Status measure_room();
   bool has_room(const Stream& stream, const KeyHash& key) const;
   Status erase_instance(Stream& stream, const KeyHash& key);
-  Status erase_row(std::int64_t row);
+  Status erase_row(const Row& row);
   Status clean_up(Stream& stream, std::int64_t now);
   std::unexpected<Error> damaged(std::int64_t row) const;
 
@@ -114,8 +135,11 @@ class SampleStore {
   std::string path_;
   SqlStatement insert_, erase_;
   std::map<StreamId, Stream> streams_;
+  StoreShares shares_;
+  std::size_t most_pages_ = 0;
+  std::size_t free_ = 0, measured_free_ = 0;  ///< octets: about, and when it was measured
   std::int64_t last_row_ = 0, last_stream_ = 0;
-  std::uint64_t left_out_ = 0;
+  std::uint64_t left_out_ = 0, over_share_ = 0;
 };
 
 }  // namespace ddssec::rtps

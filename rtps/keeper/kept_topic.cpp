@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include <fmt/format.h>
+
 namespace ddssec::rtps {
 namespace {
 
@@ -103,13 +105,20 @@ bool KeptTopic::on_change(Change& change) {
   change.coherence = {};
   const auto [now, wall] = context_.moment();
   if (!change.source_time) change.source_time = wall;
-  unstored_.push_back(
-      {store_.append(*stream_, change, wall), change.writer, change.sequence_number});
+  unstored_.push_back({store_.append(*stream_, change, wall, identity_of(change.writer.prefix)),
+                       change.writer, change.sequence_number});
   call_at(now + kLook);
   auto& writer = *context_.protocol().local_endpoints().writer(writer_);
   if (writer.has_room(change.payload.size(), change.key_hash.value_or(KeyHash{})))
     writer.write(change, now);
   return true;
+}
+
+/// Without security there are no identities; participants that did not authenticate count as one.
+std::optional<GuidPrefix> KeptTopic::identity_of(const GuidPrefix& sender) const {
+  const auto& core = context_.protocol().remote_participants().core();
+  if (!core.security) return std::nullopt;
+  return core.is_authenticated(sender) ? core.identity_of(sender) : GuidPrefix{};
 }
 
 void KeptTopic::on_matched(const EndpointData& remote) {
@@ -139,7 +148,7 @@ void KeptTopic::on_sample_dropped(const Guid& writer, std::uint32_t octets) {
       Error(Code::rtps_sample_dropped,
             {.document = "topic " + like_.topic_name,
              .field = "serialized size",
-             .expected = "at most " + std::to_string(StatefulReader::kLargestSample),
+             .expected = fmt::format("at most {}", StatefulReader::kLargestSample),
              .found = std::to_string(octets)}),
       reader_.entity, writer);
 }

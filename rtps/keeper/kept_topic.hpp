@@ -48,6 +48,8 @@ class KeptTopic final : private EndpointListener, private Timed {
   void on_alive(const Guid&) override {}
   void on_acknowledged() override {}
   EndpointRequest request(Qos qos) const;
+  /// Whose share of the store a sample takes.
+  std::optional<GuidPrefix> identity_of(const GuidPrefix& sender) const;
 
   ParticipantContext& context_;
   DurableStore& store_;

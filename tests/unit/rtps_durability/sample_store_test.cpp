@@ -212,6 +212,110 @@ TEST_F(SampleStoreTest, AFullStoreSaysSoAndLosesNothing) {
 }
 
 // No file of this process may grow beyond a size, as on a disk without room.
+GuidPrefix identity(std::uint8_t number) {
+  GuidPrefix out;
+  out.octets[0] = number;
+  return out;
+}
+
+struct ShareTest : StoreTest {
+  static constexpr std::size_t kMost = std::size_t{4} << 20;
+  void open() {
+    store.reset();
+    store.emplace(*SampleStore::open(path, kMost));
+    id = *store->stream(kMap, service);
+  }
+  /// How many samples of so many octets are kept of those it writes, a commit for each ten.
+  std::size_t fill(std::uint8_t who, std::size_t octets, std::size_t count,
+                   std::size_t instances = 1) {
+    const auto before = store->size(id);
+    const Bytes payload(octets, who);
+    for (std::size_t i = 0; i < count; i += 10) {
+      std::vector<StoredChange> group;
+      for (std::size_t n = i; n < i + 10; ++n) {
+        Change change;
+        change.key_hash.emplace().fill(static_cast<std::uint8_t>(n % instances));
+        change.payload = Payload::copy_of(payload);
+        group.push_back({id, change, identity(who)});
+      }
+      const auto written = store->commit(group, seconds(1));
+      EXPECT_TRUE(written) << written.error().to_sentence();
+    }
+    return store->size(id) - before;
+  }
+  DurabilityService service = keep_all();
+  std::optional<SampleStore> store;
+  StreamId id;
+};
+
+// One identity filled a store, and nothing of any topic was kept from then on.
+TEST_F(ShareTest, OneIdentityLeavesRoomForAnother) {
+  for (const std::size_t octets : {0uz, 10uz, 1400uz, 2100uz, 5000uz, 60000uz}) {
+    std::filesystem::remove(path);
+    open();
+    const auto cost = StoreShares::cost(octets);
+    const auto most = kMost / cost;
+    const auto first = fill(1, octets, most);
+    EXPECT_LT(first * cost, kMost * 3 / 4) << octets;
+    EXPECT_GT(first * cost, kMost / 5) << octets;
+    EXPECT_EQ(store->over_share(), (most + 9) / 10 * 10 - first);
+    EXPECT_EQ(fill(1, octets, 10), 0u);
+    const auto second = fill(2, octets, most);
+    EXPECT_GT(second * cost, kMost / 12) << octets;
+    EXPECT_EQ(store->left_out(), 0u);
+    const auto refusals = store->take_refusals();
+    EXPECT_EQ(std::ranges::count(refusals, 1u, &StoreShares::Refusals::samples), 2);
+    EXPECT_LT(refusals.size(), 40u);
+    open();  // it is known of before, too
+    EXPECT_EQ(fill(1, octets, 10), 0u) << octets;
+    EXPECT_GT(fill(3, octets, most), 0u);
+  }
+}
+
+TEST_F(ShareTest, WithKeepLastWhatGoesMakesRoom) {
+  service = keep_last(1);
+  open();
+  fill(1, 60000, 100, 100);
+  const auto refused = store->over_share();
+  EXPECT_GT(refused, 0u);
+  const auto held = store->size(id);
+  fill(1, 60000, 10, 10);
+  EXPECT_EQ(store->size(id), held);
+  EXPECT_EQ(store->over_share(), refused);
+}
+
+TEST_F(ShareTest, WithoutRoomTheEndOfAnInstanceRemovesIt) {
+  open();
+  fill(1, 60000, 100, 2);
+  const auto held = store->size(id);
+  ASSERT_TRUE(store->commit({{StoredChange{id, dispose(0), identity(1)}}}, seconds(2)));
+  EXPECT_LT(store->size(id), held);
+  EXPECT_GT(store->size(id), 0u);
+}
+
+TEST_F(ShareTest, OwnSamplesHaveNoBound) {
+  open();
+  const auto share = fill(1, 60000, 100);
+  fill(1, 60000, 10);
+  Change change;
+  change.payload = Payload::copy_of(Bytes(60000));
+  std::size_t own = 0;
+  while (own < 100 && store->commit({{StoredChange{id, change}}}, seconds(1))) ++own;
+  EXPECT_GT(own, share / 2);
+}
+
+TEST_F(SampleStoreTest, AStoreOfTheVersionBeforeIsTakenOver) {
+  store(0, 3);
+  {
+    auto database = *Database::open(path);
+    ASSERT_TRUE(database.run("ALTER TABLE sample DROP COLUMN identity"));
+    ASSERT_TRUE(database.run("PRAGMA user_version=2"));
+  }
+  EXPECT_EQ(stored(), (Numbers{0, 1, 2}));
+  store(3, 5);
+  EXPECT_EQ(stored(), (Numbers{0, 1, 2, 3, 4}));
+}
+
 TEST_F(SampleStoreTest, ADiskWithoutRoomIsNamedAndNothingStoredIsLost) {
   store(0, 10);
   std::uint32_t next = 10;

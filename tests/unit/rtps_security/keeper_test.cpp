@@ -104,5 +104,32 @@ TEST_F(SecuredKeeper, TopicsOfWritersThatAreNotAllowedTakeNoPlace) {
   EXPECT_EQ(keeper->topics(), 0u);
 }
 
+// From then on nothing of any topic was kept, also after it had left.
+TEST_F(SecuredKeeper, OneIdentityDoesNotFillTheStore) {
+  keeper.reset();
+  keeper = Keeper::create(process.options("CN=keeper,O=Example", rules),
+                          {.store_octets = std::size_t{256} << 10}, process.environment)
+               .value();
+  mallory.emplace("CN=mallory,O=Example", rules, clock);  // may write the topic
+  auto qos = durable(DurabilityKind::transient);
+  const auto write = [&](Secured& who, std::int32_t first, std::int32_t count) {
+    auto& writer = who.writer(qos);
+    ASSERT_TRUE(eventually([&] { return !writer.matched_subscriptions().empty(); }));
+    for (std::int32_t i = first; i < first + count; ++i) {
+      ASSERT_TRUE(writer.write({i, i}));
+      if (i % 100 == 0) run(2);
+    }
+    ASSERT_TRUE(eventually([&] { return keeper->unstored() == 0; }));
+    run(50);
+  };
+  write(*mallory, 0, 3000);
+  EXPECT_GT(keeper->left_out(), 1000u);
+  EXPECT_TRUE(process.events.has(Code::rtps_store_failed));
+  const auto before = keeper->left_out();
+  write(alice, 1'000'000, 20);
+  EXPECT_EQ(keeper->left_out(), before) << process.events.text();
+  ASSERT_TRUE(keeper->flush(5s));
+}
+
 }  // namespace
 }  // namespace ddssec::rtps

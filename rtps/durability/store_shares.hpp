@@ -1,0 +1,49 @@
+// How much of a store the samples of each identity take. One identity never has more than is free,
+// so that there is always room for another one.
+#pragma once
+
+#include <map>
+#include <vector>
+
+#include "base/ids.hpp"
+
+namespace ddssec::rtps {
+
+class StoreShares {
+ public:
+  /// Whose share; kNone has no bound.
+  using Account = std::uint32_t;
+  static constexpr Account kNone = 0;
+
+  /// Octets that a sample takes in the file, about.
+  static std::size_t cost(std::size_t payload) { return payload + 160; }
+
+  /// `identity`: see ParticipantCore::identity_of.
+  Account account(const GuidPrefix& identity);
+  const GuidPrefix& identity(Account account) const { return shares_[account].identity; }
+  std::size_t octets(Account account) const { return shares_[account].octets; }
+  void add(Account account, std::size_t octets) { shares_[account].octets += octets; }
+  void remove(Account account, std::size_t octets) { shares_[account].octets -= octets; }
+  /// Nobody has anything; accounts stay what they are.
+  void clear();
+
+  struct Refusals {
+    GuidPrefix identity;
+    std::uint64_t samples;  ///< so far
+  };
+  void refuse(Account account);
+  /// Those of whom more were refused than twice what was said last.
+  std::vector<Refusals> take_news() { return std::exchange(news_, {}); }
+
+ private:
+  struct Share {
+    GuidPrefix identity;
+    std::size_t octets = 0;
+    std::uint64_t refused = 0;
+  };
+  std::vector<Share> shares_{1};
+  std::map<GuidPrefix, Account> accounts_;
+  std::vector<Refusals> news_;
+};
+
+}  // namespace ddssec::rtps
