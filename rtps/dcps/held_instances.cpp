@@ -45,7 +45,8 @@ HeldInstances::HeldInstances(const Qos& qos)
       max_samples_(limit_of(qos.resource_limits.max_samples, kMaxSamples)),
       max_instances_(limit_of(qos.resource_limits.max_instances, kMaxInstances)),
       max_per_instance_(limit_of(qos.resource_limits.max_samples_per_instance, kMaxSamples)),
-      by_source_(qos.destination_order == DestinationOrderKind::by_source) {}
+      by_source_(qos.destination_order == DestinationOrderKind::by_source),
+      shares_(qos.resource_limits.max_instances == kLengthUnlimited) {}
 
 HeldInstance* HeldInstances::find(const KeyHash& key) const {
   const auto at = by_key_.find(key);
@@ -57,11 +58,17 @@ HeldInstance* HeldInstances::find(InstanceHandle handle) {
   return at == instances_.end() ? nullptr : &at->second;
 }
 
-SampleRejectedReason HeldInstances::rejects(const HeldInstance* instance,
-                                            const Change& change) const {
+bool HeldInstances::has_room_for_instance(const std::optional<GuidPrefix>& identity) const {
+  const auto free = max_instances_ - instances_.size() + idle_.size();
+  if (free == 0 || !shares_ || !identity) return free > 0;
+  const auto own = of_identity_.find(*identity);
+  return own == of_identity_.end() || own->second < free;
+}
+
+SampleRejectedReason HeldInstances::rejects(const HeldInstance* instance, const Change& change,
+                                            const std::optional<GuidPrefix>& identity) const {
   using Reason = SampleRejectedReason;
-  if (instance == nullptr && instances_.size() >= max_instances_ && idle_.empty())
-    return Reason::by_instances_limit;
+  if (instance == nullptr && !has_room_for_instance(identity)) return Reason::by_instances_limit;
   const bool replaces = change.is_alive() && instance != nullptr && is_full(*instance);
   const auto freed = replaces ? instance->oldest()->change.payload.size() : 0;
   if (octets_ - freed + change.payload.size() > kMaxOctets) return Reason::by_samples_limit;
@@ -80,7 +87,8 @@ bool HeldInstances::has_room(std::size_t samples) const {
   return samples_ + samples <= max_samples_ || history_.kind == HistoryKind::keep_last;
 }
 
-HeldInstance& HeldInstances::create(const KeyHash& key, Payload key_value) {
+HeldInstance& HeldInstances::create(const KeyHash& key, Payload key_value,
+                                    const std::optional<GuidPrefix>& identity) {
   if (instances_.size() >= max_instances_) forget(*idle_.front());
   const InstanceHandle handle{next_handle_++};
   auto& instance = instances_[handle];
@@ -89,6 +97,8 @@ HeldInstance& HeldInstances::create(const KeyHash& key, Payload key_value) {
   instance.key_value = std::move(key_value);
   octets_ += instance.key_value.size();
   by_key_[key] = &instance;
+  instance.identity = identity;
+  if (shares_ && identity) ++of_identity_[*identity];
   return instance;
 }
 
@@ -109,6 +119,8 @@ void HeldInstances::settle(HeldInstance& instance) {
 void HeldInstances::forget(HeldInstance& instance) {
   by_key_.erase(instance.key);
   octets_ -= instance.key_value.size();
+  if (const auto& identity = instance.identity; shares_ && identity)
+    if (--of_identity_.at(*identity) == 0) of_identity_.erase(*identity);
   for (const auto& writer : instance.writers) joined_.erase({writer, instance.handle});
   instances_.erase(InstanceHandle(instance.handle));
 }

@@ -58,9 +58,10 @@ struct HeldInstance {
   std::int32_t disposed_generations = 0, no_writers_generations = 0;
   HeldSamples held;
   std::size_t unread = 0, invalid = 0;
-  std::vector<Guid> writers;       ///< alive, and have not unregistered it
-  std::optional<Guid> owner;       ///< EXCLUSIVE only
-  std::optional<Time> seen_until;  ///< source time of the newest sample that was handed out
+  std::optional<GuidPrefix> identity;  ///< whose sample was the first: see ReaderCache::set_writer
+  std::vector<Guid> writers;           ///< alive, and have not unregistered it
+  std::optional<Guid> owner;           ///< EXCLUSIVE only
+  std::optional<Time> seen_until;      ///< source time of the newest sample that was handed out
   MonotonicTime deadline = kNever;
   MonotonicTime quiet_until{};      ///< TIME_BASED_FILTER
   std::optional<Change> held_back;  ///< until then
@@ -78,7 +79,9 @@ class HeldInstances {
  public:
   /// Where RESOURCE_LIMITS says "unlimited", memory is bounded all the same.
   static constexpr std::size_t kMaxSamples = 65536;
-  static constexpr std::size_t kMaxInstances = 65536;
+  /// The same, and no identity has the first sample of more instances than are free: there is
+  /// always room for another one.
+  static constexpr std::size_t kMaxInstances = 131072;
   static constexpr std::size_t kMaxOctets = std::size_t{256} << 20;
 
   explicit HeldInstances(const Qos& qos);
@@ -91,14 +94,17 @@ class HeldInstances {
   /// Those with samples. An instance may leave while the list is walked.
   const LinkedList<HeldInstance>& ready() const { return ready_; }
 
-  /// Why the change has no room. `instance`: the one that it is of; nullptr: a new one.
-  SampleRejectedReason rejects(const HeldInstance* instance, const Change& change) const;
+  /// Why the change has no room. `instance`: the one that it is of; nullptr: a new one of
+  /// `identity`.
+  SampleRejectedReason rejects(const HeldInstance* instance, const Change& change,
+                               const std::optional<GuidPrefix>& identity = {}) const;
   /// KEEP_LAST: the next sample replaces the oldest.
   bool is_full(const HeldInstance& instance) const;
   /// True if so many more samples can be stored, of whatever instance.
   bool has_room(std::size_t samples) const;
   /// Only if `rejects` found room, which the oldest idle instance may have to make.
-  HeldInstance& create(const KeyHash& key, Payload key_value);
+  HeldInstance& create(const KeyHash& key, Payload key_value,
+                       const std::optional<GuidPrefix>& identity = {});
   /// To be called after a change to the instance: it goes where it belongs, or is forgotten.
   void settle(HeldInstance& instance);
   /// It must have no samples.
@@ -152,14 +158,16 @@ class HeldInstances {
 
  private:
   void count(const HeldInstance& instance, int sign);
+  bool has_room_for_instance(const std::optional<GuidPrefix>& identity) const;
 
   const History history_;
   const std::size_t max_samples_, max_instances_, max_per_instance_;
-  const bool by_source_;
+  const bool by_source_, shares_;
   std::uint64_t* arrivals_ = nullptr;
   LinkedList<HeldInstance> ready_, idle_;  ///< outlive the instances that are in them
   std::map<InstanceHandle, HeldInstance> instances_;
   std::map<KeyHash, HeldInstance*> by_key_;
+  std::map<GuidPrefix, std::size_t> of_identity_;  ///< instances; only if they are shared
   /// Which writer is among those of which instance, so that one that goes costs only its own.
   std::set<std::pair<Guid, InstanceHandle>> joined_;
   std::map<std::pair<MonotonicTime, std::uint64_t>, Expiring> expiring_;

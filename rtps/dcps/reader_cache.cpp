@@ -17,8 +17,14 @@ ReaderCache::ReaderCache(const Qos& qos, KeyOf key_of)
   set_deadline(qos.deadline, {});
 }
 
-void ReaderCache::set_writer(const Guid& writer, std::int32_t strength, Duration lifespan) {
-  writers_[writer] = {strength, lifespan};
+void ReaderCache::set_writer(const Guid& writer, std::int32_t strength, Duration lifespan,
+                             const std::optional<GuidPrefix>& identity) {
+  writers_[writer] = {strength, lifespan, identity};
+}
+
+std::optional<GuidPrefix> ReaderCache::identity_of(const Guid& writer) const {
+  const auto at = writers_.find(writer);
+  return at == writers_.end() ? std::nullopt : at->second.identity;
 }
 
 std::int32_t ReaderCache::strength_of(const Guid& writer) const {
@@ -84,10 +90,12 @@ ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at) {
     if (reliable_) held_.hold_back(*instance, std::move(change));
     return dropped;
   }
-  const auto reason = held_.rejects(instance, change);
+  const auto identity = instance == nullptr ? identity_of(change.writer) : std::nullopt;
+  const auto reason = held_.rejects(instance, change, identity);
   if (reason != SampleRejectedReason::not_rejected) return {Outcome::rejected, reason, handle};
   if (instance == nullptr)
-    instance = &held_.create(key, key_of_ ? Payload::copy_of(key_of_(change)) : Payload{});
+    instance =
+        &held_.create(key, key_of_ ? Payload::copy_of(key_of_(change)) : Payload{}, identity);
   if (change.is_alive())
     store_alive(*instance, change, expires, at.now);
   else

@@ -21,8 +21,10 @@ class ReaderCache {
   using KeyOf = std::function<Bytes(const Change&)>;
   explicit ReaderCache(const Qos& qos, KeyOf key_of = nullptr);
 
-  /// A matched writer, or its changed OWNERSHIP_STRENGTH.
-  void set_writer(const Guid& writer, std::int32_t strength, Duration lifespan);
+  /// A matched writer, or its changed OWNERSHIP_STRENGTH. `identity`: whose share of the instances
+  /// its new ones take (ParticipantCore::identity_of); nothing: they are not counted.
+  void set_writer(const Guid& writer, std::int32_t strength, Duration lifespan,
+                  const std::optional<GuidPrefix>& identity = {});
   /// Is gone, or not alive any more: it leaves all its instances. True if any state changed.
   bool lose_writer(const Guid& writer, bool unmatched, MonotonicTime now);
 
@@ -90,10 +92,12 @@ class ReaderCache {
   struct Writer {
     std::int32_t strength = 0;
     Duration lifespan = kDurationInfinite;
+    std::optional<GuidPrefix> identity = {};
   };
 
   bool may_own(const Instance& instance, const Guid& writer) const;
   std::int32_t strength_of(const Guid& writer) const;
+  std::optional<GuidPrefix> identity_of(const Guid& writer) const;
   bool is_too_old(const Instance& instance, const Change& change) const;
   MonotonicTime expiry_of(const Change& change, const Moment& at) const;
   void store_alive(Instance& instance, Change& change, MonotonicTime expires, MonotonicTime now);

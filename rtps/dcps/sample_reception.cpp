@@ -1,6 +1,7 @@
 #include "rtps/dcps/sample_reception.hpp"
 
 #include <algorithm>
+#include <bit>
 
 #include <fmt/format.h>
 
@@ -41,7 +42,9 @@ void SampleReception::change_qos(const Qos& before, const Qos& now, bool started
 }
 
 void SampleReception::add_writer(const EndpointData& writer) {
-  samples_.cache().set_writer(writer.guid, writer.qos.ownership_strength, writer.qos.lifespan);
+  const auto& core = context_.protocol().remote_participants().core();
+  samples_.cache().set_writer(writer.guid, writer.qos.ownership_strength, writer.qos.lifespan,
+                              core.identity_of(writer.guid.prefix));
   presentation_.add_writer(writer.guid, writer.group_guid);
 }
 
@@ -105,6 +108,21 @@ void SampleReception::reject(const Change& change, const ReaderCache::Stored& st
   rejected_.last_reason = stored.reason;
   rejected_.last_instance_handle = stored.instance;
   reports_.of_reader.note(StatusKind::sample_rejected);
+  if (stored.reason == SampleRejectedReason::by_instances_limit) report_crowded(change.writer);
+}
+
+/// Seldom: a writer that takes all places offers more than this reader can tell.
+void SampleReception::report_crowded(const Guid& writer) {
+  if (!std::has_single_bit(++crowded_)) return;
+  context_.protocol().remote_participants().raise_about(
+      Error(Code::rtps_instances_crowded,
+            {.document = "topic " + topic_.name(),
+             .field = "instances",
+             .expected = "at most RESOURCE_LIMITS.max_instances, and of one identity no more than "
+                         "are free",
+             .found = fmt::format("{} samples of further ones so far", crowded_),
+             .note = "another event follows when they are twice as many"}),
+      reader_.entity, writer);
 }
 
 void SampleReception::report_unreadable_key(const Change& change) {

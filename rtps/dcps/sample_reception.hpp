@@ -81,6 +81,7 @@ class SampleReception final : private PresentedReader, private Timed {
   void on_time(MonotonicTime now) override;
   bool store(Change& change);
   void reject(const Change& change, const ReaderCache::Stored& stored);
+  void report_crowded(const Guid& writer);
   void report_unreadable_key(const Change& change);
   void note_data();
 
@@ -97,6 +98,7 @@ class SampleReception final : private PresentedReader, private Timed {
   std::pair<Guid, SequenceNumber> last_rejected_;
   SampleLostStatus lost_;
   SampleRejectedStatus rejected_;
+  std::uint64_t crowded_ = 0;  ///< rejected by the limit of instances
 };
 
 }  // namespace ddssec::rtps

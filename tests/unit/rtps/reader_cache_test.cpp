@@ -215,6 +215,34 @@ TEST_F(ReaderCacheTest, AnEndedInstanceMakesRoomForANewOne) {
   EXPECT_TRUE(cache().lookup(KeyHash{1}).is_nil());
 }
 
+// One identity took all 65,536, and no other writer was heard.
+TEST_F(ReaderCacheTest, NoIdentityTakesAllInstances) {
+  const auto identity = [](std::uint8_t n) { return writer(n).prefix; };
+  for (std::uint8_t i = 1; i <= 3; ++i)
+    cache().set_writer(writer(i), 0, kDurationInfinite, identity(i == 2 ? 1 : i));
+  const auto fill = [&](std::uint8_t from, std::uint32_t first, std::uint32_t count) {
+    std::uint32_t stored = 0;
+    for (auto i = first; i < first + count; ++i) {
+      Change change;
+      change.writer = writer(from);
+      auto& key = change.key_hash.emplace();
+      for (std::size_t at = 0; at < 4; ++at) key[at] = static_cast<std::uint8_t>(i >> (8 * at));
+      stored += cache().store(change, moment()).outcome == Outcome::stored ? 1 : 0;
+      if (stored % 1000 == 0) take();
+    }
+    take();
+    return stored;
+  };
+  constexpr auto kHalf = static_cast<std::uint32_t>(HeldInstances::kMaxInstances / 2);
+  EXPECT_EQ(fill(1, 0, kHalf + 10), kHalf);
+  EXPECT_EQ(fill(2, 500'000, 10), 0u) << "another participant of the same identity";
+  EXPECT_EQ(fill(3, 1'000'000, kHalf), kHalf / 2);
+  EXPECT_EQ(fill(3, 0, 10), 10u) << "instances that are there have room for anybody's samples";
+  cache().lose_writer(writer(1), true, now);
+  take();
+  EXPECT_EQ(fill(3, 2'000'000, 10), 10u) << "what has ended makes room";
+}
+
 TEST_F(ReaderCacheTest, MemoryIsBoundedWhateverTheLimits) {
   const auto large = [&](std::uint8_t key) {
     Change change;
