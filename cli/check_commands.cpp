@@ -153,7 +153,12 @@ Result<Report> check(const Arguments& arguments, const Context& context) {
   name_parties(folders[0], folders[1], names);
   const auto meeting = meet_with_keys(
       party(a, products[0], names[0], report), party(b, products[1], names[1], report),
-      {.now = now, .domain = domain, .partitions = arguments.all("--partition")}, topics);
+      {.now = now,
+       .domain = domain,
+       .partitions = arguments.all("--partition"),
+       .writes = {wanted == Wanted::both || wanted == Wanted::writer_a,
+                  wanted == Wanted::both || wanted == Wanted::writer_b}},
+      topics);
   const MeetingView view{.meeting = meeting,
                          .names = {names[0], names[1]},
                          .domain = domain,

@@ -9,6 +9,7 @@
 #include "cli/drop_in.hpp"
 #include "cli/fleet.hpp"
 #include "cli/fleet_folder.hpp"
+#include "cli/granted_domains.hpp"
 #include "cli/groups.hpp"
 #include "cli/held_folder.hpp"
 #include "cli/inputs.hpp"
@@ -41,12 +42,21 @@ Result<Bytes> governance_of(const Arguments& arguments, WallTime now) {
   return read_file(file, pki::kMostDocumentOctets);
 }
 
+using Findings = std::vector<Finding>;
+
+// The document that the participant has, or gets.
+fs::path governance_file(const Arguments& arguments) {
+  return arguments.has("--governance")
+             ? document_path<GovernanceKind>(arguments.text("--governance"))
+             : pki::participant_folder(arguments.text("-o"), pki::FolderLayout::flat).governance;
+}
+
 // What counts for every participant of the command.
-Result<ParticipantSpec> common_spec(const Arguments& arguments, WallTime now) {
+Result<ParticipantSpec> common_spec(const Arguments& arguments, WallTime now, Findings& findings) {
   ParticipantSpec out{.name = {}, .subject = {}, .life = {}};
+  out.domains = DDSSEC_TRY(granted_domains(arguments, governance_file(arguments), findings));
   out.life = DDSSEC_TRY(validity(arguments, now));
   out.key = DDSSEC_TRY(key_spec(arguments));
-  out.domains = DDSSEC_TRY(domain_ranges(arguments, "--domain"));
   out.publish = DDSSEC_TRY(topics_of(arguments, "--publish"));
   out.subscribe = DDSSEC_TRY(topics_of(arguments, "--subscribe"));
   out.partitions = arguments.all("--partition");
@@ -55,8 +65,8 @@ Result<ParticipantSpec> common_spec(const Arguments& arguments, WallTime now) {
   return out;
 }
 
-Result<ParticipantSpec> spec_of(const Arguments& arguments, WallTime now) {
-  auto spec = DDSSEC_TRY(common_spec(arguments, now));
+Result<ParticipantSpec> spec_of(const Arguments& arguments, WallTime now, Findings& findings) {
+  auto spec = DDSSEC_TRY(common_spec(arguments, now, findings));
   spec.name = arguments.text("NAME");
   DDSSEC_TRY(check_name(spec.name));
   spec.subject = arguments.has("--subject") ? arguments.text("--subject") : "CN=" + spec.name;
@@ -129,7 +139,7 @@ std::string not_in_it(bool has_permissions, bool has_governance) {
 }
 
 // One command, many participants: all of them or none. Those that a fleet has already stay.
-Result<Report> issue_fleet(const Arguments& arguments, const Context& context) {
+Result<Report> issue_fleet(const Arguments& arguments, const Context& context, Findings& findings) {
   const auto now = context.clock.now();
   for (const auto* option : {"--subject", "--permissions"})
     if (arguments.has(option))
@@ -137,7 +147,8 @@ Result<Report> issue_fleet(const Arguments& arguments, const Context& context) {
                   {.field = option, .note = "not together with --from: write it in the file"});
   const fs::path from = arguments.text("--from");
   const fs::path target = arguments.text("-o");
-  auto specs = DDSSEC_TRY(read_fleet(from, DDSSEC_TRY(common_spec(arguments, now)), now));
+  const auto common = DDSSEC_TRY(common_spec(arguments, now, findings));
+  auto specs = DDSSEC_TRY(read_fleet(from, common, now));
   auto folder = DDSSEC_TRY(FleetFolder::at(target, specs));
   DDSSEC_TRY(governance_of(arguments, now));  // no passphrase for one that cannot be used
   const bool any_rights = std::ranges::any_of(specs, &ParticipantSpec::has_permissions);
@@ -399,15 +410,8 @@ Result<Report> start_folder(Job& job) {
   return fill_folder(job);
 }
 
-Result<Report> identity_issue(const Arguments& arguments, const Context& context) {
-  if (arguments.has("--from") == arguments.has("NAME"))
-    return fail(Code::usage, {.field = "NAME", .note = "give either a name or --from"});
-  if (arguments.has("--from") && arguments.has("--replace"))
-    return fail(Code::usage, {.field = "--replace",
-                              .note = "it is for one participant, not with "
-                                      "--from"});
-  if (arguments.has("--from")) return issue_fleet(arguments, context);
-  auto spec = DDSSEC_TRY(spec_of(arguments, context.clock.now()));
+Result<Report> issue_one(const Arguments& arguments, const Context& context, Findings& findings) {
+  auto spec = DDSSEC_TRY(spec_of(arguments, context.clock.now(), findings));
   const fs::path given = arguments.text("-o");
   const fs::path target = given.has_filename() ? given : given.parent_path();
   std::error_code ignored;
@@ -427,6 +431,20 @@ Result<Report> identity_issue(const Arguments& arguments, const Context& context
   if (job.is_replacing()) return fill_folder(job);
   DDSSEC_TRY(check_pair(job));
   return is_there(job.files.certificate) ? complete_folder(job) : start_folder(job);
+}
+
+Result<Report> identity_issue(const Arguments& arguments, const Context& context) {
+  if (arguments.has("--from") == arguments.has("NAME"))
+    return fail(Code::usage, {.field = "NAME", .note = "give either a name or --from"});
+  if (arguments.has("--from") && arguments.has("--replace"))
+    return fail(Code::usage, {.field = "--replace",
+                              .note = "it is for one participant, not with "
+                                      "--from"});
+  Findings findings;
+  auto report = DDSSEC_TRY(arguments.has("--from") ? issue_fleet(arguments, context, findings)
+                                                   : issue_one(arguments, context, findings));
+  report.findings.insert(report.findings.end(), findings.begin(), findings.end());
+  return report;
 }
 
 const Option kParticipantFolder{.name = "-o",
@@ -451,7 +469,9 @@ std::vector<Command> identity_issue_commands() {
                    {"--from", "FILE",
                     "a fleet in TOML: [[participant]] with name, publish, "
                     "subscribe, partitions, domain, subject, days, key, permissions"},
-                   kDomains,
+                   repeated("--domain", "N|A-B",
+                            "a domain or a range of them; without it, the governance document's, "
+                            "or 0"),
                    repeated("--publish", "TOPIC", "a topic or expression it may publish"),
                    repeated("--subscribe", "TOPIC", "a topic or expression it may subscribe to"),
                    repeated("--partition", "GLOB",

@@ -8,6 +8,7 @@
 #include "cli/ca_folder.hpp"
 #include "cli/doctor_options.hpp"
 #include "cli/documents.hpp"
+#include "cli/granted_domains.hpp"
 #include "cli/groups.hpp"
 #include "cli/held_folder.hpp"
 #include "cli/inputs.hpp"
@@ -98,45 +99,12 @@ Status check_one_source(const Arguments& arguments) {
 // What the policy says of the enclave, as one grant.
 Result<governance::Grant> grant_of_policy(const fs::path& file, const ParticipantSpec& spec,
                                           const Arguments& arguments, Report& report) {
-  const auto& range = spec.domains.front();
-  if (spec.domains.size() > 1 || range.first != range.last)
-    return fail(Code::usage, {.field = "--domain", .note = "a policy is for one domain"});
   const auto policy = with_options(DDSSEC_TRY(read_policy(file, {spec.name})), arguments);
   add_findings(report, merged_profiles(policy), file);
   add_findings(report, prefixed_names(policy), file);
-  return permissions_of(policy, {.domain = range.first}).grants.front();
-}
-
-// What --domain says; else one domain that the keystore's governance document is for. Of a domain
-// that the document is not for, a participant would not start.
-Result<std::vector<governance::DomainRange>> granted_domains(const Arguments& arguments,
-                                                             Report& report) {
-  const auto file = fs::path(arguments.text("KEYSTORE")) / "enclaves/governance.p7s";
-  const auto document = unverified_document<GovernanceKind>(file);
-  std::vector<doctor::Domains> named(1);
-  if (document)
-    for (const auto& rule : document->domain_rules)
-      named[0].insert(named[0].end(), rule.domains.ranges.begin(), rule.domains.ranges.end());
-  if (arguments.has("--domain")) {
-    auto given = DDSSEC_TRY(domain_ranges(arguments, "--domain"));
-    const bool fits = named[0].empty() || std::ranges::any_of(given, [&](const auto& range) {
-                        return std::ranges::any_of(named[0], [&](const auto& one) {
-                          return one.first <= range.last && range.first <= one.last;
-                        });
-                      });
-    if (!fits)
-      report.findings.push_back(
-          {.rule = Rule::DOC050,
-           .message =
-               fmt::format("the permissions are for domain {}, and the keystore's governance "
-                           "document is for {}: the participant cannot start",
-                           doctor::in_words(given), doctor::in_words(named[0])),
-           .document = file.string(),
-           .severity = Severity::warning});
-    return given;
-  }
-  const auto domain = doctor::choose_domain(named).domain;
-  return std::vector<governance::DomainRange>{{domain, domain}};
+  auto grant = permissions_of(policy, {}).grants.front();
+  for (auto& rule : grant.rules) rule.domains.ranges = spec.domains;
+  return grant;
 }
 
 // A topic of ROS 2 has a prefix in DDS, and a policy's names have none.
@@ -161,7 +129,9 @@ void warn_of_missing_prefixes(const ParticipantSpec& spec, Report& report) {
 
 Status read_rights(ParticipantSpec& spec, const Arguments& arguments, Report& report) {
   DDSSEC_TRY(check_one_source(arguments));
-  spec.domains = DDSSEC_TRY(granted_domains(arguments, report));
+  spec.domains = DDSSEC_TRY(
+      granted_domains(arguments, fs::path(arguments.text("KEYSTORE")) / "enclaves/governance.p7s",
+                      report.findings));
   spec.publish = DDSSEC_TRY(topics_of(arguments, "--publish"));
   spec.subscribe = DDSSEC_TRY(topics_of(arguments, "--subscribe"));
   warn_of_missing_prefixes(spec, report);

@@ -8,6 +8,7 @@
 
 #include "governance/doctor/checks.hpp"
 #include "governance/doctor/measured.hpp"
+#include "governance/doctor/shell_word.hpp"
 #include "governance/doctor/stock_spelling.hpp"
 #include "governance/lint.hpp"
 #include "pki/source.hpp"
@@ -342,7 +343,14 @@ void check_plain_text(const Subject& subject, Diagnosis& out) {
              {.rule = Rule::DOC038,
               .message = fmt::format("{} says something else than {}, which is what counts",
                                      name_of(plain), name_of(subject.path)),
-              .document = plain},
+              .document = plain,
+              .hint = subject.about == "governance"
+                          ? "only the signed file counts: sign the XML again if it is the newer "
+                            "one (ddssec governance sign " +
+                                shell_word(plain.string()) +
+                                " --ca CA --replace; CA is the folder with the CAs, or the "
+                                "keystore), or delete it"
+                          : std::string()},
              subject.about);
 }
 

@@ -30,6 +30,8 @@ struct Settings {
   DomainId domain = 0;
   /// Of the endpoints, where two participants meet; none: the partition "".
   std::vector<std::string> partitions = {};
+  /// Which party has to be able to write a topic that the other reads; none: either of them.
+  bool writes[2] = {false, false};
   /// The versions that are predicted.
   Lineup lineup = {};
 };

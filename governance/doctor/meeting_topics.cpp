@@ -210,11 +210,20 @@ Direction meet_in_direction(const MeetingScene& scene, const TopicMeeting& topic
   return out;
 }
 
-// Where one direction works, that the other does not is what somebody wanted.
+/// Does it matter that this direction does not work? Where the other one does, and neither was
+/// asked for, that is what the permissions are meant to say.
+bool is_missed(const MeetingScene& scene, const TopicMeeting& topic, const Direction& direction) {
+  const auto& asked = scene.settings.writes;
+  if (direction.ok) return false;
+  return asked[0] || asked[1] ? asked[direction.writer]
+                              : !topic.directions[0].ok && !topic.directions[1].ok;
+}
+
 void report_refusals(const MeetingScene& scene, const TopicMeeting& topic) {
-  if (topic.directions[0].ok || topic.directions[1].ok || !scene.out.joined()) return;
+  if (!scene.out.joined()) return;
   for (const auto& direction : topic.directions)
     for (const auto& step : direction.steps) {
+      if (!is_missed(scene, topic, direction)) break;
       if (step.ok || step.judge != step.about) continue;
       scene.out.findings.push_back(
           {.rule = Rule::DOC086,
