@@ -61,12 +61,14 @@ EventFile::~EventFile() {
   if (is_open()) close(file_);
 }
 
-void EventFile::append(std::string_view line) {
+bool EventFile::append(std::string_view line) {
   const bool was_torn = is_torn_.exchange(false);
   const auto text = std::string(was_torn ? "\n" : "").append(line) + "\n";
   const WithoutSigpipe guard;
   const auto written = write(file_, text.data(), text.size());
-  if (written < 0 ? was_torn : static_cast<std::size_t>(written) < text.size()) is_torn_ = true;
+  const bool is_whole = written == static_cast<ssize_t>(text.size());
+  if (written < 0 ? was_torn : !is_whole) is_torn_ = true;
+  return is_whole;
 }
 
 }  // namespace ddssec::cyclonedds

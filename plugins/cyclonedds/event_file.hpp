@@ -20,8 +20,9 @@ class EventFile {
   bool is_open() const { return file_ >= 0; }
 
   /// Appends a line and its end, in one write, so that several processes may share a file. A line
-  /// that would have to wait is dropped, and so is one for a reader that left.
-  void append(std::string_view line);
+  /// that would have to wait is dropped, and so is one for a reader that left, or for which the
+  /// disk has no room. False: dropped, or cut; the next line then begins with an end of line.
+  bool append(std::string_view line);
 
  private:
   int file_;
