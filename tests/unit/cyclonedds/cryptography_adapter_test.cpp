@@ -205,6 +205,19 @@ TEST_F(CryptographyAdapterTest, CryptoTokensOutAndIn) {
   EXPECT_EQ(exchange->return_crypto_tokens(nullptr, &tokens, nullptr), 0);
 }
 
+// Cyclone DDS does so when several participants end at once, and logs each refusal.
+TEST_F(CryptographyAdapterTest, AHandleThatIsReturnedTwiceIsNoError) {
+  EXPECT_CALL(engine, unregister_datawriter)
+      .WillOnce(Return(Status{}))
+      .WillOnce(Return(fail(Code::crypto_handle_unknown)))
+      .WillOnce(Return(fail(Code::crypto_handle_wrong_kind)));
+  auto* const keys = factory;
+  EXPECT_EQ(keys->unregister_datawriter(keys, 3, &refusal), 1);
+  EXPECT_EQ(keys->unregister_datawriter(keys, 3, &refusal), 1);
+  EXPECT_TRUE(harness.events.empty());
+  EXPECT_EQ(keys->unregister_datawriter(keys, 3, &refusal), 0);
+}
+
 // Of a participant's tokens that are refused, Cyclone DDS frees none and logs each.
 TEST_F(CryptographyAdapterTest, RefusedParticipantTokensAreToldOnceAndTakenFromTheHost) {
   EXPECT_CALL(engine, set_remote_participant_crypto_tokens)
