@@ -144,7 +144,18 @@ void check_plugins_of_node(const Environment& environment, Diagnosis& out) {
   out.pass(Rule::DOC068);
   for (const auto* library : kPluginFiles) {
     const auto found = found_in(folders_of(path), loader_subfolders(), library);
-    if (found.state == LibraryState::loadable && is_ours(found.file)) continue;
+    const bool is_found = found.state == LibraryState::loadable && is_ours(found.file);
+    if (is_found && found.file.is_absolute()) continue;
+    if (is_found)
+      return out.report({},
+                        {.rule = Rule::DOC068,
+                         .message = fmt::format("LD_LIBRARY_PATH (\"{}\") names the folder of {} "
+                                                "from here: a node that starts in another "
+                                                "folder runs on the stock plugins",
+                                                path, found.file.string()),
+                         .document = found.file,
+                         .hint = "name it by its whole path, which begins with /",
+                         .severity = Severity::warning});
     return out.report({.ours = Outcome::fail},
                       {.rule = Rule::DOC068,
                        .message = reason_without_ours(path, library, found) +

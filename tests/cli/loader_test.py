@@ -124,6 +124,15 @@ class Loader(Transcript):
         told = [one["message"] for one in out["diagnostics"] if one["id"] == "DOC068"]
         self.assertIn(f"{self.at}/text/{FIRST} is no library of this machine, and the loader looks no further", told[0])
 
+    def test_a_relative_folder_counts_for_nodes_that_start_here(self):
+        environment = {"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp", "LD_LIBRARY_PATH": "ours"}
+        for path, severities in (("ours", ["warning"]), (str(self.ours), [])):
+            environment["LD_LIBRARY_PATH"] = path
+            out = self.json("doctor", "demo/talker", "--ros", *NOW, exit=1, environment=environment)
+            told = [one for one in out["diagnostics"] if one["id"] == "DOC068"]
+            self.assertEqual([one["severity"] for one in told], severities)
+            self.assertTrue(all("that starts in another folder runs on the stock plugins" in one["message"] for one in told))
+
     def test_a_whole_path_to_what_is_no_library(self):
         self.put("paths", shared_library(b"ddssec_"))
         self.run_program("identity", "issue", "third", "--ca", "demo", "-o", "demo/third", "--governance",
