@@ -45,6 +45,7 @@ struct Note {
 struct Text {
   std::string text;
   int line = 0;
+  bool is_padded = false;  ///< there are blanks around it, which Fast DDS takes for a part of it
   bool operator==(const Text& other) const { return text == other.text; }
 };
 
@@ -82,6 +83,7 @@ struct DomainSet {
 /// topic_rule of a governance document.
 struct TopicRule {
   std::string topic_expression;
+  bool is_padded = false;  ///< see Text
   bool enable_discovery_protection = true;
   bool enable_liveliness_protection = true;
   bool enable_read_access_control = true;

@@ -23,6 +23,7 @@ Result<TopicRule> read_topic_rule(ReadContext& context, XmlElement element) {
   TopicRule rule;
   rule.line = element.line();
   note_padding(context, child.one(0));
+  rule.is_padded = child.one(0).is_padded();
   rule.topic_expression = DDSSEC_TRY(child.one(0).nonempty_text());
   rule.enable_discovery_protection = DDSSEC_TRY(read_boolean(context, child.one(1)));
   rule.enable_liveliness_protection = DDSSEC_TRY(read_boolean(context, child.one(2)));

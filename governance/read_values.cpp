@@ -126,7 +126,8 @@ Result<DomainRange> read_range(ReadContext& context, XmlElement element) {
 void note_padding(ReadContext& context, XmlElement element) {
   if (element.is_padded())
     context.note(NoteKind::padding, element,
-                 "has blanks around its value: some products keep them");
+                 "has blanks around its value: Fast DDS keeps them and matches no name, "
+                 "so that what a rule denies is not denied");
 }
 
 void note_refused_padding(ReadContext& context, XmlElement element) {
@@ -312,7 +313,7 @@ Result<std::vector<Text>> read_texts(ReadContext& context, XmlElement list, std:
     DDSSEC_TRY(context.count(child));
     note_padding(context, child);
     texts.push_back({may_be_empty ? DDSSEC_TRY(child.text()) : DDSSEC_TRY(child.nonempty_text()),
-                     child.line()});
+                     child.line(), child.is_padded()});
   }
   if (texts.empty()) {
     return fail(

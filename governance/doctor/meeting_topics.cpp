@@ -48,7 +48,7 @@ const TopicRule* topic_rule(const MeetingScene& scene, int index, std::string_vi
 
 std::string matching_expression(Vendor vendor, const Criteria& criteria, std::string_view topic) {
   const auto found = std::ranges::find_if(
-      criteria.topics, [&](const Text& text) { return matches_as(vendor, text.text, topic); });
+      criteria.topics, [&](const Text& text) { return matches_as(vendor, text, topic); });
   return found == criteria.topics.end() ? "" : found->text;
 }
 

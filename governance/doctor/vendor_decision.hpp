@@ -10,8 +10,8 @@
 namespace ddssec::governance::doctor {
 
 /// Whether `vendor` matches a name with an expression: each reads bracket expressions and
-/// backslashes in a way of its own (dialect.hpp).
-bool matches_as(Vendor vendor, std::string_view expression, std::string_view name);
+/// backslashes in a way of its own (dialect.hpp), and Fast DDS the blanks around them.
+bool matches_as(Vendor vendor, const Text& expression, std::string_view name);
 
 /// The first of the list that names the topic as `vendor` reads it, or nullptr.
 const Criteria* naming(Vendor vendor, const std::vector<Criteria>& list, std::string_view topic);
