@@ -8,6 +8,7 @@
 #include <fcntl.h>
 #include <optional>
 #include <sys/stat.h>
+#include <sys/time.h>
 #include <system_error>
 #include <unistd.h>
 
@@ -27,20 +28,20 @@ volatile std::sig_atomic_t interrupted_by = 0;
 // How many folders and sets of files are drafted and neither in place nor removed.
 std::atomic<int> unfinished = 0;
 static_assert(std::atomic<int>::is_always_lock_free);
-constexpr unsigned kSecondsToNotice = 1;
+constexpr itimerval kTimeToNotice = {.it_interval = {}, .it_value = {0, 200'000}};
+
+// setitimer is a bare system call on Linux: safe in a handler.
+void await_notice() { ::setitimer(ITIMER_REAL, &kTimeToNotice, nullptr); }
 
 void remember(int signal) {
-  ::alarm(kSecondsToNotice);
+  await_notice();
   interrupted_by = signal;
 }
 
 // A command that only computes does not look whether it was interrupted. One that writes does, at
 // each file, and removes its drafts.
 void end_unless_writing(int) {
-  if (unfinished != 0) {
-    ::alarm(kSecondsToNotice);
-    return;
-  }
+  if (unfinished != 0) return await_notice();
   ::signal(interrupted_by, SIG_DFL);
   ::raise(interrupted_by);
 }
@@ -272,7 +273,8 @@ WrittenFile written(const fs::path& path, BytesView octets, unsigned mode) {
 
 Status check_not_interrupted() {
   if (interrupted_by == 0) return {};
-  ::alarm(0);  // the command ends by itself
+  constexpr itimerval kNever = {};
+  ::setitimer(ITIMER_REAL, &kNever, nullptr);  // the command ends by itself
   return fail(Code::interrupted);
 }
 

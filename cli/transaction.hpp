@@ -16,7 +16,7 @@
 namespace ddssec::cli {
 
 /// From here on SIGINT, SIGTERM and SIGHUP end the command by the next file with `interrupted`;
-/// after a second without one, by the signal itself, unless files are drafted and not in place.
+/// after 200 ms without one, by the signal itself, unless files are drafted and not in place.
 void note_interruptions();
 /// Error: interrupted.
 Status check_not_interrupted();
