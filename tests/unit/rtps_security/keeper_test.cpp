@@ -119,8 +119,8 @@ TEST_F(SecuredKeeper, OneIdentityDoesNotFillTheStore) {
       ASSERT_TRUE(writer.write({i, i}));
       if (i % 100 == 0) run(2);
     }
+    ASSERT_TRUE(eventually([&] { return writer.wait_for_acknowledgments(0ms).has_value(); }));
     ASSERT_TRUE(eventually([&] { return keeper->unstored() == 0; }));
-    run(50);
   };
   write(*mallory, 0, 3000);
   EXPECT_GT(keeper->left_out(), 1000u);
