@@ -83,8 +83,12 @@ bool HeldInstances::is_full(const HeldInstance& instance) const {
          instance.valid() >= static_cast<std::size_t>(history_.depth);
 }
 
-bool HeldInstances::has_room(std::size_t samples) const {
-  return samples_ + samples <= max_samples_ || history_.kind == HistoryKind::keep_last;
+Room HeldInstances::room_for(std::size_t samples, std::size_t octets) const {
+  const bool replaces = history_.kind == HistoryKind::keep_last;
+  const auto fits = [&](std::size_t held, std::size_t held_octets) {
+    return (replaces || held + samples <= max_samples_) && held_octets + octets <= kMaxOctets;
+  };
+  return fits(samples_, octets_) ? Room::now : fits(0, 0) ? Room::later : Room::never;
 }
 
 HeldInstance& HeldInstances::create(const KeyHash& key, Payload key_value,

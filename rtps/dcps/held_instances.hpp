@@ -75,6 +75,13 @@ struct HeldInstance {
   HeldSamples::const_iterator invalid_sample() const;
 };
 
+/// For samples that are to be stored together.
+enum class Room : std::uint8_t {
+  now,
+  later,  ///< when the reader has taken others
+  never,  ///< not even if it held no others
+};
+
 class HeldInstances {
  public:
   /// Where RESOURCE_LIMITS says "unlimited", memory is bounded all the same.
@@ -100,8 +107,8 @@ class HeldInstances {
                                const std::optional<GuidPrefix>& identity = {}) const;
   /// KEEP_LAST: the next sample replaces the oldest.
   bool is_full(const HeldInstance& instance) const;
-  /// True if so many more samples can be stored, of whatever instance.
-  bool has_room(std::size_t samples) const;
+  /// Whether so many more samples can be stored, of whatever instance.
+  Room room_for(std::size_t samples, std::size_t octets) const;
   /// Only if `rejects` found room, which the oldest idle instance may have to make.
   HeldInstance& create(const KeyHash& key, Payload key_value,
                        const std::optional<GuidPrefix>& identity = {});
@@ -139,6 +146,7 @@ class HeldInstances {
   /// True if any sample is in these states.
   bool any(const States& states) const;
   std::size_t samples() const { return samples_; }
+  std::size_t max_samples() const { return max_samples_; }
   std::size_t octets() const { return octets_; }
 
   /// Keeps the counts by state right over whatever happens to an instance while it lives.

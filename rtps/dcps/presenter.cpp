@@ -4,12 +4,13 @@
 
 namespace ddssec::rtps {
 
-void Presenter::add(PresentedReader& reader, const Guid& writer, const std::optional<Guid>& group) {
+void Presenter::add(PresentedReader& reader, const Guid& writer, const std::optional<Guid>& group,
+                    const GuidPrefix& identity) {
   const bool grouped = by_group_ && group;
   const SourceKey key{grouped ? nullptr : &reader, grouped ? *group : writer};
   if (!source_of_.try_emplace({&reader, writer}, key).second) return;
   auto& source = sources_[key];
-  source.participant = writer.prefix;
+  if (source.streams.empty()) source.identity = identity;
   source.streams.try_emplace({&reader, writer});
 }
 
@@ -31,7 +32,7 @@ void Presenter::remove(PresentedReader& reader, const Guid& writer, MonotonicTim
   release(source, now);
   if (source.streams.empty()) {
     while (!source.sets.empty()) erase(source, source.sets.begin());
-    for (auto& [id, batch] : source.ready) present(source, batch);
+    flush(source);
     sources_.erase(at->second);
   }
   source_of_.erase(at);
@@ -46,8 +47,8 @@ void Presenter::remove(PresentedReader& reader, MonotonicTime now) {
         return is_its(item);
       });
     for (auto& [id, batch] : source.ready)
-      std::erase_if(batch.items, [&](const Item& item) {
-        if (is_its(item)) octets_ -= price_of(item);
+      std::erase_if(batch.items, [&, &from = source](const Item& item) {
+        if (is_its(item)) refund(from, price_of(item));
         return is_its(item);
       });
   }
@@ -65,53 +66,87 @@ Presenter::Source* Presenter::find(PresentedReader& reader, const Guid& writer) 
 bool Presenter::on_change(PresentedReader& reader, Change& change, MonotonicTime now) {
   auto* source = find(reader, change.writer);
   if (source == nullptr) return true;  // not matched any more
-  // What is held because of readers without room will be taken; a set that grows without end ends.
-  trim();
-  if (is_full()) return false;
+  if (!make_room(*source)) return false;
   gather(*source, {&reader, change.writer}, change, now);
   release(*source, now);
-  trim();
+  make_room(*source);
   return true;
 }
 
 void Presenter::charge(const Source& source, Set& set, std::size_t price) {
   set.octets += price;
   octets_ += price;
-  open_of_[source.participant] += price;
+  held_[source.identity].open += price;
 }
 
 void Presenter::refund(const Source& source, Set& set, std::size_t price) {
   set.octets -= price;
   octets_ -= price;
-  const auto of_it = open_of_.find(source.participant);
-  of_it->second -= price;
-  if (of_it->second == 0) open_of_.erase(of_it);
+  const auto held = held_.find(source.identity);
+  held->second.open -= price;
+  forget_empty(held);
 }
 
-void Presenter::trim() {
-  while (is_full() && give_up_one()) {
-  }
+void Presenter::charge(const Source& source, const Batch& batch) {
+  auto& held = held_[source.identity];
+  for (const auto& item : batch.items) octets_ += price_of(item), held.ready += price_of(item);
 }
 
-// By participant: an attacker that opens many small sets displaces no honest large one.
-bool Presenter::give_up_one() {
-  const auto most = std::ranges::max_element(open_of_, {}, [](const auto& p) { return p.second; });
-  if (most == open_of_.end()) return false;
-  Source* of = nullptr;
-  auto largest = std::map<SequenceNumber, Set>::iterator{};
-  for (auto& [key, source] : sources_) {
-    if (source.participant != most->first) continue;
-    for (auto at = source.sets.begin(); at != source.sets.end(); ++at)
-      if (of == nullptr || at->second.octets > largest->second.octets) of = &source, largest = at;
-  }
-  if (of == nullptr) return false;
-  if (largest->second.items.empty()) {
-    forget(*of, largest);
-  } else {
-    largest->second.broken = true;
-    drop(*of, largest->second);
-  }
+void Presenter::refund(const Source& source, std::size_t price) {
+  octets_ -= price;
+  const auto held = held_.find(source.identity);
+  held->second.ready -= price;
+  forget_empty(held);
+}
+
+void Presenter::forget_empty(std::map<GuidPrefix, Held>::iterator held) {
+  if (held->second.octets() == 0) held_.erase(held);
+}
+
+// What waits for a reader will be taken; a set that grows without end would not.
+bool Presenter::make_room(const Source& source) {
+  const auto held = held_.find(source.identity);
+  if (held == held_.end()) return octets_ < kMostOctets;
+  if (!is_over(held->second)) return true;
+  if (held->second.ready > 0) return false;
+  give_up_largest(source.identity);
   return true;
+}
+
+// An eighth of what it has at once, so that many small sets are not looked through for each change.
+void Presenter::give_up_largest(const GuidPrefix& identity) {
+  struct Open {
+    Source* source;
+    std::map<SequenceNumber, Set>::iterator set;
+  };
+  std::vector<Open> open;
+  for (auto& [key, source] : sources_) {
+    if (source.identity != identity) continue;
+    for (auto at = source.sets.begin(); at != source.sets.end(); ++at)
+      open.push_back({&source, at});
+  }
+  std::ranges::sort(open, std::greater{}, [](const Open& o) { return o.set->second.octets; });
+  const auto enough = held_[identity].open / 8 * 7;
+  for (const auto& [source, set] : open) {
+    const auto held = held_.find(identity);
+    if (held == held_.end() || held->second.open <= enough) return;
+    if (set->second.items.empty()) {
+      forget(*source, set);
+    } else {
+      set->second.broken = true;
+      drop(*source, set->second, PresentedReader::Limit::share);
+    }
+  }
+}
+
+void Presenter::give_up(Batch& batch, const Source& source, const WantedByReader& wanted,
+                        PresentedReader::Limit limit) {
+  for (const auto& item : batch.items) refund(source, price_of(item));
+  for (const auto& [reader, its] : wanted) {
+    const bool is_cause = limit != PresentedReader::Limit::samples ||
+                          reader->room_for(its.samples, its.octets) == Room::never;
+    is_cause ? reader->give_up(its.writer, its.samples, limit) : reader->lose(its.samples);
+  }
 }
 
 // What else comes of it does not begin with its first change, so it cannot become whole.
@@ -199,18 +234,19 @@ void Presenter::erase(Source& source, std::map<SequenceNumber, Set>::iterator at
   source.sets.erase(at);
 }
 
-void Presenter::drop(const Source& source, Set& set) {
-  std::map<PresentedReader*, std::size_t> lost;
-  for (const auto& item : set.items) {
-    ++lost[item.reader];
-    refund(source, set, price_of(item));
-  }
-  set.items.clear();
-  for (const auto& [reader, count] : lost) reader->lose(count);
+void Presenter::drop(const Source& source, Set& set, std::optional<PresentedReader::Limit> limit) {
+  const Batch batch{std::exchange(set.items, {}), {}};
+  for (const auto& item : batch.items) refund(source, set, price_of(item));
+  for (const auto& [reader, its] : wanted_of(batch))
+    limit ? reader->give_up(its.writer, its.samples, *limit) : reader->lose(its.samples);
 }
 
+// What a reader could never hold is not waited for: nothing behind it would come, and no sample of
+// a set is seen without the others.
 void Presenter::enqueue(Source& source, SequenceNumber at, Batch batch) {
-  for (const auto& item : batch.items) octets_ += price_of(item);
+  charge(source, batch);
+  if (const auto wanted = wanted_of(batch); room_for(wanted) == Room::never)
+    return give_up(batch, source, wanted, PresentedReader::Limit::samples);
   source.ready.emplace(at, std::move(batch));  // of equal numbers the first to come is first
 }
 
@@ -223,16 +259,27 @@ bool Presenter::may_present(const Source& source, SequenceNumber first, const Ba
   return std::ranges::all_of(source.streams, passed) || now >= batch.since + kPatience;
 }
 
-bool Presenter::has_room(const Batch& batch) {
-  std::map<PresentedReader*, std::size_t> wanted;
-  for (const auto& item : batch.items) ++wanted[item.reader];
-  return std::ranges::all_of(wanted,
-                             [](const auto& entry) { return entry.first->has_room(entry.second); });
+Presenter::WantedByReader Presenter::wanted_of(const Batch& batch) {
+  WantedByReader out;
+  for (const auto& item : batch.items) {
+    auto& wanted = out[item.reader];
+    ++wanted.samples;
+    wanted.octets += item.change.payload.size();
+    wanted.writer = item.change.writer;
+  }
+  return out;
+}
+
+Room Presenter::room_for(const WantedByReader& wanted) {
+  auto out = Room::now;
+  for (const auto& [reader, its] : wanted)
+    out = std::max(out, reader->room_for(its.samples, its.octets));
+  return out;
 }
 
 void Presenter::present(Source& source, Batch& batch) {
   for (auto& item : batch.items) {
-    octets_ -= price_of(item);
+    refund(source, price_of(item));
     item.reader->present(item.change);
   }
   source.presented = std::max(source.presented, batch.last);
@@ -245,6 +292,15 @@ void Presenter::release(Source& source, MonotonicTime now) {
     present(source, batch);
     source.ready.erase(source.ready.begin());
   }
+}
+
+// All of a set or nothing, also at the end.
+void Presenter::flush(Source& source) {
+  for (auto& [id, batch] : source.ready)
+    if (const auto wanted = wanted_of(batch); room_for(wanted) == Room::now)
+      present(source, batch);
+    else
+      give_up(batch, source, wanted, PresentedReader::Limit::writer_end);
 }
 
 void Presenter::on_progress(PresentedReader& reader, const Guid& writer, SequenceNumber group,

@@ -7,6 +7,7 @@
 #include <set>
 #include <vector>
 
+#include "rtps/dcps/held_instances.hpp"
 #include "rtps/reliability/stateful_writer.hpp"
 
 namespace ddssec::rtps {
@@ -14,20 +15,30 @@ namespace ddssec::rtps {
 /// A reader whose samples a Presenter holds back.
 class PresentedReader {
  public:
+  /// Why a set is given up.
+  enum class Limit : std::uint8_t {
+    samples,     ///< the reader cannot hold so many samples, or octets, at once
+    share,       ///< its identity has more in open sets than it may
+    writer_end,  ///< its writer ended before the reader had room for it
+  };
+
   virtual ~PresentedReader() = default;
-  /// True if so many samples can be stored.
-  virtual bool has_room(std::size_t samples) const = 0;
+  /// Whether so many samples with so many octets of payload can be stored.
+  virtual Room room_for(std::size_t samples, std::size_t octets) const = 0;
   virtual void present(Change& change) = 0;
   /// Samples of a set that will never be whole.
   virtual void lose(std::size_t samples) = 0;
+  /// Samples of a set of that writer that a limit ends.
+  virtual void give_up(const Guid& writer, std::size_t samples, Limit limit) = 0;
 };
 
 /// Of one reader, or with GROUP scope of all readers of a subscriber.
 class Presenter {
  public:
-  /// What is held back of all writers together. Beyond it the participant with most in open sets
-  /// loses its largest open set; if there is no open set, changes are refused for now.
-  static constexpr std::size_t kMostOctets = std::size_t{64} << 20;
+  /// What is held back of all writers together. No identity has more than is free, so that there
+  /// is always room for another one. Of an identity that wants more, changes are refused for now
+  /// while whole sets wait for the reader; otherwise its largest open sets are given up.
+  static constexpr std::size_t kMostOctets = std::size_t{128} << 20;
   /// What each sample and each open set counts beside its payload.
   static constexpr std::size_t kPricePerItem = 1024;
   /// Sets of one publisher that not all of its writers ended; beyond, the oldest is given up.
@@ -38,9 +49,10 @@ class Presenter {
   Presenter(bool by_group, bool coherent, bool ordered)
       : by_group_(by_group), coherent_(coherent), ordered_(ordered) {}
 
-  /// `group`: the writer's publisher, if it said so.
-  void add(PresentedReader& reader, const Guid& writer, const std::optional<Guid>& group);
-  /// What is held of it and not whole is lost.
+  /// `group`: the writer's publisher, if it said so. `identity`: whose share it takes.
+  void add(PresentedReader& reader, const Guid& writer, const std::optional<Guid>& group,
+           const GuidPrefix& identity);
+  /// What is held of it and not whole, or finds no room, is lost.
   void remove(PresentedReader& reader, const Guid& writer, MonotonicTime now);
   void remove(PresentedReader& reader, MonotonicTime now);
 
@@ -83,44 +95,65 @@ class Presenter {
   };
   /// A publisher, or one writer of one reader.
   struct Source {
-    GuidPrefix participant;
+    GuidPrefix identity;
     std::map<StreamKey, Stream> streams;
     std::map<SequenceNumber, Set> sets;
     std::multimap<SequenceNumber, Batch> ready;
     SequenceNumber presented;  ///< group sequence number; 0 none yet
   };
   using SourceKey = std::pair<PresentedReader*, Guid>;
+  /// What is held back of one identity.
+  struct Held {
+    std::size_t open = 0, ready = 0;
+    std::size_t octets() const { return open + ready; }
+  };
+  /// What one reader gets of a batch.
+  struct Wanted {
+    std::size_t samples = 0, octets = 0;
+    Guid writer;  ///< one of them
+  };
+  using WantedByReader = std::map<PresentedReader*, Wanted>;
 
   Source* find(PresentedReader& reader, const Guid& writer);
   static std::size_t price_of(const Item& item) {
     return kPricePerItem + item.change.payload.size();
   }
-  bool is_full() const { return octets_ >= kMostOctets; }
+  /// It has its share: as much as is free.
+  bool is_over(const Held& held) const { return octets_ + held.octets() >= kMostOctets; }
   void charge(const Source& source, Set& set, std::size_t price);
   void refund(const Source& source, Set& set, std::size_t price);
-  /// Gives up open sets until there is room, if any are left.
-  void trim();
-  bool give_up_one();
+  void charge(const Source& source, const Batch& batch);
+  void refund(const Source& source, std::size_t price);
+  void forget_empty(std::map<GuidPrefix, Held>::iterator held);
+  /// False: changes of that source are refused for now.
+  bool make_room(const Source& source);
+  void give_up_largest(const GuidPrefix& identity);
+  void give_up(Batch& batch, const Source& source, const WantedByReader& wanted,
+               PresentedReader::Limit limit);
   void gather(Source& source, const StreamKey& key, Change& change, MonotonicTime now);
   void end_set(Source& source, const StreamKey& key, SequenceNumber id, bool whole,
                MonotonicTime now);
   Set& set_of(Source& source, SequenceNumber id);
   void settle(Source& source, SequenceNumber id, MonotonicTime now);
   void hold(Source& source, Set& set, Item item);
-  void drop(const Source& source, Set& set);
+  void drop(const Source& source, Set& set,
+            std::optional<PresentedReader::Limit> limit = std::nullopt);
   void erase(Source& source, std::map<SequenceNumber, Set>::iterator at);
   void forget(Source& source, std::map<SequenceNumber, Set>::iterator at);
   void enqueue(Source& source, SequenceNumber at, Batch batch);
+  void flush(Source& source);
   bool may_present(const Source& source, SequenceNumber first, const Batch& batch,
                    MonotonicTime now) const;
-  static bool has_room(const Batch& batch);
+  static WantedByReader wanted_of(const Batch& batch);
+  static Room room_for(const WantedByReader& wanted);
+  static bool has_room(const Batch& batch) { return room_for(wanted_of(batch)) == Room::now; }
   void present(Source& source, Batch& batch);
   void release(Source& source, MonotonicTime now);
 
   const bool by_group_, coherent_, ordered_;
   bool paused_ = false;
-  std::size_t octets_ = 0;                      ///< of everything that is held back
-  std::map<GuidPrefix, std::size_t> open_of_;  ///< in open sets, by participant
+  std::size_t octets_ = 0;  ///< of everything that is held back
+  std::map<GuidPrefix, Held> held_;
   std::map<SourceKey, Source> sources_;
   std::map<StreamKey, SourceKey> source_of_;
 };

@@ -45,8 +45,12 @@ class ReaderCache {
   std::vector<std::uint64_t> arrivals(const States& states) const {
     return rtps::arrivals(held_, states);
   }
-  /// True if so many more samples can be stored, of whatever instance.
-  bool has_room(std::size_t samples) const { return held_.has_room(samples); }
+  /// Whether so many more samples can be stored, of whatever instance.
+  Room room_for(std::size_t samples, std::size_t octets) const {
+    return held_.room_for(samples, octets);
+  }
+  /// As many samples as it can hold.
+  std::size_t max_samples() const { return held_.max_samples(); }
   /// Appends what is asked for to `out`, samples of one instance together.
   void select(const Query& query, const Moment& at, std::vector<OctetSample>& out);
   /// True if a select with these states would find something.

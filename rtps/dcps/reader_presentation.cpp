@@ -17,8 +17,9 @@ void ReaderPresentation::stop(MonotonicTime now) {
   if (holds_back()) presenter_->remove(reader_, now);
 }
 
-void ReaderPresentation::add_writer(const Guid& writer, const std::optional<Guid>& group) {
-  if (holds_back()) presenter_->add(reader_, writer, group);
+void ReaderPresentation::add_writer(const Guid& writer, const std::optional<Guid>& group,
+                                    const GuidPrefix& identity) {
+  if (holds_back()) presenter_->add(reader_, writer, group, identity);
 }
 
 void ReaderPresentation::remove_writer(const Guid& writer, MonotonicTime now) {

@@ -23,7 +23,7 @@ class ReaderPresentation {
   bool holds_back() const { return presenter_ != nullptr; }
 
   // Nothing unless it holds back:
-  void add_writer(const Guid& writer, const std::optional<Guid>& group);
+  void add_writer(const Guid& writer, const std::optional<Guid>& group, const GuidPrefix& identity);
   void remove_writer(const Guid& writer, MonotonicTime now);
   void on_group(const Guid& writer, SequenceNumber group, MonotonicTime now);
   void release(MonotonicTime now);

@@ -43,9 +43,10 @@ void SampleReception::change_qos(const Qos& before, const Qos& now, bool started
 
 void SampleReception::add_writer(const EndpointData& writer) {
   const auto& core = context_.protocol().remote_participants().core();
+  const auto identity = core.identity_of(writer.guid.prefix);
   samples_.cache().set_writer(writer.guid, writer.qos.ownership_strength, writer.qos.lifespan,
-                              core.identity_of(writer.guid.prefix));
-  presentation_.add_writer(writer.guid, writer.group_guid);
+                              identity);
+  presentation_.add_writer(writer.guid, writer.group_guid, identity);
 }
 
 void SampleReception::remove_writer(const Guid& writer) {
@@ -121,6 +122,27 @@ void SampleReception::report_crowded(const Guid& writer) {
              .expected = "at most RESOURCE_LIMITS.max_instances, and of one identity no more than "
                          "are free",
              .found = fmt::format("{} samples of further ones so far", crowded_),
+             .note = "another event follows when they are twice as many"}),
+      reader_.entity, writer);
+}
+
+/// Seldom: a writer that keeps its sets open makes more of them than this reader can tell.
+void SampleReception::give_up(const Guid& writer, std::size_t samples, Limit limit) {
+  on_lost(static_cast<std::int64_t>(samples));
+  if (!std::has_single_bit(++given_up_)) return;
+  const auto expected =
+      limit == Limit::samples ? fmt::format(
+                                    "at most {} samples and {} octets, all of which the "
+                                    "reader can hold",
+                                    cache().max_samples(), HeldInstances::kMaxOctets)
+      : limit == Limit::share ? "open sets of one identity that take no more than is free"
+                              : "room in the reader before its writer ends";
+  context_.protocol().remote_participants().raise_about(
+      Error(Code::rtps_set_given_up,
+            {.document = "topic " + topic_.name(),
+             .field = "coherent set",
+             .expected = expected,
+             .found = fmt::format("{} samples; {} sets are given up so far", samples, given_up_),
              .note = "another event follows when they are twice as many"}),
       reader_.entity, writer);
 }

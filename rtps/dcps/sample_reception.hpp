@@ -75,9 +75,12 @@ class SampleReception final : private PresentedReader, private Timed {
   SampleRejectedStatus& rejected_status() { return rejected_; }
 
  private:
-  bool has_room(std::size_t samples) const override { return cache().has_room(samples); }
+  Room room_for(std::size_t samples, std::size_t octets) const override {
+    return cache().room_for(samples, octets);
+  }
   void present(Change& change) override { store(change); }
   void lose(std::size_t samples) override { on_lost(static_cast<std::int64_t>(samples)); }
+  void give_up(const Guid& writer, std::size_t samples, Limit limit) override;
   void on_time(MonotonicTime now) override;
   bool store(Change& change);
   void reject(const Change& change, const ReaderCache::Stored& stored);
@@ -98,7 +101,8 @@ class SampleReception final : private PresentedReader, private Timed {
   std::pair<Guid, SequenceNumber> last_rejected_;
   SampleLostStatus lost_;
   SampleRejectedStatus rejected_;
-  std::uint64_t crowded_ = 0;  ///< rejected by the limit of instances
+  std::uint64_t crowded_ = 0;   ///< rejected by the limit of instances
+  std::uint64_t given_up_ = 0;  ///< sets
 };
 
 }  // namespace ddssec::rtps

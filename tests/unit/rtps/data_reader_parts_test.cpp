@@ -135,9 +135,10 @@ TEST_F(ReceivedSamplesTest, Reset_OtherPolicies_Count) {
 
 struct Presented final : PresentedReader {
   std::vector<std::int64_t> seen;
-  bool has_room(std::size_t) const override { return true; }
+  Room room_for(std::size_t, std::size_t) const override { return Room::now; }
   void present(Change& change) override { seen.push_back(change.sequence_number.value); }
   void lose(std::size_t) override {}
+  void give_up(const Guid&, std::size_t, Limit) override {}
 };
 
 struct ReaderPresentationTest : ::testing::Test {
@@ -161,7 +162,7 @@ struct ReaderPresentationTest : ::testing::Test {
 TEST_F(ReaderPresentationTest, OrderedAlone_HoldsNothingBack) {
   presentation.start(policy(PresentationScope::topic, false, true), nullptr, false, now);
   EXPECT_FALSE(presentation.holds_back());
-  presentation.add_writer(guid_of(1), {});
+  presentation.add_writer(guid_of(1), {}, guid_of(1).prefix);
   presentation.release(now);
   presentation.stop(now);
   EXPECT_EQ(presentation.next_tick(), kNever);
@@ -170,7 +171,7 @@ TEST_F(ReaderPresentationTest, OrderedAlone_HoldsNothingBack) {
 TEST_F(ReaderPresentationTest, Coherent_SetComesWhenItIsWhole) {
   presentation.start(policy(PresentationScope::topic, true, false), nullptr, false, now);
   ASSERT_TRUE(presentation.holds_back());
-  presentation.add_writer(guid_of(1), {});
+  presentation.add_writer(guid_of(1), {}, guid_of(1).prefix);
   EXPECT_TRUE(put(1, 1) && put(2, 1));
   EXPECT_THAT(reader.seen, IsEmpty());
   EXPECT_TRUE(put(3, 0));
@@ -179,7 +180,7 @@ TEST_F(ReaderPresentationTest, Coherent_SetComesWhenItIsWhole) {
 
 TEST_F(ReaderPresentationTest, StartedBetweenBeginAndEndAccess_WaitsForItsEnd) {
   presentation.start(policy(PresentationScope::topic, true, false), nullptr, true, now);
-  presentation.add_writer(guid_of(1), {});
+  presentation.add_writer(guid_of(1), {}, guid_of(1).prefix);
   EXPECT_TRUE(put(1, 1) && put(2, 0));
   EXPECT_THAT(reader.seen, IsEmpty());
   presentation.pause(false, now);
@@ -192,7 +193,7 @@ TEST_F(ReaderPresentationTest, GroupScope_UsesTheSubscribersPresenter) {
   presentation.start(policy(PresentationScope::group, true, false), &of_group, false, now);
   EXPECT_TRUE(presentation.holds_back());
   presentation.pause(true, now);  // not its own
-  presentation.add_writer(guid_of(1), {});
+  presentation.add_writer(guid_of(1), {}, guid_of(1).prefix);
   EXPECT_TRUE(put(1, 1));
   EXPECT_GT(of_group.octets(), 0u);
   presentation.stop(now);

@@ -13,17 +13,26 @@ using ::testing::IsEmpty;
 Guid writer(std::uint8_t n) { return {GuidPrefix::from(Bytes(12, n)), EntityId{{0, 0, 1, 2}}}; }
 const Guid kGroup{GuidPrefix::from(Bytes(12, 9)), EntityId{{0, 0, 1, 8}}};
 
-/// More small ones are not held.
-constexpr auto kMostSamples = Presenter::kMostOctets / Presenter::kPricePerItem;
+/// More small ones of one identity are not held.
+constexpr auto kMostSamples = Presenter::kMostOctets / 2 / Presenter::kPricePerItem;
+
+GuidPrefix identity(std::uint8_t n) { return GuidPrefix::from(Bytes(12, n)); }
 
 struct Reader final : PresentedReader {
   std::vector<std::int64_t>* seen;
-  std::size_t room = 100;
+  std::size_t room = 100, most = 1000;
   std::size_t lost = 0;
+  std::vector<Limit> limits;  ///< that ended sets
   explicit Reader(std::vector<std::int64_t>& to) : seen(&to) {}
-  bool has_room(std::size_t samples) const override { return samples <= room; }
+  Room room_for(std::size_t samples, std::size_t) const override {
+    return samples > most ? Room::never : samples > room ? Room::later : Room::now;
+  }
   void present(Change& change) override { seen->push_back(change.payload.view()[0]); }
   void lose(std::size_t samples) override { lost += samples; }
+  void give_up(const Guid&, std::size_t samples, Limit limit) override {
+    lose(samples);
+    limits.push_back(limit);
+  }
 };
 
 struct Presenting : ::testing::Test {
@@ -45,7 +54,7 @@ struct Presenting : ::testing::Test {
 
 struct Coherent : Presenting {
   Presenter presenter{false, true, false};
-  void SetUp() override { presenter.add(one, writer(1), {}); }
+  void SetUp() override { presenter.add(one, writer(1), {}, identity(1)); }
   bool put(std::int64_t number, std::uint8_t value, std::int64_t set) {
     auto next = change(1, number, value, {{set}, {}, {}, {}});
     return presenter.on_change(one, next, now);
@@ -98,7 +107,8 @@ TEST_F(Coherent, ASetWithoutEndIsGivenUp) {
 TEST_F(Coherent, OpenSetsOfAllWritersHaveOneAccount) {
   constexpr std::uint8_t kWriters = 40;
   const auto payload = Payload::copy_of(Bytes(4 << 20));
-  for (std::uint8_t from = 1; from <= kWriters; ++from) presenter.add(one, writer(from), {});
+  for (std::uint8_t from = 1; from <= kWriters; ++from)
+    presenter.add(one, writer(from), {}, identity(from));
   for (std::int64_t number = 1; number <= 4; ++number)
     for (std::uint8_t from = 1; from <= kWriters; ++from) {
       auto next = change(from, number, 1, {{1}, {}, {}, {}});
@@ -109,19 +119,20 @@ TEST_F(Coherent, OpenSetsOfAllWritersHaveOneAccount) {
   EXPECT_GE(one.lost, 4 * kWriters - Presenter::kMostOctets / payload.size());
 }
 
-// Many writers of one participant, each below the set of another one.
-TEST_F(Coherent, OpenSetsOfOneParticipantDoNotDisplaceThoseOfAnother) {
+// Many writers of one identity, each below the set of another one. They may be of as many
+// participants: 40 of one certificate displaced all sets of an honest writer.
+TEST_F(Coherent, OpenSetsOfOneIdentityDoNotDisplaceThoseOfAnother) {
   put(1, 1, 1);
   auto large = change(1, 2, 2, {{1}, {}, {}, {}});
   large.payload = Payload::copy_of(Bytes(1 << 20, 2));
   ASSERT_TRUE(presenter.on_change(one, large, now));
   const auto payload = Payload::copy_of(Bytes(1 << 18));
   for (std::uint32_t i = 0; i < 1000; ++i) {
-    auto next = change(2, 1, 1, {{1}, {}, {}, {}});
+    auto next = change(static_cast<std::uint8_t>(2 + i % 40), 1, 1, {{1}, {}, {}, {}});
     next.writer.entity =
         EntityId{{static_cast<std::uint8_t>(i >> 8), static_cast<std::uint8_t>(i), 1, 2}};
     next.payload = payload;
-    presenter.add(one, next.writer, {});
+    presenter.add(one, next.writer, {}, identity(2));
     ASSERT_TRUE(presenter.on_change(one, next, now));
   }
   put(3, 0, 0);
@@ -136,6 +147,47 @@ TEST_F(Coherent, ASetThatWasGivenUpIsNotSeenWithoutItsBeginning) {
   EXPECT_EQ(presenter.octets(), 0u);
 }
 
+// Sets of 1001 samples for a reader of 1000 waited for ever, and were seen in part at the end.
+TEST_F(Coherent, ASetThatTheReaderCannotHoldIsGivenUpWhole) {
+  one.most = 2;
+  put(1, 1, 1), put(2, 2, 1), put(3, 3, 1), put(4, 4, 4), put(5, 0, 0);
+  EXPECT_EQ(one.lost, 3u);
+  EXPECT_THAT(one.limits, ElementsAre(Reader::Limit::samples));
+  EXPECT_THAT(take(), ElementsAre(4));
+  EXPECT_EQ(presenter.octets(), 0u);
+}
+
+TEST_F(Coherent, ASetWithoutRoomAtTheEndOfItsWriterIsNotSeenInPart) {
+  one.room = 1;
+  put(1, 1, 1), put(2, 2, 1), put(3, 0, 0);
+  presenter.remove(one, writer(1), now);
+  EXPECT_THAT(take(), IsEmpty());
+  EXPECT_EQ(one.lost, 2u);
+  EXPECT_THAT(one.limits, ElementsAre(Reader::Limit::writer_end));
+  EXPECT_EQ(presenter.octets(), 0u);
+}
+
+// Whole sets of one identity that wait for the reader: the writers of others go on, and of its own
+// nothing is lost.
+TEST_F(Coherent, WholeSetsOfOneIdentityThatWaitLeaveRoomForAnother) {
+  one.room = 3;
+  constexpr std::int64_t kSamples = 8;
+  const auto payload = Payload::copy_of(Bytes(1 << 20, 9));
+  presenter.add(one, writer(2), {}, identity(2));
+  std::int64_t taken = 0;
+  for (std::int64_t number = 1; number <= 200; ++number, ++taken) {
+    auto next = change(2, number, 9, {{(number - 1) / kSamples * kSamples + 1}, {}, {}, {}});
+    next.payload = payload;
+    if (!presenter.on_change(one, next, now)) break;
+  }
+  EXPECT_GE(taken, 60);
+  EXPECT_LE(taken, 64);
+  put(1, 1, 1), put(2, 2, 1);
+  EXPECT_TRUE(put(3, 0, 0));
+  EXPECT_THAT(take(), ElementsAre(1, 2));
+  EXPECT_EQ(one.lost, 0u);
+}
+
 TEST_F(Coherent, AWriterThatGoesTakesItsOpenSetAlong) {
   put(1, 1, 1);
   presenter.remove(one, writer(1), now);
@@ -147,8 +199,8 @@ TEST_F(Coherent, AWriterThatGoesTakesItsOpenSetAlong) {
 struct Grouped : Presenting {
   Presenter presenter{true, true, true};
   void SetUp() override {
-    presenter.add(one, writer(1), kGroup);
-    presenter.add(two, writer(2), kGroup);
+    presenter.add(one, writer(1), kGroup, identity(1));
+    presenter.add(two, writer(2), kGroup, identity(1));
   }
   /// `set`: of the writer; `group_set` of the group; value 0 is a marker.
   void put(std::uint8_t from, std::int64_t number, std::uint8_t value, std::int64_t set,
@@ -192,7 +244,7 @@ TEST_F(Grouped, AWriterThatGoesIsNotWaitedFor) {
   put(1, 1, 1, 1, 1, 1), put(1, 2, 0, 0, 1, 2);
   presenter.remove(two, writer(2), now);
   EXPECT_THAT(take(), ElementsAre(1));
-  presenter.add(two, writer(2), kGroup);
+  presenter.add(two, writer(2), kGroup, identity(1));
   put(2, 1, 3, 1, 3, 3);
   put(1, 3, 0, 0, 3, 5);
   presenter.remove(two, writer(2), now);  // in the middle
