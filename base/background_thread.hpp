@@ -1,4 +1,4 @@
-// Threads that a library starts inside somebody else's process.
+// Threads that a library starts inside another program's process.
 #pragma once
 
 #include <csignal>

@@ -1,4 +1,4 @@
-// Time and randomness are given to whoever needs them, so that tests replay bit for bit.
+// Time and randomness are passed in where they are needed, so that tests replay bit for bit.
 #pragma once
 
 #include <chrono>
@@ -56,7 +56,7 @@ class ManualClock final : public Clock {
     now_ += whole;
     fraction_ -= whole;
   }
-  /// Somebody sets the calendar.
+  /// The calendar is set.
   void set(WallTime now) { now_ = now; }
 
  private:
@@ -68,7 +68,7 @@ class ManualClock final : public Clock {
 class Random {
  public:
   virtual ~Random() = default;
-  /// Fills all of `out` with octets nobody can predict, or fails.
+  /// Fills all of `out` with unpredictable octets, or fails.
   virtual Status fill(MutableBytes out) = 0;
 };
 

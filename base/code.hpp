@@ -7,7 +7,7 @@
 
 namespace ddssec {
 
-/// How bad a code is when nobody says otherwise.
+/// How bad a code is unless the event says otherwise.
 enum class Severity : std::uint8_t { debug, informational, warning, error, critical };
 
 std::string_view to_string(Severity severity);

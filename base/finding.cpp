@@ -5,7 +5,7 @@
 namespace ddssec {
 namespace {
 
-// The last row is nobody's, so that the table is never empty.
+// The last row is a sentinel, so that the table is never empty.
 constexpr std::array kRules = {
 #define X(id, severity, title, hint) RuleInfo{Rule::id, #id, Severity::severity, title, hint},
 #include "base/rules/all.def"

@@ -42,7 +42,7 @@ struct Finding {
   int line = 0;               ///< from 1; 0 = none
   std::string path = {};      ///< where in the document, such as /dds/permissions/grant[2]
   std::string hint = {};      ///< empty = the rule's own
-  std::vector<std::string> vendors = {};  ///< whom it concerns, such as "cyclonedds"; empty = all
+  std::vector<std::string> vendors = {};  ///< products, such as "cyclonedds"; empty = all
   Severity severity = info(rule).severity;
 };
 

@@ -1,4 +1,4 @@
-// A calendar that follows its clock, but not at once when somebody sets it.
+// A calendar that follows its clock, but not at once when the clock is set.
 #pragma once
 
 #include <mutex>

@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Who goes with the CA, and whom the log knows in vain.
+/// Which participants go with the CA, and which ones the log names in vain.
 struct Known {
   std::vector<Follower> here;
   std::vector<std::string> elsewhere;  ///< folders, or subjects of CAs below

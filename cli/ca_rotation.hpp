@@ -21,7 +21,7 @@ struct Follower {
   bool is_named = false;  ///< on the command line, so that it may have moved
 };
 
-/// Whose place is taken, and by whom.
+/// Which CA is replaced, and by which.
 struct Succession {
   const OpenCa& old;
   const pki::Authority& ca;

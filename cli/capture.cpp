@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr unsigned kMode = 0600;  // what goes over a network is nobody else's business
+constexpr unsigned kMode = 0600;  // a capture is for its owner only
 constexpr int kSnapshotOctets = 262'144;
 constexpr int kWaitMilliseconds = 100;
 constexpr int kBufferOctets = 16 << 20;

@@ -16,7 +16,7 @@ namespace ddssec::cli {
 struct Frame {
   std::chrono::nanoseconds at;  ///< since 1970
   BytesView octets;
-  bool is_whole;  ///< false: whoever captured cut it
+  bool is_whole;  ///< false: the capture cut it
 };
 
 class Capture {
@@ -35,8 +35,8 @@ class Capture {
   Status save_to(const std::string& file);
   /// Ends that file. Error: file_unwritable; then it is removed.
   Result<WrittenFile> saved();
-  /// Hands over frames until the end of the file, or for so long when listening, or until somebody
-  /// interrupts. Error: capture_unreadable.
+  /// Hands over frames until the end of the file, or for so long when listening, or until
+  /// interrupted. Error: capture_unreadable.
   Status each(std::chrono::nanoseconds how_long, const std::function<void(const Frame&)>& take);
 
  private:

@@ -249,7 +249,7 @@ struct Distributed {
   std::vector<WrittenFile> files;
 };
 
-// One folder that cannot be written keeps the list from nobody else.
+// One folder that cannot be written does not keep the list from the others.
 Result<Distributed> put_lists(const std::vector<fs::path>& folders, const Distribution& what) {
   Distributed done;
   Replacement out;

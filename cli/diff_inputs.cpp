@@ -80,7 +80,7 @@ std::string signer_text(const DiffSides& sides) {
     text = fmt::format("signer unchanged ({})\n", shown(sides.after.signer));
   } else {
     const auto name = [](const DiffSide& side) {
-      return side.signer.empty() ? std::string("nobody") : shown(side.signer);
+      return side.signer.empty() ? std::string("no signer") : shown(side.signer);
     };
     text = fmt::format("signer CHANGED\n  old: {}\n  new: {}\n", name(sides.before),
                        name(sides.after));

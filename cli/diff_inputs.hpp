@@ -20,7 +20,7 @@ struct DiffSide {
   int first_line = 1;  ///< of the file, on which it begins
   bool is_signed = false;
   bool is_verified = false;
-  /// Who signed: the certificate's fingerprint if verified, else who claims to have. Empty: nobody.
+  /// The signer: its certificate's fingerprint if verified, else the claimed one. Empty: none.
   std::string signer = {};
 };
 
@@ -36,7 +36,7 @@ Result<DiffSides> diff_sides(std::filesystem::path (*document)(const std::filesy
 
 /// {"old", "new", "same", "verified"}.
 Json signer_json(const DiffSides& sides);
-/// Complete lines: who signed, and whether that was verified. Empty if nobody signed anything.
+/// Complete lines: the signer, and whether that was verified. Empty if nothing is signed.
 std::string signer_text(const DiffSides& sides);
 
 /// The value of --fail-on, or nothing. Error: usage.

@@ -35,7 +35,7 @@ namespace fs = std::filesystem;
 namespace doctor = governance::doctor;
 using doctor::Vendor;
 
-// What concerns products that have no column (OpenDDS) is told if nobody chose.
+// Findings about products without a column (OpenDDS) are shown unless --vendor is given.
 bool concerns(const Finding& finding, const Products& products) {
   return finding.vendors.empty() || std::ranges::any_of(finding.vendors, [&](const auto& word) {
            const auto vendor = doctor::vendor_from(word);
@@ -127,7 +127,7 @@ bool is_said_by_diagnosis(Rule rule) {
 }
 
 // Each product of the one with each product of the other. That two products do not understand each
-// other is a "no" only if somebody asked for the two.
+// other is a "no" only if --vendor names both.
 void add_meetings(Report& report, const doctor::Party& self, const doctor::Party& peer,
                   const doctor::Settings& settings, const Products& products,
                   bool products_chosen) {

@@ -129,7 +129,7 @@ Report refused(const Beliefs& all) {
   return report;
 }
 
-// Whom a grant's spelling of the subject does not suit, as measured with either product.
+// Certificates that a grant's spelling of the subject does not fit, as measured with each product.
 void name_vendors(std::vector<Finding>& findings, const governance::Permissions& document,
                   const pki::Certificate& certificate) {
   for (auto& finding : findings) {

@@ -95,7 +95,7 @@ Result<std::vector<governance::DomainRange>> domain_ranges(const Arguments& argu
                                                            std::string_view option);
 
 /// The topics of a repeated option. Error: usage, for two with a comma between them, which would be
-/// the name of one topic that nobody has.
+/// the name of one topic that does not exist.
 Result<std::vector<std::string>> topics_of(const Arguments& arguments, std::string_view option);
 
 /// The signature that stands beside a document: its path with the ending p7s.

@@ -70,7 +70,7 @@ class Search {
     return out;
   }
   const std::vector<Error>& unreadable() const { return unreadable_; }
-  /// True if one of the lists that were found names it, whoever signed that.
+  /// True if one of the lists that were found names it, whatever its signature.
   bool is_revoked(const Ending& ending) const { return revoked_.contains(ending.id); }
 
  private:
@@ -168,7 +168,7 @@ class Search {
     return {};
   }
 
-  // What it says, whoever signed it: a forged date is found by verify and doctor.
+  // Its date counts whatever its signature: a forged date is found by verify and doctor.
   Status look_into_document(const fs::path& file, BytesView octets) {
     const auto form = pki::examine_document(octets);
     if (form.ambiguous) return std::unexpected(*form.ambiguous);

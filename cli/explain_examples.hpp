@@ -1,4 +1,4 @@
-// Commands, and lines of configurations, that mend what a code or a rule is about.
+// Commands, and lines of configurations, that correct what a code or a rule is about.
 #pragma once
 
 #include <span>
@@ -6,7 +6,7 @@
 
 namespace ddssec::cli {
 
-/// What mends it, in the names of `ddssec init demo`. `names` are those of codes and rules, with
+/// The correction, in the names of `ddssec init demo`. `names` are those of codes and rules, with
 /// blanks between them; a line that begins with "ddssec " is a command.
 struct Example {
   std::string_view names;

@@ -16,7 +16,7 @@ inline constexpr std::size_t kMostFleetOctets = 32 * 1024 * 1024;
 /// Reads a fleet: tables [[participant]] with name, subject, domain, days, key, publish, subscribe,
 /// permissions (a document's path, from the file's folder), and the same but name, subject and
 /// permissions at the top as what counts where a participant does not say. `standard` is what
-/// counts where nobody does; its validity begins and is measured from `now`. A key that is not
+/// counts where neither does; its validity begins and is measured from `now`. A key that is not
 /// known is an error: a right misspelt would be a right not given. Errors: fleet_malformed with the
 /// line, name_unusable, those of read_file.
 Result<std::vector<ParticipantSpec>> read_fleet(const std::filesystem::path& file,

@@ -152,7 +152,7 @@ std::vector<Command> governance_commands() {
                     "embedded participants of ddssec only",
                     "NONE"},
                    {"--key-revision", "",
-                    "new keys for whoever is still trusted when somebody loses its trust; embedded "
+                    "new keys for the others when a participant is no longer trusted; embedded "
                     "participants of ddssec only"},
                    repeated("--topic", "EXPR:KEY=VALUE,...",
                             "a rule for some topics, before the one for all others"),

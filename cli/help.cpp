@@ -16,7 +16,7 @@ struct Section {
 };
 constexpr Section kSections[] = {
     {"to begin with", "", {"init"}},
-    {"questions: what is wrong, what is allowed, who talks to whom",
+    {"questions: what is wrong, what is allowed, which participants talk",
      "",
      {"doctor", "check", "can", "inspect", "expiry", "explain"}},
     {"certificate authorities", "ca"},

@@ -75,7 +75,7 @@ Result<Report> identity_csr(const Arguments& arguments, const Context&) {
   return report;
 }
 
-// The request's subject becomes the participant's name: somebody must have looked at it.
+// The request's subject becomes the participant's name, so a person must have looked at it.
 Status confirm_request(const pki::RequestContent& content, const Arguments& arguments) {
   if (arguments.has("--yes")) return {};
   return confirm(fmt::format("issue a certificate for \"{}\", key {}?", content.subject,

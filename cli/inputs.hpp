@@ -81,7 +81,7 @@ Result<pki::PrivateKey> token_key(const std::string& uri, const Arguments& argum
 std::filesystem::path certificate_path(const std::filesystem::path& given);
 
 /// Asks a person at the terminal. Error: confirmation_needed if the answer is not yes, or there is
-/// nobody to ask.
+/// no terminal.
 Status confirm(const std::string& question);
 
 /// What a folder is called: the last part of its path.

@@ -47,7 +47,7 @@ struct NewParticipant {
 /// Who makes it.
 struct Issuers {
   const OpenCa& identity;
-  const OpenCa* permissions = nullptr;  ///< null: nobody can sign permissions
+  const OpenCa* permissions = nullptr;  ///< null: permissions cannot be signed
   std::string_view crl = {};            ///< list_for_newcomers
 };
 
@@ -82,8 +82,8 @@ Result<Bytes> sign_permissions(const pki::Authority& ca, std::string_view xml, W
 Status add_flat(NewFolder& folder, const std::filesystem::path& below,
                 const NewParticipant& participant, const Issuers& issuers, BytesView governance);
 
-/// The line of the identity CA's log about it; it must be written before anybody gets the
-/// certificate.
+/// The line of the identity CA's log about it; it must be written before the certificate
+/// is handed out.
 std::string log_line(const NewParticipant& participant, const std::filesystem::path& folder,
                      WallTime now);
 

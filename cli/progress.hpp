@@ -1,4 +1,4 @@
-// How far a long command is, for whoever waits.
+// Shows how far a long command is.
 #pragma once
 
 #include <chrono>

@@ -23,7 +23,7 @@ if(CCACHE)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${launcher})
 endif()
 
-# Off by default: another compiler knows other warnings, and nobody's build should fail for one.
+# Off by default: another compiler knows other warnings, and no user's build should fail for one.
 option(DDSSEC_WARNINGS_AS_ERRORS "Treat the compiler's warnings as errors" OFF)
 add_library(ddssec_options INTERFACE)
 target_compile_options(ddssec_options INTERFACE

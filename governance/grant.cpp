@@ -55,7 +55,7 @@ std::string some_subjects(const Permissions& permissions) {
 
 bool is_for(const Grant& grant, const pki::SubjectName& subject) {
   if (!grant.subject_is_expression && !may_be_for(grant.subject_name, subject)) return false;
-  // A subject that is no name is nobody's.
+  // A subject that is not a name belongs to no certificate.
   const auto name = pki::SubjectName::parse(grant.subject_name);
   if (!name) return false;
   return grant.subject_is_expression ? expression_matches(*name, subject) : name->matches(subject);

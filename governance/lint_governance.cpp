@@ -212,7 +212,8 @@ void check_domain_kinds(Findings& out, const DomainPlace& place) {
                               !is_protected(rule.rtps_protection_kind);
   if (domain_is_open && std::ranges::all_of(rule.topic_rules, is_plain))
     out.add(place.about(
-        GOV040, "every protection kind is NONE: whoever reaches the network reads and forges all"));
+        GOV040,
+        "every protection kind is NONE: every host on the network can read and forge everything"));
 }
 
 // A flag that asks for what the domain rule does not give.
@@ -296,9 +297,10 @@ void check_origin(Findings& out, const DomainPlace& place) {
   const auto more = names.size() > 3 ? fmt::format(" and {} more", names.size() - 3) : "";
   if (names.size() > 3) names.resize(3);
   out.add(place.about(
-      GOV042, fmt::format("{}{}: writing is controlled, and whoever may read has the key to write "
-                          "in a writer's name",
-                          fmt::join(names, ", "), more)));
+      GOV042,
+      fmt::format("{}{}: writing is controlled, and each permitted reader has the key to write "
+                  "in a writer's name",
+                  fmt::join(names, ", "), more)));
 }
 
 // Cyclone's core believes clear announcements in the name of every authenticated peer, and our

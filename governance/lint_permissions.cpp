@@ -80,7 +80,7 @@ std::string key_of(const Grant& grant) {
   return "name " + name->key();
 }
 
-// Grants one after the other in time are a renewal; Cyclone DDS knows the first only all the same.
+// Successive grants are a renewal, but Cyclone DDS knows only the first.
 void check_repeated_subjects(Findings& out, const std::vector<GrantPlace>& places) {
   std::map<std::string, const GrantPlace*> first;
   for (const auto& place : places) {

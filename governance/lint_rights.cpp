@@ -148,7 +148,7 @@ void check_half_denied(Findings& out, const GrantPlace& place, std::size_t at, b
     if (i < at) append(lists.named_before, half(rules[i], true));
     if (i < at) append(lists.named_before, half(rules[i], false));
     if (i > at && rules[i].allow) append(lists.allowed_later, half(rules[i], !publish));
-    // Denied in both directions before anybody allows it: really denied.
+    // Denied in both directions before any rule allows it: really denied.
     if (i > at && !rules[i].allow) append(lists.also_denied, half(rules[i], !publish));
   }
   const auto witness = lists.witness(out.effort());
@@ -234,7 +234,7 @@ void check_default(Findings& out, const GrantPlace& place) {
   if (grant.default_allow)
     out.add(place.about(PERM022,
                         "<default> is ALLOW: every topic that no rule names is allowed, "
-                        "also those that nobody has thought of"));
+                        "also those that were not thought of"));
   if (std::ranges::any_of(grant.rules, &Rule::allow)) return;
   auto finding = place.about(PERM023, "there is no allow_rule");
   finding.vendors = {kFastDds};

@@ -57,7 +57,7 @@ Result<NamePtr> make_name(std::string_view text) {
   return name;
 }
 
-// 128 random bits: nobody can foretell a serial number (CA/Browser baseline asks for 64).
+// 128 random bits: serial numbers are unpredictable (CA/Browser baseline asks for 64).
 Status set_serial(X509* x509, Random& random) {
   std::array<std::uint8_t, 16> octets{};
   DDSSEC_TRY(random.fill(octets));

@@ -41,7 +41,7 @@ struct CertificateTemplate {
   std::string key_usage = "critical,digitalSignature";
 };
 
-/// The keyUsage of our CAs: peers demand digitalSignature of whoever signs documents.
+/// The keyUsage of our CAs: peers demand digitalSignature of a document's signer.
 inline constexpr std::string_view kCaKeyUsage = "critical,digitalSignature,keyCertSign,cRLSign";
 
 /// A certificate with its private key.

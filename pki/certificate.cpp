@@ -98,8 +98,8 @@ Result<std::unique_ptr<const Certificate::Impl>> finish(X509Ptr x509, BytesView 
   return out;
 }
 
-/// The certificates that somebody holds. To parse one takes longer than to verify a signature, so
-/// whoever meets one again shares it. Thread-safe.
+/// The certificates in use. Parsing one takes longer than verifying a signature, so a certificate
+/// that is met again is shared. Thread-safe.
 class Held {
  public:
   static Held& by_anybody() {
@@ -113,7 +113,7 @@ class Held {
     return known == known_.end() ? nullptr : known->second.lock();
   }
 
-  /// Whoever lets go of it last takes it off the list.
+  /// The last holder to release it removes it from the list.
   std::shared_ptr<const Certificate::Impl> share(std::unique_ptr<const Certificate::Impl> made) {
     const std::shared_ptr<const Certificate::Impl> out(made.release(), [this](const auto* last) {
       forget(last->fingerprint);
@@ -125,7 +125,7 @@ class Held {
   }
 
  private:
-  // Somebody may have made another meanwhile.
+  // Another thread may have made one meanwhile.
   void forget(const Sha256Digest& fingerprint) {
     const std::scoped_lock lock(mutex_);
     const auto known = known_.find(fingerprint);

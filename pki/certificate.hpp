@@ -35,7 +35,7 @@ inline constexpr std::size_t kMostNameAttributes = 64;
 /// An immutable certificate; copies share it, and so do those that are read from the same octets
 /// while there is one. A certificate exists only if its form, names and
 /// key passed our rules: RSA of at least 2048 bits, EC P-256, EC P-384; no NUL in a name; at most
-/// kMostNameAttributes attributes in a name. Whether anybody vouches for it is pki/chain.hpp's
+/// kMostNameAttributes attributes in a name. Whether a CA vouches for it is pki/chain.hpp's
 /// matter.
 class Certificate {
  public:

@@ -226,7 +226,7 @@ Status ChainVerifier::Impl::fill_store(CrlPolicy policy) {
   return {};
 }
 
-// An entry counts for whom it names and whoever issued the list: `verify` knows better.
+// An entry counts by the name and issuer in the list: `verify` knows better.
 bool ChainVerifier::Impl::is_listed(const Certificate& certificate) const {
   return std::ranges::any_of(crls, [&](const Crl& crl) {
     X509_REVOKED* entry = nullptr;

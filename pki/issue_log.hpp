@@ -19,7 +19,7 @@ namespace ddssec::pki {
 
 /// The longest log that is read, in octets; about 300,000 certificates.
 inline constexpr std::size_t kMostIssueLogOctets = 64 * 1024 * 1024;
-/// The longest line of a CA's log that is read, in octets; nobody may write a longer one.
+/// The longest line of a CA's log that is read, in octets; a longer one is never written.
 inline constexpr std::size_t kMaxLogLineOctets = 64 * 1024;
 
 /// The certificate in a participant's folder.
@@ -45,8 +45,8 @@ struct IssuedCertificate {
 };
 
 /// The log, read. Lines that only add make it safe against a crash: a line is there whole or, as
-/// the last one without its line end, not at all; and what was written once never changes. Anybody
-/// can read it, with jq as with an editor.
+/// the last one without its line end, not at all; and what was written once never changes. It
+/// can be read with jq or an editor.
 class IssueLog {
  public:
   /// Of an empty text, nothing was issued. A last line without line end is passed over: its

@@ -92,7 +92,7 @@ std::string describe(EVP_PKEY* key) {
 
 }  // namespace
 
-// A NUL inside a name reads as another, shorter name to whoever prints it as a C string.
+// A NUL inside a name reads as another, shorter name where it is printed as a C string.
 Status check_name(const X509_NAME* name, const char* which) {
   const int count = X509_NAME_entry_count(name);
   if (count > static_cast<int>(kMostNameAttributes))

@@ -7,7 +7,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A dangling link is a file that somebody meant to be there: that it is broken is told when it is
+// A dangling link stands for a file that was meant to be there: it is reported as broken when it is
 // read.
 bool is_there(const fs::path& path) {
   std::error_code ignored;

@@ -11,8 +11,8 @@ namespace ddssec::pki {
 
 /// The private key that `uri` names. It stays in the token, which signs. The token is logged in to
 /// with the PIN that the URI names (pin-source=file:PATH, pin-value), else with `pin`, which may be
-/// null; nobody is asked, and a PIN that was refused is not tried again. Whoever has logged in once
-/// stays so for the whole process. Modules are those of p11-kit, or the one in PKCS11_MODULE_PATH.
+/// null; there is no prompt, and a PIN that was refused is not tried again. A login lasts
+/// for the whole process. Modules are those of p11-kit, or the one in PKCS11_MODULE_PATH.
 /// Errors: pkcs11_unavailable, pkcs11_not_found, pkcs11_pin_missing, pkcs11_pin_wrong.
 Result<PkeyPtr> token_private_key(std::string_view uri, const Passphrase* pin);
 

@@ -12,7 +12,7 @@
 namespace ddssec::pki {
 namespace {
 
-// Nobody looks at the certificates inside. Without algorithms OpenSSL does not decode their keys,
+// The certificates inside are not used. Without algorithms OpenSSL does not decode their keys,
 // which takes longer than to verify the signature. Null: there is not even that.
 OSSL_LIB_CTX* no_algorithms() {
   static OSSL_LIB_CTX* const context = [] {
@@ -48,7 +48,7 @@ Result<CMS_SignerInfo*> only_signer(CMS_ContentInfo* cms) {
   return sk_CMS_SignerInfo_value(signers, 0);
 }
 
-// The signature algorithm only repeats what key and digest say; nobody signs it, so it must fit.
+// The signature algorithm only repeats what key and digest say and is not signed, so it must fit.
 bool fits(int signature_algorithm, int digest) {
   switch (signature_algorithm) {
     case NID_rsaEncryption:

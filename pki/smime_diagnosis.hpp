@@ -1,5 +1,5 @@
 // What a document file is, in whatever form, and whether stock products would believe it. For
-// diagnosis only: nothing here lets anybody do anything. What counts is pki/smime.hpp.
+// diagnosis only: nothing here grants anything. What counts is pki/smime.hpp.
 #pragma once
 
 #include <cstdint>
@@ -36,7 +36,7 @@ struct DocumentForm {
   /// Subjects of the certificates inside the signature, RFC 2253, at most kMostEmbedded.
   std::vector<std::string> embedded = {};
   /// Who says to have signed: issuer (RFC 2253) and serial number of the first signer's
-  /// certificate; empty if nobody.
+  /// certificate; empty if there is none.
   std::string signer_issuer = {};
   std::string signer_serial = {};
   /// Or the identifier of its key, hexadecimal, where the signer is named by that (RFC 5652 5.3),
@@ -71,7 +71,7 @@ Status check_same_reading(const UnverifiedDocument& ours, BytesView file);
 
 /// Success if the file is believed by a reader made of OpenSSL's SMIME_read_PKCS7 and PKCS7_verify
 /// with PKCS7_TEXT over a store of `cas`, as Cyclone DDS 0.10.2 and Fast DDS 2.9.1 are: they
-/// believe whoever chains to the CA (CVE-2023-24010, CVE-2023-24011) and opaque documents.
+/// accept every signer that chains to the CA (CVE-2023-24010, CVE-2023-24011) and opaque documents.
 /// Errors: smime_malformed with OpenSSL's reason, those of verify_pkcs7 (pki/openssl_guards.hpp),
 /// internal.
 Status stock_products_believe(BytesView file, const std::vector<Certificate>& cas, WallTime now);

@@ -60,7 +60,7 @@ Result<BytesView> check_octets(BytesView file) {
 }
 
 // Header lines, boundaries and blanks around the parts, and carriage returns before line feeds, are
-// signed by nobody: whoever sends the document can add to them, to take memory and to look new.
+// not signed: a sender of the document can add to them, to take memory and to look new.
 Status check_unsigned(BytesView file, BytesView content, BytesView signature) {
   const auto lines = static_cast<std::size_t>(std::ranges::count(content, '\n'));
   const auto base64_size = (signature.size() + 2) / 3 * 4;

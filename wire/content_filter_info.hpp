@@ -19,7 +19,7 @@ struct FilterResult {
   bool operator==(const FilterResult&) const = default;
 };
 
-/// Borrowed from whoever writes the sample.
+/// Borrowed from the code that writes the sample.
 struct FilterResults {
   std::span<const FilterResult> list = {};
   bool operator==(const FilterResults& other) const { return std::ranges::equal(list, other.list); }

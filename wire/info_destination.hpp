@@ -6,7 +6,7 @@
 namespace ddssec::rtps {
 
 struct InfoDestination {
-  GuidPrefix prefix;  ///< zero = anybody
+  GuidPrefix prefix;  ///< zero = every participant
   bool operator==(const InfoDestination&) const = default;
 };
 

@@ -1,6 +1,6 @@
 // INFO_REPLY and INFO_REPLY_IP4: where answers should go (RTPS 9.4.5.9, 9.4.5.10). They are checked
-// and stepped over: answers go to the locators that discovery gave, which nobody on the way
-// chooses.
+// and stepped over: answers go to the locators that discovery gave, which an attacker on the
+// path does not choose.
 #pragma once
 
 #include "wire/locator.hpp"
@@ -9,7 +9,7 @@
 namespace ddssec::rtps {
 
 struct InfoReply {
-  Locator unicast;  ///< the first of each list, for whoever explains a capture
+  Locator unicast;  ///< the first of each list, to explain a capture
   Locator multicast;
   bool operator==(const InfoReply&) const = default;
 };

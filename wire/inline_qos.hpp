@@ -37,8 +37,8 @@ struct Coherence {
   bool operator==(const Coherence&) const = default;
 };
 
-/// ORIGINAL_WRITER_INFO: who wrote what somebody else keeps for late joiners (RTPS 8.7.9); number
-/// 0: whoever sends it wrote it.
+/// ORIGINAL_WRITER_INFO: the writer of a sample that another one keeps for late joiners
+/// (RTPS 8.7.9); number 0: its sender wrote it.
 struct Original {
   Guid writer = {};
   SequenceNumber number = {};

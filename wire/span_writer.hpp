@@ -1,4 +1,4 @@
-// Writes into a buffer of fixed size that somebody else owns: what messages are built with.
+// Writes into a buffer of fixed size that the caller owns: what messages are built with.
 #pragma once
 
 #include <algorithm>
@@ -23,7 +23,7 @@ class SpanWriter {
   bool overflowed() const { return overflowed_; }
   BytesView view() const { return out_.first(size_); }
 
-  /// Where the next octets go, for whoever writes them itself; `take` says how many they were.
+  /// Where the next octets go, for callers that write them; `take` says how many they were.
   MutableBytes spare() { return overflowed_ ? MutableBytes{} : out_.subspan(size_); }
   void take(std::size_t count) { claim(count); }
   /// As if something had not fitted.

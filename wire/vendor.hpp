@@ -8,7 +8,7 @@ namespace ddssec::rtps {
 using VendorId = Id<struct VendorIdTag, 2>;
 using ProtocolVersion = Id<struct ProtocolVersionTag, 2>;
 
-/// Ours; not assigned by the OMG to anybody. The only place where it is spelt out.
+/// Ours; not assigned by the OMG. The only place where it is spelt out.
 inline constexpr VendorId kVendorDdssec{{0x01, 0xd5}};
 inline constexpr VendorId kVendorFastDds{{0x01, 0x0f}};
 inline constexpr VendorId kVendorCyclone{{0x01, 0x10}};

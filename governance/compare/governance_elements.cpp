@@ -162,7 +162,7 @@ std::vector<ElementChange> compare_topic_rules(const TopicRules& rules) {
   if (!rules.old_rule || !rules.new_rule) return changes.take();
   const TopicRule& o = *rules.old_rule;
   const TopicRule& n = *rules.new_rule;
-  // A flag that nothing is behind protects nothing, but it is announced and compared all the same.
+  // A flag without effect protects nothing, but it is still announced and compared.
   const auto add_protection = [&](std::string_view element, bool TopicRule::*flag,
                                   ProtectionKind DomainRule::*kind) {
     const bool effective = is_protected((n.*flag ? rules.new_domain : rules.old_domain).*kind);

@@ -1,4 +1,4 @@
-// Governance documents element by element: what is stronger, and who still talks to whom.
+// Governance documents element by element: what is stronger, and which participants still talk.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@ namespace ddssec::governance {
 /// Who no longer talks to participants with the other document (measured with Cyclone DDS 0.10.2
 /// and Fast DDS 2.9.1: they compare security attributes bit by bit).
 enum class Interop : std::uint8_t {
-  none,         ///< nobody is cut off
+  none,         ///< no participant is cut off
   participant,  ///< no endpoint of the domain
   endpoint,     ///< no endpoint of the topic
 };

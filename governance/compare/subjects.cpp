@@ -162,7 +162,7 @@ class Finder {
   void add(const Grant& grant) {
     const auto number = grants_.size();
     grants_.push_back(&grant);
-    // A subject that is no name is nobody's.
+    // A subject that is not a name belongs to no certificate.
     const auto name = pki::SubjectName::parse(grant.subject_name);
     if (!name) return;
     auto rdns = name->rdns();

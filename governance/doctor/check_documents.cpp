@@ -117,8 +117,8 @@ std::string cas_of(const LoadedFolder& folder) {
 
 std::string who_signed(const Subject& subject) {
   const auto& form = subject.form;
-  const auto by =
-      form.embedded.empty() ? std::string("somebody") : '"' + form.embedded.front() + '"';
+  const auto by = form.embedded.empty() ? std::string("another certificate")
+                                        : '"' + form.embedded.front() + '"';
   const auto which =
       form.signer_key_id.empty()
           ? fmt::format("serial {}, issued by \"{}\"", form.signer_serial, form.signer_issuer)

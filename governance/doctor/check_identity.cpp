@@ -128,7 +128,7 @@ void check_pair(const LoadedFolder& folder, const Lineup& lineup, Diagnosis& out
   out.report(outcomes,
              {.rule = Rule::DOC012,
               .message = fmt::format("{} ({}) is not the private half of the key in {} ({} of {}); "
-                                     "Cyclone DDS starts all the same and never authenticates",
+                                     "Cyclone DDS still starts and never authenticates",
                                      name_of(folder.paths.key), to_string(folder.key->algorithm()),
                                      name_of(folder.paths.certificate),
                                      to_string(folder.certificate->key_algorithm()),

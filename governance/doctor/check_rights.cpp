@@ -260,7 +260,7 @@ void check_unauthenticated(const LoadedFolder& folder, const DomainRule& rule, c
   out.report(who,
              {.rule = Rule::DOC055,
               .message = "<allow_unauthenticated_participants> is true: Cyclone DDS then talks "
-                         "to anybody, also on topics with access control; " +
+                         "to every participant, also on topics with access control; " +
                          (who.fastdds == Outcome::ok
                               ? fastdds + " talks to authenticated participants only"
                               : fastdds + " refuses it together with <rtps_protection_kind> " +

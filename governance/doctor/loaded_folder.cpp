@@ -58,8 +58,8 @@ bool begins_like_der(const fs::path& path) {
 
 using Certificates = Result<std::vector<pki::Certificate>>;
 
-// The text is read even if nobody believes it, for what else may be wrong with it; what was read
-// is only ever talked about.
+// The text is read even if its signature is refused, for what else may be wrong with it; it is
+// only reported on.
 template <class Model>
 LoadedDocument<Model> load_document(const fs::path& path, const Certificates& cas,
                                     Result<Model> (*read)(BytesView, int), WallTime now) {

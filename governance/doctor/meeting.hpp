@@ -24,7 +24,7 @@ struct Party {
 /// What one party says about one question, and the line that decides.
 struct Judgement {
   int judge = 0;  ///< 0 or 1: index of the party
-  int about = 0;  ///< whom it judges, itself perhaps
+  int about = 0;  ///< the participant that is judged, perhaps the judge itself
   bool ok = false;
   std::string reason = {};    ///< a clause
   std::string document = {};  ///< a path; empty = none

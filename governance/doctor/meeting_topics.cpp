@@ -111,7 +111,7 @@ Judgement by_grant(const MeetingScene& scene, const Question& question) {
   return out;
 }
 
-// The judge's governance decides whether anybody asks for permissions.
+// The judge's governance decides whether permissions are asked for at all.
 Judgement judge(const MeetingScene& scene, const Question& question) {
   const auto* rule = topic_rule(scene, question.judge, question.topic);
   Judgement out{.judge = question.judge, .about = question.about};

@@ -47,7 +47,7 @@ std::string ask_child(void (*work)(int, const std::string&, const std::string&),
 
 void say(int to, char result, std::string_view detail) {
   const auto text = fmt::format("{}{}", result, detail.substr(0, kMostDetail - 1));
-  // Nobody could be told of a failure; the parent takes silence for one.
+  // A failure could not be reported; the parent takes silence for one.
   [[maybe_unused]] const auto written = ::write(to, text.data(), text.size());
 }
 

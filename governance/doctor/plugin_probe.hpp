@@ -22,7 +22,7 @@ struct PluginProbe {
 
 /// Loads `library` (a path, or a name for the loader to find) and looks for the functions
 /// init_`role` and finalize_`role`. All of it happens in a child process, which gets five seconds:
-/// a library that crashes or hangs hurts nobody. Loading a library runs its code.
+/// a library that crashes or hangs does no harm here. Loading a library runs its code.
 PluginProbe probe_plugin(const std::string& library, const std::string& role);
 
 /// Looks at the three plugins in `folder` (for ours), or, if it is empty, where Cyclone DDS finds

@@ -432,7 +432,7 @@ std::vector<PermissionsHandle> Plugin::expire(PermissionsHandle local) {
   if (!gone.empty())
     std::ranges::set_difference(peers_of_only(gone, all, now), std::vector(ended),
                                 std::back_inserter(ended));
-  // Last what needs no memory: whoever is marked is told.
+  // Last what needs no memory: marked participants are reported.
   for (const auto& [event, holder] : reasons) environment_.events.raise(event);
   for (const auto& [event, holder] : reasons) holder->mark_reported();
   return ended;

@@ -24,7 +24,7 @@ struct Options {
   /// cryptography then keeps the payload key to itself; otherwise such a reader could read.
   bool accept_relays = false;
   /// Take a governance that enables key revision: the host drives it. Otherwise such a document is
-  /// refused, since nobody would be shut out.
+  /// refused, since it would shut no participant out.
   bool host_revises_keys = false;
   /// Take a governance that demands pre-shared keys: the host protects messages by them. Otherwise
   /// such a document is refused, since nothing would be protected.
@@ -35,7 +35,7 @@ struct Options {
 inline constexpr std::size_t kMostCachedDocuments = 256;
 inline constexpr std::size_t kMostCachedOctets = 64 * 1024 * 1024;
 /// A plugin without any participant yet; `environment` outlives it. Each local participant's own
-/// documents govern what it does and whom it trusts.
+/// documents govern what it does and which peers it trusts.
 std::unique_ptr<spi::AccessControl> make_access_control(const Environment& environment,
                                                         Options options = {});
 

@@ -1,4 +1,4 @@
-// Verified documents: each is verified and read once, whoever presents it.
+// Verified documents: each is verified and read once, whichever participant presents it.
 #pragma once
 
 #include <list>

@@ -13,7 +13,7 @@
 
 namespace ddssec::access_control {
 
-/// A local participant: its documents govern what it does and whom it trusts.
+/// A local participant: its documents govern what it does and which peers it trusts.
 struct Participant {
   spi::IdentityHandle identity;
   DomainId domain = 0;
@@ -42,7 +42,7 @@ struct Subject {
 class PermissionsHolder {
  public:
   /// `remote`: the peer's identity, if it is one. `document` null: a peer without usable
-  /// permissions, to whom only what is not protected is open.
+  /// permissions, to which only unprotected topics are open.
   PermissionsHolder(std::shared_ptr<const Participant> participant,
                     std::optional<spi::IdentityHandle> remote, Subject subject,
                     std::string document_name, std::shared_ptr<PermissionsDocument> document)
@@ -62,7 +62,7 @@ class PermissionsHolder {
   const std::string& document_name() const { return document_name_; }
 
   /// The grant that is valid at `now`: by the wall clock at every call, so that neither a host that
-  /// forgets to call expire nor a clock that jumps lets anybody in. One that was valid has not ended
+  /// forgets to call expire nor a clock that jumps lets a peer in. One that was valid has not ended
   /// because the clock goes back to a time before it began. When a grant ends, another of
   /// the same document takes over; a peer's only if it gives the same: else the peer ends, and what
   /// it may have is judged when it comes again. Errors: those of PermissionsDocument::grant_for,

@@ -17,7 +17,7 @@ struct BuiltinTopic {
 };
 
 // DDS-Security 7.4.8; the standard writes DCPSParticipantSecure and DCPSParticipantsSecure. The
-// plain topics carry what must be readable before anybody is authenticated: no topic rule speaks of
+// plain topics carry what must be readable before authentication: no topic rule speaks of
 // them.
 constexpr auto kBuiltinTopics = std::to_array<BuiltinTopic>({
     {"DCPSParticipant", Protects::nothing},

@@ -98,7 +98,7 @@ Error endpoint_denied(const PermissionsHolder& holder, const CompiledGrant& gran
 
 Error match_denied(const Error& why, Action action, const spi::EndpointRequest& request) {
   auto details = why.details();
-  details.hint.clear();  // that of match_not_permitted: whoever announced the endpoint may lie
+  details.hint.clear();  // that of match_not_permitted: the announcement may be forged
   if (details.expected.empty())
     details.expected = fmt::format("permissions to {} {}", to_string(action), shown(request));
   if (details.found.empty()) details.found = info(why.code()).summary;

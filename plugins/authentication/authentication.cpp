@@ -230,7 +230,7 @@ std::vector<IdentityHandle> PkiDh::expire(IdentityHandle local) {
                                      .expected = "a time before " + to_string(ended.end),
                                      .found = to_string(now)})));
   }
-  // Last what needs no memory: whoever is marked is told.
+  // Last what needs no memory: marked identities are reported.
   for (const auto& event : events) environment_.events.raise(event);
   table_.mark_revoked(revocations.identities);
   table_.mark_ended(all);

@@ -36,12 +36,12 @@ inline constexpr std::chrono::seconds kPendingAge{5};
 ///   should drop it, go on waiting and go on sending its own last message; Cyclone DDS forgets its
 ///   own last message when process_handshake fails, and relies on the peer to send again.
 /// - A request different from one already answered begins a handshake of its own, with its own
-///   handle, beside the first (kMostPendingPerPair): somebody who forges a request first does not
-///   keep the honest peer out. A final is tried on each pending handle; those it does not belong
-///   to refuse it without public-key work.
+///   handle, beside the first (kMostPendingPerPair): an attacker who forges a request first does
+///   not keep the honest peer out. A final is tried on each pending handle; those it does not
+///   belong to refuse it without public-key work.
 /// - The same request gets the same reply, the same reply the same final, without new work.
 /// - validate_remote_identity for a GUID that this local identity has seen before returns the same
-///   handle. Another identity token replaces the first one as long as nobody authenticated under
+///   handle. Another identity token replaces the first one as long as no peer authenticated under
 ///   that GUID (neither token proves anything); afterwards it is refused until
 ///   return_identity_handle.
 std::unique_ptr<spi::Authentication> make_authentication(const Environment& environment,

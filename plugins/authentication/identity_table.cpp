@@ -132,7 +132,7 @@ Result<std::shared_ptr<Pair>> IdentityTable::pair_of(spi::HandshakeHandle handle
 spi::HandshakeHandle IdentityTable::add_handshake(const std::shared_ptr<Pair>& pair) {
   const std::unique_lock lock(mutex_);
   const auto handle = next_handle();
-  // Meanwhile the host may have returned an identity: then nobody will ask for the handshake.
+  // Meanwhile the host may have returned an identity: then the handshake is not asked for again.
   if (!remotes_.contains(pair->remote_handle.value)) return {handle};
   const auto added = handshakes_.emplace(handle, pair).first;
   Rollback forget([&] { handshakes_.erase(added); });

@@ -204,7 +204,7 @@ Result<bool> LocalIdentity::renew_revocation_lists(TrustStores& stores, const Cl
   });
 }
 
-/// A new store has no memory of whom the former one believed.
+/// A new store does not remember which peers the former one trusted.
 Status LocalIdentity::adopt(const std::vector<pki::Crl>& lists, TrustStores& stores, WallTime now) {
   const auto former = own_trust();
   if (peer_trust() != former) return fail(Code::trusted_ca_dir_with_crl);

@@ -40,7 +40,7 @@ class LocalIdentity {
   const Guid& guid() const { return guid_; }
   const pki::Certificate& certificate() const { return files_.certificate; }
   const pki::PrivateKey& key() const { return files_.key; }
-  /// Whom we believe now.
+  /// The certificates that are trusted now.
   std::shared_ptr<const TrustStore> peer_trust() const;
   spi::Token identity_token(spi::CipherMask ciphers) const;
 
@@ -57,7 +57,7 @@ class LocalIdentity {
   /// Number and date of each, for a person.
   std::string revocation_lists() const;
 
-  /// How often lists came into force, if nobody was judged by the last ones yet.
+  /// How often lists came into force, if no peer was judged by the last ones yet.
   std::optional<std::uint64_t> unapplied_renewal() const;
   void note_applied(std::uint64_t renewal);
 

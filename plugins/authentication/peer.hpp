@@ -28,7 +28,7 @@ class JudgedPeer {
   /// c.kagree_algo, for access control, which knows what the governance allows.
   /// Nothing once it was dropped.
   const std::optional<spi::Token>& credential() const { return credential_; }
-  /// Nobody will ask for it again; the peer chose how large it is.
+  /// It is not asked for again; the peer chose how large it is.
   void drop_credential() { credential_.reset(); }
 
   /// What its participant data says that it can decrypt; proven once a signature is.

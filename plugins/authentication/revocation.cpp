@@ -8,7 +8,7 @@ namespace {
 using OurOwn = IdentityTable::OurOwn;
 
 /// Why it must go, if it is on a list and not believed, be it that there is no memory to judge it.
-/// Whoever is on none stays: its end or its next handshake tells.
+/// A peer on no list stays: its expiry or its next handshake decides.
 std::optional<Error> refusal(const pki::Certificate& certificate, const TrustStore& trust,
                              const LocalIdentity& whose, WallTime now) {
   if (!trust.may_be_revoked(certificate)) return std::nullopt;
@@ -32,7 +32,7 @@ void look_at_lists(const OurOwn& local, TrustStores& stores, const Environment& 
 }
 
 void judge(const IdentityTable& table, const OurOwn& local, WallTime now, Revocations& out) {
-  // A step of a handshake that began under the former lists ends before anybody is judged.
+  // A step of a handshake that began under the former lists ends before any peer is judged.
   for (const auto& pair : table.pairs_of(local.handle)) const std::scoped_lock wait(pair->mutex);
   const auto trust = local.identity->peer_trust();
   if (auto reason = refusal(local.identity->certificate(), *trust, *local.identity, now))

@@ -1,4 +1,4 @@
-// Whom revocation lists end that came while identities run.
+// Ends identities that revocation lists name which came while participants run.
 #pragma once
 
 #include <memory>
@@ -22,8 +22,8 @@ struct Revocations {
 };
 
 /// Looks at the lists of one local identity or (nil) of all, raises an event for each file that has
-/// newer ones or cannot be used, and judges whoever authenticated by lists that are new. Marks
-/// nobody.
+/// newer ones or cannot be used, and judges authenticated peers by lists that are new. Marks
+/// none.
 Revocations find_revocations(const IdentityTable& table, spi::IdentityHandle local,
                              TrustStores& stores, const Environment& environment);
 

@@ -20,7 +20,7 @@ constexpr std::size_t kMostDescription = 512;
 
 Result<std::vector<pki::Crl>> parse(BytesView octets, std::string_view uri) {
   auto lists = DDSSEC_TRY(pki::Crl::all_from(octets));
-  // A file that lists nobody because it is no list must not look like "nobody is revoked".
+  // A file that lists nothing because it is no list must not look like an empty list.
   if (lists.empty()) return fail(Code::crl_file_empty, {.found = std::string(uri.substr(0, 256))});
   return lists;
 }

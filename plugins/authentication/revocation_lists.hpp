@@ -16,7 +16,7 @@ namespace ddssec::authentication {
 
 /// Success if `lists` may take the place of `former`: every list of an issuer among `anchors` is
 /// signed by it and of this time, and none of theirs is lost or goes back in time. Lists of other
-/// issuers count for nobody and are passed over. Errors: those of Crl::check, crl_missing,
+/// issuers have no effect and are passed over. Errors: those of Crl::check, crl_missing,
 /// crl_older.
 Status check_renewal(const std::vector<pki::Crl>& lists, const std::vector<pki::Crl>& former,
                      const std::vector<pki::Certificate>& anchors, WallTime now);

@@ -1,4 +1,4 @@
-// Whom an identity believes: its certificate authorities and revocation lists, with memory.
+// What an identity trusts: its certificate authorities and revocation lists, with memory.
 #pragma once
 
 #include <map>
@@ -50,7 +50,7 @@ class TrustStore {
 };
 
 /// Gives identities with the same authorities and lists the same store, so that a process with many
-/// participants judges each peer once. Thread-safe; forgets stores that nobody uses.
+/// participants judges each peer once. Thread-safe; forgets stores that are not used any more.
 class TrustStores {
  public:
   explicit TrustStores(pki::CrlPolicy policy) : policy_(policy) {}

@@ -49,7 +49,7 @@ bool ExpandedKey::open(const Iv& iv, BytesView aad, BytesView cipher, std::uint8
   std::array<std::uint8_t, kTagSize> computed{};
   const OpenRequest request{iv, aad, cipher, out, computed};
   const bool opened = backend_->open(storage_.data(), cipher_, request, tag);
-  // Backends write plaintext before anybody knows whether the tag is right.
+  // Backends write plaintext before it is known whether the tag is right.
   if (opened && constant_time_equal(computed, tag)) [[likely]]
     return true;
   if (!cipher.empty()) wipe({out, cipher.size()});
@@ -64,7 +64,7 @@ bool ExpandedKey::mac(const Iv& iv, BytesView data, TagOut tag) const {
 bool ExpandedKey::verify(const Iv& iv, BytesView data, TagView tag) const {
   std::array<std::uint8_t, kTagSize> computed{};
   const bool same = mac(iv, data, computed) && constant_time_equal(computed, tag);
-  if (!same) wipe(computed);  // a valid tag for what somebody forged
+  if (!same) wipe(computed);  // a valid tag for a forged message
   return same;
 }
 

@@ -22,7 +22,7 @@ struct BuiltinTopic {
 /// Null: the writer is none of discovery or liveliness.
 const BuiltinTopic* builtin_topic_of(const EntityId& writer);
 
-/// The participant that sends. Nothing: nobody told who it is, and it may name anybody.
+/// The participant that sends. Nothing: it is not known, and the message may name any participant.
 using Owner = std::optional<GuidPrefix>;
 
 /// A GUID must begin with the prefix of who sends it. Errors: builtin_source_mismatch,

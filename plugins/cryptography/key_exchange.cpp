@@ -10,7 +10,7 @@ namespace {
 /// Our key, with the receiver's own part if there is one, and for our plugins with where we stand.
 spi::Token token_for(const SendKey& key, const ReceiverKey* receiver, const Pair& to) {
   auto material = key.material().clone();
-  const ReadGuard guard;  // whoever sends may go on to the next session
+  const ReadGuard guard;  // a sending thread may go on to the next session
   if (to.is_with_ours()) material.position = key.position();
   if (receiver != nullptr) {
     material.receiver_key_id = receiver->id();

@@ -9,7 +9,7 @@ namespace ddssec::cryptography {
 namespace {
 
 constexpr std::string_view kKeyMaterialProperty = "dds.cryp.keymat";
-/// Cyclone DDS writes a NONE material of 24 octets, Fast DDS one of 44; more is nobody's.
+/// Cyclone DDS writes a NONE material of 24 octets, Fast DDS one of 44; no product writes more.
 constexpr std::size_t kLeastNoneSize = 24;
 constexpr std::size_t kMostNoneSize = 128;
 

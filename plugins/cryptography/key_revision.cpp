@@ -185,7 +185,7 @@ bool KeyFactory::is_key_revision_due(spi::ParticipantCryptoHandle local) {
 }
 
 std::uint64_t KeyFactory::blocks_used(const LocalParticipant& participant) {
-  const ReadGuard guard;  // whoever sends may go on to the next session
+  const ReadGuard guard;  // a sending thread may go on to the next session
   std::uint64_t most = 0;
   const auto count = [&](const Published<SendKey>& published) {
     if (const auto* const key = published.read()) most = std::max(most, key->blocks_used());

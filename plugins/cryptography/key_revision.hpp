@@ -1,5 +1,5 @@
 // Key revisions (DDS-Security 1.2 9.5.1.6, 10.5.2.2): new salt and sender key under the same key
-// id, so that whoever is no longer given keys cannot read on.
+// id, so that a participant that gets no more keys cannot read on.
 #pragma once
 
 #include <chrono>

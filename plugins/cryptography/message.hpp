@@ -1,4 +1,4 @@
-// Whole RTPS messages, whoever owns the key. Under a ReadGuard.
+// Whole RTPS messages, whichever participant owns the key. Under a ReadGuard.
 #pragma once
 
 #include "plugins/cryptography/receive_key.hpp"

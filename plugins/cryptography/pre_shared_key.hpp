@@ -28,7 +28,7 @@ KeyMaterial derive_pre_shared_material(const Passphrase& passphrase, TransformKi
                                        KeyId key_id, const MessageSource& source);
 
 /// What senders' keys are derived from, and those that were. A sender's keys are remembered once a
-/// tag under them was right: who does not know a passphrase takes nobody's place.
+/// tag under them was right: a sender without a passphrase takes no place.
 class PreSharedKeyRing final : public spi::PreSharedKeys {
  public:
   static constexpr std::size_t kMostSenders = 1024;

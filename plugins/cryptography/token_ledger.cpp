@@ -99,7 +99,7 @@ Result<std::optional<TokenMessage>> read_generic_message(const DataPiece& piece)
     return std::nullopt;
   } else if (source_endpoint.prefix != source.prefix ||
              source_endpoint.entity == kEntityIdParticipant) {
-    return fail(Code::malformed);  // nobody's, or those of a participant as an endpoint's
+    return fail(Code::malformed);  // of no owner, or those of a participant as an endpoint's
   }
   if (piece.number >= kGreatestNumber) return fail(Code::length_out_of_range);
   message.tokens_at = kEncapsulationSize + in.position();

@@ -97,7 +97,7 @@ Result<std::size_t> open(const Shared& shared, const Published<RemoteKeys>& keys
 }
 
 /// Both sides of a key exchange have one key, and the host hears the other's name from an RTPS
-/// header that anybody can write: our own words, sent back, are told by their session.
+/// header that any sender can write: our own messages, sent back, are recognized by their session.
 Result<ReceiveKey*> submessage_key(const RemoteEndpoint& sender, SessionId session) {
   if (!sender.local.is_volatile) return received(sender.remote_keys, &LevelKeys::submessage);
   const auto* const pair = sender.participant.pair(sender.local.participant.handle());

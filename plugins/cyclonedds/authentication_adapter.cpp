@@ -128,8 +128,8 @@ bool is_for_good(const Error& refusal) {
   return refusal.code() == Code::remote_guid_is_local || refusal.code() == Code::guid_not_adjusted;
 }
 
-/// Anybody can announce something unreadable in the name of a peer, and a table that is full or a
-/// list that is over is so for a while only. A failure would end the core's handshake for as long
+/// An attacker can announce something unreadable in the name of a peer, and a table that is full or
+/// a list that is over is so for a while only. A failure would end the core's handshake for as long
 /// as the peer is there. So the core asks again, until the watch makes it discover the peer anew.
 /// Where governance lets unauthenticated participants in, the core takes the peer for one.
 Result<CResult> not_admitted(Adapter& adapter, CIdentity local, const Guid& guid, Error refusal,
@@ -156,7 +156,7 @@ CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
     DDSSEC_TRY(require(remote_handle, remote_token, remote_guid));
     *remote_handle = DDS_SECURITY_HANDLE_NIL;
     const auto guid = guid_from(*remote_guid);
-    // The peer's own auth_request is not handed over, nor looked at: anybody can forge one, and a
+    // The peer's own auth_request is not handed over, nor looked at: it can be forged, and a
     // challenge from it would be held against the honest peer's messages until its lease ends. What
     // the handshake proves, its signatures prove. The core asks once: ours is always sent.
     const auto token = token_from(remote_token);

@@ -32,7 +32,7 @@ inline Telling plainly(const Error& error) {
           error.code() != Code::keys_not_permitted};
 }
 
-/// An Error for what somebody threw; never throws itself.
+/// An Error for an exception; never throws itself.
 Error error_from(const std::exception* thrown) noexcept;
 
 /// Runs `f` (returns a Result), catches everything, and tells a failure as `tell(error)` says.

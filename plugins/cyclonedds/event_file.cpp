@@ -17,7 +17,7 @@ bool is_suitable(int file) {
 }
 
 int open_suitable(const char* path) {
-  // Without O_NONBLOCK, a FIFO that nobody reads would hold up the process at start.
+  // Without O_NONBLOCK, a FIFO without a reader would block the process at start.
   const int file =
       open(path, O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC | O_NONBLOCK | O_NOCTTY, 0640);
   if (file < 0 || is_suitable(file)) return file;

@@ -16,7 +16,7 @@ class EventFile {
   EventFile(const EventFile&) = delete;
   EventFile& operator=(const EventFile&) = delete;
 
-  /// False for what is no such place or cannot be written, such as a FIFO that nobody reads.
+  /// False for what is no such place or cannot be written, such as a FIFO without a reader.
   bool is_open() const { return file_ >= 0; }
 
   /// Appends a line and its end, in one write, so that several processes may share a file. A line

@@ -1,4 +1,4 @@
-// Topics that no document speaks of: the application cannot exchange samples of them with anybody.
+// Topics that no document speaks of: an application cannot exchange samples of them with a peer.
 #pragma once
 
 #include <string_view>

@@ -15,8 +15,8 @@
 namespace ddssec::cyclonedds {
 
 /// Looks once a second, or sooner if something ends sooner, and revokes while holding no lock: the
-/// host takes its entities' locks and calls back into the plugin. One second, because somebody may
-/// set the calendar at any time.
+/// host takes its entities' locks and calls back into the plugin. One second, because the clock may
+/// be set at any time.
 class ExpiryTimer {
  public:
   struct Tasks {

@@ -6,7 +6,7 @@
 // (closed_readers.hpp). So the end is said here, in the protected stream: a further reader of the
 // host, the carrier, makes the host announce something there. What is sent in place of that
 // announcement says that another reader, which the carrier's USER_DATA names, is gone. The host
-// repeats it to whom it owes it, as any announcement.
+// repeats it to each peer that lacks it, as any announcement.
 #pragma once
 
 #include <array>

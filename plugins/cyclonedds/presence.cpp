@@ -105,7 +105,7 @@ void say_plugins_in_use(Host& host, PluginKind own, std::string (*openssl)()) no
     if (const auto warning = mixture_warning(found)) host.notice(*warning);
     if (const auto warning = openssl_warning(version_text)) host.notice(*warning);
   } catch (...) {
-    // Without the memory to say so, the plugins work all the same.
+    // Without memory for the message the plugins still work.
   }
 }
 

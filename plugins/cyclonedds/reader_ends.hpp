@@ -22,8 +22,8 @@ class ReaderEnds {
   /// How long after a hint the host's entities are looked at, so that one look finds what was
   /// deleted together, and how long until the next look must confirm what is missing.
   static constexpr std::chrono::milliseconds kPause{50};
-  /// How often readers that are announced later are looked for: of a reader that had ended before
-  /// anybody was there, the host tells whoever comes then.
+  /// How often readers that are announced later are looked for: the host tells a later
+  /// participant of readers that had ended before.
   static constexpr std::chrono::milliseconds kLater{1000};
 
   using FindHost = std::function<std::unique_ptr<HostEntities>()>;

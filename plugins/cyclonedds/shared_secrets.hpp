@@ -20,8 +20,8 @@ namespace ddssec::cyclonedds {
 /// two identities is returned. Thread-safe.
 class SharedSecrets {
  public:
-  /// Most handshakes of a pair remembered that have no secret yet; the oldest gives way. Anybody
-  /// can make us answer a request, only the peer can finish.
+  /// Most handshakes of a pair remembered that have no secret yet; the oldest is dropped. Any
+  /// sender can make us answer a request, only the peer can finish.
   static constexpr std::size_t kMostUnfinishedPerPair = 8;
 
   /// Remembers whose handshake it is.

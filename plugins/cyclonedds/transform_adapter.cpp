@@ -141,7 +141,7 @@ constexpr DDS_Security_long kAskNext = DDS_SECURITY_ERR_INVALID_CRYPTO_RECEIVER_
 
 /// Cyclone asks for each local participant in turn: a message without a MAC for this one, from a
 /// sender whose keys have not come yet, or older than they are, may be for the next, which is
-/// nothing to alarm anybody with.
+/// no reason for an alarm.
 Telling as_one_of_several_receivers(const Error& error) {
   auto telling = plainly(error);
   if (error.code() == Code::receiver_specific_mac_missing || error.code() == Code::identity_ended)

@@ -20,7 +20,7 @@ constexpr std::string_view kBuiltinEndpoint = "org.ddssec.builtin_endpoint";
 constexpr std::string_view kClosedReader = "org.ddssec.closed_reader";
 constexpr std::string_view kStandardCiphersOnly = "org.ddssec.standard_ciphers_only";
 
-/// One property that lives as long as the library; C has no const here, nobody writes to it.
+/// One property that lives as long as the library; C has no const here, nothing writes to it.
 template <const std::string_view& name>
 DDS_Security_PropertySeq marker() {
   static char value[] = "true";

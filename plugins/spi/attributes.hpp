@@ -32,7 +32,7 @@ struct ParticipantSecurityAttributes {
   ProtectionKind rtps_psk = ProtectionKind::none;
   /// <allowed_crypto_algorithms> (DDS-Security 1.2); all without one.
   CipherMask allowed_ciphers = kAllCiphers;
-  /// Keys are revised when somebody loses its trust (DDS-Security 1.2).
+  /// Keys are revised when a participant loses our trust (DDS-Security 1.2).
   bool is_key_revision_enabled = false;
   /// Every topic_rule asks for protected discovery, and discovery has a kind of protection.
   bool is_all_discovery_protected = false;

@@ -20,7 +20,7 @@ enum class ValidationResult : std::uint8_t {
   ok,
   pending_handshake_request,  ///< we have the lower GUID: begin_handshake_request
   pending_handshake_message,  ///< wait for the peer's message
-  ok_final_message,           ///< done; the message goes out all the same
+  ok_final_message,           ///< done; the message still has to be sent
 };
 
 /// Whether a remote participant was refused only because there are too many others.
@@ -100,16 +100,16 @@ class Authentication {
 
   virtual Status return_handshake_handle(HandshakeHandle handshake) = 0;
   /// Drops a remote identity with the pair's handshakes and secrets, or a local one with all its
-  /// remote ones: nobody has to return those any more.
+  /// remote ones: these need not be returned any more.
   virtual Status return_identity_handle(IdentityHandle identity) = 0;
 
   /// When the next certificate in use ends, if any; the host calls `expire` then, and once a second
-  /// in any case (somebody may set the calendar, or revoke a certificate): it raises the events and
+  /// in any case (the clock may be set, or a certificate revoked): it raises the events and
   /// returns the identities to be revoked, each once. A
   /// local identity is followed by all its remote ones: a host may keep the writers of a
-  /// participant that it removed (Cyclone DDS does), and then nobody must be left to hear them.
-  /// `local`: that identity and its remote ones only, for a host with no say over others that use
-  /// the engine; nil: all.
+  /// participant that it removed (Cyclone DDS does), and then no peer must be left that receives
+  /// them. `local`: that identity and its remote ones only, for a host with no say over others that
+  /// use the engine; nil: all.
   virtual std::optional<WallTime> next_expiry() = 0;
   virtual std::vector<IdentityHandle> expire(IdentityHandle local = {}) = 0;
 };

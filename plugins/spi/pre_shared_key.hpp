@@ -19,7 +19,7 @@ struct PreSharedKeyRequest {
   std::string_view domain_tag;
 };
 
-/// The pre-shared keys of one local participant. Whoever has the passphrase is one of the domain,
+/// The pre-shared keys of one local participant. A holder of the passphrase belongs to the domain,
 /// in whatever name: this hides and protects what is said before participants have authenticated
 /// each other, and proves nothing about who said it. Not thread-safe. Buffers as of
 /// CryptoTransform's RTPS pair.
@@ -30,8 +30,8 @@ class PreSharedKeys {
   /// Under the first passphrase. Errors: plaintext_malformed, length_out_of_range,
   /// session_ids_exhausted.
   virtual Result<std::size_t> encode(BytesView plain, MutableBytes out) = 0;
-  /// False: its sender was not heard yet, and to open it costs a derivation of keys, which anybody
-  /// can demand.
+  /// False: its sender was not heard yet, and to open it costs a derivation of keys, which any
+  /// sender can demand.
   virtual bool remembers(BytesView encoded) const = 0;
   /// Under any passphrase, as the message says. Errors: psk_passphrase_unknown, those of
   /// CryptoTransform::decode_rtps_message.

@@ -15,7 +15,7 @@ inline constexpr CipherMask kAes128Bit = 0x00000001;
 inline constexpr CipherMask kAes256Bit = 0x00000002;
 /// What every participant of DDS-Security has, announced or not.
 inline constexpr CipherMask kStandardCiphers = kAes128Bit | kAes256Bit;
-/// From the range that is left to vendors: means what it says only to whom we know by other means.
+/// From the range that is left to vendors: has this meaning only for peers known by other means.
 inline constexpr CipherMask kChaCha20Poly1305Bit = 0x00010000;
 inline constexpr CipherMask kAllCiphers = kStandardCiphers | kChaCha20Poly1305Bit;
 

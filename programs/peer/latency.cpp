@@ -24,7 +24,7 @@ void say_round_trips(std::uint32_t size, std::vector<double>& microseconds) {
               {"p99_us", percentile(microseconds, 0.99)}});
 }
 
-/// Answers in the receiving thread: one wake-up less a round trip. Pings that come before somebody
+/// Answers in the receiving thread: one wake-up less a round trip. Pings that come before a thread
 /// reads the answers wait in the reader.
 class Echo final : public rtps::DataReaderListener, public rtps::DataWriterListener {
  public:

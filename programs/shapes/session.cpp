@@ -27,10 +27,10 @@ void say_status(const char* what, const rtps::Topic& topic, const std::string& r
       rest.c_str());
 }
 
-void say_matched(const char* what, const char* whom, const rtps::Topic& topic,
+void say_matched(const char* what, const char* peers, const rtps::Topic& topic,
                  const rtps::MatchedStatus& status) {
   say_status(what, topic,
-             std::string("matched ") + whom + " " + std::to_string(status.current_count) +
+             std::string("matched ") + peers + " " + std::to_string(status.current_count) +
                  " (change = " + std::to_string(status.current_count_change) + ")");
 }
 

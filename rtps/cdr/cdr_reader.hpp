@@ -1,4 +1,4 @@
-// Reads user types from XCDR1 and XCDR2 (XTypes 7.4); the octets come from anybody.
+// Reads user types from XCDR1 and XCDR2 (XTypes 7.4); the octets come from an untrusted sender.
 #pragma once
 
 #include <bit>

@@ -211,7 +211,7 @@ void BuiltinTopics::on_endpoint_gone(const EndpointData& data) {
   count_topic(data, -1);
 }
 
-// A topic is there while anybody has an endpoint on it.
+// A topic exists while a participant has an endpoint on it.
 void BuiltinTopics::count_topic(const EndpointData& data, int by) {
   constexpr std::string_view kTopic = "DCPSTopic";
   if (!told_.contains(kTopic)) return;

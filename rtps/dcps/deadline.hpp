@@ -6,7 +6,7 @@
 
 namespace ddssec::rtps {
 
-/// kNever without a deadline. Whoever asks for less than a millisecond gets that, not a loop that
+/// kNever without a deadline. A request for less than a millisecond gets that, not a loop that
 /// never rests.
 inline MonotonicTime deadline_period(Duration period) {
   constexpr MonotonicTime kShortest = std::chrono::milliseconds(1);

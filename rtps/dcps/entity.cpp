@@ -2,7 +2,7 @@
 
 namespace ddssec::rtps {
 
-// Whoever deletes an entity holds the lock of callbacks.
+// A thread that deletes an entity holds the lock of callbacks.
 Entity::~Entity() {
   const auto held = lock();
   changes_.leave_queue();

@@ -84,7 +84,7 @@ enum class Room : std::uint8_t {
 
 class HeldInstances {
  public:
-  /// Where RESOURCE_LIMITS says "unlimited", memory is bounded all the same.
+  /// Where RESOURCE_LIMITS says "unlimited", memory is still bounded.
   static constexpr std::size_t kMaxSamples = 65536;
   /// The same, and no identity has the first sample of more instances than are free: there is
   /// always room for another one.

@@ -42,7 +42,7 @@ class DataReaderListener {
   virtual void on_sample_lost(AnyDataReader&, const SampleLostStatus&) {}
 };
 
-/// Whoever listens for data_on_readers here gets no on_data_available of that subscriber's readers.
+/// A listener with data_on_readers here hides on_data_available of that subscriber's readers.
 class SubscriberListener : public virtual DataReaderListener {
  public:
   virtual void on_data_on_readers(Subscriber&) {}
@@ -52,7 +52,7 @@ class DomainParticipantListener : public virtual TopicListener,
                                   public virtual PublisherListener,
                                   public virtual SubscriberListener {};
 
-/// A listener and the statuses that it is for; a status nobody listens for goes to the container.
+/// A listener and the statuses that it is for; a status without a listener goes to the container.
 template <class L>
 struct Listening {
   L* listener = nullptr;

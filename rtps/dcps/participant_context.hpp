@@ -44,7 +44,7 @@ class ParticipantContext {
   // With the lock held:
   Participant& protocol() const { return *protocol_; }
   void adopt(std::unique_ptr<Participant> protocol);
-  /// Nobody calls it from outside any more.
+  /// It is no longer called from outside.
   void leave();
   bool has_protocol() const { return protocol_ != nullptr; }
   TimerQueue& timers() { return timers_; }
@@ -66,14 +66,14 @@ class ParticipantContext {
       changed_.notify_all();
   }
   /// False: `ready` did not become true in time. Without a thread of its own the participant is
-  /// served meanwhile; in a callback there is nobody who could change anything: no wait.
+  /// served meanwhile; in a callback no other thread could change anything: no wait.
   template <class Ready>
   bool wait(std::unique_lock<std::mutex>& lock, std::chrono::nanoseconds most, Ready ready);
   /// Its listeners have something to hear.
   void enqueue(Link<Entity>& entity) { entity.append_to(pending_); }
 
   // Without the lock:
-  /// Calls `f` with the lock held. Whoever waits is woken once, when the lock is free again.
+  /// Calls `f` with the lock held. Waiting threads are woken once, when the lock is free again.
   template <class F>
   void serve(F&& f) {
     bool changed = false;
@@ -86,7 +86,7 @@ class ParticipantContext {
     }
     if (changed) changed_.notify_all();
   }
-  /// Calls the listeners of whoever was enqueued; true if there were any.
+  /// Calls the listeners of the entities that were enqueued; true if there were any.
   bool dispatch();
   bool in_callback() const { return dispatching_ == this; }
   /// Held while listeners are called, and while entities die and listeners are replaced.

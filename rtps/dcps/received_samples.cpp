@@ -17,7 +17,7 @@ bool ReceivedSamples::passes(const Change& change, BoundFilter& filter) {
   return passes.value_or(false);
 }
 
-// What was protected is what its writer said; the hash beside it may be anybody's.
+// What was protected is what its writer said; the hash beside it is not protected.
 bool ReceivedSamples::name_instance(Change& change, const KeyProtection& keys) const {
   if (!type_.with_key) return true;
   const bool from_payload = keys.proven && change.payload.size() > 0;
@@ -40,7 +40,7 @@ ReceivedSamples::Received ReceivedSamples::take(Change& change, BoundFilter* fil
   const auto sighting = seen_ ? SeenOriginals::of(change) : SeenOriginals::Sighting{};
   const auto stored = cache_->store(change, at);
   if (stored.outcome == ReaderCache::Outcome::rejected) return {Outcome::rejected, stored};
-  // What a reader does not see takes nobody's place.
+  // What a reader does not see takes no place.
   const bool is_seen = stored.outcome == ReaderCache::Outcome::stored;
   if (seen_ && (is_seen || !sighting.claim)) seen_->add(sighting);
   return {is_seen ? Outcome::stored : Outcome::unseen, stored};

@@ -1,4 +1,4 @@
-// What a reader already has, whoever sent it: writers, those that were restarted and those that
+// What a reader already has, by any path: from writers, those that were restarted and those that
 // keep samples for others may all send the same sample to a late joiner (ORIGINAL_WRITER_INFO).
 #pragma once
 
@@ -13,7 +13,7 @@ namespace ddssec::rtps {
 
 /// Ranges of numbers for each writer that was heard itself. What only others said of a writer is a
 /// claim: it takes the place of what the writer says, or another claims, only if that is the same,
-/// so that nobody who may write a topic keeps others' samples away. Where the bounds are exceeded
+/// so that no writer of a topic keeps others' samples away. Where the bounds are exceeded
 /// the oldest is forgotten: then a sample may come twice, but none is missed.
 class SeenOriginals {
  public:

@@ -76,7 +76,7 @@ struct SampleInfo {
   bool valid_data = true;   ///< false: only the key and the instance's state are meaningful
 };
 
-/// A sample as octets, shared with nobody who would change it: there is no loan to return.
+/// A sample as octets that are shared and never changed: there is no loan to return.
 struct OctetSample {
   Payload payload;        ///< with its encapsulation
   bool key_only = false;  ///< the payload is a serialized key; without data it may be empty

@@ -60,7 +60,7 @@ class Subscriber final : public Group {
   /// Those that hold samples in these states; with ordered access of GROUP scope one for each
   /// sample, in the order in which they should be read or taken one by one.
   std::vector<AnyDataReader*> datareaders(const States& states = {}) const;
-  /// Calls on_data_available of the readers that have data, as if nobody listened for
+  /// Calls on_data_available of the readers that have data, as if nothing listened for
   /// DATA_ON_READERS.
   void notify_datareaders();
 

@@ -41,7 +41,7 @@ Result<Topic*> TopicDescriptions::create(std::string name, TypeSupport type, con
     DDSSEC_TRY(topic->enable());
   auto* out = topics_.add(std::move(topic));
   const std::lock_guard held(context_.mutex());
-  context_.notify();  // somebody may be looking for it
+  context_.notify();  // a thread may be waiting for it
   return out;
 }
 

@@ -1,4 +1,4 @@
-// What somebody who looks at discovery is told: the content of the builtin topics (DDS 1.4, 2.2.5).
+// What an observer of discovery is told: the content of the builtin topics (DDS 1.4, 2.2.5).
 #pragma once
 
 #include "rtps/discovery/endpoint_data.hpp"

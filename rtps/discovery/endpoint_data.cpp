@@ -206,7 +206,7 @@ constexpr ParameterId kPidTypeInformation = 0x0075;
 constexpr ParameterId kPidTypeObjects = pid::kVendorSpecific | 0x0d75;
 constexpr std::array<std::uint8_t, 8> kTypeObjectsMark = {'d', 'd', 's', 's', 'e', 'c', 'T', 'O'};
 
-// Nobody's announcement is refused for what is wrong with its type: then names decide.
+// No announcement is refused for a malformed type: then names decide.
 Status read_type_information(Reader& r, Announced& a) {
   if (r.endian() == Endian::little && r.remaining() <= kMostTypeInformation)
     a.data.type.information = to_bytes(r.rest());

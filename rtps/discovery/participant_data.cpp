@@ -19,7 +19,7 @@ Status read_property_list(Reader& reader, spi::PropertyList& out) {
     auto value = DDSSEC_TRY(read_bounded_string(reader, kMostOpaqueOctets));
     out.push_back({std::move(name), std::move(value)});
   }
-  return {};  // binary properties may follow; nobody needs them
+  return {};  // binary properties may follow and are not needed
 }
 
 void write_property_list(SpanWriter& out, const spi::PropertyList& properties) {

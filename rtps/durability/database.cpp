@@ -156,7 +156,7 @@ Status Database::Transaction::commit() {
   return {};
 }
 
-// Some errors roll back by themselves; then this one says so, and nobody minds.
+// Some errors roll back by themselves; then this fails, which does no harm.
 Database::Transaction::~Transaction() {
   if (database_ != nullptr) static_cast<void>(database_->run("ROLLBACK"));
 }

@@ -1,4 +1,4 @@
-// A store with a thread of its own that commits in groups: whoever writes never waits for a disk.
+// A store with a thread of its own that commits in groups: a writing thread never waits for a disk.
 #pragma once
 
 #include <condition_variable>

@@ -164,7 +164,7 @@ Status SampleStore::check_origin() {
   return {};
 }
 
-// No trigger and no view that somebody put there is ever run.
+// No trigger and no view that is in a file is ever run.
 Status SampleStore::check_schema(std::int64_t version) {
   auto statement = DDSSEC_TRY(
       database_.prepare("SELECT sql FROM sqlite_master WHERE sql IS NOT NULL ORDER BY rowid"));

@@ -46,8 +46,8 @@ class SampleStore {
   static constexpr std::size_t kDefaultOctets = std::size_t{4} << 30;
 
   /// An empty path: in memory. A file that is missing or empty becomes a store, readable by its
-  /// owner alone; another is checked: that it is ours, of this version, whole, and nobody else's at
-  /// the moment. What does not pass is left as it is. Errors: rtps_store_unusable,
+  /// owner alone; another is checked: that it is ours, of this version, whole, and not in use by
+  /// another process. What does not pass is left as it is. Errors: rtps_store_unusable,
   /// rtps_store_failed.
   static Result<SampleStore> open(const std::string& path,
                                   std::size_t most_octets = kDefaultOctets);

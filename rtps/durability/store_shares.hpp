@@ -24,7 +24,7 @@ class StoreShares {
   std::size_t octets(Account account) const { return shares_[account].octets; }
   void add(Account account, std::size_t octets) { shares_[account].octets += octets; }
   void remove(Account account, std::size_t octets) { shares_[account].octets -= octets; }
-  /// Nobody has anything; accounts stay what they are.
+  /// No identity has anything; accounts stay what they are.
   void clear();
 
   struct Refusals {
@@ -32,7 +32,7 @@ class StoreShares {
     std::uint64_t samples;  ///< so far
   };
   void refuse(Account account);
-  /// Those of whom more were refused than twice what was said last.
+  /// Identities whose refusals have doubled since the last report.
   std::vector<Refusals> take_news() { return std::exchange(news_, {}); }
 
  private:

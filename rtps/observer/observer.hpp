@@ -1,6 +1,6 @@
-// What somebody who only listens learns of secured participants: who announces what, how far
-// handshakes get, what goes in the clear. Nothing of it is proven: anybody may have sent anything
-// in anybody's name. No I/O, clock or lock.
+// What a passive listener learns of secured participants: their announcements, how far
+// handshakes get, what goes in the clear. Nothing of it is proven: any host may have sent it
+// in any name. No I/O, clock or lock.
 #pragma once
 
 #include <array>

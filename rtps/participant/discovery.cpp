@@ -74,7 +74,7 @@ void adopt_names(ParticipantData& known, const ParticipantData& proven) {
   known.user_data = proven.user_data;
 }
 
-/// Which endpoint it is about, nobody can read; that it is a writer or a reader, the topic says.
+/// The endpoint cannot be read; that it is a writer or a reader is known by the topic.
 void raise_unreadable(ParticipantCore& core, const Error& error, const GuidPrefix& source,
                       bool publications, bool secure) {
   const Guid some{source, publications ? kPublicationsWriter : kPublicationsReader};

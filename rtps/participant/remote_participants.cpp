@@ -116,8 +116,8 @@ void RemoteParticipants::remove(const GuidPrefix& prefix) {
   remotes_.erase(at);
 }
 
-// Without security a participant cannot prove anything. Anybody can announce many participants, and
-// have them say something, but from the addresses that they have.
+// Without security a participant cannot prove anything. A host can announce many participants, and
+// have them say something, but only from the addresses that they have.
 std::optional<GuidPrefix> RemoteParticipants::next_to_give_way() {
   if (!core_.security) return std::nullopt;
   const auto source = unproven_.largest(core_.source, remotes_.size() < kMostParticipants);

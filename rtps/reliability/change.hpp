@@ -22,7 +22,7 @@ struct Change {
   Coherence coherence = {};
   Original original = {};
 
-  /// Who wrote it, as which number, whoever sent it.
+  /// The original writer and its number, whichever writer sent it.
   Original origin() const {
     return original.number.value > 0 ? original : Original{writer, sequence_number};
   }

@@ -13,7 +13,7 @@ class FragmentRepair {
   static constexpr std::uint32_t kFragmentsPerPortion = 8;
   /// Requests that crossed the answer on the way are not answered again.
   static constexpr MonotonicTime kAnswerTime = std::chrono::milliseconds(2);
-  /// The next portion goes out after this time also if nobody asks: Cyclone DDS asks ten times a
+  /// The next portion goes out after this time also without a request: Cyclone DDS asks ten times a
   /// second.
   static constexpr MonotonicTime kPause = std::chrono::milliseconds(1);
 

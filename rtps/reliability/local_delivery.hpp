@@ -7,7 +7,7 @@
 
 namespace ddssec::rtps {
 
-/// They get the same history without messages, in the order of numbers, in the thread of whoever
+/// They get the same history without messages, in the order of numbers, in the thread that
 /// writes, takes or matches. What a reader refuses stays with the writer until it asks.
 class LocalDelivery {
  public:

@@ -20,7 +20,7 @@
 
 namespace ddssec::rtps {
 
-/// Whom a submessage is for.
+/// The destination of a submessage.
 struct Destination {
   GuidPrefix prefix = {};                   ///< zero: everybody at the locators
   std::span<const Locator> locators = {};   ///< borrowed for the call
@@ -104,7 +104,7 @@ class MessageSender {
   /// How many octets make the message full that waits, or the last that did.
   std::size_t full_size() const { return full_size_; }
 
-  /// From now on what was added may wait for more, as somebody calls flush when flush_by says so.
+  /// From now on what was added may wait for more: flush is called when flush_by says so.
   void allow_lingering() { may_linger_ = true; }
   bool may_linger() const { return may_linger_; }
   /// Instead of a flush: at `deadline` at the latest.
@@ -112,7 +112,7 @@ class MessageSender {
   /// kNever: nothing waits.
   MonotonicTime flush_by() const { return flush_by_; }
 
-  /// A sample came: whoever writes next may be answering, and somebody waits for it.
+  /// A sample came: the next write may be an answer that a peer waits for.
   void note_sample() { ++samples_heard_; }
   std::uint32_t samples_heard() const { return samples_heard_; }
 

@@ -1,4 +1,4 @@
-// How many octets go to readers that somebody else may ask for or point elsewhere.
+// How many octets go to readers whose requests or addresses others can forge.
 #pragma once
 
 #include <algorithm>

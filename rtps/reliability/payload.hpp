@@ -9,7 +9,7 @@
 
 namespace ddssec::rtps {
 
-/// Octets that several holders share and nobody changes. The memory of the last one to go is kept
+/// Octets that several holders share and none changes. The memory of the last one to go is kept
 /// for the next of about that size, by all participants of the process together and up to a bound:
 /// once samples flow, none costs an allocation. Holders may be in any thread.
 class Payload {
@@ -37,7 +37,7 @@ class Payload {
     std::ranges::copy(octets, out.fill().begin());
     return out;
   }
-  /// For whoever fills it in before sharing it; pages that are never written cost no memory.
+  /// To be filled in before it is shared; pages that are never written cost no memory.
   static Payload uninitialized(std::size_t size);
 
   BytesView view() const { return block_ == nullptr ? BytesView{} : BytesView(octets(), size()); }

@@ -13,7 +13,7 @@ class QuestionTimer {
   static constexpr MonotonicTime kFirstWait = std::chrono::milliseconds(50);
   static constexpr MonotonicTime kMaxWait = std::chrono::seconds(5);
 
-  /// kNever: nobody is asked.
+  /// kNever: no question is due.
   MonotonicTime due() const { return due_; }
   void note_asked(MonotonicTime now) {
     due_ = now + wait_;

@@ -106,7 +106,7 @@ bool StatefulReader::has_place(WriterProxy& proxy, const DataFrag& frag,
   return true;
 }
 
-// By identity: an attacker that spreads what it claims over many writers displaces nobody else.
+// By identity: an attacker that spreads what it claims over many writers displaces no other one.
 void StatefulReader::trim() {
   while (const auto identity = common_.held.over_limit()) {
     WriterProxy* largest = nullptr;

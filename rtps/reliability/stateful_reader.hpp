@@ -28,13 +28,13 @@ class StatefulReader final : private Timed {
   /// Takes the change, or refuses it for now (a full history): then it is kept here, and offered
   /// again with the writer's next heartbeat. A best-effort change that is refused is lost.
   using Deliver = std::function<bool(Change&)>;
-  /// Without timers somebody calls tick whenever next_tick says so.
+  /// Without timers the owner calls tick whenever next_tick says so.
   StatefulReader(const Guid& guid, bool reliable, MessageSender& sender, Deliver deliver,
                  TimerQueue* timers = nullptr);
   ~StatefulReader() override;
 
   void limit(const Limits& limits);
-  /// Told how many changes of a writer were given up that nobody declared irrelevant
+  /// Told how many changes of a writer were given up that were not declared irrelevant
   /// (SAMPLE_LOST of DDS 1.4, 2.2.4.1).
   using Lost = std::function<void(std::int64_t count)>;
   void on_lost(Lost lost) { common_.lost = std::move(lost); }
@@ -59,13 +59,13 @@ class StatefulReader final : private Timed {
   bool is_matched(const Guid& writer) const { return writers_.contains(writer); }
 
   /// A writer that comes back with the keys that it left with goes on where it was: what it sent
-  /// before that is not new, whoever sends it again. `wants_history`: it may say that it starts
+  /// before that is not new, from any sender. `wants_history`: it may say that it starts
   /// anew with what it holds, but by a heartbeat that was not heard before.
   void match(MatchedWriter writer, MonotonicTime now, bool wants_history = false);
   /// `keys`: with what it is remembered, if at all.
   void unmatch(const Guid& writer, const std::optional<Sha256Digest>& keys = {});
 
-  // Each returns whether it was new: only that is a sign of life. Anybody can repeat what was said.
+  // Each returns whether it was new: only that is a sign of life. Old messages can be repeated.
   bool on_data(const GuidPrefix& from, const Data& data, const std::optional<Time>& time);
   bool on_data_frag(const GuidPrefix& from, const DataFrag& frag, const std::optional<Time>& time);
   bool on_heartbeat(const GuidPrefix& from, const Heartbeat& heartbeat);

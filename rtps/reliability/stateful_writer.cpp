@@ -271,7 +271,7 @@ bool StatefulWriter::is_ahead() const {
          qos_.durability == DurabilityKind::volatile_ && history_.octets() > kHighWater;
 }
 
-// Nobody will ask again: late joiners of a volatile writer get nothing old.
+// No reader will ask again: late joiners of a volatile writer get nothing old.
 void StatefulWriter::release_acknowledged() {
   if (qos_.durability >= DurabilityKind::transient_local) return;
   const auto last = held_back_ ? held_from_.previous() : history_.last();

@@ -20,7 +20,7 @@ class StatefulWriter final : private Timed {
   /// Content filters that it applies; further readers get everything, and filter themselves.
   static constexpr std::size_t kMostFilters = 32;
 
-  /// Without timers somebody calls tick whenever next_tick says so.
+  /// Without timers the owner calls tick whenever next_tick says so.
   StatefulWriter(const Guid& guid, const Qos& qos, MessageSender& sender,
                  TimerQueue* timers = nullptr);
   ~StatefulWriter() override;
@@ -52,11 +52,11 @@ class StatefulWriter final : private Timed {
   SequenceNumber write(Change change, MonotonicTime now);
   /// Takes LATENCY_BUDGET and TRANSPORT_PRIORITY; 0 to 63 is the DSCP of what is sent.
   void hurry_as(const Qos& qos);
-  /// Readers answer heartbeats that ask for it, not each sample: for whoever waits for them now.
+  /// Readers answer heartbeats that ask for it, not each sample: for a caller that waits for them.
   /// `even_if_none_is_missing`: to hear whether the readers still answer.
   void ask_for_acknowledgments(bool even_if_none_is_missing = false);
 
-  /// Nobody gets this change any more (LIFESPAN); who asks for it is told that it is gone.
+  /// No reader gets this change any more (LIFESPAN); a request is answered that it is gone.
   void discard(SequenceNumber number) { history_.discard(number); }
   /// Tells all readers that the writer lives, without a sample (LIVELINESS MANUAL_BY_TOPIC).
   void assert_liveliness();
@@ -78,7 +78,7 @@ class StatefulWriter final : private Timed {
 
   // Readers of this process (see LocalDelivery).
   /// Both must be matched with in_process; then the reader is fed directly until either unmatches
-  /// or ends. Whoever matches second calls this.
+  /// or ends. The side that matches second calls this.
   void attach(StatefulReader& reader);
   /// The reader does not want to be fed any more.
   void detach(const Guid& reader);

@@ -18,7 +18,7 @@ class Timed {
   Timed& operator=(const Timed&) = delete;
 
  protected:
-  /// Without a queue nobody calls: then the owner does, whenever it likes.
+  /// Without a queue the owner calls, whenever it likes.
   explicit Timed(TimerQueue* queue) : queue_(queue) {}
   explicit Timed(TimerQueue& queue) : queue_(&queue) {}
   /// Its time has come, or a little earlier: it looks what is due, and says when it wants to be
@@ -26,7 +26,7 @@ class Timed {
   virtual void on_time(MonotonicTime now) = 0;
   /// To be called at `when` at the latest; a later time than the one wanted before is ignored.
   void call_at(MonotonicTime when);
-  /// Leaves the queue; whoever shares it among threads does this before it dies, with the lock.
+  /// Leaves the queue; an owner shared among threads does this before it dies, with the lock.
   void cancel();
 
  private:
@@ -36,7 +36,7 @@ class Timed {
   std::size_t place_ = 0;  ///< in the queue, if wanted
 };
 
-/// A heap whose members know their places: nobody is walked, and nothing is allocated but for more
+/// A heap whose members know their places: there is no walk, and nothing is allocated but for more
 /// members than ever before.
 class TimerQueue {
  public:

@@ -13,7 +13,7 @@ namespace ddssec::rtps {
 
 class WriterHistory {
  public:
-  /// Where RESOURCE_LIMITS says "unlimited", memory is bounded all the same.
+  /// Where RESOURCE_LIMITS says "unlimited", memory is still bounded.
   static constexpr std::size_t kMostChanges = 65536;
   static constexpr std::size_t kMostOctets = std::size_t{256} << 20;
   /// Ends of coherent sets.

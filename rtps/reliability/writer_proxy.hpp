@@ -21,8 +21,8 @@ struct MatchedWriter {
   bool reliable = false;
   LocatorList locators = {};  ///< empty if it feeds us in this process
   bool in_process = false;
-  /// What its samples are protected with, if anything: nobody but the writer made those that come
-  /// while it is the same, but anybody may have kept some of them.
+  /// What its samples are protected with, if anything: only the writer made those that come
+  /// while it is the same, but an attacker may have kept some of them.
   std::optional<Sha256Digest> keys = {};
   /// Whose share of the bounds it takes; nothing: its participant's.
   std::optional<GuidPrefix> identity = {};

@@ -1,5 +1,5 @@
-// Puts fragmented messages of the stateless endpoint together (Cyclone DDS sends such). Anybody may
-// send fragments in anybody's name, so that of each fragment several are kept, and little of each
+// Puts fragmented messages of the stateless endpoint together (Cyclone DDS sends such). An attacker
+// can send fragments in any name, so that of each fragment several are kept, and little of each
 // sender and of all.
 #pragma once
 
@@ -35,8 +35,8 @@ class FragmentStore {
   static constexpr MonotonicTime kMorePeriod = std::chrono::microseconds(250);
   static constexpr std::uint32_t kLarge = 16 << 10;
 
-  /// What the fragments may come to, the likeliest first: nothing as long as one is missing. Nobody
-  /// can say yet which of them is honest, so what they were made of stays.
+  /// What the fragments may come to, the likeliest first: nothing as long as one is missing. It
+  /// is not known yet which of them is honest, so what they were made of stays.
   std::vector<Bytes> add(const GuidPrefix& sender, const DataFrag& frag, MonotonicTime now,
                          const SourceAddress& source = {});
   void forget(const GuidPrefix& sender);

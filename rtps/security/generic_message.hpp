@@ -24,7 +24,7 @@ inline constexpr std::string_view kAuthentication = "dds.sec.auth";
 inline constexpr std::string_view kParticipantTokens = "dds.sec.participant_crypto_tokens";
 inline constexpr std::string_view kDatawriterTokens = "dds.sec.datawriter_crypto_tokens";
 inline constexpr std::string_view kDatareaderTokens = "dds.sec.datareader_crypto_tokens";
-/// Ours, and known to nobody: it only has to be acknowledged.
+/// Ours, and meaningless to others: it only has to be acknowledged.
 inline constexpr std::string_view kQuestion = "org.ddssec.are_you_there";
 }  // namespace message_class
 

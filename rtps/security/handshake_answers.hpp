@@ -22,7 +22,7 @@ struct HandshakeAnswer {
   bool is_answered_by(const spi::Token& final) const;
 };
 
-/// Answers to different requests, of which one is honest, oldest first. Anybody who recorded a
+/// Answers to different requests, of which one is honest, oldest first. An attacker who recorded a
 /// certificate can make requests, so what the answers of all peers take is counted in `account`.
 class HandshakeAnswers {
  public:
@@ -30,7 +30,7 @@ class HandshakeAnswers {
   static constexpr std::size_t kMaxPerChallenge = 4;
   /// A younger answer does not give way, so that a final comes in time.
   static constexpr MonotonicTime kMinAge = std::chrono::milliseconds(50);
-  /// An older one is nobody's.
+  /// An older one belongs to no request.
   static constexpr MonotonicTime kLife = std::chrono::seconds(5);
   /// Answers that are repeated at once.
   static constexpr std::size_t kMaxRepeated = 4;

@@ -35,7 +35,7 @@ void Handshakes::add(const ParticipantData& data, const AnnouncedAddresses& addr
   if (is_new) schedule(at->second);
 }
 
-// Anybody may announce in anybody's name, and may have been the first. So a handshake that failed
+// An attacker can announce in any name, and may have been the first. So a handshake that failed
 // is begun anew with what is announced now, and one under way is carried on at both addresses.
 void Handshakes::announced_again(const ParticipantData& data, const AnnouncedAddresses& addresses) {
   auto* peer = core_.find(data.guid.prefix);
@@ -131,8 +131,8 @@ void Handshakes::on_stateless_frag(const GuidPrefix& source, const DataFrag& fra
     on_stateless(source, whole);
 }
 
-// It waits for our request. If we are done with it, it may have lost us; or somebody says so in its
-// name, and it still answers by the keys that it has with us.
+// It waits for our request. If we are done with it, it may have lost us; or an attacker says so in
+// its name, and it still answers by the keys that it has with us.
 void Handshakes::on_auth_request(Peer& peer, const GenericMessage& message) {
   auto& handshake = *peer.state.handshake();
   PeerHandshake::Messages out;
@@ -290,7 +290,7 @@ Status Handshakes::register_keys(const Peer& peer, Association& association) {
   return {};
 }
 
-// What was announced in the clear anybody could have said; this both sides have signed.
+// What was announced in the clear can be forged; this both sides have signed.
 Status Handshakes::adopt_proven_data(Peer& peer) {
   const auto proven = read_participant_list(peer.state.handshake()->peer_data(), Endian::big);
   if (!proven || proven->guid != peer.data.guid)
@@ -401,7 +401,7 @@ void Handshakes::end_probe(Peer& peer) {
     peer.state.handshake()->begin_again(core_.now);
 }
 
-// No end: anybody can keep messages back, or forge them.
+// No end: an attacker can hold messages back, or forge them.
 void Handshakes::note_overdue(Peer& peer) {
   if (!peer.state.handshake()->is_overdue() || !peer.state.time_out()) return;
   note_failure(peer);
@@ -414,7 +414,7 @@ void Handshakes::note_overdue(Peer& peer) {
 }
 
 // DDS-Security 1.2, 9.8.3.1: a participant that could authenticate, and fails to, is matched as one
-// that cannot. No single message is a failure: anybody can send it in the peer's name. And a peer
+// that cannot. No single message is a failure: it can be sent in the peer's name. And a peer
 // that does not accept our certificate does not say so.
 MonotonicTime Handshakes::next_admission(const Peer& peer) const {
   const auto* unproven = peer.state.unproven();

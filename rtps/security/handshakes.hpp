@@ -113,7 +113,7 @@ class Handshakes {
   Status adopt_proven_data(Peer& peer);
   void open_channel(Peer& peer);
   /// May one more participant of its certificate authenticate? Before it did, this asks for the
-  /// certificate that it claims to have: nobody else loses by that.
+  /// certificate that it claims to have: no other peer loses by that.
   bool has_place(const Peer& peer) const;
   Error no_place_for(const Peer& peer);
   void try_later(Peer& peer);

@@ -173,7 +173,7 @@ void KeyExchange::tick() {
 
 // ---- receiving
 
-// The key of this pair of participants protected the message. Its content is checked all the same.
+// The key of this pair of participants protected the message. Its content is still checked.
 bool KeyExchange::on_message(const GuidPrefix& prefix, const Change& change) {
   auto* peer = core_.find(prefix);
   if (peer == nullptr || peer->state.association() == nullptr) return true;

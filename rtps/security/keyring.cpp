@@ -193,7 +193,7 @@ bool Keyring::is_introduced(const EntityId& id, const Guid& remote) const {
   return local != nullptr && local->pairs.contains(remote);
 }
 
-// Where only payloads are protected, anybody can give them another number.
+// Where only payloads are protected, an attacker can give them another number.
 std::optional<Sha256Digest> Keyring::keys_of(const EntityId& id, const Guid& remote) const {
   const auto* local = find(id);
   const auto peer = remotes_.find(remote.prefix);

@@ -17,7 +17,7 @@ namespace ddssec::rtps {
 /// What a received submessage was protected by.
 struct Shield {
   bool message = false;  ///< came inside a protected message of its sender
-  Guid submessage = {};  ///< the endpoint whose key protected it; zero: nobody's
+  Guid submessage = {};  ///< the endpoint whose key protected it; zero: none
 };
 
 /// Of plain SEDP or liveliness. Cyclone DDS sends these outside of protected messages, Fast DDS
@@ -66,7 +66,7 @@ class Keyring final : public SendProtection {
   void part(const EntityId& local, const Guid& remote);
   bool is_introduced(const EntityId& local, const Guid& remote) const;
   /// Stands for the keys that protect what the remote endpoint says to the local one: the same as
-  /// long as they are. Nothing: anybody can say what it says.
+  /// long as they are. Nothing: the content is not authenticated.
   std::optional<Sha256Digest> keys_of(const EntityId& local, const Guid& remote) const;
   /// True: the pair has become ready.
   Result<bool> set_endpoint_tokens(const EntityId& local, const Guid& remote,

@@ -6,7 +6,7 @@
 namespace ddssec::rtps {
 namespace {
 
-// What comes too early or is meant for others is nothing to tell anybody.
+// What comes too early or is meant for others is no event.
 bool is_expected(Code code) {
   return code == Code::key_material_not_received || code == Code::unknown_key_id ||
          code == Code::key_revision_unknown || code == Code::receiver_specific_mac_missing ||
@@ -103,7 +103,7 @@ bool Keyring::accepts_without_payload(const EntityId& id, const Guid& remote,
 
 Keyring::Levels Keyring::levels(const EntityId& sender) const {
   const auto* local = find(sender);
-  // SPDP and the stateless endpoint: whoever is not authenticated yet must be able to read them.
+  // SPDP and the stateless endpoint: peers must be able to read them before authentication.
   if (local == nullptr) return {.message = pre_shared_.wrap()};
   const bool by_participant = own_.attributes().is_rtps_protected() && !local->is_volatile;
   return {.payload = local->attributes.is_payload_protected(),

@@ -75,7 +75,7 @@ void PeerHandshake::fail_with(Error error) {
 
 void PeerHandshake::start(MonotonicTime now, Messages& out) {
   if (now < refused_until_) return;
-  // The peer's own auth_request is not handed over: whoever forges one could otherwise shut out the
+  // The peer's own auth_request is not handed over: a forged one could otherwise shut out the
   // honest peer, and nothing but its signatures proves anything.
   auto peer = plugin_.validate_remote_identity(sides_.own, std::nullopt, sides_.peer_identity_token,
                                                sides_.peer_guid);
@@ -111,7 +111,7 @@ bool PeerHandshake::make_request(MonotonicTime until) {
   return true;
 }
 
-// Whoever never said a word is asked more and more rarely: its address may be somebody else's.
+// A silent peer is asked more and more rarely: its address may belong to another machine.
 MonotonicTime PeerHandshake::pause() {
   const auto round = repetitions_++;
   if (round == 0) return kFirstResend;

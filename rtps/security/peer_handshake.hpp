@@ -38,13 +38,13 @@ class PeerIdentity {
 enum class Effort : std::uint8_t {
   none,     ///< it fits nothing that we wait for
   memory,   ///< what we answered before is sent again
-  request,  ///< public-key work for anybody who knows how to ask
-  echo,     ///< public-key work for somebody who heard our last message
+  request,  ///< public-key work for any sender that knows how to ask
+  echo,     ///< public-key work for a sender that received our last message
 };
 
 /// A message that is refused changes nothing. Requests, ours or the peer's, stand beside a
-/// handshake that is finished: whoever lost the other may authenticate again, and only a new proof
-/// replaces the old one.
+/// handshake that is finished: a side that lost the other may authenticate again, and only a new
+/// proof replaces the old one.
 class PeerHandshake {
  public:
   struct Sides {

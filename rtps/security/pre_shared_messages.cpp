@@ -5,7 +5,7 @@
 
 namespace ddssec::rtps {
 
-// Anybody can make us derive keys, in as many names as they like: an honest sender's turn comes,
+// An attacker can make us derive keys, in any number of names: an honest sender's turn comes,
 // and then it is remembered.
 Result<BytesView> PreSharedMessages::open(const Header& header, BytesView message,
                                           MutableBytes scratch, MonotonicTime now) {

@@ -22,7 +22,7 @@ class PreSharedMessages {
   /// Senders that were not heard before cost us keys: so many at once, then one each so long.
   static constexpr int kMaxDerivations = 1000;
   static constexpr MonotonicTime kDerivationPeriod = std::chrono::microseconds(100);
-  /// Events of messages that anybody can send.
+  /// Events of messages that any sender can send.
   static constexpr int kMaxComplaints = 16;
   static constexpr MonotonicTime kComplaintPeriod = std::chrono::milliseconds(250);
 

@@ -11,7 +11,7 @@ struct BuiltinEndpoint {
   std::string_view writer_name = {}, reader_name = {};
 };
 
-// DDS-Security 7.4.5: all but the two that must be readable before anybody is authenticated.
+// DDS-Security 7.4.5: all but the two that must be readable before any peer is authenticated.
 constexpr BuiltinEndpoint kBuiltin[] = {
     {kPublicationsWriter, kPublicationsReader, "DCPSPublication"},
     {kSubscriptionsWriter, kSubscriptionsReader, "DCPSSubscription"},
@@ -134,7 +134,7 @@ void Security::tick(MonotonicTime now) {
   core_.now = now;
   handshakes_.tick();
   exchange_.tick();
-  // Whom expire() finds is gone before keys are sent.
+  // Peers that expire() ends are gone before keys are sent.
   revision_.tick();
   if (now >= next_expiry_) expire();
 }

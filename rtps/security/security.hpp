@@ -1,6 +1,6 @@
-// The security side of a participant: whom it authenticates, what they may, and the keys that go to
-// and fro (DDS-Security 7.4.3, 8.8). No I/O but through the sender, no clock, no lock. Wires the
-// parts, which do the work:
+// The security side of a participant: which peers it authenticates, what they may do, and the keys
+// that go to and fro (DDS-Security 7.4.3, 8.8). No I/O but through the sender, no clock, no lock.
+// Wires the parts, which do the work:
 //
 //   Handshakes    authenticates the peers, and limits what that costs
 //   KeyRevision   new keys for all others when a peer loses its trust
@@ -19,7 +19,7 @@ class Security {
  public:
   using Verdict = Admission::Verdict;
 
-  /// Somebody runs `timers` whenever they say so, and tick whenever next_tick does.
+  /// The owner runs `timers` whenever they say so, and tick whenever next_tick does.
   Security(std::unique_ptr<OwnSecurity> own, MessageSender& sender, TimerQueue& timers,
            SecurityHost& host, EventSink& events);
   ~Security();

@@ -1,4 +1,4 @@
-// Waits for sockets, a point in time or somebody's call, in a thread of its own or in the caller's.
+// Waits for sockets, a point in time or a call, in a thread of its own or in the caller's.
 #pragma once
 
 #include <chrono>

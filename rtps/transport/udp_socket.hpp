@@ -47,7 +47,7 @@ class UdpSocket {
   /// `interface`. On loopback: bound to it alone. Errors: as bind.
   static Result<UdpSocket> on_interface(const Locator& interface,
                                         std::size_t buffer = kWantedBuffer);
-  /// The same, and if `interface` is the loopback reachable by every address all the same: for a
+  /// The same, and if `interface` is the loopback still reachable by every address: for a
   /// participant that uses several interfaces.
   static Result<UdpSocket> everywhere(const Locator& interface, std::size_t buffer = kWantedBuffer);
   /// Bound to the port of `group` and joined to it on the interface with address `interface`.

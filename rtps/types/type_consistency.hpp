@@ -27,7 +27,7 @@ inline constexpr std::size_t kMostTypeObjects = 6144;
 
 /// What names a type in its minimal TypeIdentifier (XTypes 7.3.4.6).
 using EquivalenceHash = std::array<std::uint8_t, 14>;
-/// Nothing if the octets, from anybody, are no TypeInformation with such a hash.
+/// Nothing if the octets, from any sender, are no TypeInformation with such a hash.
 std::optional<EquivalenceHash> minimal_hash(BytesView type_information);
 
 enum class TypeVerdict : std::uint8_t {
