@@ -146,7 +146,7 @@ class Token(Transcript):
         told = self.json("doctor", "demo/talker", *NOW, exit=1)["diagnostics"]
         self.assertEqual([one["id"] for one in told][:3], ["DOC005", "DOC005", "DOC003"])
         self.assertIn("DOC008", [one["id"] for one in told], "the configurations name key.pem")
-        self.assertIn("no token that is plugged in", told[0]["message"])
+        self.assertIn("no connected token", told[0]["message"])
         self.assertNotIn(PIN, str(told))
 
 
