@@ -26,7 +26,7 @@ struct HostPlugin {
   bool is_cut_off = false;              ///< the process that loads it ends
   std::filesystem::path obstacle = {};  ///< no library: here the loader's search ended before
 };
-/// "ddssec 0.1.0", "stock, not ddssec's", "not found".
+/// "ddssec 0.2.0", "stock, not ddssec's", "not found".
 std::string maker_of(const HostPlugin& plugin);
 
 /// The three plugins of a configuration; none if it does not configure security, or names a library
