@@ -421,8 +421,11 @@ std::vector<PermissionsHandle> Plugin::expire(PermissionsHandle local) {
   std::vector<PermissionsHandle> ended;
   Participants gone;
   std::vector<std::pair<Event, PermissionsHolder*>> reasons;
+  std::vector<Error> warnings;
   for (const auto& [handle, holder] : all) {
     if (local && (!own || own->participant() != holder->participant())) continue;
+    if (!holder->remote())
+      if (const auto soon = holder->ends_soon(now)) warnings.push_back(*soon);
     const auto reason = holder->newly_ended(now);
     if (!reason) continue;
     ended.push_back(handle);  // in order
@@ -432,6 +435,7 @@ std::vector<PermissionsHandle> Plugin::expire(PermissionsHandle local) {
   if (!gone.empty())
     std::ranges::set_difference(peers_of_only(gone, all, now), std::vector(ended),
                                 std::back_inserter(ended));
+  for (const auto& warning : warnings) environment_.events.raise(event_about({}, warning));
   // Last what needs no memory: marked participants are reported.
   for (const auto& [event, holder] : reasons) environment_.events.raise(event);
   for (const auto& [event, holder] : reasons) holder->mark_reported();

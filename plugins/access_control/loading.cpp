@@ -126,6 +126,7 @@ Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context
   participant->identity = identity;
   participant->domain = domain;
   participant->domain_tag = domain_tag;
+  participant->warn_before_end = DDSSEC_TRY(spi::warning_days(properties));
   participant->ca = DDSSEC_TRY(in_document(PermissionsCa::load(ca_uri),
                                            document_name(spi::property::kPermissionsCa, ca_uri)));
   participant->governance_name = document_name(spi::property::kGovernance, governance_uri);

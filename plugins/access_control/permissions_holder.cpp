@@ -63,6 +63,19 @@ std::optional<Error> PermissionsHolder::newly_ended(WallTime now) {
   return std::move(valid).error();
 }
 
+std::optional<Error> PermissionsHolder::ends_soon(WallTime now) {
+  const auto end = ends();
+  if (!end) return std::nullopt;
+  const std::lock_guard lock(mutex_);
+  if (!warning_.is_due(grant_->grant().validity.not_before, *end, now)) return std::nullopt;
+  if (document_->grant_for(subject_.name, subject_.shown, participant_->domain,
+                           participant_->domain_tag, *end))
+    return std::nullopt;
+  return Error(
+      Code::permissions_end_soon,
+      {.document = document_name_, .field = "not_after", .found = spi::in_time(*end, now)});
+}
+
 void PermissionsHolder::mark_reported() {
   const std::lock_guard lock(mutex_);
   reported_ = true;

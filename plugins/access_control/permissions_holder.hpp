@@ -9,6 +9,7 @@
 
 #include "plugins/access_control/announced.hpp"
 #include "plugins/access_control/documents.hpp"
+#include "plugins/spi/end_warning.hpp"
 #include "plugins/spi/handles.hpp"
 
 namespace ddssec::access_control {
@@ -22,6 +23,7 @@ struct Participant {
   std::string governance_name;  ///< the document's name in errors
   std::shared_ptr<const PermissionsCa> ca;
   std::string permissions_text;  ///< the signed file as it goes to peers
+  spi::WarningDays warn_before_end;
   /// identity_ca, if the governance restricts algorithms
   std::vector<pki::Certificate> identity_authorities;
 
@@ -50,7 +52,8 @@ class PermissionsHolder {
         remote_(remote),
         subject_(std::move(subject)),
         document_name_(std::move(document_name)),
-        document_(std::move(document)) {}
+        document_(std::move(document)),
+        warning_(participant_->warn_before_end) {}
 
   const std::shared_ptr<const Participant>& participant() const { return participant_; }
   const std::optional<spi::IdentityHandle>& remote() const { return remote_; }
@@ -73,6 +76,9 @@ class PermissionsHolder {
   std::optional<WallTime> ends() const;
   /// The error why nothing is valid now, if that was not reported.
   std::optional<Error> newly_ended(WallTime now);
+  /// permissions_end_soon, once for each time that the participant's properties ask for. Nothing
+  /// if another grant of the document takes over.
+  std::optional<Error> ends_soon(WallTime now);
   /// There is nothing more to report. Needs no memory.
   void mark_reported();
 
@@ -88,6 +94,7 @@ class PermissionsHolder {
   mutable std::mutex mutex_;
   Grant grant_;
   bool reported_ = false;
+  spi::EndWarning warning_;
 };
 
 }  // namespace ddssec::access_control

@@ -230,6 +230,9 @@ std::vector<IdentityHandle> PkiDh::expire(IdentityHandle local) {
                                      .expected = "a time before " + to_string(ended.end),
                                      .found = to_string(now)})));
   }
+  for (const auto& own : table_.locals(local))
+    for (const auto& error : own.identity->ends_soon(now))
+      events.push_back(event_about(our_name(own.identity->guid()), error));
   // Last what needs no memory: marked identities are reported.
   for (const auto& event : events) environment_.events.raise(event);
   table_.mark_revoked(revocations.identities);

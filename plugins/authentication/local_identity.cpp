@@ -145,6 +145,7 @@ Status check_belongs(const pki::PrivateKey& key, const pki::Certificate& certifi
 
 Result<IdentityFiles> IdentityFiles::load(const spi::PropertyList& properties, TrustStores& stores,
                                           WallTime now) {
+  auto warn_before_end = DDSSEC_TRY(spi::warning_days(properties));
   auto lists = DDSSEC_TRY(RevocationLists::load(properties));
   constexpr auto kCa = property::kIdentityCa, kKey = property::kPrivateKey;
   constexpr auto kCertificate = property::kIdentityCertificate;
@@ -155,13 +156,15 @@ Result<IdentityFiles> IdentityFiles::load(const spi::PropertyList& properties, T
   DDSSEC_TRY(locate(check_belongs(key, certificate), properties, {kKey, kCertificate}));
   DDSSEC_TRY(
       locate(in(own->verify(certificate, now), kCertificate), properties, {kCertificate, kCa}));
-  return IdentityFiles{std::move(certificate), std::move(key), std::move(lists), std::move(own),
-                       std::move(peers)};
+  return IdentityFiles{std::move(certificate), std::move(key),   std::move(lists),
+                       std::move(own),         std::move(peers), std::move(warn_before_end)};
 }
 
 LocalIdentity::LocalIdentity(IdentityFiles files, const Guid& candidate)
     : files_(std::move(files)),
       guid_(adjusted_guid(files_.certificate.subject_digest(), candidate)),
+      certificate_warning_(files_.warn_before_end),
+      list_warning_(files_.warn_before_end),
       permissions_(std::make_shared<const Bytes>(1)) {}
 
 spi::Token LocalIdentity::identity_token(spi::CipherMask ciphers) const {
@@ -175,6 +178,26 @@ spi::Token LocalIdentity::identity_token(spi::CipherMask ciphers) const {
 
 Result<pki::ChainValid> LocalIdentity::verify(WallTime now) const {
   return in(own_trust()->verify(files_.certificate, now), property::kIdentityCertificate);
+}
+
+std::vector<Error> LocalIdentity::ends_soon(WallTime now) {
+  // A chain that is not valid has an error of its own.
+  const auto chain = verify(now);
+  if (!chain) return {};
+  const std::scoped_lock lock(renewal_mutex_);
+  std::vector<Error> out;
+  const auto end = chain->not_after();
+  if (certificate_warning_.is_due(files_.certificate.not_before(), end, now))
+    out.emplace_back(Code::identity_ends_soon, ErrorDetails{.document = chain->first_to_expire(),
+                                                            .field = "notAfter",
+                                                            .found = spi::in_time(end, now)});
+  const auto* const list = files_.revocation_lists.first_to_end(chain->crl_next_update());
+  if (list != nullptr && list_warning_.is_due(list->this_update(), *list->next_update(), now))
+    out.emplace_back(Code::crl_ends_soon,
+                     ErrorDetails{.document = files_.revocation_lists.path(),
+                                  .field = "nextUpdate",
+                                  .found = spi::in_time(*list->next_update(), now)});
+  return out;
 }
 
 std::shared_ptr<const TrustStore> LocalIdentity::own_trust() const {

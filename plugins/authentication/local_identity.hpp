@@ -10,6 +10,7 @@
 #include "plugins/authentication/credentials.hpp"
 #include "plugins/authentication/revocation_lists.hpp"
 #include "plugins/authentication/trust_store.hpp"
+#include "plugins/spi/end_warning.hpp"
 #include "plugins/spi/symmetric_cipher.hpp"
 #include "plugins/spi/token.hpp"
 
@@ -22,6 +23,7 @@ struct IdentityFiles {
   RevocationLists revocation_lists;
   std::shared_ptr<const TrustStore> own_trust;   ///< identity_ca, with the revocation lists
   std::shared_ptr<const TrustStore> peer_trust;  ///< the same, or the trusted_ca_dir
+  spi::WarningDays warn_before_end;
 
   /// Loads identity_ca, identity_certificate, private_key (with password), and the optional
   /// revocation list or trusted_ca_dir; checks that the certificate is believed by our own CA at
@@ -46,6 +48,9 @@ class LocalIdentity {
 
   /// Judges our own certificate again. Errors of ChainVerifier::verify.
   Result<pki::ChainValid> verify(WallTime now) const;
+
+  /// The warnings that are due now, each once: identity_ends_soon, crl_ends_soon.
+  std::vector<Error> ends_soon(WallTime now);
 
   /// Puts newer revocation lists in force if their file holds any: from then on every check is
   /// made by them. True: it did. Errors: those of RevocationLists::look and check_renewal,
@@ -84,7 +89,9 @@ class LocalIdentity {
 
   IdentityFiles files_;  ///< the trust stores: guarded by mutex_
   Guid guid_;
-  mutable std::mutex renewal_mutex_;  ///< guards the revocation lists; before mutex_
+  mutable std::mutex renewal_mutex_;  ///< guards the revocation lists and warnings; before mutex_
+  spi::EndWarning certificate_warning_;
+  spi::EndWarning list_warning_;
   mutable std::mutex mutex_;
   std::uint64_t renewals_ = 0;
   std::uint64_t applied_renewals_ = 0;

@@ -136,6 +136,12 @@ void RevocationLists::keep_only(Place& place) {
 
 std::string RevocationLists::path() const { return places_.empty() ? "" : places_.front().path; }
 
+const pki::Crl* RevocationLists::first_to_end(std::optional<WallTime> end) const {
+  const auto found = std::ranges::find_if(
+      lists_, [&](const auto& list) { return end && list.next_update() == end; });
+  return found == lists_.end() ? nullptr : &*found;
+}
+
 std::optional<Error> RevocationLists::absence() const {
   if (!lists_.empty() || path().empty()) return std::nullopt;
   std::string paths;

@@ -33,6 +33,8 @@ class RevocationLists {
   static Result<RevocationLists> load(const spi::PropertyList& properties);
 
   const std::vector<pki::Crl>& in_force() const { return lists_; }
+  /// The list in force whose nextUpdate is `end`; null: there is none.
+  const pki::Crl* first_to_end(std::optional<WallTime> end) const;
   /// Number and date of each, for a person.
   std::string description() const;
   /// The path of their file, or of the file that may come; empty if there is neither.

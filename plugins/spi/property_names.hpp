@@ -24,6 +24,10 @@ inline constexpr std::string_view kFilesPollInterval = "org.ddssec.files_poll_in
 /// counts at once.
 inline constexpr std::string_view kClockStepGrace = "org.ddssec.clock_step_grace";
 
+/// Ours: how many days before the participant's certificate, its revocation list or its permissions
+/// end to warn, "30,7,1"; 0: never.
+inline constexpr std::string_view kWarnBeforeEnd = "org.ddssec.warn_before_end";
+
 /// Ours, in the IdentityToken: ciphers that are not the standard's.
 inline constexpr std::string_view kAnnouncedCiphers = "org.ddssec.symmetric_ciphers";
 
@@ -70,7 +74,8 @@ inline constexpr std::string_view kOfParticipants[] = {kIdentityCa,        kIden
                                                        kSymmetricCipher,   kMessageCipher,
                                                        kPskPassphrase,     kPskExtraPassphrases,
                                                        kPskCipher,         kKeyLifetime,
-                                                       kMostBlocksPerKey,  kTrustTypeInformation};
+                                                       kMostBlocksPerKey,  kTrustTypeInformation,
+                                                       kWarnBeforeEnd};
 
 }  // namespace ddssec::spi::property
 

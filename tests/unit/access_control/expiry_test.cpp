@@ -61,6 +61,45 @@ TEST_F(Expiry, IsToldReportedOnceAndDeniesEvenIfTheHostForgets) {
   EXPECT_TRUE(plugin->check_create_participant(*own, 0));
 }
 
+TEST_F(Expiry, OwnPermissions_AreWarnedOfBeforeTheirEnd) {
+  auto of_100_days = grant(kTalker, {rule(true)});
+  of_100_days.validity = {kNow, kNow + 100 * 24h};
+  ASSERT_OK(local(signed_permissions({of_100_days})));
+  std::vector<int> days;
+  for (int day = 1; day < 100; ++day) {
+    log.events.clear();
+    clock.advance(24h);
+    EXPECT_TRUE(plugin->expire().empty());
+    EXPECT_TRUE(plugin->expire().empty());
+    if (log.events.empty()) continue;
+    EXPECT_EQ(log.only(), Code::permissions_end_soon);
+    days.push_back(100 - day);
+  }
+  EXPECT_EQ(days, (std::vector{30, 7, 1}));
+}
+
+TEST_F(Expiry, OwnPermissionsThatAnotherGrantFollows_AreNotWarnedOf) {
+  auto first = grant(kTalker, {rule(true)}), second = first;
+  first.validity = {kNow, kNow + 50 * 24h};
+  second.validity = {kNow + 50 * 24h, kNow + 365 * 24h};
+  ASSERT_OK(local(signed_permissions({first, second})));
+  for (int day = 1; day < 100; ++day) {
+    clock.advance(24h);
+    plugin->expire();
+  }
+  EXPECT_TRUE(log.events.empty());
+}
+
+TEST_F(Expiry, PeersPermissions_AreNotOurs) {
+  ASSERT_OK(local(open_permissions(kTalker)));
+  auto of_peer = grant(kListener, {rule(true)});
+  of_peer.validity = {kNow - 24h * 20, kNow + 25h};
+  ASSERT_OK(remote(signed_permissions({of_peer})));
+  clock.advance(2h);
+  plugin->expire();
+  EXPECT_TRUE(log.events.empty());
+}
+
 // T4: the wall clock at the check counts, wherever it jumped. What was valid has not ended when the
 // clock goes back: a clock that was wrong for a minute parted honest participants for good.
 TEST_F(Expiry, FollowsAClockThatJumps) {

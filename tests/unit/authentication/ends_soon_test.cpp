@@ -1,0 +1,104 @@
+// Warnings before the end of our own certificate and of its revocation list.
+#include <gmock/gmock.h>
+
+#include "tests/support/temporary_folder.hpp"
+#include "tests/unit/authentication/revocation_lists.hpp"
+
+namespace ddssec::authentication {
+namespace {
+
+using std::chrono::days;
+
+/// Alice alone: what her engine says while days go by.
+class Alone {
+ public:
+  explicit Alone(const Identity& identity) {
+    const auto local = engine_->validate_local_identity(0, identity.properties, candidate(1));
+    EXPECT_TRUE(local);
+    handle_ = local->handle;
+  }
+  /// The codes of the next `count` days.
+  std::vector<Code> live(int count) {
+    engine_.events.events.clear();
+    std::vector<Code> out;
+    for (int i = 0; i < count; ++i) {
+      engine_.clock.advance(days(1));
+      engine_->expire();
+      engine_->expire();
+    }
+    for (const auto& event : events()) out.push_back(event.error.code());
+    return out;
+  }
+  const std::vector<Event>& events() { return engine_.events.events; }
+
+ private:
+  Engine engine_;
+  IdentityHandle handle_;
+};
+
+Identity carol(days life) {
+  return make_identity(test_ca(), "CN=carol,O=Example", {}, {kNow, kNow + life});
+}
+
+constexpr auto kSoon = Code::identity_ends_soon;
+
+TEST(EndsSoon, Certificate_IsWarnedOfThirtySevenAndOneDayBefore) {
+  Alone alone(carol(days(100)));
+  EXPECT_TRUE(alone.live(69).empty());
+  EXPECT_EQ(alone.live(1), std::vector{kSoon});
+  const auto& event = alone.events().front();
+  EXPECT_EQ(event.severity, Severity::warning);
+  EXPECT_EQ(event.proof, PeerProof::not_a_peer);
+  EXPECT_EQ(event.error.details().document, "CN=carol,O=Example");
+  EXPECT_EQ(event.error.details().found, "2027-03-01T00:00:00Z, in 30 days");
+  EXPECT_TRUE(alone.live(22).empty());
+  EXPECT_EQ(alone.live(1), std::vector{kSoon});
+  EXPECT_EQ(alone.live(6), std::vector{kSoon});
+  EXPECT_EQ(alone.live(1), std::vector{Code::identity_ended});
+}
+
+TEST(EndsSoon, Property_SaysWhen) {
+  auto identity = carol(days(100));
+  set(identity.properties, spi::property::kWarnBeforeEnd, "3");
+  Alone alone(identity);
+  EXPECT_TRUE(alone.live(96).empty());
+  EXPECT_EQ(alone.live(3), std::vector{kSoon});
+
+  set(identity.properties, spi::property::kWarnBeforeEnd, "0");
+  EXPECT_TRUE(Alone(identity).live(99).empty());
+
+  set(identity.properties, spi::property::kWarnBeforeEnd, "soon");
+  Engine engine;
+  EXPECT_CODE(engine->validate_local_identity(0, identity.properties, candidate(1)),
+              invalid_property);
+}
+
+TEST(EndsSoon, CertificateOfAWeek_IsWarnedOfOnItsLastDay) {
+  Alone alone(carol(days(7)));
+  EXPECT_TRUE(alone.live(5).empty());
+  EXPECT_EQ(alone.live(1), std::vector{kSoon});
+}
+
+TEST(EndsSoon, RevocationList_IsWarnedOfUntilANewerOneIsThere) {
+  const test::TemporaryFolder folder;
+  const auto path = folder.write("crl.pem", pem({.until = kNow + days(60)}));
+  Alone alone(with_list(alice(), "file:" + path));
+  EXPECT_TRUE(alone.live(40).empty());
+  EXPECT_EQ(alone.live(13), std::vector{Code::crl_ends_soon});
+  EXPECT_EQ(alone.events().front().error.details().document, path);
+  EXPECT_EQ(alone.events().front().error.details().found, "2027-01-20T00:00:00Z, in 7 days");
+  folder.replace("crl.pem", pem({.number = 2, .from = kNow, .until = kNow + days(120)}));
+  EXPECT_EQ(alone.live(30), std::vector{Code::crl_renewed});
+}
+
+TEST(EndsSoon, PeersCertificate_IsNotOurs) {
+  Pairing pairing(make_identity(test_ca(), "CN=alice,O=Example"),
+                  make_identity(test_ca(), "CN=bob,O=Example", {}, {kNow, kNow + days(8)}, 1));
+  pairing.expect_success();
+  pairing.first_engine.clock.advance(days(7) + 1h);
+  EXPECT_TRUE(pairing.first_engine->expire().empty());
+  EXPECT_TRUE(pairing.first_engine.events.events.empty());
+}
+
+}  // namespace
+}  // namespace ddssec::authentication
