@@ -1,4 +1,5 @@
-// The AccessControl interface (DDS-Security 8.4.2.9), for a host of any make.
+// The AccessControl interface (DDS-Security 8.4.2.9), independent of the host. Clause numbers of
+// single operations are those of DDS-Security 1.1.
 #pragma once
 
 #include <optional>
@@ -15,89 +16,132 @@
 
 namespace ddssec::spi {
 
-/// What an endpoint asks for. Views are borrowed for the call. No partition means the partition "".
+/// What an endpoint requests. The views are borrowed for the call. No partition means the partition
+/// "".
 struct EndpointRequest {
   std::string_view topic_name;
   std::span<const std::string_view> partitions = {};
   std::span<const Property> data_tags = {};
 };
 
-/// One engine may serve several local identities, each by its own documents; what is judged of a
-/// remote identity belongs to the pair of the two.
+/// One engine may serve several local identities. Each is judged by its own documents. The
+/// judgement of a remote identity belongs to one pair of a local and a remote identity.
 ///
-/// Thread-safe. Every check is success, or an error that names document, line and rule that
-/// decided.
+/// Thread-safe. A check returns success, or an error that names the document, line and rule that
+/// decided. After every error, except that of return_permissions_handle, an event was raised.
+///
+/// Every function that takes a permissions handle fails with unknown_permissions_handle if the
+/// handle was never given out or was returned. Every check that takes a domain fails with
+/// other_domain if the handle belongs to another domain.
 class AccessControl {
  public:
   virtual ~AccessControl() = default;
 
-  /// Loads governance, permissions and permissions CA named by `properties` and finds the grant of
-  /// the subject in the identity certificate, also named there. Rules count if their domains
-  /// include `domain_id` with `domain_tag`, for remote participants too
-  /// (DDS-Security 1.2 10.4.1.2.5.1).
+  /// Loads the governance, the permissions and the permissions CA that `properties` name
+  /// (DDS-Security 8.4.2.9.1). Finds the grant for the subject of the identity certificate, which
+  /// is also named there. A rule counts if its domains include `domain_id` with `domain_tag`, for
+  /// remote participants too (DDS-Security 1.2 10.4.1.2.5.1). The caller owns the handle. Errors:
+  /// access_not_configured, access_document_missing, missing_property, governance_not_enforceable,
+  /// identity_algorithm_not_allowed, trust_chain_algorithm_not_allowed, those of the documents and
+  /// certificates (each names its file), no_grant_for_subject, too_many_permissions_handles.
   virtual Result<PermissionsHandle> validate_local_permissions(
       IdentityHandle identity, DomainId domain_id, const PropertyList& properties,
       std::string_view domain_tag = {}) = 0;
-  /// `credential` holds c.id and c.perm as binary or as text properties. Judges the remote's
-  /// permissions by the governance and the permissions CA of the local identity. Each call gives
-  /// out a handle of its own, to be returned by who called.
+  /// Judges a peer's permissions by the governance and the permissions CA of the local identity
+  /// (DDS-Security 8.4.2.9.2). `credential` holds c.id and c.perm as binary or as text properties.
+  /// Each call returns a new handle; the caller returns it. If the governance does not enable join
+  /// access control, a peer with unusable permissions also gets a handle: it may then use
+  /// unprotected topics only. Errors: unknown_local_identity, identity_algorithm_not_allowed,
+  /// trust_chain_algorithm_not_allowed, key_establishment_not_allowed, peer_certificate_missing,
+  /// permissions_token_class, permissions_missing, permissions_too_large, those of the certificate
+  /// and the document, too_many_permissions_handles.
   virtual Result<PermissionsHandle> validate_remote_permissions(IdentityHandle local_identity,
                                                                 IdentityHandle remote_identity,
                                                                 const Token& permissions_token,
                                                                 const Token& credential) = 0;
 
+  /// May the local participant join the domain (DDS-Security 8.4.2.9.3)? Errors:
+  /// participant_not_allowed, those of a grant, or of the certificate that signed it, that is not
+  /// valid now.
   virtual Status check_create_participant(PermissionsHandle local, DomainId domain_id) = 0;
+  /// May the local participant have such a writer (DDS-Security 8.4.2.9.4)? Errors:
+  /// topic_not_covered, publish_not_allowed, those of the grant as above.
   virtual Status check_create_datawriter(PermissionsHandle local, DomainId domain_id,
                                          const EndpointRequest& request) = 0;
+  /// The same for a reader (DDS-Security 8.4.2.9.5). Error instead: subscribe_not_allowed.
   virtual Status check_create_datareader(PermissionsHandle local, DomainId domain_id,
                                          const EndpointRequest& request) = 0;
+  /// May the local participant create the topic (DDS-Security 8.4.2.9.6)? Yes if it may publish or
+  /// subscribe. Errors: topic_not_covered, topic_not_allowed, those of the grant as above.
   virtual Status check_create_topic(PermissionsHandle local, DomainId domain_id,
                                     std::string_view topic_name) = 0;
 
+  /// May a peer join the domain (DDS-Security 8.4.2.9.9)? Judged by the local governance and the
+  /// peer's own permissions, as are all checks of a peer. Errors: participant_not_allowed,
+  /// peer_has_no_permissions, those of the grant as above.
   virtual Status check_remote_participant(PermissionsHandle remote, DomainId domain_id) = 0;
+  /// May a peer have the announced writer (DDS-Security 8.4.2.9.10)? Errors: length_out_of_range
+  /// (names too long or too many partitions), topic_not_covered, announced_writer_not_allowed,
+  /// peer_has_no_permissions, those of the grant as above.
   virtual Status check_remote_datawriter(PermissionsHandle remote, DomainId domain_id,
                                          const EndpointRequest& request) = 0;
+  /// The answer about a peer's reader.
   struct RemoteDatareader {
     bool relay_only = false;
   };
+  /// The same for a reader (DDS-Security 8.4.2.9.11). `relay_only`: the reader is allowed by a
+  /// <relay> element only, so it must not get the payload key. Error instead:
+  /// announced_reader_not_allowed.
   virtual Result<RemoteDatareader> check_remote_datareader(PermissionsHandle remote,
                                                            DomainId domain_id,
                                                            const EndpointRequest& request) = 0;
-  /// A match as cryptography is about to give it keys.
+  /// A match for which cryptography is about to hand out keys.
   struct Match {
-    bool remote_writes;                ///< to our reader, or else it reads from our writer
-    EndpointRequest local;             ///< what our own endpoint asks for
-    std::optional<GuidPrefix> remote;  ///< for the event
+    bool remote_writes;     ///< true: its writer and our reader; false: its reader and our writer
+    EndpointRequest local;  ///< what the local endpoint requests
+    std::optional<GuidPrefix> remote;  ///< for the event only
   };
-  /// May a peer have the keys of this match, whether or not the host asked about its endpoint? By
-  /// what it announced, if that was allowed and meets our partitions, or else as if it were in our
-  /// endpoint's partitions. Error: match_not_permitted, unknown_permissions_handle.
+  /// May a peer have the keys of this match, whether or not the host asked about the peer's
+  /// endpoint? Yes if the peer announced an endpoint of that topic that was allowed, is still
+  /// allowed, and has partitions that meet those of the local endpoint. Otherwise the peer is
+  /// judged as if it were in the local endpoint's partitions. Error: match_not_permitted.
   virtual Status check_remote_match(PermissionsHandle remote, const Match& match) = 0;
+  /// May a peer create the topic (DDS-Security 8.4.2.9.12)? Errors: length_out_of_range,
+  /// topic_not_covered, topic_not_allowed, peer_has_no_permissions, those of the grant as above.
   virtual Status check_remote_topic(PermissionsHandle remote, DomainId domain_id,
                                     std::string_view topic_name) = 0;
 
+  /// The PermissionsToken that discovery announces (DDS-Security 8.4.2.9.17).
   virtual Result<Token> permissions_token(PermissionsHandle local) = 0;
+  /// The signed permissions document in property dds.perm.cert, for
+  /// Authentication::set_permissions_credential_and_token (DDS-Security 8.4.2.9.18).
   virtual Result<Token> permissions_credential_token(PermissionsHandle local) = 0;
 
+  /// What the governance demands of the participant (DDS-Security 8.4.2.9.22).
   virtual Result<ParticipantSecurityAttributes> participant_sec_attributes(
       PermissionsHandle local) = 0;
+  /// What the governance demands of a topic (DDS-Security 8.4.2.9.23). Error: topic_not_covered.
   virtual Result<TopicSecurityAttributes> topic_sec_attributes(PermissionsHandle local,
                                                                std::string_view topic_name) = 0;
-  /// Also answers for the builtin secure topics (DDS-Security 7.4.8, 8.4.2.9.24).
+  /// What the governance demands of a writer (DDS-Security 8.4.2.9.24). Also answers for the
+  /// builtin secure topics (DDS-Security 7.4.8). Error: topic_not_covered.
   virtual Result<EndpointSecurityAttributes> datawriter_sec_attributes(
       PermissionsHandle local, const EndpointRequest& request) = 0;
+  /// The same for a reader (DDS-Security 8.4.2.9.25).
   virtual Result<EndpointSecurityAttributes> datareader_sec_attributes(
       PermissionsHandle local, const EndpointRequest& request) = 0;
 
+  /// Drops a handle. Error, without an event: unknown_permissions_handle.
   virtual Status return_permissions_handle(PermissionsHandle permissions) = 0;
 
-  /// When the next grant in use ends, if any; `expire` raises the events and returns the handles to
-  /// be revoked, each once; a local participant's is followed by those of its peers, as with
-  /// Authentication::expire, but for peers under whose remote identity another local participant
-  /// has permissions too: a host that gives all its participants one remote identity (Cyclone DDS)
-  /// can only remove the peer for all of them. `local`: that handle and those of its peers only;
-  /// nil: all.
+  /// When the next grant in use ends, or the certificate that signed it; empty if none does.
   virtual std::optional<WallTime> next_expiry() = 0;
+  /// Raises the events for permissions that ended, and returns their handles, each once. The host
+  /// then revokes them. As with Authentication::expire, a local participant's handle is followed by
+  /// those of its peers. Excepted are peers for whose remote identity another local participant has
+  /// permissions too: a host that gives all its participants one remote identity (Cyclone DDS) can
+  /// only remove such a peer for all of them. `local`: only that handle and those of its peers.
+  /// Nil: all.
   virtual std::vector<PermissionsHandle> expire(PermissionsHandle local = {}) = 0;
 };
 

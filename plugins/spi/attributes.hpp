@@ -27,14 +27,16 @@ struct ParticipantSecurityAttributes {
   ProtectionKind rtps = ProtectionKind::none;
   ProtectionKind discovery = ProtectionKind::none;
   ProtectionKind liveliness = ProtectionKind::none;
-  /// By a pre-shared key, of messages that are not protected otherwise (DDS-Security 1.2); none,
-  /// sign or encrypt.
+  /// Protection by a pre-shared key for messages that have no other protection (DDS-Security 1.2):
+  /// none, sign or encrypt.
   ProtectionKind rtps_psk = ProtectionKind::none;
-  /// <allowed_crypto_algorithms> (DDS-Security 1.2); all without one.
+  /// The ciphers that <allowed_crypto_algorithms> lists (DDS-Security 1.2); all if the element is
+  /// missing.
   CipherMask allowed_ciphers = kAllCiphers;
-  /// Keys are revised when a participant loses our trust (DDS-Security 1.2).
+  /// True: keys are revised when a participant is no longer trusted (DDS-Security 1.2).
   bool is_key_revision_enabled = false;
-  /// Every topic_rule asks for protected discovery, and discovery has a kind of protection.
+  /// True if every topic_rule demands protected discovery and the discovery protection kind is not
+  /// NONE.
   bool is_all_discovery_protected = false;
   bool operator==(const ParticipantSecurityAttributes&) const = default;
 
@@ -59,9 +61,9 @@ struct EndpointSecurityAttributes {
   TopicSecurityAttributes topic;
   ProtectionKind submessage = ProtectionKind::none;
   ProtectionKind payload = ProtectionKind::none;
-  /// Of the middleware itself, not of the application.
+  /// True for an endpoint of the middleware itself, not of the application.
   bool is_builtin = false;
-  /// To be asked before a remote participant gets keys; null: the host has asked.
+  /// Asked before a remote participant gets keys. Null: no check, because the host has asked.
   std::shared_ptr<const MatchGate> gate = {};
   bool operator==(const EndpointSecurityAttributes&) const = default;
 
@@ -78,22 +80,24 @@ struct SecurityInfo {
 };
 
 inline constexpr std::uint32_t kMaskIsValid = 1u << 31;
-/// Of a participant's `mask`.
+/// is_key_revision_enabled in a participant's `mask`.
 inline constexpr std::uint32_t kKeyRevisionBit = 1u << 3;
 
+/// The masks that discovery announces for a participant or an endpoint, with the valid bits set.
 SecurityInfo security_info(const ParticipantSecurityAttributes& attributes);
 SecurityInfo security_info(const EndpointSecurityAttributes& attributes);
 
-/// What a participant's masks say of itself; of the rest they say nothing. Nothing: a mask that is
-/// not valid.
+/// The attributes that a participant's masks state: the kinds of RTPS, discovery, liveliness and
+/// pre-shared key protection, and key revision. All other fields keep their defaults. Empty if
+/// either mask lacks the valid bit.
 std::optional<ParticipantSecurityAttributes> attributes_in(const SecurityInfo& info);
 
-/// The plugin mask alone, valid bit included (what a host asks for).
+/// The plugin mask alone, including the valid bit (what a host asks for).
 std::uint32_t plugin_mask(const ParticipantSecurityAttributes& attributes);
 std::uint32_t plugin_mask(const EndpointSecurityAttributes& attributes);
 
-/// Reads kinds back from what a host's attributes say: `protected` from the boolean, the rest from
-/// the plugin mask. A mask without the valid bit means plain signing (DDS-Security 9.4.2.4).
+/// The kind from a host's attributes: `is_protected` is its boolean, the other two come from the
+/// plugin mask. A mask without the valid bit means plain signing (DDS-Security 9.4.2.4).
 ProtectionKind protection_kind(bool is_protected, bool is_encrypted, bool is_origin_authenticated);
 
 /// True if both masks are equal, or one of a pair lacks the valid bit (DDS-Security 7.3.9.2).

@@ -1,4 +1,5 @@
-// The Authentication interface (DDS-Security 8.3.2.11), for a host of any make.
+// The Authentication interface (DDS-Security 8.3.2.11), independent of the host. Clause numbers of
+// single operations are those of DDS-Security 1.1.
 #pragma once
 
 #include <memory>
@@ -15,27 +16,34 @@
 
 namespace ddssec::spi {
 
-/// ValidationResult_t without its failures, which are errors here.
+/// ValidationResult_t (DDS-Security 8.3.2.11.1) without its failures, which are errors here.
 enum class ValidationResult : std::uint8_t {
   ok,
-  pending_handshake_request,  ///< we have the lower GUID: begin_handshake_request
-  pending_handshake_message,  ///< wait for the peer's message
-  ok_final_message,           ///< done; the message still has to be sent
+  pending_handshake_request,  ///< the local GUID is the lower: call begin_handshake_request
+  pending_handshake_message,  ///< wait for the peer's next message
+  ok_final_message,           ///< finished; `message` still has to be sent
 };
 
-/// Whether a remote participant was refused only because there are too many others.
+/// True if a remote participant was refused only because too many others are present. The refusal
+/// ends when some of them leave.
 inline bool refusal_passes(Code code) {
   return code == Code::too_many_remote_identities || code == Code::too_many_identities_of_subject;
 }
 
-/// One engine may serve several local identities. What is known of a remote participant belongs to
-/// the pair of a local and a remote one: handle, handshakes, shared secret, its end; nothing that
-/// happens to a pair touches another. Only judged documents are shared.
+/// One engine may serve several local identities. All state about a remote participant belongs to
+/// one pair of a local and a remote participant: handle, handshakes, shared secret and expiry.
+/// Nothing that happens to one pair affects another. Only verified documents are shared.
 ///
-/// Thread-safe. No call does I/O beyond reading the configured files in validate_local_identity and
-/// a revocation list that has changed in `expire`; none waits, none calls back. Retransmission
-/// belongs to the host: it sends the same token again. A refused message changes nothing: an honest
-/// one still succeeds afterwards.
+/// Thread-safe. A call reads files in only two cases: validate_local_identity reads the configured
+/// files, and `expire` reads a revocation list that has changed. No call does other I/O, waits, or
+/// calls back into the host. The host is responsible for retransmission: it sends the same token
+/// again. A refused message changes nothing: an honest message still succeeds afterwards.
+///
+/// Unless noted otherwise, a function that takes an identity handle fails with unknown_identity
+/// (never given out, returned, or of another local identity) or identity_ended (expired); after a
+/// revocation it fails with the reason for that. A function that takes a handshake handle fails
+/// with unknown_handshake. After every such refusal one event was raised, except by the two return
+/// functions.
 class Authentication {
  public:
   struct LocalIdentity {
@@ -43,74 +51,107 @@ class Authentication {
     Guid adjusted_guid;
   };
   struct RemoteIdentity {
-    /// The pair's: the same for the same local identity and remote GUID until it is returned.
-    /// Another local identity has another one, and is refused with this one.
+    /// The handle of the pair. Until it is returned, the same local identity and remote GUID get
+    /// the same handle. Another local identity gets another handle, and is refused with this one.
     IdentityHandle handle;
     ValidationResult result;
-    /// To be sent as dds.sec.auth_request, if the peer's own was not seen yet.
+    /// To be sent as dds.sec.auth_request; empty if the peer's own auth request was passed in.
     std::optional<Token> local_auth_request;
   };
   struct HandshakeStep {
     HandshakeHandle handle;
     ValidationResult result;
-    std::optional<Token> message;  ///< to be sent
+    std::optional<Token> message;  ///< to be sent to the peer
   };
 
   virtual ~Authentication() = default;
 
-  /// Loads and checks CA, certificate, key and CRL named by `properties`; binds the candidate GUID
-  /// to the certificate's subject name (DDS-Security 9.3.3).
+  /// Loads and checks the CA, certificate, key and CRL that `properties` name. Binds the candidate
+  /// GUID to the certificate's subject name (DDS-Security 8.3.2.11.2, 9.3.3). The caller owns the
+  /// handle and returns it with return_identity_handle. Errors: those of reading and parsing the
+  /// files, invalid_property, property_without_effect, crl_file_empty, own_ca_not_trusted,
+  /// trusted_ca_dir_with_crl, trusted_ca_dir_unreadable, trusted_ca_dir_too_many, those of
+  /// pki::ChainVerifier::verify for the certificate, too_many_local_identities.
   virtual Result<LocalIdentity> validate_local_identity(DomainId domain_id,
                                                         const PropertyList& properties,
                                                         const Guid& candidate_guid) = 0;
-  /// `ciphers`: what the cryptography plugin of the same participant can decrypt.
+  /// What discovery announces about the local identity (DDS-Security 8.3.2.11.9). `ciphers`: what
+  /// the cryptography plugin of the same participant can decrypt.
   virtual Result<Token> identity_token(IdentityHandle local,
                                        CipherMask ciphers = kStandardCiphers) = 0;
+  /// A token of the identity class without properties (DDS-Security 8.3.2.11.10).
   virtual Result<Token> identity_status_token(IdentityHandle local) = 0;
-  /// The signed permissions that go into the handshake as c.perm.
+  /// Sets the signed permissions that later handshakes send as c.perm (DDS-Security 8.3.2.11.11).
+  /// Errors: permissions_credential_wrong, token_field_length (the document is too long).
   virtual Status set_permissions_credential_and_token(IdentityHandle local,
                                                       const Token& permissions_credential,
                                                       const Token& permissions_token) = 0;
 
-  /// A refusal of which refusal_passes says so ends as soon as others leave: ask again a second
-  /// later.
+  /// Admits a remote participant that discovery announced (DDS-Security 8.3.2.11.3). Nothing about
+  /// it is proven yet. The caller owns the handle. Errors: those of the two tokens
+  /// (token_class_wrong, token_too_large, token_field_missing, token_field_repeated,
+  /// token_field_length), remote_guid_is_local, guid_not_adjusted, those of
+  /// pki::ChainVerifier::verify for the local certificate, random_failed,
+  /// too_many_remote_identities, too_many_identities_of_subject, identity_token_changed. If
+  /// refusal_passes is true for the error, ask again one second later.
   virtual Result<RemoteIdentity> validate_remote_identity(
       IdentityHandle local, const std::optional<Token>& remote_auth_request,
       const Token& remote_identity_token, const Guid& remote_guid) = 0;
-  /// `serialized_participant_data`: our ParticipantBuiltinTopicData as a big-endian parameter list.
+  /// Begins a handshake as the participant with the lower GUID (DDS-Security 8.3.2.11.4).
+  /// `serialized_participant_data`: the local ParticipantBuiltinTopicData as a big-endian parameter
+  /// list. With the same data, while the reply is still missing, it returns the same handle and
+  /// request. Errors: token_field_length (data empty or too long), handshake_role_wrong (the remote
+  /// GUID is the lower), too_many_handshakes, those of pki::ChainVerifier::verify for the local
+  /// certificate, internal.
   virtual Result<HandshakeStep> begin_handshake_request(IdentityHandle initiator,
                                                         IdentityHandle replier,
                                                         BytesView serialized_participant_data) = 0;
+  /// Answers a handshake request (DDS-Security 8.3.2.11.5). The same request gets the same handle
+  /// and reply. Errors: token_field_length, handshake_role_wrong, unexpected_message (the handshake
+  /// that this request began is over), too_many_handshakes; those of the token's form and
+  /// algorithms; token_field_differs, challenge_not_announced; those of the peer's certificate,
+  /// participant data and public key; those of pki::ChainVerifier::verify for the local
+  /// certificate; internal. An error concerns this one message only.
   virtual Result<HandshakeStep> begin_handshake_reply(const Token& request,
                                                       IdentityHandle initiator,
                                                       IdentityHandle replier,
                                                       BytesView serialized_participant_data) = 0;
+  /// Takes the peer's next message of a handshake (DDS-Security 8.3.2.11.6). The handle in the
+  /// result is the one passed in. Errors: token_class_wrong and the others of the token's form and
+  /// algorithms, unexpected_message, token_field_differs, challenge_not_announced,
+  /// key_agreement_algorithm_changed, those of the peer's certificate, participant data and public
+  /// key, signature_invalid, too_many_remote_identities, too_many_identities_of_subject, internal.
+  /// An error concerns this one message only.
   virtual Result<HandshakeStep> process_handshake(HandshakeHandle handshake,
                                                   const Token& message) = 0;
 
-  /// After ok or ok_final_message.
+  /// The result of the key agreement (DDS-Security 8.3.2.11.7). It may outlive the handshake.
+  /// Error: handshake_not_finished before ok or ok_final_message.
   virtual Result<std::shared_ptr<const SharedSecret>> shared_secret(HandshakeHandle handshake) = 0;
-  /// Binary properties c.id and c.perm (DDS-Security 9.3.2.2). They are dropped in the first
-  /// `expire` after they were given out, since peers choose how large they are. Error:
-  /// credential_given_out.
+  /// The peer's c.id and c.perm as binary properties (DDS-Security 8.3.2.11.8, 9.3.2.2). The first
+  /// `expire` after this call drops them, because peers choose how large they are. Errors:
+  /// handshake_not_finished, credential_given_out (already dropped).
   virtual Result<Token> authenticated_peer_credential_token(HandshakeHandle handshake) = 0;
 
-  /// The subject of the peer's certificate, for messages; empty before ok or ok_final_message.
+  /// The subject name of the peer's certificate, for log messages. Empty before ok or
+  /// ok_final_message, and for an unknown handle.
   virtual std::string authenticated_subject(HandshakeHandle) { return {}; }
 
+  /// Drops a handshake. Error: unknown_handshake.
   virtual Status return_handshake_handle(HandshakeHandle handshake) = 0;
-  /// Drops a remote identity with the pair's handshakes and secrets, or a local one with all its
-  /// remote ones: these need not be returned any more.
+  /// Drops an identity: a remote one with the pair's handshakes and
+  /// secrets, or a local one with all its remote ones. The caller need not return these any more.
+  /// Error: unknown_identity.
   virtual Status return_identity_handle(IdentityHandle identity) = 0;
 
-  /// When the next certificate in use ends, if any; the host calls `expire` then, and once a second
-  /// in any case (the clock may be set, or a certificate revoked): it raises the events and
-  /// returns the identities to be revoked, each once. A
-  /// local identity is followed by all its remote ones: a host may keep the writers of a
-  /// participant that it removed (Cyclone DDS does), and then no peer must be left that receives
-  /// them. `local`: that identity and its remote ones only, for a host with no say over others that
-  /// use the engine; nil: all.
+  /// When the next certificate in use expires; empty if none does. The host calls `expire` at that
+  /// time, and once a second in any case: the clock may be set, or a certificate revoked.
   virtual std::optional<WallTime> next_expiry() = 0;
+  /// Raises the events for identities that expired or were revoked, and returns their handles, each
+  /// once. The host then revokes them. A local identity is followed by all its remote ones: a host
+  /// may keep the writers of a participant that it removed (Cyclone DDS does), and no peer may
+  /// remain that receives from them. `local`: only that identity and its remote ones, for a host
+  /// that must not touch other users of the engine. Nil: all.
   virtual std::vector<IdentityHandle> expire(IdentityHandle local = {}) = 0;
 };
 

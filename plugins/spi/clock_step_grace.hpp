@@ -1,4 +1,4 @@
-// How long a calendar that was set is not believed (base/steady_calendar.hpp).
+// For how long a step of the system's calendar is ignored (base/steady_calendar.hpp).
 #pragma once
 
 #include <chrono>
@@ -7,8 +7,9 @@
 
 namespace ddssec::spi {
 
-/// What `org.ddssec.clock_step_grace` says, at most an hour; 0: the calendar counts at once. Error:
-/// invalid_property.
+/// The value of `org.ddssec.clock_step_grace` in seconds, at most one hour;
+/// SteadyCalendar::kDefaultGrace if the property is missing. 0: a new calendar time counts at once.
+/// Error: invalid_property.
 Result<std::chrono::seconds> clock_step_grace(const PropertyList& properties);
 
 }  // namespace ddssec::spi

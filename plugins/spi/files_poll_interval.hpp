@@ -1,4 +1,4 @@
-// How often a running participant looks whether its files were changed (base/file_watch.hpp).
+// How often a running participant checks whether its files have changed (base/file_watch.hpp).
 #pragma once
 
 #include <chrono>
@@ -10,7 +10,8 @@ namespace ddssec::spi {
 inline constexpr std::chrono::seconds kDefaultFilesPollInterval{5};
 inline constexpr std::chrono::seconds kLongestFilesPollInterval{24 * 60 * 60};
 
-/// What `org.ddssec.files_poll_interval` says; 0: never. Error: invalid_property.
+/// The value of `org.ddssec.files_poll_interval` in seconds, at most kLongestFilesPollInterval;
+/// kDefaultFilesPollInterval if the property is missing. 0: never check. Error: invalid_property.
 Result<std::chrono::seconds> files_poll_interval(const PropertyList& properties);
 
 }  // namespace ddssec::spi

@@ -7,7 +7,7 @@
 
 namespace ddssec::spi {
 
-/// What the property says; false if it is not there. Error: invalid_property (neither "true" nor
+/// The value of the property; false if it is missing. Error: invalid_property (neither "true" nor
 /// "false").
 Result<bool> flag_property(const PropertyList& properties, std::string_view name);
 

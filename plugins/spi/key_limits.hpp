@@ -1,4 +1,4 @@
-// How long and for how much a participant lets its keys be used.
+// Limits of time and volume for the keys of a participant.
 #pragma once
 
 #include <chrono>
@@ -8,20 +8,22 @@
 
 namespace ddssec::spi {
 
-/// A shorter life than this leaves no time to revise keys before its end.
+/// The shortest lifetime: a shorter one would leave no time to revise keys before it ends.
 inline constexpr std::chrono::seconds kShortestKeyLifetime{20};
 inline constexpr std::chrono::seconds kLongestKeyLifetime{std::chrono::hours(24 * 365)};
 
-/// 0: no limit.
+/// In both fields, 0 means no limit.
 struct KeyLimits {
   std::chrono::seconds lifetime{0};
-  std::uint64_t blocks = 0;  ///< of 16 octets, under any one key
+  std::uint64_t blocks = 0;  ///< blocks of 16 octets protected with one key
 
   bool any() const { return lifetime.count() != 0 || blocks != 0; }
 };
 
-/// What `org.ddssec.crypto.key_lifetime` (seconds) and `org.ddssec.crypto.max_blocks_per_key` say.
-/// They need a governance that enables key revision. Error: invalid_property.
+/// The values of `org.ddssec.crypto.key_lifetime` (seconds, kShortestKeyLifetime to
+/// kLongestKeyLifetime) and `org.ddssec.crypto.max_blocks_per_key`. A missing property is no limit.
+/// Limits need a governance that enables key revision; this function does not check that. Error:
+/// invalid_property.
 Result<KeyLimits> key_limits(const PropertyList& properties);
 
 }  // namespace ddssec::spi

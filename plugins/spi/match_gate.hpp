@@ -1,4 +1,4 @@
-// Access control's say about who gets the keys of one local endpoint.
+// The access control check that decides which peers get the keys of one local endpoint.
 #pragma once
 
 #include <optional>
@@ -9,19 +9,20 @@
 
 namespace ddssec::spi {
 
-/// Cryptography asks it at every match, whatever the peer announced and the host asked before.
-/// Thread-safe; lives as long as the endpoint.
+/// Cryptography calls `check` at every match, whatever the peer announced and the host asked
+/// before. Thread-safe. Lives as long as the endpoint.
 class MatchGate {
  public:
   virtual ~MatchGate() = default;
 
   struct Peer {
-    PermissionsHandle permissions;     ///< the remote participant's
-    std::optional<GuidPrefix> prefix;  ///< its own, if authentication told it
-    bool writes;                       ///< it writes to our reader, or reads from our writer
+    PermissionsHandle permissions;  ///< of the remote participant
+    std::optional<GuidPrefix>
+        prefix;   ///< of the remote participant; empty if authentication did not provide it
+    bool writes;  ///< true: its writer and our reader; false: its reader and our writer
   };
-  /// Errors: keys_not_permitted, after an event that names the peer and the rule;
-  /// access_control_missing.
+  /// Success if the peer may have the keys. Errors: keys_not_permitted, after an event that names
+  /// the peer and the rule; access_control_missing.
   virtual Status check(const Peer& peer) const = 0;
 };
 

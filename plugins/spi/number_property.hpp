@@ -8,14 +8,15 @@
 
 namespace ddssec::spi {
 
-/// What a number may be, and what it counts ("seconds"). 0 stands for "none" and may always be.
+/// The range of a number, and its unit for messages ("seconds"). 0 stands for "none" and is always
+/// allowed.
 struct NumberRange {
   std::string_view unit;
   std::uint64_t least = 1, most = 0;
 };
 
-/// What the property says, or `otherwise` if it is not there. Error: invalid_property (no decimal
-/// number, or not in the range).
+/// The value of the property, or `otherwise` if it is missing. Error: invalid_property (no decimal
+/// number, or out of range).
 Result<std::uint64_t> number_property(const PropertyList& properties, std::string_view name,
                                       const NumberRange& range, std::uint64_t otherwise);
 

@@ -10,39 +10,40 @@
 
 namespace ddssec::spi {
 
-/// What the keys are made from. Borrowed for the call.
+/// The inputs from which the keys are derived. Borrowed for the call.
 struct PreSharedKeyRequest {
   const PropertyList& properties;
-  /// rtps_psk: sign or encrypt.
+  /// Of these, rtps_psk (sign or encrypt) and allowed_ciphers count.
   const ParticipantSecurityAttributes& attributes;
   DomainId domain_id;
   std::string_view domain_tag;
 };
 
-/// The pre-shared keys of one local participant. A holder of the passphrase belongs to the domain,
-/// in whatever name: this hides and protects what is said before participants have authenticated
-/// each other, and proves nothing about who said it. Not thread-safe. Buffers as of
-/// CryptoTransform's RTPS pair.
+/// The pre-shared keys of one local participant. Any holder of the passphrase counts as a member of
+/// the domain, under any name. So these keys hide and protect messages sent before participants
+/// have authenticated each other, but prove nothing about the sender. Not thread-safe. Buffers
+/// follow the rules of the RTPS pair of CryptoTransform.
 class PreSharedKeys {
  public:
   virtual ~PreSharedKeys() = default;
 
-  /// Under the first passphrase. Errors: plaintext_malformed, length_out_of_range,
-  /// session_ids_exhausted.
+  /// Encodes one RTPS message under the first passphrase and returns the octets written. Errors:
+  /// plaintext_malformed, length_out_of_range, session_ids_exhausted, random_failed, internal.
   virtual Result<std::size_t> encode(BytesView plain, MutableBytes out) = 0;
-  /// False: its sender was not heard yet, and to open it costs a derivation of keys, which any
-  /// sender can demand.
+  /// True if the keys of the sender are already derived. False: decoding costs a key derivation,
+  /// which any sender can cause.
   virtual bool remembers(BytesView encoded) const = 0;
-  /// Under any passphrase, as the message says. Errors: psk_passphrase_unknown, those of
-  /// CryptoTransform::decode_rtps_message.
+  /// Decodes one RTPS message under the passphrase that it names and returns the octets written.
+  /// Errors: psk_passphrase_unknown, those of CryptoTransform::decode_rtps_message.
   virtual Result<std::size_t> decode(BytesView encoded, MutableBytes out) = 0;
-  /// Reads the passphrases again if their files may have changed; to be called every second or so.
-  /// Events: psk_passphrases_changed; psk_passphrases_kept, if they cannot be used: then nothing
-  /// changes.
+  /// Reads the passphrases again if their files may have changed. Call it about once a second.
+  /// Events: psk_passphrases_changed; psk_passphrases_kept if the new ones cannot be used: then the
+  /// former ones stay in use.
   virtual void refresh() = 0;
 };
 
-/// Does a message say that it is protected so? Flag P of an SRTPS_PREFIX behind the RTPS header.
+/// True if the message claims this protection: flag P of an SRTPS_PREFIX directly after the RTPS
+/// header.
 constexpr bool has_pre_shared_key_flag(BytesView message) {
   return message.size() > 21 && message[20] == 0x33 && (message[21] & 0x04) != 0;
 }

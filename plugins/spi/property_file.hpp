@@ -1,4 +1,4 @@
-// A file of properties: what a host has no other way to say (security.properties).
+// A file of properties (security.properties), for settings that a host cannot pass otherwise.
 #pragma once
 
 #include <filesystem>
@@ -11,13 +11,15 @@ namespace ddssec::spi {
 
 inline constexpr std::size_t kMostPropertyFileOctets = 64 * 1024;
 
-/// One `name = value` a line; blanks around both are dropped, empty lines and those that begin with
-/// # are passed over, and so is a byte order mark at the beginning. None propagates. Errors, with
-/// the line: property_unknown for a name that is not in property::kOfParticipants, with the nearest
-/// one that is; invalid_property (no name, no =, a name twice, a control character).
+/// Parses one `name = value` per line. Blanks around both are removed. Empty lines, lines that
+/// begin with #, and a byte order mark at the beginning are skipped. No property propagates.
+/// Errors, with the line: property_unknown for a name that is not in property::kOfParticipants,
+/// with the nearest valid name; invalid_property (no name, no =, a repeated name, a control
+/// character).
 Result<PropertyList> parse_properties(std::string_view text);
 
-/// The properties of a file. Errors: those, and file_not_found, file_unreadable, file_too_large.
+/// The properties of a file of at most kMostPropertyFileOctets; none if it is empty. Errors: those
+/// of parse_properties, file_not_found, file_unreadable, file_too_large.
 Result<PropertyList> read_property_file(const std::filesystem::path& path);
 
 }  // namespace ddssec::spi

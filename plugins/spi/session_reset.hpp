@@ -1,9 +1,10 @@
-// A participant that has lost its session with a peer proves that it had one, and so makes a peer
-// that has kept it begin anew. RFC 9000 10.3 gives QUIC the same under the name of stateless reset.
+// Session reset: a participant that has lost its session with a peer proves that it had one. A peer
+// that still has the session then starts a new one. QUIC has the same mechanism under the name
+// stateless reset (RFC 9000 10.3).
 //
-// Both sides derive the tokens from the shared secret while they have it. Each keeps the token that
-// the peer would send, to recognize it, and its own, which outlives the session. A token is good
-// for one session: a recorded one means nothing to the next.
+// Both sides derive the tokens from the shared secret while they have it. Each side stores the
+// token that the peer would send, to recognize it. It also stores its own token, which outlives the
+// session. A token is valid for one session only: a recorded one is useless for the next.
 #pragma once
 
 #include <array>
@@ -17,7 +18,7 @@
 
 namespace ddssec::spi {
 
-/// By which the receiver finds the session. No secret, but unpredictable without the secret.
+/// Identifies the session to the receiver. Not secret, but unpredictable without the shared secret.
 using ResetName = std::array<std::uint8_t, 16>;
 using ResetProof = Secret<struct ResetProofTag, 32>;
 
@@ -26,21 +27,23 @@ struct ResetToken {
   ResetProof proof;
 };
 
-/// The token by which the participant with the prefix `sender` resets the session of `shared`:
-/// HMAC-SHA256 under the shared secret, of a label, both challenges and the prefix.
+/// The token with which the participant with the prefix `sender` resets the session of `shared`.
+/// Both parts are HMAC-SHA256 under the shared secret over a label, both challenges and the prefix;
+/// the name is the first 16 octets of its HMAC.
 ResetToken derive_reset_token(const SharedSecret& shared, const GuidPrefix& sender);
 
-/// A whole RTPS message. It looks like a protected one (SRTPS_PREFIX, SRTPS_BODY, SRTPS_POSTFIX)
-/// whose CryptoTransformKind is ours, so that a host hands it to its cryptography plugin, and every
-/// other plugin refuses it.
+/// A complete RTPS message that carries `token`. It has the form of a protected message
+/// (SRTPS_PREFIX, SRTPS_BODY, SRTPS_POSTFIX) with a private CryptoTransformKind. So a host passes
+/// it to its cryptography plugin, and every other plugin refuses it.
 Bytes write_reset(const GuidPrefix& sender, const ResetToken& token);
 
-/// Views into the message.
+/// The parts of a reset message; views into it.
 struct Reset {
   BytesView name;   ///< as long as ResetName
   BytesView proof;  ///< 32 octets, not yet compared
 };
-/// Nothing for any other message. Looks at few octets: it is asked about every protected message.
+/// The parts of a reset message; empty for any other message. Compares the size and four octets
+/// only, because it is called for every protected message.
 std::optional<Reset> read_reset(BytesView message);
 
 }  // namespace ddssec::spi

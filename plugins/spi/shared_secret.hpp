@@ -1,4 +1,4 @@
-// What authentication hands to cryptography for one pair of participants.
+// What authentication passes to cryptography for one pair of participants.
 #pragma once
 
 #include <array>
@@ -14,24 +14,27 @@
 namespace ddssec::spi {
 
 using Challenge = std::array<std::uint8_t, 32>;
-/// SHA-256 of the key agreement's result (DDS-Security 9.3.2.3.2). Other plugins' may be longer.
+/// SHA-256 of the key agreement's result (DDS-Security 9.3.2.3.2). Those of other authentication
+/// plugins may be longer, up to 64 octets.
 using SharedSecretOctets = Secret<struct SharedSecretTag, 64>;
 
-/// SharedSecretHandle's content (DDS-Security 9.3.2.3.2): both challenges as they stood in the
+/// The content of SharedSecretHandle (DDS-Security 9.3.2.3.2). Both challenges are as in the
 /// handshake, whichever side is the local one.
 struct SharedSecret {
   SharedSecretOctets secret;
   Challenge challenge1{};
   Challenge challenge2{};
-  /// What the authenticated peer can decrypt, as it said under its signature.
+  /// The ciphers that the authenticated peer can decrypt, as its signed handshake message states.
   CipherMask peer_ciphers = kStandardCiphers;
-  /// The GUID prefix that the authenticated peer holds. Nothing: another vendor's authentication.
+  /// The GUID prefix of the authenticated peer. Empty with another vendor's authentication.
   std::optional<GuidPrefix> peer_prefix = {};
-  /// The local participant's own. Nothing: another vendor's authentication.
+  /// The local participant's GUID prefix. Empty with another vendor's authentication.
   std::optional<GuidPrefix> own_prefix = {};
-  /// BuiltinEndpointSet_t of the authenticated peer, as it said under its signature; 0: unknown.
+  /// BuiltinEndpointSet_t of the authenticated peer, as its signed handshake message states; 0:
+  /// unknown.
   std::uint32_t peer_builtin_endpoints = 0;
-  /// Where the authenticated peer receives discovery, as it said under its signature.
+  /// Where the authenticated peer receives discovery traffic, as its signed handshake message
+  /// states.
   std::vector<UdpAddress> peer_addresses = {};
 };
 

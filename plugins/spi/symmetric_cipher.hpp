@@ -13,27 +13,29 @@ using CipherMask = std::uint32_t;
 
 inline constexpr CipherMask kAes128Bit = 0x00000001;
 inline constexpr CipherMask kAes256Bit = 0x00000002;
-/// What every participant of DDS-Security has, announced or not.
+/// The ciphers that every DDS-Security participant supports, announced or not.
 inline constexpr CipherMask kStandardCiphers = kAes128Bit | kAes256Bit;
-/// From the range that is left to vendors: has this meaning only for peers known by other means.
+/// From the vendor-specific range. It has this meaning only for peers that are identified by other
+/// means.
 inline constexpr CipherMask kChaCha20Poly1305Bit = 0x00010000;
 inline constexpr CipherMask kAllCiphers = kStandardCiphers | kChaCha20Poly1305Bit;
 
-/// The values of `dds.sec.crypto.symmetric_cipher_algorithm` but for AUTO.
+/// The values of `dds.sec.crypto.symmetric_cipher_algorithm` except AUTO.
 inline constexpr std::string_view kAes128Name = "AES128+GCM";
 inline constexpr std::string_view kAes256Name = "AES256+GCM";
 inline constexpr std::string_view kChaCha20Poly1305Name = "org.ddssec.ChaCha20-Poly1305";
 
-/// The cipher of that name, or nothing.
+/// The bit of the cipher with that name; empty if the name is unknown.
 std::optional<CipherMask> cipher_of(std::string_view name);
 
-/// The names of those in `mask` that we know, with a comma between; "none" of none.
+/// The names of the known ciphers in `mask`, separated by commas; "none" if there are none.
 std::string names_of(CipherMask mask);
-/// The ciphers named in such a list; what we do not know is passed over.
+/// The ciphers named in such a list; unknown names are skipped.
 CipherMask ciphers_in(std::string_view names);
 
-/// What a participant announces of its symmetric ciphers (PID_PARTICIPANT_SECURITY_SYMMETRIC_
-/// CIPHER_ALGORITHM_INFO). A required mask names what has to be supported to understand it.
+/// What a participant announces about its symmetric ciphers
+/// (PID_PARTICIPANT_SECURITY_SYMMETRIC_CIPHER_ALGORITHM_INFO). A receiver must support the ciphers
+/// of a `required` mask to decrypt this participant's traffic.
 struct SymmetricCipherInfo {
   CipherMask supported = kStandardCiphers;
   CipherMask builtin_required = kAes256Bit;
@@ -42,7 +44,8 @@ struct SymmetricCipherInfo {
   bool operator==(const SymmetricCipherInfo&) const = default;
 };
 
-/// (supported & required) == required, or any of them in compatibility mode (7.3.9).
+/// True if all required ciphers are supported; in compatibility mode, any one of them suffices
+/// (DDS-Security 1.2 7.3.9).
 constexpr bool understands(CipherMask supported, CipherMask required) {
   constexpr CipherMask kCompatibilityMode = CipherMask{1} << 31;
   if ((required & kCompatibilityMode) != 0) return (supported & required) != 0;

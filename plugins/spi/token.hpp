@@ -1,4 +1,5 @@
-// Tokens and properties: what the three plugins and the two sides of a connection hand each other.
+// Tokens and properties: the data that the three plugins, and the two sides of a connection,
+// exchange.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +21,7 @@ struct Property {
   std::string value;
   bool propagate = true;
   bool operator==(const Property&) const = default;
-  /// A value may be a passphrase. (There is no move: copies wipe themselves, too.)
+  /// Wipes the value, which may be a passphrase. (There is no move: copies wipe themselves too.)
   ~Property();
 };
 
@@ -30,13 +31,14 @@ struct BinaryProperty {
   Bytes value;
   bool propagate = true;
   bool operator==(const BinaryProperty&) const = default;
-  /// A crypto token's value is key material. (There is no move: copies wipe themselves, too.)
+  /// Wipes the value, which is key material in a crypto token. (There is no move: copies wipe
+  /// themselves too.)
   ~BinaryProperty();
 };
 
 using PropertyList = std::vector<Property>;
 
-/// DataHolder (DDS-Security 7.3.3); every token is one.
+/// DataHolder (DDS-Security 7.3.3); every token of the standard has this type.
 struct Token {
   std::string class_id = {};
   PropertyList properties = {};
@@ -44,28 +46,31 @@ struct Token {
   bool operator==(const Token&) const = default;
 };
 
-/// The value of the first property of that name, or nullptr.
+/// The value of the first property with that name, or nullptr. Owned by `properties`.
 const std::string* find_property(const PropertyList& properties, std::string_view name);
-/// The same; empty if there is none. It lives as long as the properties.
+/// The same as a view; empty if there is none. Valid as long as `properties`.
 std::string_view property_value(const PropertyList& properties, std::string_view name);
+/// The value of the first binary property with that name, or nullptr. Owned by `token`.
 const Bytes* find_binary_property(const Token& token, std::string_view name);
 
-/// Bounds for tokens that a peer sends; more is refused before anything is allocated.
+/// Limits for tokens that a peer sends. A larger number is refused before anything is allocated.
 inline constexpr std::size_t kMostPropertiesPerToken = 64;
 inline constexpr std::size_t kMostTokensPerMessage = 64;
 
-/// Appends a token in XCDR1 in the writer's byte order, leaving out what does not propagate.
+/// Appends a token in XCDR1 in the writer's byte order. Leaves out properties that do not
+/// propagate.
 void write_token(Writer& writer, const Token& token);
-/// Reads one token. Errors: truncated, malformed, length_out_of_range.
+/// Reads one token with at most kMostPropertiesPerToken properties of each kind. Errors: truncated,
+/// malformed, length_out_of_range.
 Result<Token> read_token(Reader& reader);
 
-/// BinaryPropertySeq in big-endian XCDR1 without encapsulation: the input of hash_c1, hash_c2 and
-/// of the handshake's signatures (DDS-Security 9.3.2.3). Views avoid copying certificates and
-/// documents.
+/// A name and its value, borrowed: so certificates and documents are not copied for hashing.
 struct NamedOctets {
   std::string_view name;
   BytesView value;
 };
+/// BinaryPropertySeq in big-endian XCDR1 without encapsulation: the input of hash_c1, hash_c2 and
+/// of the handshake's signatures (DDS-Security 9.3.2.3).
 Bytes serialize_binary_properties(std::span<const NamedOctets> properties);
 
 }  // namespace ddssec::spi

@@ -6,7 +6,7 @@
 
 namespace ddssec::spi {
 
-/// Unicast; `address` is in network order. For IPv4 only its last 4 octets count.
+/// A unicast address. `address` is in network order; for IPv4 only its last 4 octets count.
 struct UdpAddress {
   bool is_ipv6 = false;
   std::uint16_t port = 0;
