@@ -1,4 +1,4 @@
-// Threads that a library starts inside another program's process.
+// Threads that the library starts inside another program's process.
 #pragma once
 
 #include <csignal>
@@ -7,9 +7,10 @@
 
 namespace ddssec {
 
-/// While it lives, the calling thread blocks every signal that may be meant for the process; a
-/// thread that is started meanwhile inherits that. Faults of a thread itself (SIGSEGV, SIGBUS,
-/// SIGFPE, SIGILL) stay deliverable, so that a host's crash handler still sees them.
+/// While an object lives, the calling thread blocks every signal that may be meant for the process.
+/// A thread that is started meanwhile inherits the mask. Signals for faults of a thread itself
+/// (SIGSEGV, SIGBUS, SIGFPE, SIGILL) stay deliverable, so that a host's crash handler still
+/// receives them.
 class SignalsBlocked {
  public:
   SignalsBlocked() noexcept;
@@ -21,9 +22,9 @@ class SignalsBlocked {
   sigset_t former_;
 };
 
-/// Starts a std::thread or std::jthread that never handles the process's signals: a host that waits
-/// for SIGINT in sigwait, or has a thread for its handlers, gets them as if we were not there.
-/// Every thread of ours is started here. Throws what the thread's constructor throws.
+/// Starts a std::thread or std::jthread that never handles the process's signals. A host that waits
+/// for SIGINT in sigwait, or has a thread for its handlers, receives them as before. Every thread
+/// of the library is started with this function. Throws what the thread's constructor throws.
 template <class Thread, class F>
 Thread start_background_thread(F&& f) {
   const SignalsBlocked blocked;

@@ -1,4 +1,4 @@
-// Octets: the only types in which raw data travels between our functions.
+// Octets: the only types in which functions pass raw data to each other.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace ddssec {
 
 /// Owned octets.
 using Bytes = std::vector<std::uint8_t>;
-/// Borrowed octets; never outlives what it was made from.
+/// Borrowed octets; must not outlive their owner.
 using BytesView = std::span<const std::uint8_t>;
 /// Borrowed octets to write into.
 using MutableBytes = std::span<std::uint8_t>;
@@ -22,17 +22,19 @@ inline BytesView as_bytes(std::string_view text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
-/// The octets seen as text (any octet is possible, NUL included).
+/// The octets viewed as text. Any octet is possible, including NUL.
 inline std::string_view as_text(BytesView octets) {
   return {reinterpret_cast<const char*>(octets.data()), octets.size()};
 }
 
+/// A copy of the octets.
 inline Bytes to_bytes(BytesView octets) { return {octets.begin(), octets.end()}; }
 
-/// Lower-case hexadecimal digits, two an octet.
+/// Lower-case hexadecimal digits, two per octet.
 std::string to_hex(BytesView octets);
 
-/// The octets that `hex` (even length, either case, no separators) spells, or nothing.
+/// The octets that `hex` stands for; empty if it is not hexadecimal. `hex` has even length, either
+/// case and no separators.
 std::optional<Bytes> from_hex(std::string_view hex);
 
 }  // namespace ddssec

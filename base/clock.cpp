@@ -11,7 +11,8 @@
 namespace ddssec {
 
 std::string to_string(WallTime time) {
-  // Not by to_time_t of system_clock: its nanoseconds end in 2262, documents do not.
+  // Not with to_time_t of system_clock: its nanoseconds end in the year 2262, dates in documents do
+  // not.
   const auto seconds = static_cast<std::time_t>(time.time_since_epoch().count());
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(seconds));
 }

@@ -1,4 +1,5 @@
-// Time and randomness are passed in where they are needed, so that tests replay bit for bit.
+// Time and randomness. Both are passed in where they are needed, so that tests are reproducible bit
+// for bit.
 #pragma once
 
 #include <chrono>
@@ -9,26 +10,31 @@
 
 namespace ddssec {
 
+/// Calendar time in UTC, in whole seconds.
 using WallTime = std::chrono::sys_seconds;
 
 /// A reading of Clock::monotonic, or a length of time.
 using MonotonicTime = std::chrono::nanoseconds;
-/// As a deadline: there is none.
+/// As a deadline: never.
 inline constexpr MonotonicTime kNever = MonotonicTime::max();
 
 /// "2026-11-21T03:13:43Z".
 std::string to_string(WallTime time);
 
+/// Time sources. All implementations except ManualClock are thread-safe.
 class Clock {
  public:
   virtual ~Clock() = default;
-  /// The calendar's time; may jump. Certificates and permissions are judged by it at every check.
+  /// The calendar time; it may jump. Certificates and permissions are checked against it at every
+  /// use.
   virtual WallTime now() const = 0;
-  /// The same with nanoseconds, counted from 1970-01-01 00:00 UTC: what samples are stamped with.
+  /// The calendar time in nanoseconds since 1970-01-01 00:00 UTC. Samples carry it as their
+  /// timestamp.
   virtual std::chrono::nanoseconds wall() const { return now().time_since_epoch(); }
-  /// Never goes back; for time-outs and rate limits.
+  /// Never goes back; for timeouts and rate limits. It has an arbitrary start.
   virtual std::chrono::nanoseconds monotonic() const = 0;
-  /// The same with the time that the machine slept, if that is known: what has passed in the world.
+  /// Like monotonic(), but also counts the time during which the machine slept, if the system
+  /// reports it.
   virtual std::chrono::nanoseconds since_boot() const { return monotonic(); }
 };
 
@@ -41,7 +47,7 @@ class SystemClock final : public Clock {
   std::chrono::nanoseconds since_boot() const override;
 };
 
-/// A clock that a test moves by hand.
+/// A clock that a test moves by hand. Not thread-safe.
 class ManualClock final : public Clock {
  public:
   explicit ManualClock(WallTime now) : now_(now) {}
@@ -56,7 +62,7 @@ class ManualClock final : public Clock {
     now_ += whole;
     fraction_ -= whole;
   }
-  /// The calendar is set.
+  /// Sets the calendar; monotonic() stays.
   void set(WallTime now) { now_ = now; }
 
  private:
@@ -65,10 +71,11 @@ class ManualClock final : public Clock {
   std::chrono::nanoseconds monotonic_{0};
 };
 
+/// A source of random octets.
 class Random {
  public:
   virtual ~Random() = default;
-  /// Fills all of `out` with unpredictable octets, or fails.
+  /// Fills all of `out` with unpredictable octets. Error: random_failed.
   virtual Status fill(MutableBytes out) = 0;
 };
 
@@ -78,7 +85,7 @@ class SystemRandom final : public Random {
   Status fill(MutableBytes out) override;
 };
 
-/// A reproducible stream from a seed. Tests only: never for keys that matter.
+/// A reproducible stream from a seed. For tests only: never for real keys.
 class SeededRandom final : public Random {
  public:
   explicit SeededRandom(std::uint64_t seed) : seed_(seed) {}

@@ -1,4 +1,4 @@
-// Every reason for which ddssec refuses something, with a stable number, a sentence and a hint.
+// Every reason for which ddssec refuses something. Each has a stable number, a sentence and a hint.
 #pragma once
 
 #include <cstdint>
@@ -7,13 +7,14 @@
 
 namespace ddssec {
 
-/// How bad a code is unless the event says otherwise.
+/// The severity of a code. An event has that of its code.
 enum class Severity : std::uint8_t { debug, informational, warning, error, critical };
 
+/// The name of the enumerator, such as "warning".
 std::string_view to_string(Severity severity);
 
-/// Reasons, each with a number that never changes. The lists are in base/codes/*.def, one for each
-/// part of the project: X(name, number, severity, "what happened", "what to do about it").
+/// All reasons. The number of a reason never changes. The lists are in base/codes/*.def, one for
+/// each part of the project: X(name, number, severity, "what happened", "what to do about it").
 enum class Code : std::int32_t {
 #define X(name, number, severity, summary, hint) name = number,
 #include "base/codes/all.def"
@@ -26,7 +27,7 @@ struct CodeInfo {
   std::string_view name;  ///< as in the enumeration
   Severity severity;
   std::string_view summary;  ///< what happened, without values
-  std::string_view hint;     ///< what a person can do about it
+  std::string_view hint;     ///< what the user can do about it
 };
 
 /// All codes, sorted by number.

@@ -10,9 +10,9 @@
 namespace ddssec {
 namespace {
 
-/// The longest part of a peer's name that a line shows.
+/// The number of octets of a peer's name that a line shows.
 constexpr std::size_t kMostShown = 256;
-// The longest text in an event. Strangers choose some of these texts.
+// The longest text in an event, in octets. Attackers can choose some of these texts.
 constexpr std::size_t kMostOfAText = 1024;
 
 std::string cut(std::string text) {
@@ -20,19 +20,19 @@ std::string cut(std::string text) {
   return text;
 }
 
-// Without quotation marks of its own, which could end it early.
+// Replaces quotation marks inside the name, which could end it early.
 std::string in_quotation_marks(std::string_view name) {
   std::string out = printable(name.substr(0, kMostShown));
   std::ranges::replace(out, '"', '\'');
   return '"' + out + (name.size() > kMostShown ? "...\"" : "\"");
 }
 
-// Strangers choose parts of a line: none of them may look like the code in brackets that a line
-// ends with, such as "[malformed 1003]", and that log watchers look for.
+// Attackers can choose parts of a line. No such part may look like the code in brackets at the end
+// of the line, such as "[malformed 1003]", because log watchers search for that.
 std::string without_codes(std::string_view text) {
   std::string out;
-  auto open = text.npos;  // of a bracket in `out` that has no end yet
-  bool has_gap = false;   // since then
+  auto open = text.npos;  // position in `out` of a bracket that is not closed yet
+  bool has_gap = false;   // true if a space or a non-ASCII octet followed it
   for (const char c : text) {
     if (c == ']' && open != text.npos) {
       if (has_gap && out.back() >= '0' && out.back() <= '9') out.replace(open, 1, "\\x5b");
@@ -48,7 +48,7 @@ std::string without_codes(std::string_view text) {
   return out;
 }
 
-// Such an event is cheap for an attacker to cause.
+// An attacker can cause such an event at little cost.
 bool names_an_unproven_peer(const Event& event) {
   const bool names_a_peer = !event.peer_subject.empty() || !event.guid.empty();
   return names_a_peer && event.proof == PeerProof::claimed;
@@ -83,8 +83,8 @@ std::string Event::to_json() const {
                                  {"found", cut(d.found)},
                                  {"hint", cut(error.hint())},
                                  {"sentence", cut(error.to_sentence())}};
-  // Peers choose some of these octets: what is not UTF-8 is replaced, never thrown about, and what
-  // a terminal would obey is escaped.
+  // Peers choose some of these octets. Octets that are not UTF-8 are replaced instead of throwing,
+  // and control characters are escaped for terminals.
   return json.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
 }
 
@@ -96,7 +96,8 @@ void RateLimitedSink::raise(const Event& event) {
   const auto& peer = event.peer_subject.empty() ? event.guid : event.peer_subject;
   auto reason = fmt::format("{}\n{}\n{}", code, event.guid, d.document);
   if (!is_claimed) reason += fmt::format("\n{}\n{}\n{}", event.peer_subject, d.field, d.expected);
-  // A notice about ourselves: no peer chooses what it says, and each change of state is news.
+  // In a notice about the local participant no peer chooses the text, and each change of state is
+  // new information.
   if (event.proof == PeerProof::not_a_peer && event.severity == Severity::informational)
     reason += "\n" + d.found;
 
@@ -110,7 +111,7 @@ void RateLimitedSink::raise(const Event& event) {
   if (passes) next_.raise(event);
 }
 
-// Where there are too many peers, one share is for all the others; it is always full.
+// If there are too many peers, all further ones use one common share that always counts as full.
 RateLimitedSink::Times& RateLimitedSink::share_of(const std::string& peer,
                                                   std::chrono::nanoseconds now) {
   if (const auto known = proven_.find(peer); known != proven_.end()) return known->second;

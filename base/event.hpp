@@ -1,4 +1,4 @@
-// What a person responsible for the system is told: one event for each refusal.
+// Events: the messages for the operator of a system, one for each refusal.
 #pragma once
 
 #include <chrono>
@@ -15,19 +15,19 @@ namespace ddssec {
 
 /// Whether a peer has proven the subject name that an event gives it.
 enum class PeerProof : std::uint8_t {
-  claimed,        ///< the name is what an announcement says, which anyone can send
-  authenticated,  ///< the name is that of the certificate with which the peer authenticated
-  not_a_peer      ///< the GUID is our own
+  claimed,        ///< the name comes from an announcement, which anyone can send
+  authenticated,  ///< the name is in the certificate with which the peer authenticated
+  not_a_peer      ///< the event is about the local participant or about no participant
 };
 
 /// One refusal or notice.
 struct Event {
   Error error;
   Severity severity;
-  std::string peer_subject;  ///< subject name of the other side; empty = local or unknown
-  std::string guid;          ///< whose GUID, if known
+  std::string peer_subject;  ///< subject name of the peer; empty: local or unknown
+  std::string guid;          ///< GUID of the participant concerned; empty: unknown
   PeerProof proof;
-  bool is_returned = false;  ///< the application also gets the error, as the result of its call
+  bool is_returned = false;  ///< the application also receives the error as the result of its call
 
   Event(Error reason, std::string subject = {}, std::string whose_guid = {},
         PeerProof subject_proof = PeerProof::claimed)
@@ -37,43 +37,51 @@ struct Event {
         guid(std::move(whose_guid)),
         proof(subject_proof) {}
 
-  /// The event of an error that the application also gets, as the result of its call. A log of
-  /// events keeps it; a program that prints both its events and its errors leaves it out.
+  /// The event for an error that the application also receives as the result of its call. A log of
+  /// events includes it. A program that prints both its events and its errors leaves it out.
   static Event of_returned(Error reason) {
     Event out(std::move(reason), {}, {}, PeerProof::not_a_peer);
     out.is_returned = true;
     return out;
   }
 
-  /// One line for a log, without control characters. A name that is not proven is one that the peer
-  /// "claims to be". It ends with the event's name and code in brackets; what looks like them
-  /// before has "\x5b" for its bracket.
+  /// One line for a log, without control characters. An unproven name is shown as one that the peer
+  /// "claims to be". The line ends with the event's name and code in brackets. Earlier text that
+  /// looks like that has "\x5b" in place of its bracket.
   std::string to_line() const;
-  /// A JSON object of one line, in ASCII: code, name, severity, peer_subject, peer_authenticated,
-  /// guid, document, line, field, expected, found, hint, sentence.
+  /// A JSON object on one line, in ASCII: code, name, severity, peer_subject, peer_authenticated,
+  /// guid, document, line, field, expected, found, hint, sentence. Each text is at most 1024 octets
+  /// long, plus "..." for what was cut off.
   std::string to_json() const;
 };
 
-/// Takes events; called from any thread, must not block and must not call back into a plugin.
+/// Receives events. `raise` is called from any thread; it must not block and must not call back
+/// into a plugin.
 class EventSink {
  public:
   virtual ~EventSink() = default;
   virtual void raise(const Event& event) = 0;
 };
 
-/// Passes an event on unless one with the same reason about the same peer went through less than
-/// `interval` ago. Reason: code and document; where no unauthenticated peer can have chosen them,
-/// also field and expected value. Never what was found, nor a name that is only claimed.
+/// Passes an event on, unless an event with the same reason about the same peer was passed on less
+/// than `interval` ago. Thread-safe.
 ///
-/// What is remembered is bounded in shares, so that no peer crowds out events about others: one
-/// for ourselves, one for all peers without proof, and one for each code of each authenticated
-/// peer, which chooses the names of its topics and partitions. Of a full share, and of peers beyond
-/// kMostRemembered, each code still goes through once in each interval.
+/// The reason consists of the code and the document. If no unauthenticated peer can have chosen
+/// them, the field and the expected value also count. The found value and names that are only
+/// claimed never count (exception: the found value of informational notices about the local
+/// participant).
+///
+/// Memory is bounded in shares, so that no peer can suppress events about others. There is one
+/// share for the local participant and one for all peers without proof. Each authenticated peer has
+/// one share for each code, because it chooses the names of its topics and partitions. If a share
+/// is full, or there are more than kMostRemembered shares of peers, each code is still passed on
+/// once in each interval.
 class RateLimitedSink final : public EventSink {
  public:
-  static constexpr std::size_t kMostRemembered = 1024;  ///< about ourselves; shares of peers
-  static constexpr std::size_t kMostClaimed = 128;      ///< about all peers without proof
-  static constexpr std::size_t kMostOfAPeer = 16;       ///< about an authenticated peer, each code
+  static constexpr std::size_t kMostRemembered =
+      1024;  ///< about the local participant; also the number of shares of authenticated peers
+  static constexpr std::size_t kMostClaimed = 128;  ///< about all unauthenticated peers together
+  static constexpr std::size_t kMostOfAPeer = 16;   ///< about one authenticated peer, for each code
 
   RateLimitedSink(EventSink& next, const Clock& clock,
                   std::chrono::seconds interval = std::chrono::seconds(10))
@@ -100,7 +108,7 @@ class RateLimitedSink final : public EventSink {
   Times crowded_out_;  // by code; there are few
 };
 
-/// What every engine is built with; all three outlive it.
+/// The services that every engine gets at construction. All three must outlive it.
 struct Environment {
   const Clock& clock;
   Random& random;

@@ -1,4 +1,5 @@
-// What a person should know about a document that can be read: findings, each by a stable rule.
+// Findings: remarks about a document or folder that is readable. Each refers to a rule with a
+// stable id.
 #pragma once
 
 #include <span>
@@ -10,8 +11,8 @@
 
 namespace ddssec {
 
-/// Rules that documents and folders are held to, by ids that never change (GOV012). The lists are
-/// in base/rules/*.def: X(id, severity, "what it is about", "what to do about it").
+/// Rules for documents and folders. Their ids, such as GOV012, never change. The lists are in
+/// base/rules/*.def: X(id, severity, "what it is about", "what to do about it").
 enum class Rule : std::uint8_t {
 #define X(id, severity, title, hint) id,
 #include "base/rules/all.def"
@@ -25,7 +26,7 @@ struct RuleInfo {
   std::string_view id;
   Severity severity;
   std::string_view title;  ///< what it is about, without values
-  std::string_view hint;   ///< what a person can do about it
+  std::string_view hint;   ///< what the user can do about it
 };
 
 /// All rules, in the order of the lists.
@@ -34,11 +35,11 @@ std::span<const RuleInfo> all_rules();
 /// The row of `rule`.
 const RuleInfo& info(Rule rule);
 
-/// One place where a document or folder is against a rule.
+/// One violation of a rule in a document or folder.
 struct Finding {
   Rule rule;
-  std::string message;        ///< one sentence with the values at hand
-  std::string document = {};  ///< a path; empty = the caller knows which
+  std::string message;        ///< one sentence with the actual values
+  std::string document = {};  ///< a path; empty: the caller knows which document
   int line = 0;               ///< from 1; 0 = none
   std::string path = {};      ///< where in the document, such as /dds/permissions/grant[2]
   std::string hint = {};      ///< empty = the rule's own

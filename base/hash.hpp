@@ -16,19 +16,19 @@ using Md5Digest = std::array<std::uint8_t, 16>;
 /// SHA-256 over the concatenation of `parts`.
 Sha256Digest sha256(std::initializer_list<BytesView> parts);
 inline Sha256Digest sha256(BytesView octets) { return sha256({octets}); }
-/// The same into its final place: for a digest that is a secret (see Secret::digest_of).
+/// The same, written directly to `out`: for a secret digest (see Secret::digest_of).
 void sha256(std::initializer_list<BytesView> parts, std::span<std::uint8_t, 32> out);
 
 /// HMAC-SHA256 over the concatenation of `parts`.
 Sha256Digest hmac_sha256(BytesView key, std::initializer_list<BytesView> parts);
 
-/// MD5, for RTPS KEY_HASH only (RTPS 9.6.4.8).
+/// MD5, only for RTPS KEY_HASH (RTPS 9.6.4.8).
 Md5Digest md5(BytesView octets);
 
-/// Overwrites with zeros; the compiler cannot leave it out.
+/// Overwrites with zeros. The compiler cannot optimize the call away.
 void wipe(MutableBytes octets) noexcept;
 
-/// True if both have the same length and octets; the time depends on the length only.
+/// True if both have the same length and octets. The time depends on the length only.
 bool constant_time_equal(BytesView a, BytesView b) noexcept;
 
 }  // namespace ddssec

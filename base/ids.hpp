@@ -1,4 +1,5 @@
-// Identifiers of RTPS and DDS-Security: fixed octet strings that do not convert into one another.
+// Identifiers of RTPS and DDS-Security: octet strings of fixed length. Different kinds do not
+// convert into one another.
 #pragma once
 
 #include <algorithm>
@@ -12,14 +13,14 @@
 
 namespace ddssec {
 
-/// N octets in network order, of a kind of their own.
+/// N octets in network order. `Tag` makes each kind a distinct type.
 template <class Tag, std::size_t N>
 struct Id {
   std::array<std::uint8_t, N> octets{};
 
   static constexpr std::size_t size = N;
   auto operator<=>(const Id&) const = default;
-  /// One comparison of a word for the ids that every message is looked up by.
+  /// Compares 4-octet ids as one word: every received message is looked up by such ids.
   constexpr bool operator==(const Id& other) const {
     if constexpr (N == 4)
       return std::bit_cast<std::uint32_t>(octets) == std::bit_cast<std::uint32_t>(other.octets);
@@ -30,7 +31,7 @@ struct Id {
   bool is_zero() const { return *this == Id{}; }
   std::string to_string() const { return to_hex(octets); }
 
-  /// From exactly N octets; the caller has checked the length.
+  /// Copies the first N octets of `in`, which must have at least that many.
   static Id from(BytesView in) {
     Id id;
     std::copy_n(in.begin(), N, id.octets.begin());
@@ -42,14 +43,15 @@ using GuidPrefix = Id<struct GuidPrefixTag, 12>;
 using EntityId = Id<struct EntityIdTag, 4>;
 /// CryptoTransformKind (DDS-Security 9.5.2.1.1).
 using TransformKind = Id<struct TransformKindTag, 4>;
-/// CryptoTransformKeyId: unique for one sending participant; 0 is the Kx key, or "none".
+/// CryptoTransformKeyId: unique within one sending participant; 0 is the key of the key exchange,
+/// or "none".
 using KeyId = Id<struct KeyIdTag, 4>;
 using SessionId = Id<struct SessionIdTag, 4>;
 
 /// The participant's own entity (RTPS 9.3.1.3).
 inline constexpr EntityId kEntityIdParticipant{{0x00, 0x00, 0x01, 0xc1}};
 
-/// GUID_t in network octet order; compares octet by octet, as DDS-Security 9.3.3 wants.
+/// GUID_t in network byte order. Comparison is octet by octet, as DDS-Security 9.3.3 demands.
 struct Guid {
   GuidPrefix prefix;
   EntityId entity;

@@ -20,8 +20,8 @@ struct Row {
   std::array<Version, 8> fixes;  ///< the first release with the fix, by series; 0.0.0: unused
 };
 
-// From OpenSSL's advisories (https://openssl-library.org/news/vulnerabilities/). Only what an input
-// of ddssec reaches is here: a flaw in TLS, PKCS#12, CMS encryption or OCSP is not.
+// From OpenSSL's advisories (https://openssl-library.org/news/vulnerabilities/). Only flaws that
+// input of ddssec can reach are listed: flaws in TLS, PKCS#12, CMS encryption or OCSP are not.
 constexpr std::array kRows = {
     Row{.id = "CVE-2023-0286",
         .summary = "a revocation list or certificate with an X.400 address can read invalid memory",
@@ -81,7 +81,7 @@ constexpr std::array kRows = {
                    {4, 0, 3}}}},
 };
 
-// Ubuntu 22.04 and 24.04 put every fix into these.
+// Ubuntu 22.04 and 24.04 backport every fix into these versions.
 constexpr std::array kKeptNumbers = {Version{3, 0, 2}, Version{3, 0, 13}};
 
 std::optional<Version> parse(std::string_view text) {
@@ -107,9 +107,9 @@ std::string to_text(const Version& version) {
          std::to_string(version.patch);
 }
 
-/// A security update of a distribution often carries the fix in the number before: Debian 12 has
-/// the fixes of 3.0.19, 3.0.21 and 3.0.23 in 3.0.18-1~deb12u2, 3.0.20-1~deb12u2
-/// and 3.0.22-1~deb12u2.
+/// A security update of a distribution often contains the fix under the previous number: Debian 12
+/// has the fixes of 3.0.19, 3.0.21 and 3.0.23 in 3.0.18-1~deb12u2, 3.0.20-1~deb12u2 and
+/// 3.0.22-1~deb12u2.
 bool says_number(const Version& version, const Version& fix) {
   return (fix.patch == kNotFixed || version.patch + 1 < fix.patch) &&
          std::ranges::find(kKeptNumbers, version) == kKeptNumbers.end();

@@ -1,4 +1,4 @@
-// Which flaws the OpenSSL that runs is known to have in what ddssec uses of it.
+// Known flaws of the running OpenSSL in functions that ddssec uses.
 #pragma once
 
 #include <string>
@@ -12,21 +12,22 @@ namespace ddssec {
 /// A flaw that one version of OpenSSL has.
 struct OpensslFlaw {
   std::string_view id;       ///< "CVE-2026-45447", or a short name
-  std::string_view summary;  ///< a sentence without its full stop
-  std::string_view guard;    ///< what ddssec does about it; "" if only an update helps
-  std::string fixed_in;  ///< the first release of the same series with the fix; "" if there is none
-  /// False where the number does not say: distributions put fixes into a version and keep its
-  /// number.
+  std::string_view summary;  ///< one sentence without a full stop
+  std::string_view guard;    ///< how ddssec prevents it; "" if only an update helps
+  std::string fixed_in;      ///< the first fixed release of the same series; "" if there is none
+  /// False if the version number does not prove the flaw: distributions backport fixes without
+  /// changing the number.
   bool is_certain = true;
 };
 
-/// The flaws of a version, written "3.0.19" or as openssl_version() does ("OpenSSL 3.0.19 27 Jan
-/// 2026"). A pure function of the text. Empty for a text that names no version, and for a series
-/// that is newer than what we know.
+/// The flaws of a version, written "3.0.19" or as openssl_version() returns it ("OpenSSL 3.0.19 27
+/// Jan 2026"). A pure function of the text. Empty for a text without a version, and for a series
+/// that is newer than the table.
 std::vector<OpensslFlaw> openssl_flaws(std::string_view version);
 
-/// The warning for the start of a process, with the code openssl_known_unsafe: nothing if no flaw
-/// is certain, because then no update may exist that changes the number.
+/// The warning for the start of a process. Error: openssl_known_unsafe if at least one flaw is
+/// certain. Flaws that are not certain are ignored, because there may be no update that changes the
+/// number.
 Status openssl_advice(const std::string& version);
 
 }  // namespace ddssec

@@ -1,12 +1,12 @@
-// Which OpenSSL this process runs on.
+// The version of OpenSSL in this process.
 #pragma once
 
 #include <string>
 
 namespace ddssec {
 
-/// What the library that is loaded says of itself, "OpenSSL 3.0.17 1 Jul 2025". It may be of
-/// another patch level than the one we were compiled with.
+/// The version text of the loaded library, "OpenSSL 3.0.17 1 Jul 2025". Its patch level may differ
+/// from that of the headers at compile time.
 std::string openssl_version();
 
 }  // namespace ddssec

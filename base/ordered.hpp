@@ -1,5 +1,5 @@
-// Stable sorting. The library's own does not compile with clang 19 on g++ 12's library when
-// warnings are errors: it calls what C++17 deprecates.
+// Stable sorting. The standard library's own does not compile with clang 19 on g++ 12's library
+// when warnings are errors, because it calls functions that C++17 deprecates.
 #pragma once
 
 #include <algorithm>
@@ -10,8 +10,8 @@
 
 namespace ddssec {
 
-/// Sorts by key_of(item), which is copied, least first; equal ones keep their order. Takes the
-/// place of a second list.
+/// Sorts by key_of(item) in ascending order; equal items keep their order. Copies the keys and
+/// allocates a second list.
 template <class T, class KeyOf>
 void order_by_least(std::vector<T>& items, KeyOf&& key_of) {
   using Key = std::decay_t<decltype(std::invoke(key_of, items.front()))>;
@@ -25,7 +25,7 @@ void order_by_least(std::vector<T>& items, KeyOf&& key_of) {
   items = std::move(sorted);
 }
 
-/// Likewise, greatest first.
+/// The same in descending order.
 template <class T, class KeyOf>
 void order_by_greatest(std::vector<T>& items, KeyOf&& key_of) {
   std::ranges::reverse(items);

@@ -1,4 +1,4 @@
-// ProtectionKind: the word that governance documents, security attributes and transforms share.
+// ProtectionKind: the type that governance documents, security attributes and transforms share.
 #pragma once
 
 #include <cstdint>
@@ -25,9 +25,9 @@ constexpr bool is_origin_authenticated(ProtectionKind kind) {
   return kind >= ProtectionKind::sign_with_origin_authentication;
 }
 
-/// "ENCRYPT_WITH_ORIGIN_AUTHENTICATION" and so on, as in governance documents.
+/// The spelling of governance documents, such as "ENCRYPT_WITH_ORIGIN_AUTHENTICATION".
 std::string_view to_string(ProtectionKind kind);
-/// Exact, upper case.
+/// From that spelling, upper case only; empty for any other text.
 std::optional<ProtectionKind> protection_kind_from(std::string_view text);
 
 }  // namespace ddssec

@@ -1,4 +1,4 @@
-// The one cursor through which octets of a peer or a file are read; it cannot leave its bounds.
+// The only cursor with which octets of a peer or a file are read. It cannot leave its bounds.
 #pragma once
 
 #include <concepts>
@@ -12,8 +12,8 @@ namespace ddssec {
 
 enum class Endian : std::uint8_t { big, little };
 
-/// Reads forward over borrowed octets. A failed read leaves the cursor where it was.
-/// CDR alignment counts from the first octet given to the constructor.
+/// Reads forward over borrowed octets. A failed read leaves the cursor where it was. CDR alignment
+/// counts from the first octet given to the constructor. Not thread-safe.
 class Reader {
  public:
   explicit Reader(BytesView octets, Endian endian = Endian::big)
@@ -26,7 +26,7 @@ class Reader {
   Endian endian() const { return endian_; }
   void set_endian(Endian endian) { endian_ = endian; }
 
-  /// An unsigned or signed integer of 1, 2, 4 or 8 octets, without alignment.
+  /// An unsigned or signed integer of 1, 2, 4 or 8 octets, without alignment. Error: truncated.
   template <std::integral T>
   Result<T> read() {
     if (remaining() < sizeof(T)) return fail(Code::truncated);
@@ -40,36 +40,40 @@ class Reader {
     return static_cast<T>(value);
   }
 
-  /// The same after skipping to a multiple of the integer's size (CDR).
+  /// The same after skipping to a multiple of the integer's size (CDR). Error: truncated.
   template <std::integral T>
   Result<T> read_aligned() {
     if (auto status = align(sizeof(T)); !status) return std::unexpected(std::move(status).error());
     return read<T>();
   }
 
-  /// The next `count` octets, borrowed.
+  /// The next `count` octets, borrowed. Error: truncated.
   Result<BytesView> read_bytes(std::size_t count);
 
-  /// Copies as many octets as `out` holds.
+  /// Copies as many octets as `out` holds. Error: truncated.
   Status read_into(MutableBytes out);
 
-  /// Skips to a multiple of `alignment` (1, 2, 4 or 8).
+  /// Skips to a multiple of `alignment` (1, 2, 4 or 8). Error: truncated.
   Status align(std::size_t alignment);
 
+  /// Skips `count` octets. Error: truncated.
   Status skip(std::size_t count);
 
-  /// CDR sequence<octet>: aligned uint32 length, then the octets.
+  /// CDR sequence<octet>: aligned uint32 length, then the octets, which are borrowed. Error:
+  /// truncated.
   Result<BytesView> read_octet_sequence();
 
-  /// CDR string: aligned uint32 length counting the NUL, text, NUL. Length 0 is read as "" (a
-  /// peer's habit); an inner NUL or a missing final one is an error.
+  /// CDR string: aligned uint32 length including the NUL, text, NUL. Length 0 is read as "",
+  /// because some peers send it. Errors: truncated; malformed (a NUL inside the text, or no NUL at
+  /// the end).
   Result<std::string_view> read_string();
 
-  /// CDR sequence length for elements of at least `least_element_size` octets: fails when the rest
-  /// of the data cannot hold that many, so that nothing is allocated for a lie.
+  /// CDR sequence length for elements of at least `least_element_size` octets. Fails if the
+  /// remaining octets cannot hold that many, so that a false length causes no allocation. Errors:
+  /// truncated, length_out_of_range.
   Result<std::uint32_t> read_count(std::size_t least_element_size);
 
-  /// Fails if anything is left.
+  /// Success if no octets are left. Error: trailing_octets.
   Status finish() const;
 
  private:

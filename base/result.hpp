@@ -1,4 +1,5 @@
-// Errors are values: Result<T> is a T or an Error that says which document, rule and values.
+// Errors are values: a Result<T> holds a T or an Error. An Error names the document, rule and
+// values.
 #pragma once
 
 #include <cstdint>
@@ -12,19 +13,19 @@
 
 namespace ddssec {
 
-/// Where an error was found and what differs; every field may stay empty.
+/// Where an error was found and which values differ. Every field may be empty.
 struct ErrorDetails {
   std::string document = {};  ///< which document: a path, a property's name or a message's name
   int line = 0;               ///< line in the document, from 1; 0 = none
   std::string field = {};     ///< element, attribute, property or rule
   std::string expected = {};
   std::string found = {};
-  std::string note = {};  ///< anything else worth a clause of the sentence
-  std::string hint = {};  ///< what a person can do about it; empty = what the code's row says
+  std::string note = {};  ///< further information for the sentence
+  std::string hint = {};  ///< what the user can do about it; empty: the hint of the code
 };
 
-/// A refusal. Two words in size, so that Result<T> stays cheap where nothing goes wrong; an Error
-/// without details allocates nothing.
+/// A refusal. It is two words long, so that Result<T> is cheap on success. An Error without details
+/// allocates nothing. Copies share their details.
 class Error {
  public:
   explicit Error(Code code) : code_(code) {}
@@ -34,16 +35,17 @@ class Error {
   Code code() const { return code_; }
   const ErrorDetails& details() const;
 
-  /// What a person can do about it: the details' own, or else that of the code.
+  /// What the user can do about it: the hint of the details, or else that of the code.
   std::string hint() const;
 
-  /// The same error, with the document filled in if it had none.
+  /// The same error, with `document` filled in if it had none.
   Error in(std::string document) const;
 
-  /// What happened, with both values; neither where nor what to do.
+  /// What happened, with the expected and the found value; without place and hint.
   std::string message() const;
 
-  /// One sentence: what happened, where, both values and what to do; without control characters.
+  /// One sentence with what happened, the place, both values and the hint; without control
+  /// characters.
   std::string to_sentence() const;
 
  private:
@@ -62,7 +64,8 @@ inline std::unexpected<Error> fail(Code code, ErrorDetails details) {
   return std::unexpected(Error(code, std::move(details)));
 }
 
-/// The value of a success, moved out. For DDSSEC_TRY: may be ignored, unlike the operators.
+/// Moves the value out of a successful Result. For DDSSEC_TRY; unlike the result of the operators,
+/// it may be ignored.
 template <class T>
 T take_value(Result<T>& result) {
   if constexpr (!std::is_void_v<T>) return *std::move(result);

@@ -1,12 +1,12 @@
-// Takes back what a function has begun, unless it gets to its end.
+// Undoes what a function has begun, unless the function reaches its end.
 #pragma once
 
 #include <utility>
 
 namespace ddssec {
 
-/// Calls `undo` at the end of its scope unless released: whatever returns early or throws in
-/// between (memory may run out anywhere) leaves things as they were. `undo` must not throw.
+/// Calls `undo` at the end of its scope unless released. So an early return or an exception (any
+/// allocation may fail) leaves the state unchanged. `undo` must not throw.
 template <class F>
 class Rollback {
  public:
@@ -17,7 +17,7 @@ class Rollback {
   Rollback(const Rollback&) = delete;
   Rollback& operator=(const Rollback&) = delete;
 
-  /// All is done.
+  /// The work is complete: do not call `undo`.
   void release() { armed_ = false; }
 
  private:

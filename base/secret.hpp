@@ -1,4 +1,4 @@
-// Key material: wiped when it dies, compared in constant time, never printed.
+// Key material: wiped at destruction, compared in constant time, never printed.
 #pragma once
 
 #include <array>
@@ -11,8 +11,9 @@
 
 namespace ddssec {
 
-/// Up to N secret octets of a kind of their own (16 for AES-128 in a 32 octet key, for example).
-/// Move-only; moving wipes the source. `expose` is the only way in: grep for it to find every use.
+/// Up to N secret octets (for example 16 for AES-128 in a type for 32). `Tag` makes each kind a
+/// distinct type. Move-only; moving wipes the source. `expose` is the only access to the octets:
+/// search for it to find every use.
 template <class Tag, std::size_t N>
 class Secret {
  public:
@@ -32,7 +33,8 @@ class Secret {
   Secret(const Secret&) = delete;
   Secret& operator=(const Secret&) = delete;
 
-  /// `fill_octets(MutableBytes of size octets) -> Status` writes into the final place.
+  /// A secret of `size` octets that `fill_octets(MutableBytes) -> Status` writes in place. Errors:
+  /// length_out_of_range (more than N), those of `fill_octets`.
   template <class Fill>
   static Result<Secret> fill(std::size_t size, Fill&& fill_octets) {
     if (size > N) return fail(Code::length_out_of_range);
@@ -43,7 +45,7 @@ class Secret {
     return secret;
   }
 
-  /// A copy of octets that the caller wipes itself.
+  /// A copy of octets that the caller must wipe. Error: length_out_of_range.
   static Result<Secret> copy_of(BytesView octets) {
     return fill(octets.size(), [&](MutableBytes out) -> Status {
       std::copy(octets.begin(), octets.end(), out.begin());
@@ -51,7 +53,7 @@ class Secret {
     });
   }
 
-  /// SHA-256 of secret octets; it stands nowhere else.
+  /// SHA-256 of secret octets, written in place so that no other copy exists.
   static Result<Secret> digest_of(BytesView octets) requires(N >= 32) {
     return fill(32, [&](MutableBytes out) -> Status {
       sha256({octets}, out.first<32>());
@@ -59,6 +61,7 @@ class Secret {
     });
   }
 
+  /// A copy; wiped independently of this one.
   Secret clone() const {
     Secret copy;
     copy.octets_ = octets_;
@@ -69,7 +72,7 @@ class Secret {
   std::size_t size() const { return size_; }
   bool empty() const { return size_ == 0; }
 
-  /// Calls `f(BytesView)`; the view must not leave it.
+  /// Calls `f(BytesView)` and returns its result. The view must not outlive the call.
   template <class F>
   decltype(auto) expose(F&& f) const {
     return std::forward<F>(f)(BytesView(octets_).first(size_));

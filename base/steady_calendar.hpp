@@ -1,4 +1,4 @@
-// A calendar that follows its clock, but not at once when the clock is set.
+// A calendar that follows its clock with a delay after a step.
 #pragma once
 
 #include <mutex>
@@ -8,20 +8,22 @@
 
 namespace ddssec {
 
-/// A clock may be wrong for some seconds: a time server, a bad battery, a hand that sets it. What
-/// is judged by the calendar alone (certificates, permissions) must not be cut off for good by
-/// that. This clock compares the calendar with the time that has passed. When they part by more
-/// than kStep, it goes on as before the step for the time of grace. If the calendar is back by
-/// then, the step is undone; else the calendar counts from then on. What ends in the ordinary
-/// course of time ends on time, a little adjustment is followed at once, and a machine that slept
-/// is no step. Thread-safe.
+/// A clock can be wrong for some seconds because of a time server, a bad battery or a manual
+/// change. Such a moment must not permanently disconnect participants whose certificates and
+/// permissions are judged by the calendar.
+///
+/// This clock compares the calendar with the elapsed time. If they differ by more than kStep, it
+/// ignores the step for a grace period. If the calendar is back by then, the step was undone.
+/// Otherwise the new calendar time counts from then on. Expiry in the ordinary course of time is on
+/// time. A small adjustment is followed at once, and time during which the machine slept is not a
+/// step. Thread-safe.
 class SteadyCalendar final : public Clock {
  public:
   static constexpr std::chrono::seconds kStep{10};
   static constexpr std::chrono::seconds kDefaultGrace{60};
   static constexpr std::chrono::seconds kLongestGrace{60 * 60};
 
-  /// `clock` outlives it.
+  /// `clock` must outlive this object.
   explicit SteadyCalendar(const Clock& clock);
 
   WallTime now() const override { return std::chrono::floor<std::chrono::seconds>(at(wall())); }
@@ -29,11 +31,11 @@ class SteadyCalendar final : public Clock {
   std::chrono::nanoseconds monotonic() const override { return clock_.monotonic(); }
   std::chrono::nanoseconds since_boot() const override { return clock_.since_boot(); }
 
-  /// 0: the calendar is followed at once, without a word.
+  /// Sets the grace period. 0: follow the calendar at once, without an event.
   void set_grace(std::chrono::seconds grace);
 
-  /// What has happened since the last call: clock_stepped, then clock_step_undone or
-  /// clock_step_followed, with both times. Looks at the calendar first.
+  /// The latest change since the last call, for an event: clock_stepped, clock_step_undone or
+  /// clock_step_followed, with both times. Reads the calendar first.
   std::optional<Error> news();
 
  private:
@@ -45,9 +47,9 @@ class SteadyCalendar final : public Clock {
 
   const Clock& clock_;
   mutable std::mutex mutex_;
-  mutable Nanoseconds wall_;                    ///< the calendar when it was last believed
+  mutable Nanoseconds wall_;                    ///< the calendar when it was last followed
   mutable Nanoseconds elapsed_;                 ///< since_boot at that time
-  mutable std::optional<Nanoseconds> stepped_;  ///< since_boot when the calendar was found set
+  mutable std::optional<Nanoseconds> stepped_;  ///< since_boot when the step was detected
   mutable std::optional<Error> news_;
   std::chrono::seconds grace_ = kDefaultGrace;
 };

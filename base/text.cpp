@@ -15,7 +15,7 @@ std::string each(std::string_view text, char (*change)(char)) {
   return out;
 }
 
-/// What a text begins with.
+/// The first character of a text.
 struct Character {
   char32_t value = 0xfffd;
   std::size_t octets = 1;

@@ -1,5 +1,5 @@
 // Codes that only the command line tool reports. They are not in the enumeration, so that a new one
-// compiles the tool anew and not everything that has an error.
+// recompiles only the tool and not every file that uses errors.
 #pragma once
 
 #include "base/code.hpp"

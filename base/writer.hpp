@@ -1,4 +1,4 @@
-// The one cursor through which octets are written.
+// The only cursor with which octets are written.
 #pragma once
 
 #include <concepts>
@@ -10,10 +10,10 @@
 
 namespace ddssec {
 
-/// Appends to its own buffer. CDR alignment counts from the first octet written.
+/// Appends to its own buffer. CDR alignment counts from the first octet written. Not thread-safe.
 class Writer {
  public:
-  /// `most`: octets that are certainly not exceeded, or 0; they are written without growing.
+  /// `most`: octets to reserve, 0 for none; up to that size the buffer does not grow.
   explicit Writer(Endian endian = Endian::big, std::size_t most = 0) : endian_(endian) {
     octets_.reserve(most);
   }
@@ -39,18 +39,19 @@ class Writer {
   void write_bytes(BytesView octets) {
     octets_.insert(octets_.end(), octets.begin(), octets.end());
   }
+  /// Appends zero octets up to a multiple of `alignment`, a power of 2.
   void align(std::size_t alignment) {
     octets_.resize((octets_.size() + alignment - 1) & ~(alignment - 1));
   }
 
-  /// CDR sequence<octet>; nothing is appended behind the last octet.
+  /// CDR sequence<octet>; no padding after the last octet.
   void write_octet_sequence(BytesView octets);
   /// CDR string with its terminating NUL.
   void write_string(std::string_view text);
 
   std::size_t size() const { return octets_.size(); }
   BytesView view() const { return octets_; }
-  /// Gives the octets away; the writer is empty afterwards.
+  /// Moves the octets out; the writer is empty afterwards.
   Bytes take() { return std::exchange(octets_, {}); }
 
  private:
