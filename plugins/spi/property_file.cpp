@@ -11,9 +11,9 @@ namespace ddssec::spi {
 namespace {
 
 constexpr std::string_view kBlanks = " \t\r";
-/// What some editors put before the first line of a UTF-8 text.
+/// Some editors put this before the first line of a UTF-8 text.
 constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
-/// How many characters may differ in a name that is proposed.
+/// The largest edit distance at which a known name is proposed.
 constexpr std::size_t kMostDifferences = 3;
 constexpr std::size_t kMostNameOctets = 64;
 
@@ -22,7 +22,7 @@ bool has_control_character(std::string_view text) {
       text, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; });
 }
 
-/// The known name that was probably meant; empty if none is near.
+/// The known name that is most similar to `name`; empty if none is similar enough.
 std::string_view nearest(std::string_view name) {
   const auto lower = ascii_lower(name.substr(0, kMostNameOctets));
   std::size_t least = kMostDifferences + 1;
@@ -36,8 +36,8 @@ std::string_view nearest(std::string_view name) {
   return best;
 }
 
-/// The path may lead to any file of the machine: only what looks like a property's name is quoted,
-/// since a line of secrets can have an equals sign, too.
+/// The path may point to any file on the machine, and a line of secrets can contain an equals sign
+/// too. So an error quotes only text that looks like a property name.
 std::string quoted(std::string_view name) {
   constexpr std::string_view kBeginnings[] = {"dds.sec.", "org.ddssec.", "org.eclipse.cyclonedds."};
   const auto lower = ascii_lower(name.substr(0, kMostNameOctets));
@@ -98,7 +98,7 @@ Result<PropertyList> read_property_file(const std::filesystem::path& path) {
   auto octets = load_secret_octets("file://" + name, name, kMostPropertyFileOctets);
   if (!octets && octets.error().code() == Code::item_empty) return PropertyList{};
   if (!octets) return std::unexpected(std::move(octets).error());
-  const Rollback at_the_end([&] { wipe(*octets); });  // one of the values may be a passphrase
+  const Rollback at_the_end([&] { wipe(*octets); });  // a value may be a passphrase
   auto properties = parse_properties(as_text(*octets));
   if (!properties) return std::unexpected(properties.error().in(name));
   return properties;

@@ -18,7 +18,7 @@ void write_propagated(Writer& writer, const List& list, WriteValue&& write_value
   }
 }
 
-/// A property needs at least two length fields.
+/// A property has at least two length fields: the smallest size that bounds a count.
 constexpr std::size_t kLeastPropertySize = 8;
 
 Result<std::uint32_t> read_property_count(Reader& reader) {
