@@ -22,7 +22,7 @@ struct KeyAgreementName {
   std::string_view name;
 };
 
-// The first name of a kind is the one that we send.
+// The first name of each kind is the one to send.
 constexpr std::array kKeyAgreementNames = {
     KeyAgreementName{KeyAgreementKind::ecdh_p256, "ECDH+prime256v1-CEUM"},
     KeyAgreementName{KeyAgreementKind::ecdh_p256, "ECDHE-CEUM+P256"},

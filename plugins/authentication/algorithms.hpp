@@ -1,4 +1,4 @@
-// The algorithm names that go into the handshake, and what they mean (DDS-Security 9.3.4.1).
+// The algorithm names in handshake messages and their meaning (DDS-Security 9.3.4.1).
 #pragma once
 
 #include <optional>
@@ -10,22 +10,22 @@
 
 namespace ddssec::authentication {
 
-/// The text of an algorithm field without the one trailing NUL that Cyclone DDS counts in. For
-/// comparison only: hashes and signatures cover the octets as received.
+/// The text of an algorithm field without the one trailing NUL that Cyclone DDS includes in the
+/// length. For comparison only: hashes and signatures cover the octets as received.
 std::string_view algorithm_text(BytesView octets);
 
-/// What we announce as c.dsign_algo for a key of our own: the 1.1 name where there is one, since
-/// the stock peers refuse the 1.2 names.
+/// The c.dsign_algo to send for a local key: the name from DDS-Security 1.1 where there is one,
+/// because stock peers refuse the names of 1.2.
 std::string_view signature_algorithm_name(pki::KeyAlgorithm key);
 
-/// True for the names of DDS-Security 1.1 and 1.2. Which algorithm verifies is decided by the key
-/// in c.id: Fast DDS announces the algorithm of its CA.
+/// True for the names of DDS-Security 1.1 and 1.2. The name does not select the algorithm: the key
+/// in c.id does, because Fast DDS announces the algorithm of its CA.
 bool is_signature_algorithm(std::string_view name);
 
-/// What we announce as c.kagree_algo when we begin.
+/// The c.kagree_algo to send as initiator.
 std::string_view key_agreement_name(pki::KeyAgreementKind kind);
 
-/// From a 1.1 or 1.2 name.
+/// From a name of DDS-Security 1.1 or 1.2; empty for any other.
 std::optional<pki::KeyAgreementKind> key_agreement_kind_from(std::string_view name);
 
 }  // namespace ddssec::authentication

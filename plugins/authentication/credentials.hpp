@@ -1,4 +1,5 @@
-// The c.* fields that requests and replies share: who speaks, with what permissions and algorithms.
+// The c.* fields that requests and replies share: certificate, permissions, participant data and
+// algorithms of the sender.
 #pragma once
 
 #include <optional>
@@ -10,25 +11,28 @@
 
 namespace ddssec::authentication {
 
-/// The longest c.perm, in octets. A peer is believed to need it before it has proven anything.
+/// The longest c.perm, in octets. It bounds memory for a peer that has not proven anything yet.
 inline constexpr std::size_t kMostPermissionsOctets = 1024 * 1024;
 
-/// As sent or received, borrowed. Algorithm names are known ones; everything else is a claim.
+/// The fields as sent or received, borrowed. Algorithm names were checked to be known ones; all
+/// other fields are unproven.
 struct Credentials {
-  BytesView id;                          ///< c.id: certificate, PEM
-  std::optional<BytesView> permissions;  ///< c.perm: signed document, perhaps with one NUL more
-  BytesView participant_data;            ///< c.pdata: big-endian parameter list
-  BytesView signature_algorithm;         ///< c.dsign_algo
-  BytesView key_agreement_algorithm;     ///< c.kagree_algo
-  pki::KeyAgreementKind key_agreement;   ///< what c.kagree_algo names
+  BytesView id;  ///< c.id: certificate, PEM
+  std::optional<BytesView>
+      permissions;                      ///< c.perm: signed document, with or without a trailing NUL
+  BytesView participant_data;           ///< c.pdata: big-endian parameter list
+  BytesView signature_algorithm;        ///< c.dsign_algo
+  BytesView key_agreement_algorithm;    ///< c.kagree_algo
+  pki::KeyAgreementKind key_agreement;  ///< what c.kagree_algo names
 
-  /// Errors: token_field_missing, token_field_repeated, token_field_length,
-  /// signature_algorithm_unknown, key_agreement_algorithm_unknown.
+  /// Reads and checks the fields. Errors: token_field_missing, token_field_repeated,
+  /// token_field_length, signature_algorithm_unknown, key_agreement_algorithm_unknown.
   static Result<Credentials> read(const TokenFields& fields);
+  /// Appends the fields to `token`.
   void write(spi::Token& token) const;
 
-  /// hash_c1 or hash_c2 (DDS-Security 9.3.2.5): the fields in the standard's order; c.perm counts
-  /// only if it is there.
+  /// hash_c1 or hash_c2 (DDS-Security 9.3.2.5): SHA-256 over the fields in the standard's order;
+  /// c.perm is included only if present.
   Sha256Digest hash() const;
 };
 

@@ -40,7 +40,8 @@ Result<std::shared_ptr<const spi::SharedSecret>> shared_secret(const pki::Epheme
                         .peer_addresses = peer.addresses()});
 }
 
-/// A message without a key would be refused, and sent again and again.
+/// Fails rather than returning no octets: the peer would refuse a message without a key, and it
+/// would be retransmitted again and again.
 Result<Bytes> public_octets(const pki::EphemeralKey& key, pki::PublicKeyEncoding encoding) {
   auto octets = key.public_octets(encoding);
   if (octets.empty()) return fail(Code::internal, {.note = "the public key cannot be written"});
@@ -80,7 +81,7 @@ TokenClass class_of(const HandshakeRequest&) { return TokenClass::request; }
 TokenClass class_of(const HandshakeReply&) { return TokenClass::reply; }
 TokenClass class_of(const HandshakeFinal&) { return TokenClass::final; }
 
-/// The same in everything that later signatures cover.
+/// True if both agree in every value that later signatures cover.
 bool same_request(const Transcript& known, const HandshakeRequest& request) {
   return known.challenge1 == request.challenge1 && std::ranges::equal(known.dh1, request.dh1) &&
          known.hash_c1 == request.credentials.hash();
@@ -127,7 +128,7 @@ Result<HandshakeOutcome> on(const AwaitFinal& state, const HandshakeRequest& req
 Result<HandshakeOutcome> on(const AwaitFinal& state, const HandshakeFinal& final,
                             const HandshakeContext& context) {
   DDSSEC_TRY(final.verify(state.transcript));
-  // Its certificate may have ended since the request.
+  // The peer's certificate may have expired or been revoked since the request.
   DDSSEC_TRY(context.local.peer_trust()->verify(state.peer.certificate(), context.now));
   auto proof = DDSSEC_TRY(
       pki::verify(state.peer.certificate(), state.transcript.final_input(), final.signature));
@@ -164,7 +165,7 @@ Result<HandshakeOutcome> on(const Established& state, const HandshakeFinal& fina
   return HandshakeOutcome{ValidationResult::ok};
 }
 
-// Everything else.
+// All other edges.
 Result<HandshakeOutcome> on(const auto& state, const auto& message, const HandshakeContext&) {
   return unexpected_message(class_of(message), name_of(state));
 }
@@ -206,7 +207,7 @@ Result<HandshakeOutcome> start_reply(const HandshakeContext& context, const spi:
   auto peer_key = DDSSEC_TRY(pki::PeerPublicKey::parse(kind, request.dh1));
   auto key = DDSSEC_TRY(pki::EphemeralKey::generate(kind));
   const auto permissions = context.local.permissions();
-  // Fast DDS wants its own name back, octet for octet; Cyclone DDS takes it without the NUL.
+  // Fast DDS demands its own name back, octet for octet. Cyclone DDS accepts it without the NUL.
   const auto name = as_bytes(algorithm_text(request.credentials.key_agreement_algorithm));
   const auto credentials = own_credentials(context.local, *permissions, participant_data, name);
   transcript.hash_c2 = context.local.hash_of(credentials);

@@ -1,4 +1,4 @@
-// The handshake as a pure state machine: no clock, no lock, no table, no I/O inside.
+// The handshake as a pure state machine: it has no clock, lock, table or I/O.
 #pragma once
 
 #include <memory>
@@ -15,23 +15,24 @@
 
 namespace ddssec::authentication {
 
-/// What a step may look at. The caller fills in the time and the challenges.
+/// The inputs of a step besides the message.
 struct HandshakeContext {
   const LocalIdentity& local;
   Guid remote_guid;
-  spi::Challenge own_challenge;                       ///< our challenge1 or challenge2
-  std::optional<spi::Challenge> announced_challenge;  ///< the peer's, from its auth request
+  spi::Challenge own_challenge;  ///< the local challenge1 or challenge2
+  std::optional<spi::Challenge>
+      announced_challenge;  ///< the peer's challenge from its auth request, if one came
   WallTime now;
 };
 
-/// We sent a request. The ephemeral key dies with the state.
+/// The request was sent. The ephemeral key is destroyed with the state.
 struct AwaitReply {
   pki::EphemeralKey key;
   Transcript transcript;  ///< hash_c1, challenge1, dh1
   spi::Token request;
 };
 
-/// We sent a reply.
+/// The reply was sent.
 struct AwaitFinal {
   pki::EphemeralKey key;
   pki::PeerPublicKey peer_key;
@@ -40,44 +41,45 @@ struct AwaitFinal {
   spi::Token reply;
 };
 
-/// Both sides have proven that they hold the key of their certificate.
+/// The handshake has ended: both sides have proven that they hold the key of their certificate.
 struct Established {
   std::shared_ptr<const spi::SharedSecret> secret;
   pki::SignatureValid proof;
   JudgedPeer peer;
   Transcript transcript;
   bool initiator;
-  Bytes signature;                  ///< of the peer's last message, to know it again
-  std::optional<spi::Token> final;  ///< what we sent last, as initiator
+  Bytes signature;                  ///< of the peer's last message, to recognize a retransmission
+  std::optional<spi::Token> final;  ///< the last message sent, as initiator
 };
 
 using HandshakeState = std::variant<AwaitReply, AwaitFinal, Established>;
 
-/// What an accepted message leads to. `next` is empty if the state stays.
+/// The result of an accepted message. `next` is empty if the state stays the same.
 struct HandshakeOutcome {
   spi::ValidationResult result;
   std::optional<spi::Token> message = {};
   std::optional<HandshakeState> next = {};
 };
 
-/// Begins as initiator: ECDH on P-256, always (stock Cyclone can answer nothing else, Fast DDS
-/// adopts it). Error: internal.
+/// Begins as initiator. Always with ECDH on P-256: stock Cyclone DDS can answer nothing else, and
+/// Fast DDS adopts it. Error: internal.
 Result<HandshakeOutcome> start_request(const HandshakeContext& context, BytesView participant_data);
 
-/// Begins as replier, with the key agreement and the key encoding of the request.
-/// Errors: those of HandshakeRequest, challenge_not_announced, those of JudgedPeer::judge, and
-/// public_key_malformed, public_key_not_in_group.
+/// Begins as replier, with the key agreement and the key encoding of the request. Errors: those of
+/// HandshakeRequest, challenge_not_announced, those of JudgedPeer::judge, public_key_malformed,
+/// public_key_not_in_group, internal.
 Result<HandshakeOutcome> start_reply(const HandshakeContext& context, const spi::Token& request,
                                      BytesView participant_data);
 
-/// Takes one more message. The state is const: a refused message cannot change it. Errors: those
-/// of the message, unexpected_message where no edge begins with it in this state, and
-/// signature_invalid.
+/// Processes one more message. The state is const, so a refused message cannot change it. Errors:
+/// those of the message, token_class_wrong, unexpected_message (no edge for this message in this
+/// state), token_field_differs, challenge_not_announced, key_agreement_algorithm_changed, those of
+/// JudgedPeer::judge, public_key_malformed, public_key_not_in_group, signature_invalid, internal.
 Result<HandshakeOutcome> process(const HandshakeState& state, const HandshakeContext& context,
                                  const spi::Token& message);
 
-/// True if `request` is, in everything that is signed later, the one that we answered to get into
-/// `state`.
+/// True if `request` is the one that was answered to get into `state`. Compares every value that is
+/// signed later.
 bool is_answer_to(const HandshakeState& state, const spi::Token& request);
 
 }  // namespace ddssec::authentication

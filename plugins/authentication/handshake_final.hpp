@@ -1,4 +1,4 @@
-// HandshakeFinalMessageToken, "+Final": the initiator's proof (DDS-Security 9.3.2.5.3).
+// HandshakeFinalMessageToken, "+Final": the initiator's signature (DDS-Security 9.3.2.5.3).
 #pragma once
 
 #include "pki/private_key.hpp"
@@ -7,7 +7,7 @@
 
 namespace ddssec::authentication {
 
-/// Borrowed from a token. The form is checked; the signature is not.
+/// The message, borrowed from a token. Its form is checked, its signature is not.
 struct HandshakeFinal {
   spi::Challenge challenge1{};
   spi::Challenge challenge2{};
@@ -17,13 +17,13 @@ struct HandshakeFinal {
   std::optional<BytesView> dh2 = {};
   BytesView signature;
 
-  /// Errors of TokenFields.
+  /// Checks the form. Errors: those of TokenFields.
   static Result<HandshakeFinal> read(const spi::Token& token);
 
-  /// Success if everything in the message agrees with `transcript`. Error: token_field_differs.
+  /// Success if every value in the message agrees with `transcript`. Error: token_field_differs.
   Status verify(const Transcript& transcript) const;
 
-  /// Signs and writes, with all optional fields. Error: internal.
+  /// Signs and writes the message with all optional fields. Error: internal.
   static Result<spi::Token> write(const Transcript& transcript, const pki::PrivateKey& key);
 };
 

@@ -1,4 +1,4 @@
-// HandshakeReplyMessageToken, "+Reply": the replier's answer, signed (DDS-Security 9.3.2.5.2).
+// HandshakeReplyMessageToken, "+Reply": the replier's signed answer (DDS-Security 9.3.2.5.2).
 #pragma once
 
 #include "pki/private_key.hpp"
@@ -7,7 +7,7 @@
 
 namespace ddssec::authentication {
 
-/// Borrowed from a token. The form is checked; the signature is not.
+/// The message, borrowed from a token. Its form is checked, its signature is not.
 struct HandshakeReply {
   Credentials credentials;
   BytesView dh2;
@@ -18,14 +18,15 @@ struct HandshakeReply {
   std::optional<BytesView> dh1 = {};
   BytesView signature;
 
-  /// Errors of TokenFields and Credentials::read.
+  /// Checks the form. Errors: those of TokenFields and Credentials::read.
   static Result<HandshakeReply> read(const spi::Token& token);
 
-  /// `sent` completed with the replier's values, if the reply answers it and says nothing else
-  /// about it. Error: token_field_differs.
+  /// Completes the transcript `sent` with the replier's values, if the reply belongs to it and
+  /// repeats its values unchanged. Error: token_field_differs.
   Result<Transcript> verify(const Transcript& sent) const;
 
-  /// Signs and writes, with all optional fields: Fast DDS insists on them. Error: internal.
+  /// Signs and writes the message with all optional fields, which Fast DDS requires. Error:
+  /// internal.
   static Result<spi::Token> write(const Credentials& credentials, const Transcript& transcript,
                                   const pki::PrivateKey& key);
 };

@@ -1,4 +1,4 @@
-// HandshakeRequestMessageToken, "+Req": the initiator's first word (DDS-Security 9.3.2.5.1).
+// HandshakeRequestMessageToken, "+Req": the initiator's first message (DDS-Security 9.3.2.5.1).
 #pragma once
 
 #include "plugins/authentication/credentials.hpp"
@@ -6,21 +6,21 @@
 
 namespace ddssec::authentication {
 
-/// Borrowed from a token. The form is checked; who sent it is not known.
+/// The message, borrowed from a token. Its form is checked; the sender is unproven.
 struct HandshakeRequest {
   Credentials credentials;
   BytesView dh1;
   spi::Challenge challenge1{};
   std::optional<Sha256Digest> hash_c1 = {};
 
-  /// Errors of TokenFields and Credentials::read.
+  /// Checks the form. Errors: those of TokenFields and Credentials::read.
   static Result<HandshakeRequest> read(const spi::Token& token);
 
-  /// The replier's transcript so far. Error: token_field_differs if a hash_c1 was sent that is not
-  /// the hash of the credentials.
+  /// The replier's transcript up to this message. Error: token_field_differs if the message has a
+  /// hash_c1 that is not the hash of its credentials.
   Result<Transcript> verify() const;
 
-  /// With the optional hash: Fast DDS wants it.
+  /// Writes the message with the optional hash, which Fast DDS requires.
   static spi::Token write(const Credentials& credentials, const Transcript& transcript);
 };
 

@@ -1,4 +1,4 @@
-// Which identities and handshakes there are, and when they end.
+// The table of identities and handshakes, with their expiry.
 #pragma once
 
 #include <chrono>
@@ -25,9 +25,10 @@ namespace ddssec::authentication {
 struct PairHandshake {
   spi::HandshakeHandle handle;
   HandshakeState state;
-  Bytes participant_data;  ///< what we sent as c.pdata
+  Bytes participant_data;  ///< the c.pdata that was sent
   std::chrono::nanoseconds since;
-  UnprovenOctets::Share unproven = {};  ///< until it is established
+  UnprovenOctets::Share unproven =
+      {};  ///< memory share of the peer's request, until the handshake is established
 };
 
 /// A remote participant as one local participant knows it. Lock order: a pair's mutex before the
@@ -39,12 +40,12 @@ struct Pair {
   const Guid remote_guid;
   const spi::Challenge own_challenge;
 
-  std::mutex mutex;  ///< guards what follows
+  std::mutex mutex;  ///< guards the members below
   std::optional<spi::Challenge> announced_challenge = {};
   std::vector<PairHandshake> handshakes = {};
 };
 
-/// Who an event is about, as far as known.
+/// The participant that an event is about, as far as known.
 struct PeerName {
   std::string subject;
   std::string guid;
@@ -55,46 +56,51 @@ inline Event event_about(const PeerName& name, const Error& error) {
   return Event(error, name.subject, name.guid, name.proof);
 }
 
-/// A remote identity belongs to the local one that met it: another local one that meets the same
-/// participant has a remote identity, a handle, handshakes and an end of its own. Thread-safe.
+/// The table. A remote identity belongs to one local identity. If another local identity meets the
+/// same participant, it has its own remote identity, handle, handshakes and expiry. Thread-safe.
 class IdentityTable {
  public:
   IdentityTable(std::size_t most_local, const RemoteLimits& remote_limits)
       : most_local_(most_local), remote_limits_(remote_limits) {}
 
-  /// Error: too_many_local_identities.
+  /// Adds a local identity that expires with `chain`. Error: too_many_local_identities.
   Result<spi::IdentityHandle> add_local(std::shared_ptr<LocalIdentity> identity,
                                         const pki::ChainValid& chain);
-  /// Errors: unknown_identity, identity_ended.
+  /// A local identity. Errors: unknown_identity, identity_ended, or the reason of its revocation.
   Result<std::shared_ptr<LocalIdentity>> local(spi::IdentityHandle handle) const;
 
   struct RemoteClaim {
     Guid guid;
     spi::Token identity_token;
-    std::string subject;  ///< the certificate's once the remote has authenticated
+    std::string subject;  ///< as claimed; that of the certificate once the remote has authenticated
   };
-  /// The pair, made with `own_challenge` if it is new. Errors: unknown_identity, identity_ended,
-  /// too_many_remote_identities, too_many_identities_of_subject, identity_token_changed.
+  /// The pair; created with `own_challenge` if it is new. If it exists, a different identity token
+  /// replaces the first, unless the remote has authenticated. Errors: unknown_identity,
+  /// identity_ended, too_many_remote_identities, too_many_identities_of_subject,
+  /// identity_token_changed.
   Result<std::shared_ptr<Pair>> admit_remote(spi::IdentityHandle local, RemoteClaim claim,
                                              const spi::Challenge& own_challenge);
-  /// A pair that exists. Errors: unknown_identity, also for another's remote; identity_ended.
+  /// An existing pair. Errors: unknown_identity (also if the remote identity belongs to another
+  /// local one), identity_ended.
   Result<std::shared_ptr<Pair>> pair(spi::IdentityHandle local, spi::IdentityHandle remote) const;
-  /// Of a remote identity, whether it ended or not; null: there is none.
+  /// The pair of a remote identity, expired or not; null if there is none.
   std::shared_ptr<Pair> pair_of(spi::IdentityHandle remote) const;
-  /// Error: unknown_handshake, identity_ended.
+  /// The pair of a handshake. Errors: unknown_handshake, identity_ended.
   Result<std::shared_ptr<Pair>> pair_of(spi::HandshakeHandle handle) const;
 
+  /// A new handle for a handshake of the pair.
   spi::HandshakeHandle add_handshake(const std::shared_ptr<Pair>& pair);
   /// False if there is no such handshake.
   bool remove_handshake(spi::HandshakeHandle handle);
 
-  /// The remote proved who it is; from now on its end counts. Success also for one that is gone.
-  /// Errors: too_many_remote_identities, too_many_identities_of_subject.
+  /// The remote identity has authenticated: from now on it expires with `chain`. Also success if it
+  /// was removed meanwhile. Errors: too_many_remote_identities, too_many_identities_of_subject.
   Status note_authenticated(spi::IdentityHandle remote, const pki::ChainValid& chain);
 
-  /// A local one goes with its remote ones. False if there is no such identity.
+  /// Removes an identity; a local one with its remote ones. False if there is no such identity.
   bool remove(spi::IdentityHandle handle);
 
+  /// The earliest expiry of all identities; empty if none will expire.
   std::optional<WallTime> next_end() const;
 
   struct Ended {
@@ -103,25 +109,26 @@ class IdentityTable {
     std::string whose;  ///< subject whose certificate ended
     WallTime end;
   };
-  /// Those that ended at `now` or before and were not marked; of one local identity and its remote
-  /// ones, or (nil) of all.
+  /// Identities that expired at `now` or earlier and are not marked yet: of one local identity and
+  /// its remote ones, or of all (nil).
   std::vector<Ended> ended_by(WallTime now, spi::IdentityHandle local) const;
-  /// From now on they are refused. Needs no memory.
+  /// From now on these identities are refused. Allocates no memory.
   void mark_ended(std::span<const Ended> ended);
 
   struct OurOwn {
     spi::IdentityHandle handle;
     std::shared_ptr<LocalIdentity> identity;
   };
-  /// One local identity or (nil) all, as far as they have not ended.
+  /// One local identity, or all (nil), without expired ones.
   std::vector<OurOwn> locals(spi::IdentityHandle local) const;
+  /// All pairs of a local identity.
   std::vector<std::shared_ptr<Pair>> pairs_of(spi::IdentityHandle local) const;
   struct Authenticated {
     spi::IdentityHandle handle;
     PeerName name;
     pki::Certificate certificate;
   };
-  /// The remote identities of a local one that authenticated and have not ended.
+  /// The remote identities of a local one that have authenticated and have not expired.
   std::vector<Authenticated> authenticated_with(spi::IdentityHandle local) const;
 
   struct Revoked {
@@ -129,12 +136,13 @@ class IdentityTable {
     PeerName peer;  ///< subject empty for a local identity
     Error reason;
   };
-  /// From now on they are refused, with their reason. Needs no memory.
+  /// From now on these identities are refused with their reason. Allocates no memory.
   void mark_revoked(std::span<const Revoked> revoked);
 
-  /// The remote identities of a local one that did not end; none for a remote one.
+  /// The unexpired remote identities of a local one; empty for a remote one.
   std::vector<spi::IdentityHandle> peers_of(spi::IdentityHandle local) const;
 
+  /// The name of a remote identity for events; empty fields if it is unknown.
   PeerName name_of(spi::IdentityHandle remote) const;
 
  private:
@@ -142,7 +150,7 @@ class IdentityTable {
     std::optional<WallTime> ends = {};
     std::string first_to_end = {};
     bool has_ended = false;
-    std::optional<Error> revoked = {};  ///< why it ended, if not by time
+    std::optional<Error> revoked = {};  ///< the reason of a revocation
   };
   struct Local : Common {
     std::shared_ptr<LocalIdentity> identity;
@@ -151,13 +159,14 @@ class IdentityTable {
   };
   struct Remote : Common {
     RemoteClaim claim;
-    std::optional<pki::Certificate> authenticated = {};  ///< by which it did
+    std::optional<pki::Certificate> authenticated =
+        {};  ///< the certificate with which it authenticated
     std::shared_ptr<Pair> pair;
     PeerName name() const;
   };
   using Remotes = std::unordered_map<std::int64_t, Remote>;
 
-  /// Unique in the process: a host may have a table for each domain.
+  /// Unique within the process, because a host may have one table for each domain.
   static std::int64_t next_handle();
   Status renew_claim(spi::IdentityHandle remote, RemoteClaim claim);
   void forget(Remotes::iterator remote);

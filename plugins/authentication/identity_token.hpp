@@ -7,20 +7,20 @@
 
 namespace ddssec::authentication {
 
-/// With all four properties, in the words that Cyclone DDS uses (DDS-Security 1.1), and a fifth of
-/// our own where there is more than the standard's ciphers to announce.
+/// The token with all four properties, in the spelling that Cyclone DDS uses (DDS-Security 1.1). A
+/// fifth, private property lists the ciphers if there are more than the standard ones.
 spi::Token write_identity_token(const pki::Certificate& certificate, const pki::Certificate& ca,
                                 spi::CipherMask ciphers);
 
-/// The ciphers that a token announces; the standard's always.
+/// The ciphers that a token announces; always includes the standard ones.
 spi::CipherMask announced_ciphers(const spi::Token& identity_token);
 
-/// What a peer claims about itself; nothing of it is proven, so nothing is decided by it.
+/// An unproven claim of a peer. No decision depends on it.
 struct IdentityClaim {
   std::string subject;  ///< dds.cert.sn, empty if absent
 };
 
-/// Errors: token_class_wrong, token_too_large.
+/// Reads a peer's token. Errors: token_class_wrong, token_too_large.
 Result<IdentityClaim> read_identity_token(const spi::Token& token);
 
 }  // namespace ddssec::authentication

@@ -1,8 +1,10 @@
-// What we sent to peers that the host has dropped before their handshake ended. A host drops a peer
-// to begin its handshake anew, after a disturbance. Stock plugins answer only the request that they
-// saw first, as often as it takes, and accept only a reply with the challenge that we announced
-// first. So a peer that is met again is sent the same request, and the answer to it counts; or it
-// hears the same challenge, with a new key.
+// Handshake requests and challenges sent to peers that the host dropped before their handshake
+// ended. A host drops a peer to begin its handshake anew after a disturbance.
+//
+// Stock plugins answer only the first request that they saw, as often as it comes. They accept only
+// a reply with the challenge that was announced first. So a peer that appears again is sent the
+// same request, and the answer to it counts. If no request is stored, it is sent the same challenge
+// with a new key.
 #pragma once
 
 #include <chrono>
@@ -17,27 +19,28 @@
 
 namespace ddssec::authentication {
 
-/// Thread-safe.
+/// The stored requests and challenges. Thread-safe.
 class KeptRequests {
  public:
   using MonotonicTime = std::chrono::nanoseconds;
-  /// Beyond that one gives way by chance: a stranger can announce any number of participants, but
-  /// does not choose whose request they push out.
+  /// The largest number of entries. If it is exceeded, a random entry is dropped: an attacker can
+  /// announce any number of participants, but cannot choose whose entry they displace.
   static constexpr std::size_t kMost = 512;
-  /// How long an ephemeral key waits for its answer, and a challenge to be met again.
+  /// For how long an ephemeral key waits for its answer, and a challenge for its peer.
   static constexpr MonotonicTime kLife = std::chrono::hours(1);
 
   explicit KeptRequests(Random& random) : random_(random) {}
 
-  /// Keeps the pair's challenge, if no handshake ended, and a request that waits for its answer.
-  /// The pair is in no table any more.
+  /// Stores the pair's challenge, and a request that waits for its answer, unless a handshake of
+  /// the pair was established. The pair must already be removed from all tables. `now`:
+  /// Clock::monotonic.
   void keep(Pair& pair, MonotonicTime now);
-  /// The challenge that is kept.
+  /// The stored challenge; empty if there is none or it is older than kLife.
   std::optional<spi::Challenge> challenge(spi::IdentityHandle local, const Guid& remote,
                                           MonotonicTime now);
-  /// Forgets what is kept of the pair: its request, if there was one.
+  /// Removes the pair's entry and returns its request, if there is one.
   std::optional<PairHandshake> take(spi::IdentityHandle local, const Guid& remote);
-  /// The local identity is gone.
+  /// Removes all entries of a local identity.
   void forget(spi::IdentityHandle local);
 
  private:

@@ -24,7 +24,7 @@ struct Parameter {
   BytesView value;
 };
 
-/// The next parameter, or nothing at the end.
+/// The next parameter; empty at the end of the list.
 Result<std::optional<Parameter>> next_parameter(Reader& reader) {
   if (reader.at_end()) return std::nullopt;
   const auto id = reader.read<std::uint16_t>();

@@ -1,4 +1,5 @@
-// A peer whose certificate was believed and fits its GUID: not yet that it holds the key.
+// A peer whose certificate is valid and belongs to its GUID. That it holds the private key is not
+// proven yet.
 #pragma once
 
 #include <optional>
@@ -10,13 +11,13 @@
 
 namespace ddssec::authentication {
 
-/// Proof that c.id chains to a CA of ours, belongs to the GUID, and that c.pdata is about that
-/// GUID. Only `judge` makes one.
+/// Proof that c.id chains to a trusted CA and belongs to the GUID, and that c.pdata is about that
+/// GUID. Only `judge` creates one.
 class JudgedPeer {
  public:
-  /// Cheap checks first, public-key work last. Errors: participant_data_malformed,
-  /// participant_guid_missing, participant_guid_differs, guid_not_bound_to_subject, those of
-  /// Certificate::from_pem and ChainVerifier::verify.
+  /// Checks the credentials. Cheap checks come first, public-key operations last. Errors:
+  /// participant_data_malformed, participant_guid_missing, participant_guid_differs,
+  /// guid_not_bound_to_subject, those of Certificate::from_pem and ChainVerifier::verify.
   static Result<JudgedPeer> judge(const Credentials& credentials, const Guid& guid,
                                   const TrustStore& trust, WallTime now);
 
@@ -24,17 +25,18 @@ class JudgedPeer {
   const pki::Certificate& certificate() const { return chain_.certificate(); }
 
   /// AuthenticatedPeerCredentialToken: binary c.id and c.perm (DDS-Security 9.3.2.2). c.perm comes
-  /// without the NUL that Cyclone DDS appends; it is empty if the peer has no permissions. Then
-  /// c.kagree_algo, for access control, which knows what the governance allows.
-  /// Nothing once it was dropped.
+  /// without the NUL that Cyclone DDS appends, and is empty if the peer has no permissions. Also
+  /// c.kagree_algo, for access control, which knows what the governance allows. Empty after
+  /// drop_credential.
   const std::optional<spi::Token>& credential() const { return credential_; }
-  /// It is not asked for again; the peer chose how large it is.
+  /// Frees the credential when it is no longer needed: the peer chose its size.
   void drop_credential() { credential_.reset(); }
 
-  /// What its participant data says that it can decrypt; proven once a signature is.
+  /// The ciphers that the peer's participant data announces. Proven once a signature has been
+  /// verified; the same is true of the next two.
   spi::CipherMask ciphers() const { return ciphers_; }
   std::uint32_t builtin_endpoints() const { return builtin_endpoints_; }
-  /// Where its participant data says that it receives discovery.
+  /// The addresses at which the peer receives discovery traffic.
   const std::vector<spi::UdpAddress>& addresses() const { return addresses_; }
 
  private:

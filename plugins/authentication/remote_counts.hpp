@@ -1,4 +1,5 @@
-// How many remote identities a local one may have, and how many of them one certificate.
+// Limits for the number of remote identities of one local identity, in total and for one
+// certificate.
 #pragma once
 
 #include <array>
@@ -11,30 +12,31 @@
 
 namespace ddssec::authentication {
 
-/// Of each local identity.
+/// Limits for each local identity.
 struct RemoteLimits {
-  std::size_t most_claimed;        ///< that have not authenticated
-  std::size_t most_authenticated;  ///< that have
-  std::size_t most_of_a_subject;   ///< of these, of one subject
+  std::size_t most_claimed;        ///< identities that have not authenticated
+  std::size_t most_authenticated;  ///< identities that have authenticated
+  std::size_t most_of_a_subject;   ///< of these, identities of one subject
 };
 
-/// Counts the remote identities of one local identity. Those that have authenticated are counted by
-/// subject, for which the first six octets of the GUID stand (DDS-Security 9.3.3): anyone can claim
-/// them, so claims are only counted together. One certificate never takes the last places: a
-/// subject may have no more of them than are free, and so each further subject finds some. Not
-/// thread-safe.
+/// Counts the remote identities of one local identity.
+///
+/// Authenticated identities are counted by subject, represented by the first six octets of the GUID
+/// (DDS-Security 9.3.3). Anyone can claim these octets, so unproven claims are only counted in
+/// total. One certificate never takes the last places: a subject may have at most as many places as
+/// are free, so each further subject still finds some. Not thread-safe.
 class RemoteCounts {
  public:
-  /// May a GUID be admitted that has proven nothing? Errors: too_many_remote_identities,
+  /// May an unproven GUID be admitted? Errors: too_many_remote_identities,
   /// too_many_identities_of_subject.
   Status check_claim(const Guid& guid, const RemoteLimits& limits) const;
   /// May the owner of the GUID authenticate? Errors as above.
   Status check_authenticated(const Guid& guid, const RemoteLimits& limits) const;
 
   void add_claim() { ++claimed_; }
-  /// A claim was proven.
+  /// Moves a claim to the authenticated identities.
   void authenticate(const Guid& guid, std::string subject);
-  /// Needs no memory.
+  /// Removes one identity. Allocates no memory.
   void remove(const Guid& guid, bool authenticated);
 
  private:

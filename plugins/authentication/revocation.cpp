@@ -7,8 +7,9 @@ namespace {
 
 using OurOwn = IdentityTable::OurOwn;
 
-/// Why it must go, if it is on a list and not believed, be it that there is no memory to judge it.
-/// A peer on no list stays: its expiry or its next handshake decides.
+/// The reason why the identity must be revoked: it is on a list and its verification fails, even if
+/// only because memory ran out. A peer that is on no list stays: its expiry or its next handshake
+/// decides.
 std::optional<Error> refusal(const pki::Certificate& certificate, const TrustStore& trust,
                              const LocalIdentity& whose, WallTime now) {
   if (!trust.may_be_revoked(certificate)) return std::nullopt;
@@ -32,7 +33,8 @@ void look_at_lists(const OurOwn& local, TrustStores& stores, const Environment& 
 }
 
 void judge(const IdentityTable& table, const OurOwn& local, WallTime now, Revocations& out) {
-  // A step of a handshake that began under the former lists ends before any peer is judged.
+  // Waits for handshake steps that began under the former lists, so that no peer authenticates
+  // under them after the judgement.
   for (const auto& pair : table.pairs_of(local.handle)) const std::scoped_lock wait(pair->mutex);
   const auto trust = local.identity->peer_trust();
   if (auto reason = refusal(local.identity->certificate(), *trust, *local.identity, now))

@@ -1,4 +1,4 @@
-// Ends identities that revocation lists name which came while participants run.
+// Revokes identities that are named by a revocation list which arrived while participants run.
 #pragma once
 
 #include <memory>
@@ -10,20 +10,20 @@
 namespace ddssec::authentication {
 
 struct Revocations {
-  /// Local and remote identities in use.
+  /// Local and remote identities in use that must be revoked.
   std::vector<IdentityTable::Revoked> identities;
   struct Judgement {
     std::shared_ptr<LocalIdentity> by;
     std::uint64_t renewal;
-    /// Call when the identities are marked.
+    /// Call it after the identities were marked in the table.
     void note_applied() const { by->note_applied(renewal); }
   };
   std::vector<Judgement> judgements;
 };
 
-/// Looks at the lists of one local identity or (nil) of all, raises an event for each file that has
-/// newer ones or cannot be used, and judges authenticated peers by lists that are new. Marks
-/// none.
+/// Checks the revocation lists of one local identity, or of all (nil). Raises an event for each
+/// file with newer lists, or with lists that cannot be used. Judges authenticated peers by new
+/// lists. Does not mark any identity.
 Revocations find_revocations(const IdentityTable& table, spi::IdentityHandle local,
                              TrustStores& stores, const Environment& environment);
 

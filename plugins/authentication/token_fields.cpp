@@ -27,7 +27,7 @@ const ClassRow& row_of(TokenClass token_class) {
   return *std::ranges::find(kClasses, token_class, &ClassRow::token_class);
 }
 
-/// Names whose length their own rule bounds.
+/// Names of fields whose length is bounded by their own rule.
 constexpr std::array<std::string_view, 14> kKnownNames = {
     "c.id",      "c.perm",         "c.pdata",       "c.dsign_algo", "c.kagree_algo",
     kHashC1,     kHashC2,          kDh1.name,       kDh2.name,      kChallenge1,

@@ -10,22 +10,23 @@
 
 namespace ddssec::authentication {
 
-/// What may stand behind "DDS:Auth:PKI-DH:1.x" in a class id.
+/// The kinds of token, by what follows "DDS:Auth:PKI-DH:1.x" in the class id.
 enum class TokenClass : std::uint8_t { identity, auth_request, request, reply, final };
 
-/// "DDS:Auth:PKI-DH:1.0+Req" and so on: what we send.
+/// The class id to send, such as "DDS:Auth:PKI-DH:1.0+Req".
 std::string_view class_id_of(TokenClass token_class);
 
-/// Plugin name and major version must be ours, the suffix one that we know; the minor version does
-/// not matter (DDS-Security 9.3.2.1). Nothing if the token is of no such class.
+/// The kind of token; empty for an unknown class id. Plugin name and major version must be those of
+/// this plugin, and the suffix a known one. The minor version does not matter (DDS-Security
+/// 9.3.2.1).
 std::optional<TokenClass> token_class_of(std::string_view class_id);
 
-/// The longest class id, property name or text property.
+/// The longest class id, property name or text property, in octets.
 inline constexpr std::size_t kMostTextOctets = 4096;
-/// The longest binary property whose name we do not know.
+/// The longest binary property with an unknown name, in octets.
 inline constexpr std::size_t kMostUnknownOctets = 64 * 1024;
 
-/// A field's name with the number of octets that it may have.
+/// A field's name and its allowed length in octets.
 struct FieldRule {
   std::string_view name;
   std::size_t least;
@@ -35,17 +36,18 @@ struct FieldRule {
 /// Checked access to a token of a known class. Everything is borrowed from the token.
 class TokenFields {
  public:
-  /// Errors: token_class_wrong, token_too_large (too many properties, or an unknown or text
-  /// property too long).
+  /// Access to `token`, which must outlive it. Errors: token_class_wrong, token_too_large (too many
+  /// properties, or an unknown or text property is too long).
   static Result<TokenFields> of(const spi::Token& token, TokenClass expected);
 
-  /// Errors: token_field_missing, token_field_repeated, token_field_length.
+  /// A field that must be present. Errors: token_field_missing, token_field_repeated,
+  /// token_field_length.
   Result<BytesView> required(const FieldRule& rule) const;
-  /// Errors: token_field_repeated, token_field_length.
+  /// A field that may be absent. Errors: token_field_repeated, token_field_length.
   Result<std::optional<BytesView>> optional(const FieldRule& rule) const;
-  /// Exactly 32 octets.
+  /// A required field of exactly 32 octets. Errors as of `required`.
   Result<spi::Challenge> challenge(std::string_view name) const;
-  /// Exactly 32 octets, if there.
+  /// An optional field of exactly 32 octets. Errors as of `optional`.
   Result<std::optional<Sha256Digest>> optional_hash(std::string_view name) const;
 
  private:
@@ -66,10 +68,10 @@ inline constexpr std::string_view kHashC1 = "hash_c1";
 inline constexpr std::string_view kHashC2 = "hash_c2";
 inline constexpr std::string_view kFutureChallenge = "future_challenge";
 
-/// The token as an error's document: "handshake request" and so on.
+/// The name of the token as the document of an error, such as "handshake request".
 std::string_view document_name(TokenClass token_class);
 
-/// Fails with token_field_differs unless a field that may be left out is what we know it to be.
+/// Success if an optional field is absent or equals `known`. Error: token_field_differs.
 Status check_repeated(std::string_view name, const std::optional<BytesView>& received,
                       BytesView known, TokenClass token_class);
 

@@ -1,4 +1,4 @@
-// What both sides signed: the six values of one handshake (DDS-Security 9.3.2.5.2, 9.3.2.5.3).
+// The signed content of a handshake: six values (DDS-Security 9.3.2.5.2, 9.3.2.5.3).
 #pragma once
 
 #include "base/hash.hpp"
@@ -6,7 +6,7 @@
 
 namespace ddssec::authentication {
 
-/// Filled in the order in which the values become known. dh1 and dh2 are the octets as transmitted.
+/// The values, in the order in which they become known. dh1 and dh2 are the octets as transmitted.
 struct Transcript {
   Sha256Digest hash_c1{};
   spi::Challenge challenge1{};
@@ -15,9 +15,9 @@ struct Transcript {
   spi::Challenge challenge2{};
   Bytes dh2 = {};
 
-  /// What the replier signs.
+  /// The octets that the replier signs.
   Bytes reply_input() const;
-  /// What the initiator signs.
+  /// The octets that the initiator signs.
   Bytes final_input() const;
 };
 

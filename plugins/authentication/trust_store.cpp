@@ -35,7 +35,8 @@ Result<pki::Certificate> TrustStore::certificate(BytesView pem) const {
 void TrustStore::remember(BytesView pem, const pki::Certificate& certificate) const {
   const Sha256Digest digest = sha256(pem);
   const std::scoped_lock lock(mutex_);
-  // Forgetting all at once is rare and costs one parse each; a list of ages would cost always.
+  // Dropping all entries at once is rare and costs one parse for each. Tracking their age would
+  // cost time on every use.
   if (known_.size() >= kMostRemembered) known_.clear();
   known_.try_emplace(digest, certificate);
 }

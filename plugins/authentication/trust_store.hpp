@@ -1,4 +1,5 @@
-// What an identity trusts: its certificate authorities and revocation lists, with memory.
+// What an identity trusts: its certificate authorities and revocation lists, with a cache of
+// certificates.
 #pragma once
 
 #include <map>
@@ -13,28 +14,30 @@
 
 namespace ddssec::authentication {
 
-/// Thread-safe. Remembers certificates that passed, so that one is parsed and judged once however
-/// many handshakes present it.
+/// Verifies peers' certificates. Remembers certificates that passed, so that each is parsed and
+/// verified once, however many handshakes present it. Thread-safe.
 class TrustStore {
  public:
   static constexpr std::size_t kMostRemembered = 1024;
 
   explicit TrustStore(pki::ChainVerifier verifier) : verifier_(std::move(verifier)) {}
 
-  /// Parses a peer's c.id, or finds what was parsed before. Errors of Certificate::from_pem.
+  /// Parses a peer's c.id, or returns the remembered certificate. Errors: those of
+  /// Certificate::from_pem.
   Result<pki::Certificate> certificate(BytesView pem) const;
 
-  /// Judges at `now`. Errors of ChainVerifier::verify.
+  /// Verifies the certificate at `now`. Errors: those of ChainVerifier::verify.
   Result<pki::ChainValid> verify(const pki::Certificate& certificate, WallTime now) const {
     return verifier_.verify(certificate, now);
   }
 
-  /// As ChainVerifier's.
+  /// As ChainVerifier::may_be_revoked.
   bool may_be_revoked(const pki::Certificate& certificate) const {
     return verifier_.may_be_revoked(certificate);
   }
 
-  /// Call after `verify` said yes: nothing unproven takes up room.
+  /// Remembers a certificate. Call it only after `verify` succeeded, so that unproven certificates
+  /// take no memory.
   void remember(BytesView pem, const pki::Certificate& certificate) const;
 
   const std::vector<pki::Certificate>& anchors() const { return verifier_.anchors(); }
@@ -49,13 +52,14 @@ class TrustStore {
   mutable std::unordered_map<Sha256Digest, pki::Certificate, DigestHash> known_;
 };
 
-/// Gives identities with the same authorities and lists the same store, so that a process with many
-/// participants judges each peer once. Thread-safe; forgets stores that are not used any more.
+/// Shares stores: identities with the same authorities and lists get the same store, so that a
+/// process with many participants verifies each peer once. Stores that are no longer used are
+/// dropped. Thread-safe.
 class TrustStores {
  public:
   explicit TrustStores(pki::CrlPolicy policy) : policy_(policy) {}
 
-  /// Errors of ChainVerifier::make.
+  /// The store for these authorities and lists. Errors: those of ChainVerifier::make.
   Result<std::shared_ptr<const TrustStore>> open(std::vector<pki::Certificate> anchors,
                                                  std::vector<pki::Crl> crls);
 

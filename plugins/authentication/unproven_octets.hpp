@@ -1,5 +1,6 @@
-// What peers that have proven nothing yet may make us keep: the documents in their handshake
-// requests. A stranger can show a recorded certificate under any number of invented names.
+// Limits the memory that unauthenticated peers can make the participant allocate: the documents in
+// their handshake requests. An attacker can present a recorded certificate under any number of
+// invented names.
 #pragma once
 
 #include <cstddef>
@@ -12,15 +13,16 @@
 
 namespace ddssec::authentication {
 
-/// Thread-safe. Outlives its shares.
+/// The accounts. Thread-safe. Must outlive its shares.
 class UnprovenOctets {
  public:
-  /// So much of one peer is not counted: what the others take keeps no honest request out.
+  /// The octets of one peer that are not counted, so that the use by other peers never blocks an
+  /// honest request.
   static constexpr std::size_t kFreeOfAPeer = 64 * 1024;
   static constexpr std::size_t kMostOfASubject = 2 * 1024 * 1024;
   static constexpr std::size_t kMost = 16 * 1024 * 1024;
 
-  /// Gives its octets back when it ends.
+  /// A number of octets; returned at destruction.
   class Share {
    public:
     Share() = default;
@@ -34,7 +36,7 @@ class UnprovenOctets {
       if (of_ != nullptr) of_->give_back(subject_, octets_);
     }
 
-    /// That are not counted.
+    /// The octets of this share that are not counted.
     std::size_t free_octets() const { return of_ == nullptr ? octets_ : 0; }
 
    private:
@@ -48,13 +50,14 @@ class UnprovenOctets {
       std::swap(octets_, other.octets_);
     }
 
-    UnprovenOctets* of_ = nullptr;  ///< null: they are not counted
+    UnprovenOctets* of_ = nullptr;  ///< null: the octets are not counted
     Sha256Digest subject_ = {};
     std::size_t octets_ = 0;
   };
 
-  /// `free_octets`: what this peer holds without being counted. Nothing: there is no room for so
-  /// many of that subject.
+  /// Takes a share of `octets` for a peer whose certificate has that subject. `free_octets`: the
+  /// uncounted octets that this peer already holds. Empty if the limit of that subject or of all is
+  /// reached.
   std::optional<Share> take(const Sha256Digest& subject, std::size_t octets,
                             std::size_t free_octets);
 
