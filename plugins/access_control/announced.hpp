@@ -1,4 +1,4 @@
-// What a peer's announcements asked for and were allowed.
+// Memory of the endpoints that a peer announced and that were allowed.
 #pragma once
 
 #include <list>
@@ -16,24 +16,24 @@ namespace ddssec::access_control {
 
 using governance::Action;
 
-/// Of a peer's endpoint: the topic name, and each partition.
+/// Limit for a peer's endpoint: octets of the topic name, and of each partition.
 inline constexpr std::size_t kMaxNameOctets = 1024;
-/// Of a peer's endpoint.
+/// Limit for a peer's endpoint: number of partitions.
 inline constexpr std::size_t kMaxPartitions = 256;
-/// Of a peer's endpoint: topic name, partitions and data tags together.
+/// Limit for a peer's endpoint: octets of topic name, partitions and data tags together.
 inline constexpr std::size_t kMaxRequestOctets = 32'768;
 
-/// Bounds what a peer announces, before anything compares or compiles it.
-/// Errors: length_out_of_range.
+/// Checks the limits above, before anything compares or compiles what a peer announces. Error:
+/// length_out_of_range.
 Status check_lengths(const spi::EndpointRequest& request);
 Status check_topic_length(std::string_view topic);
 
-/// The partitions of one endpoint, those that are expressions compiled.
+/// The partitions of one endpoint; expressions are compiled.
 class PartitionNames {
  public:
   explicit PartitionNames(std::span<const std::string_view> names);
-  /// DDS 2.2.3.13: any two are equal, or one is an expression that the other, a name, fits. No
-  /// partition is the partition "".
+  /// True if the two sets match (DDS 2.2.3.13): two names are equal, or one is an expression that
+  /// matches a name of the other. No partition means the partition "".
   bool meet(const PartitionNames& others) const;
   std::vector<std::string_view> views() const;
   bool operator==(const PartitionNames& others) const;
@@ -49,18 +49,19 @@ class PartitionNames {
   std::vector<Name> names_;
 };
 
-/// The host asks about a remote endpoint by its own partitions and tags, and about a match by those
-/// of our endpoint: this is how the second question knows of the first. Bounded; the newest stay,
-/// and the host asks the second right after the first. Thread-safe.
+/// Remembers announced endpoints. The host first asks about a remote endpoint with that endpoint's
+/// partitions and tags. It then asks about a match with those of the local endpoint. This class
+/// connects the second question with the first. Bounded: the newest entries stay, because the
+/// second question directly follows the first. Thread-safe.
 class AnnouncedEndpoints {
  public:
   static constexpr std::size_t kMost = 32;
-  /// Of one announcement; a larger one is not remembered.
+  /// Octets of one announcement; a larger one is not remembered.
   static constexpr std::size_t kMostOctets = 4096;
-  /// Of memory for all of them; the newest stays in any case.
+  /// Octets of memory for all entries; the newest entry always stays.
   static constexpr std::size_t kMaxMemory = 256 * 1024;
 
-  /// An endpoint's request, with its texts.
+  /// An endpoint's request, with copies of its texts.
   struct Announced {
     Announced(Action action, const spi::EndpointRequest& request);
     bool operator==(const Announced&) const = default;
@@ -74,14 +75,15 @@ class AnnouncedEndpoints {
   };
   using One = std::shared_ptr<const Announced>;
 
+  /// Remembers an allowed announcement.
   void note(Action action, const spi::EndpointRequest& request);
-  /// Those of that topic, newest first.
+  /// The announcements of that topic, newest first.
   std::vector<One> of_topic(Action action, std::string_view topic) const;
 
  private:
   mutable std::mutex mutex_;
   std::list<One> newest_first_;
-  std::size_t octets_ = 0;  ///< of memory, of all in newest_first_
+  std::size_t octets_ = 0;  ///< octets of memory of all entries in newest_first_
 };
 
 }  // namespace ddssec::access_control

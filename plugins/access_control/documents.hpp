@@ -1,4 +1,4 @@
-// Verified documents: each is verified and read once, whichever participant presents it.
+// Verified documents. Each is verified and parsed once, whichever participant presents it.
 #pragma once
 
 #include <list>
@@ -20,7 +20,7 @@ namespace ddssec::access_control {
 /// The permissions CA of one participant.
 class PermissionsCa {
  public:
-  /// Loads the file that the property names. Errors: those of pki::load, of
+  /// Loads the file named by `uri`. Errors: those of pki::load, of
   /// pki::Certificate::bundle_from_pem and of pki::DocumentVerifier::make.
   static Result<std::shared_ptr<const PermissionsCa>> load(const std::string& uri);
 
@@ -36,7 +36,7 @@ class PermissionsCa {
   Sha256Digest digest_;
 };
 
-/// A grant and why it still counts.
+/// A compiled grant.
 using Grant = std::shared_ptr<const governance::CompiledGrant>;
 
 /// A permissions document whose signature was verified. Thread-safe.
@@ -44,19 +44,20 @@ class PermissionsDocument {
  public:
   PermissionsDocument(governance::Permissions permissions, const pki::SignedDocument& document);
 
-  /// The grant of the subject that is valid now, compiled at most once for a domain and its tag.
-  /// Errors: those of governance::find_grant, and certificate_expired, certificate_not_yet_valid
-  /// for the CA that signed.
+  /// The grant of the subject that is valid at `now`. Compiled at most once for each domain and
+  /// domain tag. Errors: those of governance::find_grant, and certificate_expired or
+  /// certificate_not_yet_valid for the CA certificate that signed.
   Result<Grant> grant_for(const pki::SubjectName& subject, std::string_view shown, DomainId domain,
                           const std::string& tag, WallTime now);
-  /// Success while the signer's certificate is valid.
+  /// Success while the signer's certificate is valid. Errors: certificate_expired,
+  /// certificate_not_yet_valid.
   Status check_signer(WallTime now) const;
   WallTime signer_not_after() const { return signer_not_after_; }
 
   void set_partition_match(governance::PartitionMatch match) { partition_match_ = match; }
 
  private:
-  /// Compiled grants that are kept; more subjects than that compile again.
+  /// The number of compiled grants that are stored; with more subjects, grants are compiled again.
   static constexpr std::size_t kMostCompiled = 64;
 
   std::shared_ptr<const governance::Permissions> permissions_;
@@ -68,10 +69,12 @@ class PermissionsDocument {
   std::map<std::tuple<const governance::Grant*, DomainId, std::string>, Grant> compiled_;
 };
 
-/// Permissions documents judged before, by their octets and the CA. Bounded; the least recently
-/// used goes first. Only verified documents get in. What is around the signed text can differ from
-/// one sender to the next: all forms of one text share its place, and few are remembered. So peers
-/// fill the cache with what the CA signed only. Thread-safe.
+/// Cache of verified permissions documents, by their octets and the CA. Bounded; the least recently
+/// used entry is dropped first.
+///
+/// Only verified documents are stored, so peers can fill the cache only with documents that the CA
+/// signed. The octets around the signed text can differ from one sender to the next. All forms of
+/// one text share one entry, which remembers few of them. Thread-safe.
 class DocumentCache {
  public:
   DocumentCache(governance::PartitionMatch partition_match, std::size_t most_documents,
@@ -80,11 +83,12 @@ class DocumentCache {
         most_documents_(most_documents),
         most_octets_(most_octets) {}
 
-  /// Verifies and reads `file`, or finds it. Errors: those of pki::DocumentVerifier::verify and
-  /// governance::read_permissions.
+  /// Verifies and parses `file`, or returns the cached document. Errors: those of
+  /// pki::DocumentVerifier::verify and governance::read_permissions; for a cached document those of
+  /// check_signer.
   Result<std::shared_ptr<PermissionsDocument>> permissions(const PermissionsCa& ca, BytesView file,
                                                            WallTime now);
-  /// How many documents were verified and read, for tests.
+  /// The number of documents verified and parsed so far, for tests.
   std::size_t times_read() const;
   std::size_t size() const;
 

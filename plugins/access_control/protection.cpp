@@ -16,9 +16,9 @@ struct BuiltinTopic {
   Protects by;
 };
 
-// DDS-Security 7.4.8; the standard writes DCPSParticipantSecure and DCPSParticipantsSecure. The
-// plain topics carry what must be readable before authentication: no topic rule speaks of
-// them.
+// DDS-Security 7.4.8. The standard uses both names DCPSParticipantSecure and
+// DCPSParticipantsSecure. The plain topics carry data that must be readable before authentication;
+// no topic rule applies to them.
 constexpr auto kBuiltinTopics = std::to_array<BuiltinTopic>({
     {"DCPSParticipant", Protects::nothing},
     {"DCPSPublication", Protects::nothing},
@@ -50,7 +50,7 @@ ProtectionKind kind_of(Protects by, const governance::DomainRule& rule) {
   return ProtectionKind::encrypt;
 }
 
-/// One algorithm that the plugins may use, with the names of 1.2 and of 1.1.
+/// The names of one algorithm that the plugins may use, in DDS-Security 1.2 and 1.1.
 using Names = std::initializer_list<std::string_view>;
 
 std::unexpected<Error> not_enforceable(int line, std::string field, std::string expected,
@@ -81,8 +81,8 @@ spi::CipherMask ciphers_in(const std::vector<governance::Text>& names) {
 }
 
 Status check_algorithms(const governance::AllowedAlgorithms& allowed) {
-  // What our own handshakes begin with, and what key tokens and peers may always use. The rest is
-  // held against what is used (allowed_algorithms.hpp).
+  // Local handshakes begin with this key agreement, and key tokens and peers may always use both
+  // ciphers. All other algorithms are checked when they are used (allowed_algorithms.hpp).
   DDSSEC_TRY(check_listed(allowed.line, "<key_establishment>", allowed.key_establishment,
                           {{"ECDHE-CEUM+P256", "ECDH+prime256v1-CEUM", "ECDH+prime256v1"}}));
   return check_listed(allowed.line, "<symmetric_cipher>", allowed.symmetric_cipher,

@@ -11,7 +11,7 @@ using governance::Action;
 using governance::CompiledGrant;
 using governance::Verdict;
 
-/// Names in events stay short, whatever a peer sends.
+/// Keeps names in events short, whatever a peer sends.
 std::string shortened(std::string_view text) {
   constexpr std::size_t kMost = 256;
   return text.size() <= kMost ? std::string(text) : std::string(text.substr(0, kMost)) + "...";
@@ -31,7 +31,7 @@ std::string shown(const spi::EndpointRequest& request) {
   return text;
 }
 
-/// What to do about permissions that are a peer's: nothing that this side could change.
+/// The hint for a refusal by a peer's permissions: nothing on this side can change it.
 std::string hint_about_peer(const PermissionsHolder& holder, Code code,
                             const governance::RefusalAdvice& advice) {
   const std::string own(advice.hint.empty() ? info(code).hint : advice.hint);
@@ -42,7 +42,7 @@ std::string hint_about_peer(const PermissionsHolder& holder, Code code,
       shortened(holder.peer_subject()), own);
 }
 
-/// "<deny_rule>" or "<default>", and what the rule says.
+/// The refusal by a deny_rule or by the grant's default.
 Error denied(Code code, const PermissionsHolder& holder, const CompiledGrant& grant,
              const Verdict& verdict, std::string expected,
              const governance::RefusalAdvice& advice = {}) {
@@ -60,7 +60,7 @@ Error denied(Code code, const PermissionsHolder& holder, const CompiledGrant& gr
              .hint = holder.remote() ? hint_about_peer(holder, code, advice) : advice.hint});
 }
 
-/// The same about an endpoint that was announced in a peer's name, perhaps by an attacker.
+/// The same for an endpoint that was announced in a peer's name, possibly by an attacker.
 Error as_announced(const Error& refusal, Action action) {
   const Code code = action == Action::publish ? Code::announced_writer_not_allowed
                                               : Code::announced_reader_not_allowed;
@@ -87,7 +87,8 @@ Error endpoint_denied(const PermissionsHolder& holder, const CompiledGrant& gran
   std::vector<governance::DataTag> tags;
   for (const auto& tag : request.data_tags) tags.push_back({tag.name, tag.value});
   const governance::Request asked{request.topic_name, request.partitions, tags};
-  // Names are compared only with our own: a peer could make that as expensive as it likes.
+  // Names are compared only in local permissions: with a peer's own permissions, the peer could
+  // make that as expensive as it likes.
   const auto advice = holder.remote() ? advice_on_endpoint(grant, action, asked, verdict)
                                       : advice_on(grant, action, asked, verdict);
   const auto refusal =
