@@ -49,7 +49,7 @@ bool ExpandedKey::open(const Iv& iv, BytesView aad, BytesView cipher, std::uint8
   std::array<std::uint8_t, kTagSize> computed{};
   const OpenRequest request{iv, aad, cipher, out, computed};
   const bool opened = backend_->open(storage_.data(), cipher_, request, tag);
-  // Backends write plaintext before it is known whether the tag is right.
+  // Implementations write plaintext before the tag is verified.
   if (opened && constant_time_equal(computed, tag)) [[likely]]
     return true;
   if (!cipher.empty()) wipe({out, cipher.size()});

@@ -1,5 +1,5 @@
-// AES-GCM and ChaCha20-Poly1305, for encrypting or for a MAC alone, behind one small interface with
-// the implementation chosen at run time.
+// AES-GCM and ChaCha20-Poly1305, for encryption or for a MAC alone. One small interface; the
+// implementation is chosen at run time.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@
 namespace ddssec::cryptography {
 
 enum class Cipher : std::uint8_t { aes128_gcm, aes256_gcm, chacha20_poly1305 };
-/// Octets.
+/// The key size in octets.
 constexpr std::size_t key_size_of(Cipher cipher) { return cipher == Cipher::aes128_gcm ? 16 : 32; }
 
 /// 96 bits: session id, then suffix (DDS-Security 9.5.3.3.4).
@@ -24,7 +24,7 @@ inline constexpr std::size_t kTagSize = 16;
 using TagView = std::span<const std::uint8_t, kTagSize>;
 using TagOut = std::span<std::uint8_t, kTagSize>;
 
-/// Octets an expanded key may take up, whatever the implementation.
+/// The largest size of an expanded key of any implementation, in octets.
 inline constexpr std::size_t kKeyStorage = 1264;
 using KeyStorage = std::byte*;
 
@@ -32,7 +32,7 @@ struct SealRequest {
   const Iv& iv;
   BytesView aad;
   BytesView plain;
-  std::uint8_t* out;  ///< as many octets as `plain`; may be the same place, not overlap otherwise
+  std::uint8_t* out;  ///< as many octets as `plain`; the same place or disjoint
   TagOut tag;
 };
 
@@ -40,37 +40,39 @@ struct OpenRequest {
   const Iv& iv;
   BytesView aad;
   BytesView cipher;
-  std::uint8_t* out;  ///< as many octets as `cipher`; may be the same place
-  TagOut tag;         ///< receives the tag that the message should have
+  std::uint8_t* out;  ///< as many octets as `cipher`; the same place or disjoint
+  TagOut tag;         ///< receives the computed tag
 };
 
-/// One implementation. Stateless, lives as long as the process. The storage of a key is aligned to
-/// 64 octets and used by several threads at once, without `expand` and `destroy`.
+/// An implementation. It is stateless and lives as long as the process. The storage of a key is
+/// aligned to 64 octets. Several threads use it at once, except during `expand` and `destroy`.
 class AeadBackend {
  public:
   virtual ~AeadBackend() = default;
   virtual std::string_view name() const = 0;
-  /// Both sizes of AES-GCM always; the rest may be missing (a FIPS provider has no ChaCha20).
+  /// True for both key sizes of AES-GCM; other ciphers may be missing (a FIPS provider has no
+  /// ChaCha20).
   virtual bool has(Cipher cipher) const = 0;
 
  protected:
   friend class ExpandedKey;
   virtual bool expand(KeyStorage storage, Cipher cipher, BytesView key) const = 0;
   virtual bool seal(KeyStorage storage, Cipher cipher, const SealRequest& request) const = 0;
-  /// Decrypts and computes the tag; comparing and wiping are the caller's.
+  /// Decrypts and computes the tag. The caller compares the tag and wipes `out`.
   virtual bool open(KeyStorage storage, Cipher cipher, const OpenRequest& request,
                     TagView expected) const = 0;
-  /// Anything that is not plain octets; these are wiped by the caller.
+  /// Frees objects in the storage. The caller wipes the octets.
   virtual void destroy(KeyStorage storage) const noexcept = 0;
 };
 
-/// Those that this build has and this processor can run, best first; never empty.
+/// The implementations that this build contains and this processor can run, best first; never
+/// empty.
 std::span<const AeadBackend* const> aead_backends();
-/// The one asked for, or nullptr if it is not available here.
+/// The requested implementation; nullptr if it is not available.
 const AeadBackend* aead_backend(AeadChoice choice);
 
-/// A cipher's key, expanded in its final place and wiped when it dies. Used by many
-/// threads at once. About 1 KiB.
+/// A cipher's key, expanded in its final place and wiped at destruction. Many threads may use it at
+/// once. Its size is about 1 KiB.
 class alignas(64) ExpandedKey {
  public:
   ExpandedKey() = default;
@@ -78,16 +80,18 @@ class alignas(64) ExpandedKey {
   ExpandedKey(const ExpandedKey&) = delete;
   ExpandedKey& operator=(const ExpandedKey&) = delete;
 
-  /// Replaces what was there. Errors: length_out_of_range, internal.
+  /// Replaces the key. Not while other threads use it. Errors: length_out_of_range, internal.
   Status expand(const AeadBackend& backend, Cipher cipher, BytesView key);
   bool empty() const { return backend_ == nullptr; }
 
-  /// Encrypts `plain` to `out` (same size; the same place or disjoint) and writes the tag.
+  /// Encrypts `plain` to `out` (same size; the same place or disjoint) and writes the tag. False if
+  /// the implementation fails.
   [[nodiscard]] bool seal(const SealRequest& request) const;
   /// Decrypts if the tag is right. Otherwise `out` holds zeros and the result is false.
   [[nodiscard]] bool open(const Iv& iv, BytesView aad, BytesView cipher, std::uint8_t* out,
                           TagView tag) const;
-  /// The tag over `data`, nothing encrypted (GMAC, or Poly1305 by the same construction).
+  /// Writes the tag over `data` without encrypting anything (GMAC, or Poly1305 by the same
+  /// construction). False if the implementation fails.
   [[nodiscard]] bool mac(const Iv& iv, BytesView data, TagOut tag) const;
   /// True if `tag` is the MAC over `data`; the time does not depend on the tags.
   [[nodiscard]] bool verify(const Iv& iv, BytesView data, TagView tag) const;

@@ -20,7 +20,8 @@ gcm_key_data* ipsec_mb_key_in(KeyStorage storage) {
   return static_cast<gcm_key_data*>(static_cast<void*>(storage));
 }
 
-/// What a message leaves behind: the one-time key of its MAC, and key stream.
+/// Working memory for one message, wiped afterwards: it holds the one-time key of the MAC and key
+/// stream.
 template <class Data>
 struct WipedContext {
   Data data;
@@ -29,7 +30,8 @@ struct WipedContext {
 using GcmContext = WipedContext<gcm_context_data>;
 using ChachaContext = WipedContext<chacha20_poly1305_context_data>;
 
-/// The direct calls: one, or three, a message, no state but the key, which they only read.
+/// Uses the direct calls: one or three for each message. They have no state except the key, which
+/// they only read.
 class IpsecMb final : public AeadBackend {
  public:
   explicit IpsecMb(Manager manager) : manager_(std::move(manager)) {}
@@ -87,8 +89,8 @@ class IpsecMb final : public AeadBackend {
   Manager manager_;
 };
 
-// Up to 1.5 the library emulates AES where there is no AES-NI, slower than OpenSSL; 2.0 has nothing
-// there.
+// Up to version 1.5 the library emulates AES without AES-NI, slower than OpenSSL. Version 2.0 has
+// no emulation.
 #if IMB_VERSION_NUM < IMB_VERSION(2, 0, 0)
 constexpr auto kWithoutAes = IMB_ARCH_NOAESNI;
 #else

@@ -1,5 +1,5 @@
-// How much the participants of one certificate have announced. A host keeps every endpoint that is
-// announced, matched or not, with all that its announcement says. Cyclone DDS sets no bound.
+// Limits how much the participants of one certificate may announce. A host stores every endpoint
+// that is announced, matched or not, with its whole announcement. Cyclone DDS sets no limit.
 #pragma once
 
 #include <array>
@@ -16,20 +16,20 @@
 
 namespace ddssec::cryptography {
 
-/// What the participants of one certificate share. Thread-safe.
+/// The account that the participants of one certificate share. Thread-safe.
 class AnnouncedOctets {
  public:
-  /// Of all announcements that count, with kOfEach for each.
+  /// The limit in octets for all counted announcements, including kOfEach for each.
   static constexpr std::size_t kMost = std::size_t{64} << 20;
-  /// What the core keeps of an endpoint whatever is announced of it, roughly.
+  /// The octets that the core stores for an endpoint besides its announcement, approximately.
   static constexpr std::size_t kOfEach = 1024;
 
-  /// Announcements that the host has acknowledged and that come again have a sum of their own: what
-  /// a stranger repeats takes no room from what is new.
+  /// Announcements that come again after the host has acknowledged them are counted in a separate
+  /// sum. So repetitions by an attacker take no space from new announcements.
   enum class Heard : std::uint8_t { first, again };
 
-  /// One announcement takes the place of another. False: that would be too much, and nothing
-  /// changes.
+  /// Replaces an announcement of `before` octets by one of `after` octets. False if the sum would
+  /// exceed the limit; then nothing changes.
   bool replace(std::size_t before, std::size_t after, Heard heard = Heard::first);
   std::size_t sum(Heard heard = Heard::first) const;
 
@@ -38,7 +38,7 @@ class AnnouncedOctets {
   std::array<std::size_t, 2> sums_ = {};  ///< by Heard
 };
 
-/// Those of each subject (subject_of in engine.hpp) that has participants. Thread-safe.
+/// The accounts of all subjects (subject_of in engine.hpp) that have participants. Thread-safe.
 class AnnouncementAccounts {
  public:
   std::shared_ptr<AnnouncedOctets> of(std::uint64_t subject);
@@ -48,42 +48,43 @@ class AnnouncementAccounts {
   std::unordered_map<std::uint64_t, std::weak_ptr<AnnouncedOctets>> accounts_;
 };
 
-/// Numbers of samples that a writer said it does not have, or has no more.
+/// Sequence numbers of samples that a writer reported as missing or no longer available.
 class SkippedNumbers {
  public:
-  /// From `begin` to before `end`.
+  /// Adds `begin` up to but not including `end`.
   void add(std::uint64_t begin, std::uint64_t end);
   bool contains(std::uint64_t number) const;
   void forget_below(std::uint64_t number);
 
  private:
-  /// Of further ones, what lies between two counts as skipped.
+  /// The largest number of ranges. If there are more, the two lowest are joined, and the numbers
+  /// between them count as skipped.
   static constexpr std::size_t kMost = 64;
-  std::map<std::uint64_t, std::uint64_t> ranges_;  ///< begin and end; apart from one another
+  std::map<std::uint64_t, std::uint64_t> ranges_;  ///< begin and end; disjoint
 };
 
-/// What one DATA, or one sample in fragments, says.
+/// The content of one DATA, or of one fragmented sample.
 struct Announcement {
   enum class Kind : std::uint8_t {
-    nothing,    ///< it has no payload that the host would read
-    announces,  ///< an endpoint, for the first time or again
-    ends,       ///< the endpoint is disposed or unregistered
-    unread,     ///< its first fragment came, or more
+    nothing,    ///< no payload that the host would read
+    announces,  ///< it announces an endpoint, for the first time or again
+    ends,       ///< it disposes or unregisters the endpoint
+    unread,     ///< fragmented, and not all fragments have come
   };
   std::uint64_t number = 0;  ///< writerSN
   Kind kind = Kind::nothing;
   EntityId entity = {};
-  std::size_t octets = 0;  ///< of the payload; of a sample in fragments, of all
+  std::size_t octets = 0;  ///< of the payload; for a fragmented sample, of all fragments
   bool operator==(const Announcement&) const = default;
 };
 
-/// What one participant has announced, and how much of it the host holds. Thread-safe.
+/// The announcements of one participant, and how much of them the host stores. Thread-safe.
 ///
-/// The host passes over a sample whose number it has had, holds one back until those before it have
-/// come, and drops some without a word. So whatever passes counts by its number, until the host has
-/// acknowledged it. Only then does it take the place of what was said of its endpoint before, and
-/// an end counts only if the host cannot have skipped it: nothing said that its number is skipped,
-/// and all that passed under it was the same.
+/// The host ignores a sample whose number it already had, delays one until those before it have
+/// come, and drops some without notice. So every passed sample is counted under its number until
+/// the host has acknowledged it. Only then does it replace the former announcement of its endpoint.
+/// The end of an endpoint counts only if the host cannot have skipped it: nothing reported its
+/// number as skipped, and everything that passed under this number was the same.
 class AnnouncedEndpoints {
  public:
   AnnouncedEndpoints() = default;
@@ -91,28 +92,31 @@ class AnnouncedEndpoints {
   AnnouncedEndpoints(const AnnouncedEndpoints&) = delete;
   AnnouncedEndpoints& operator=(const AnnouncedEndpoints&) = delete;
 
-  /// From now on they count for that account. Before that for one of their own.
+  /// From now on, announcements count for that account; before, they count for a private one.
   void count_for(std::shared_ptr<AnnouncedOctets> account);
-  /// It may pass. Error: builtin_source_unreadable, if the certificate has no room for it, or if
-  /// something else passed under its number; then nothing changes.
+  /// Counts an announcement; success if it may pass to the host. Error: builtin_source_unreadable
+  /// if the certificate's account is full, or if something else passed under this number before.
+  /// Then nothing changes.
   Status note(const BuiltinTopic& topic, const Announcement& announcement);
-  /// All fragments of an unread one have come, and announce that endpoint. Error as of note.
+  /// All fragments of an unread announcement have come; `announcement` is its content. Errors as of
+  /// note.
   Status complete(const BuiltinTopic& topic, const Announcement& announcement);
-  /// No fragment of an unread one passed.
+  /// Removes an unread announcement of which no fragment passed.
   void take_back(const BuiltinTopic& topic, std::uint64_t number);
-  /// A GAP or HEARTBEAT said that there are no samples from `begin` to before `end`.
+  /// A GAP or HEARTBEAT reported that there are no samples from `begin` up to but not including
+  /// `end`.
   void skip(const BuiltinTopic& topic, std::uint64_t begin, std::uint64_t end);
-  /// The host has acknowledged all below `next`.
+  /// The host has acknowledged all numbers below `next`.
   void acknowledged(const BuiltinTopic& topic, std::uint64_t next);
   bool is_acknowledged(const BuiltinTopic& topic, std::uint64_t number) const;
 
  private:
   struct Writer {
-    std::uint64_t next = 0;  ///< all below are acknowledged
+    std::uint64_t next = 0;  ///< all numbers below are acknowledged
     std::map<std::uint64_t, Announcement> passed = {};
     SkippedNumbers skipped = {};
-    std::map<EntityId, std::size_t> endpoints = {};  ///< what the host holds of each
-    /// What came of each under numbers that were acknowledged.
+    std::map<EntityId, std::size_t> endpoints = {};  ///< octets that the host stores for each
+    /// Octets that came for each endpoint under numbers that were already acknowledged.
     std::map<EntityId, std::size_t> again = {};
   };
   static std::size_t cost_of(const Announcement& announcement);
@@ -126,7 +130,7 @@ class AnnouncedEndpoints {
 
   mutable std::mutex mutex_;
   std::shared_ptr<AnnouncedOctets> account_ = std::make_shared<AnnouncedOctets>();
-  std::map<EntityId, Writer> writers_;  ///< as many as there are topics
+  std::map<EntityId, Writer> writers_;  ///< at most one for each topic
 };
 
 }  // namespace ddssec::cryptography

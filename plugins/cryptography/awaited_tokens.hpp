@@ -1,5 +1,5 @@
-// Which key tokens of a peer the host waits for. The host says so when it sends our own: it has
-// then matched the two endpoints that its message names.
+// Tracks which key tokens of a peer the host waits for. The host shows this when it sends the local
+// tokens: it has then matched the two endpoints that its message names.
 #pragma once
 
 #include <chrono>
@@ -12,36 +12,38 @@
 
 namespace ddssec::cryptography {
 
-/// The two endpoints, or participants, that key tokens are for.
+/// The two endpoints, or two participants, between which key tokens go.
 struct TokenKey {
-  Guid remote;  ///< whose tokens
+  Guid remote;  ///< the sender of the tokens
   Guid local;   ///< the receiver
   auto operator<=>(const TokenKey&) const = default;
 };
 
-/// For a host that has matched two endpoints and holds a ticket for them, coming with it is a
-/// matter of microseconds. So it cannot have any ticket for those that are still here after a
-/// while. Not thread-safe.
+/// The awaited tokens. A host that has matched two endpoints and holds a ticket for them presents
+/// it within microseconds. So if tokens are still awaited after a while, the host cannot have a
+/// ticket for them. Not thread-safe.
 class AwaitedTokens {
  public:
   using Time = std::chrono::nanoseconds;
-  /// How long tokens are awaited before it is asked what became of them, and how often `review`
-  /// was called meanwhile: a process that was stopped has not waited.
+  /// For how long tokens are awaited before `review` asks about them, and how often `review` must
+  /// have been called meanwhile. The second condition exists because a process that was stopped has
+  /// not waited.
   static constexpr std::chrono::seconds kPatience{20};
   static constexpr unsigned kLeastReviews = 10;
-  /// Of all exchanges. Further ones are not noted: where discovery is not protected, a stranger can
-  /// invent endpoints.
+  /// The largest number of entries for all exchanges; further ones are not recorded. If discovery
+  /// is not protected, an attacker can invent endpoints.
   static constexpr std::size_t kMost = 16384;
 
-  /// The host has matched the two in that exchange and has no keys.
+  /// The host has matched the two endpoints in that exchange and has no keys yet.
   void await(std::uint64_t exchange, const TokenKey& key, Time now);
-  /// The host came with a ticket for them.
+  /// The host presented a ticket for them.
   void came(std::uint64_t exchange, const TokenKey& key);
+  /// The exchange has ended.
   void end(std::uint64_t exchange);
   bool contains(std::uint64_t exchange, const TokenKey& key) const;
 
-  /// Calls `is_undecided(key, since)` for each of the exchange that was awaited long enough, and
-  /// forgets it unless that returns true. To be called about once a second.
+  /// Calls `is_undecided(key, since)` for each entry of the exchange that was awaited long enough,
+  /// and removes the entry unless that returns true. Call it about once a second.
   template <class F>
   void review(std::uint64_t exchange, Time now, F&& is_undecided) {
     for (auto at = first_of(exchange); at != awaited_.end() && at->first.first == exchange;) {
@@ -51,7 +53,7 @@ class AwaitedTokens {
       if (!is_undecided(one->first.second, since)) awaited_.erase(one);
     }
   }
-  /// Calls `f(key, since)` for each of the exchange.
+  /// Calls `f(key, since)` for each entry of the exchange.
   template <class F>
   void each(std::uint64_t exchange, F&& f) {
     for (auto at = first_of(exchange); at != awaited_.end() && at->first.first == exchange; ++at)

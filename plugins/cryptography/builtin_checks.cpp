@@ -15,8 +15,8 @@ bool says_end(BytesView status_info) {
   return status_info.size() >= 4 && (status_info[3] & kDisposedOrUnregistered) != 0;
 }
 
-/// Does it say that what the sample is about is gone? Not both: which of two the host believes
-/// is not known here.
+/// True if the inline QoS disposes or unregisters the sample's subject. A repeated StatusInfo is
+/// refused, because it is not known here which one the host uses.
 Result<bool> check_inline_qos(const BuiltinTopic& topic, const Owner& owner,
                               const DataPiece& piece) {
   Reader in(piece.inline_qos, piece.endian);
@@ -35,8 +35,8 @@ Result<bool> check_inline_qos(const BuiltinTopic& topic, const Owner& owner,
   return ends.value_or(false);
 }
 
-/// ParticipantMessageData, or its key: both begin with the prefix. Fast DDS calls the same octets
-/// PL_CDR.
+/// ParticipantMessageData or its key: both begin with the prefix. Fast DDS labels the same octets
+/// as PL_CDR.
 Status check_liveliness(const BuiltinTopic& topic, const Owner& owner, BytesView payload) {
   constexpr std::uint8_t kGreatestPlain = 3;
   if (payload.size() < kEncapsulationSize + GuidPrefix::size)
@@ -46,7 +46,7 @@ Status check_liveliness(const BuiltinTopic& topic, const Owner& owner, BytesView
   return check_name(topic, owner, "participantGuidPrefix", payload.subspan(kEncapsulationSize));
 }
 
-/// `announced` is null where it is not known whose the announcement is.
+/// `announced` is null if the owner of the announcement is not known.
 Result<TypeInformationAt> check_whole(const BuiltinTopic& topic, const Owner& owner,
                                       const DataPiece& piece, bool ends,
                                       AnnouncedEndpoints* announced) {
@@ -77,19 +77,19 @@ Result<TypeInformationAt> check_payload(const BuiltinTopic& topic, const Owner& 
                          : peer->walks.take(topic, owner, piece, peer->announced, now);
 }
 
-/// The host reads nothing of it, and goes on to the next number.
+/// The host reads nothing of such a sample and continues with the next number.
 Status check_without_payload(const BuiltinTopic& topic, const DataPiece& piece,
                              PeerDiscovery* peer) {
   if (peer == nullptr) return {};
   return peer->announced.note(topic, {.number = piece.number});
 }
 
-/// Null: not known, or its samples announce nothing.
+/// The announcing peer; null if it is not known, or if samples of this topic announce nothing.
 PeerDiscovery* announcer(const BuiltinTopic& topic, const Owner& owner, DiscoveryOfPeers& peers) {
   return topic.key == 0 ? nullptr : peers.of(owner.value_or(GuidPrefix{}));
 }
 
-/// What the host skips from now on.
+/// Records the numbers that the host skips from now on.
 void note_skipped(BytesView submessage, const Owner& owner, DiscoveryOfPeers& peers) {
   const auto skipped = read_skipped(submessage);
   const auto* const topic = skipped ? builtin_topic_of(skipped->writer) : nullptr;

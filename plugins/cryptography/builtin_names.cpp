@@ -7,7 +7,7 @@ namespace ddssec::cryptography {
 namespace {
 
 namespace parameter_id {
-/// They name a participant or one of its entities by a GUID (RTPS 9.6.3).
+/// Parameters that name a participant or one of its entities by a GUID (RTPS 9.6.3).
 constexpr std::uint16_t kParticipantGuid = 0x0050, kEndpointGuid = 0x005a, kKeyHash = 0x0070,
                         kCycloneTopicGuid = 0x801b;
 constexpr std::uint16_t kSentinel = 0x0001;
@@ -27,7 +27,7 @@ constexpr std::array kTopics = {
     BuiltinTopic{{{0xff, 0x02, 0x00, 0xc2}}, 0},
 };
 
-/// What an announcement may have several of (RTPS 9.6.3).
+/// The kinds of locators, of which an announcement may have several (RTPS 9.6.3).
 struct LocatorKind {
   std::uint16_t id;
   const char* name;
@@ -41,7 +41,7 @@ constexpr std::array kLocators = {LocatorKind{0x002f, "PID_UNICAST_LOCATOR"},
 
 constexpr std::string_view kDocument = "a discovery or liveliness message";
 
-/// What a parameter is called if it names something.
+/// The name of a parameter that contains a GUID; null for others.
 const char* name_of(const BuiltinTopic& topic, std::uint16_t id) {
   return id == parameter_id::kParticipantGuid ? "PID_PARTICIPANT_GUID"
          : id == parameter_id::kEndpointGuid  ? "PID_ENDPOINT_GUID"

@@ -1,4 +1,5 @@
-// What the samples of the builtin writers of discovery and liveliness name.
+// The names of participants and endpoints in samples of the builtin writers of discovery and
+// liveliness.
 #pragma once
 
 #include <array>
@@ -14,40 +15,41 @@
 
 namespace ddssec::cryptography {
 
-/// How the samples of a builtin writer name what they are about.
+/// A builtin writer, and how its samples name their subject.
 struct BuiltinTopic {
   EntityId writer;
-  std::uint16_t key;  ///< its parameter; 0: ParticipantMessageData, which has none
+  /// Id of the parameter with the key; 0: ParticipantMessageData, which has none.
+  std::uint16_t key;
 };
-/// Null: the writer is none of discovery or liveliness.
+/// The topic of a writer; null if it does not belong to discovery or liveliness.
 const BuiltinTopic* builtin_topic_of(const EntityId& writer);
 
-/// The participant that sends. Nothing: it is not known, and the message may name any participant.
+/// The sending participant. Empty: it is not known, and the message may name any participant.
 using Owner = std::optional<GuidPrefix>;
 
-/// A GUID must begin with the prefix of who sends it. Errors: builtin_source_mismatch,
+/// Success if `guid` begins with the prefix of `owner`. Errors: builtin_source_mismatch,
 /// builtin_source_unreadable.
 Status check_name(const BuiltinTopic& topic, const Owner& owner, std::string_view field,
                   BytesView guid);
 std::unexpected<Error> unreadable_name(const BuiltinTopic& topic, std::string_view why);
 
-/// Reads a parameter list with its encapsulation, in pieces of any size, checks each GUID as soon
-/// as its prefix is complete, bounds what is costly to Cyclone DDS (locators, of which it compares
-/// those of all readers, and partitions), and finds PID_TYPE_INFORMATION. Small, to be copied: who
-/// refuses a piece goes on from before it.
+/// Reads a parameter list with its encapsulation, in pieces of any size. Checks each GUID as soon
+/// as its prefix is complete. Limits values that are costly for Cyclone DDS: locators, which it
+/// compares with those of all readers, and partitions. Finds PID_TYPE_INFORMATION. Small, so that
+/// it can be copied: a caller that refuses a piece continues with the copy from before it.
 class ParameterWalk {
  public:
-  /// Of each kind: the same bound as in the embedded participant.
+  /// The largest number of locators of each kind: the same as in the embedded participant.
   static constexpr std::size_t kMostLocators = 16;
 
-  /// The next octets. Errors: builtin_source_mismatch, builtin_source_unreadable.
+  /// Reads the next octets. Errors: builtin_source_mismatch, builtin_source_unreadable.
   Status read(const BuiltinTopic& topic, const Owner& owner, BytesView octets);
-  /// The list must have ended, and named something. Error: builtin_source_unreadable.
+  /// Success if the list has ended and has named its subject. Error: builtin_source_unreadable.
   Status check_end(const BuiltinTopic& topic) const;
-  /// Where the parameter id of the type information stands, counted from the encapsulation. Both of
-  /// its octets came in one piece.
+  /// The position of the parameter id of the type information, counted from the encapsulation. Both
+  /// of its octets came in one piece.
   std::optional<std::uint32_t> type_information() const { return type_information_; }
-  /// Of what the list is about, by the topic's key.
+  /// The entity id of the list's subject, from the topic's key.
   const EntityId& entity() const { return entity_; }
 
  private:
@@ -56,7 +58,7 @@ class ParameterWalk {
   Status begin_parameter(const BuiltinTopic& topic);
   Status count_locator(const BuiltinTopic& topic);
   Status begin_partitions(const BuiltinTopic& topic);
-  /// How many of the octets belong to the partitions.
+  /// The number of octets that belong to the partitions.
   Result<std::size_t> read_partitions(const BuiltinTopic& topic, BytesView octets);
   Status note_type_information(const BuiltinTopic& topic);
   std::uint16_t word(std::size_t at) const;
@@ -80,7 +82,7 @@ class ParameterWalk {
   std::uint32_t piece_begins_ = 0;  ///< position_ before the present piece
   std::optional<std::uint32_t> type_information_ = {};
   EntityId entity_ = {};
-  std::array<std::uint8_t, kGuidSize> part_ = {};  ///< what a state waits for
+  std::array<std::uint8_t, kGuidSize> part_ = {};  ///< the octets that the present state collects
   std::array<std::uint8_t, kLocatorKinds> locators_ = {};
   PartitionWalk partitions_ = {};
 };

@@ -1,4 +1,4 @@
-// Which cipher the properties of an entity ask for, and who understands it.
+// The cipher that the properties of an entity request, and whether a peer understands it.
 #pragma once
 
 #include <optional>
@@ -9,26 +9,29 @@
 
 namespace ddssec::cryptography {
 
+/// The bit of a cipher.
 spi::CipherMask bit_of(Cipher cipher);
+/// The ciphers that an implementation has.
 spi::CipherMask ciphers_of(const AeadBackend& backend);
 
-/// What the properties of an endpoint ask for, by name or by the size of the key; nothing for AUTO
-/// and where there is neither. Two that name different sizes of AES are a mistake; beside
-/// ChaCha20-Poly1305 the size speaks of what stays AES. Errors: invalid_property.
+/// The cipher that the properties of an endpoint request, by name or by key size. Empty for AUTO,
+/// and if there is neither. It is an error if the two name different sizes of AES. With
+/// ChaCha20-Poly1305 the key size applies to those keys that stay AES. Error: invalid_property.
 Result<std::optional<Cipher>> cipher_asked(const spi::PropertyList& properties);
 
-/// The ciphers of a participant's messages and builtin endpoints, and of the application's
-/// endpoints that ask for none. Errors: invalid_property.
+/// The cipher of a participant's messages and builtin endpoints, and the default for the
+/// application's endpoints. Error: invalid_property.
 struct ParticipantCiphers {
   Cipher message;
   Cipher endpoint;
 };
 Result<ParticipantCiphers> participant_ciphers(const spi::PropertyList& properties);
 
-/// The cipher of a domain's pre-shared keys; AES-256 unless asked for. Errors: invalid_property.
+/// The cipher of a domain's pre-shared keys; AES-256 by default. Error: invalid_property.
 Result<Cipher> pre_shared_cipher(const spi::PropertyList& properties);
 
-/// Does a peer with these understand what we would send? Error: cipher_not_understood_by_peer.
+/// Success if a peer that supports `peer` can decrypt `cipher`. Error:
+/// cipher_not_understood_by_peer.
 Status check_peer(Cipher cipher, spi::CipherMask peer);
 
 }  // namespace ddssec::cryptography

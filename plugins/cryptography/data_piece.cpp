@@ -13,11 +13,11 @@ constexpr std::uint8_t kKeyFlag = 0x08;      ///< of DATA
 constexpr std::uint8_t kFragKeyFlag = 0x04;  ///< of DATA_FRAG
 constexpr std::uint16_t kSentinel = 1;
 constexpr std::size_t kWriterAt = 12;
-/// The ids of reader and writer in GAP, HEARTBEAT and ACKNACK.
+/// The position of the reader and writer ids in GAP, HEARTBEAT and ACKNACK.
 constexpr std::size_t kEntitiesAt = kSubmessageHeaderSize,
                       kEntitiesEnd = kEntitiesAt + 2 * EntityId::size;
 
-/// The octets of the sample that a DATA_FRAG holds, after writerSN.
+/// Reads the fields of a DATA_FRAG after writerSN; returns the octets of the sample that it holds.
 Result<std::uint64_t> read_fragment(Reader& in, DataPiece& piece) {
   const auto first = DDSSEC_TRY(in.read<std::uint32_t>());
   const auto count = DDSSEC_TRY(in.read<std::uint16_t>());
@@ -52,7 +52,7 @@ Endian endian_of(BytesView submessage) {
   return (submessage[1] & kEndianFlag) != 0 ? Endian::little : Endian::big;
 }
 
-/// After the ids of reader and writer.
+/// Reads a GAP from after the ids of reader and writer.
 Result<Skipped> read_gap(Reader& in, const EntityId& writer) {
   constexpr std::uint32_t kMostBits = 256;
   const auto begin = DDSSEC_TRY(read_number(in)), base = DDSSEC_TRY(read_number(in));

@@ -43,7 +43,8 @@ SessionReceiverKey derive_session_receiver_key(const MasterReceiverKey& key, con
 }
 
 KeyMaterial derive_key_exchange_material(const spi::SharedSecret& shared) {
-  // The cookies have 16 octets each, without a NUL; "keyexchange" is one word in the first only.
+  // The cookies have 16 octets each, without a NUL. "keyexchange" is one word in the first one
+  // only.
   KeyMaterial material{.kind = kAes256Gcm};
   material.salt = derive_from_shared<MasterSalt>(shared, shared.challenge1, "keyexchange salt",
                                                  shared.challenge2);

@@ -1,5 +1,4 @@
-// Keys derived from keys: session keys (DDS-Security 9.5.3.3.3) and the key exchange key
-// (9.5.2.1.2).
+// Key derivation: session keys (DDS-Security 9.5.3.3.3) and the key exchange key (9.5.2.1.2).
 #pragma once
 
 #include "plugins/cryptography/key_material.hpp"

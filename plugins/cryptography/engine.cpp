@@ -17,8 +17,8 @@ KeyEnvironment key_environment(const AeadBackend& aead, Graveyard& graveyard, Ra
           std::clamp(options.most_sessions_per_key, std::uint64_t{1}, kMost), random};
 }
 
-/// Unpredictable if possible. Nothing secret hangs on it: these numbers only make handles and key
-/// ids of different runs differ.
+/// Unpredictable if possible. No security depends on it: these numbers only make handles and key
+/// ids differ from run to run.
 template <class T>
 T starting_number(Random& random) {
   std::array<std::uint8_t, sizeof(T)> octets{};

@@ -1,4 +1,4 @@
-// The engine: the three interfaces over one registry.
+// The engine: the three interfaces, which share one registry.
 #pragma once
 
 #include <mutex>
@@ -12,7 +12,7 @@
 
 namespace ddssec::cryptography {
 
-/// What the three parts share. Who changes anything holds `mutex`.
+/// The data that the three parts share. Any change requires `mutex`.
 struct Shared {
   Shared(const Environment& environment, const AeadBackend& aead, const Options& options,
          std::uint64_t first_generation);
@@ -33,18 +33,18 @@ struct Shared {
   Result<RemoteEndpoint*> remote_endpoint(H handle, EntityKind kind) const {
     return registry.find<RemoteEndpoint>(handle.value, kind);
   }
-  /// Lets submessages find the endpoint by the keys that it has now. Mutex held.
+  /// Enters the endpoint's present keys into the routes of its participant. Mutex held.
   void publish_route(RemoteEndpoint& endpoint);
 
-  /// One among the receivers of its writer, if it needs one and has none yet. Mutex held. Error:
-  /// receiver_places_taken, after an event that names the peer.
+  /// Takes a place among the receivers of the reader's writer, if it needs one and has none yet.
+  /// Mutex held. Error: receiver_places_taken, after an event that names the peer.
   Status take_place(RemoteEndpoint& reader, const Pair& pair);
   void give_back_place(RemoteEndpoint& reader) noexcept;
 
-  /// Raises an event about what the owner of `prefix` did.
+  /// Raises an event about the peer that owns `prefix`.
   void report(const Error& error, const std::optional<GuidPrefix>& prefix) const;
 
-  /// To be called when a remote entity got new keys. Mutex held.
+  /// Call it when a remote entity has got new keys. Mutex held.
   void note_former(std::int64_t handle, const RemoteKeys& keys);
 
   const Environment environment;
@@ -61,18 +61,18 @@ struct Shared {
   AnnouncementAccounts announcements = {};
 };
 
-/// Whose participants share their places: the octets of the prefix that are bound to the subject
-/// (DDS-Security 9.3.3). A participant whose prefix is not proven has places of its own, told by
-/// its identity, with a bit that six octets cannot have.
+/// The subject whose participants share places: the octets of the prefix that are bound to the
+/// certificate's subject (DDS-Security 9.3.3). A participant without a proven prefix has places of
+/// its own. It is identified by its identity handle, with a bit set that six octets cannot have.
 std::uint64_t subject_of(std::int64_t identity, const Pair& pair);
 
-/// The peer with that prefix that has authenticated with the local participant, or null. Nothing
-/// while another thread changes them.
+/// The peer with that prefix that has authenticated with the local participant; null if there is
+/// none. Empty while another thread changes the peers.
 std::optional<const RemoteParticipant*> find_peer(const Shared& shared,
                                                   const LocalParticipant& local,
                                                   const GuidPrefix& prefix);
 
-/// Local handle kinds and the remote ones they match.
+/// The entity kinds that belong to a handle type, on the local and on the remote side.
 inline constexpr EntityKind local_kind(spi::DatawriterCryptoHandle) {
   return EntityKind::local_writer;
 }
@@ -138,26 +138,27 @@ class KeyFactory final : public spi::CryptoKeyFactory {
   Result<KeyMaterial> fresh_material(TransformKind kind, KeyId id);
   Result<std::unique_ptr<SendKey>> send_key(KeyMaterial material);
   Result<std::unique_ptr<ReceiverKey>> receiver_key(Cipher cipher);
-  /// A key to follow that one, if there is one.
+  /// A key of the next revision for `key`; null if there is no such key.
   Result<std::unique_ptr<SendKey>> revised(const Published<SendKey>& key);
   Status revise(LocalEndpoint& endpoint);
   static void take_back_revision(LocalEndpoint& endpoint) noexcept;
   void activate_revision(LocalEndpoint& endpoint);
   void put_to_use(Published<SendKey>& key, std::unique_ptr<SendKey>& next);
-  /// Errors: invalid_property, key_limits_without_revision, those of the random source.
+  /// Reads the key limits of the properties. Errors: invalid_property, key_limits_without_revision,
+  /// those of the random source.
   Status limit_keys(LocalParticipant& participant, const spi::PropertyList& properties);
   Status begin_life(LocalParticipant& participant);
-  /// Of that key of the participant and its endpoints that protected most.
+  /// The number of blocks under the most used key of the participant and its endpoints.
   std::uint64_t blocks_used(const LocalParticipant& participant);
   template <class F>
   void each_endpoint(const LocalParticipant& participant, F&& f);
   void forget_former_keys(std::int64_t handle, std::chrono::nanoseconds now);
-  /// Is it there, and allowed? Errors: cipher_unavailable, cipher_not_allowed.
+  /// Success if the cipher is available and allowed. Error: cipher_not_allowed.
   Status check_cipher(Cipher cipher, spi::CipherMask allowed) const;
   Result<std::unique_ptr<Pair>> make_pair(const LocalParticipant& local,
                                           const spi::SharedSecret& shared_secret);
   Result<RemoteParticipant*> remote_with_identity(spi::IdentityHandle identity);
-  /// What the two have with each other; nullptr without it.
+  /// The pair of the two participants; nullptr if there is none.
   Pair* known_pair(std::int64_t local, spi::IdentityHandle remote) const;
   void publish_pairs(RemoteParticipant& remote, std::int64_t without = 0);
   Result<std::int64_t> register_local_endpoint(EntityKind kind,
@@ -170,16 +171,17 @@ class KeyFactory final : public spi::CryptoKeyFactory {
     RemoteParticipant& parent;
     const Pair& pair;
   };
-  /// Mutex held. Errors: of Registry::find, crypto_not_matched.
+  /// Mutex held. Errors: those of Registry::find, crypto_not_matched.
   Result<Match> find_match(std::int64_t local, EntityKind remote_kind,
                            spi::ParticipantCryptoHandle remote_participant);
   /// Mutex not held.
   Result<std::int64_t> match(std::int64_t local, EntityKind remote_kind,
                              spi::ParticipantCryptoHandle remote_participant);
-  /// Mutex held; the gate was asked.
+  /// Mutex held, and the gate has agreed.
   Result<std::int64_t> add_match(const Match& match, EntityKind remote_kind);
-  /// Mutex held. The key of the reader towards the writer's participant, made for the first of its
-  /// writers and forgotten with the last. Errors: those of the random source.
+  /// Gives the reader a key for the writer's participant. It is made for the first of that
+  /// participant's writers and dropped with the last. Mutex held. Errors: those of the random
+  /// source.
   Status take_peer_key(RemoteEndpoint& writer);
   static void give_back_peer_key(const RemoteEndpoint& writer) noexcept;
   /// Error: receiver_places_taken, after an event that names the peer.
@@ -231,7 +233,7 @@ class KeyExchange final : public spi::CryptoKeyExchange {
               std::span<const spi::Token> tokens);
   Result<std::unique_ptr<ReceiveKey>> receive_key(KeyMaterial material, spi::ProtectionKind due,
                                                   const Pair& from) const;
-  /// May these take the place of the keys that are set? Error: keys_already_set, with an event.
+  /// Success if `next` may replace the present keys. Error: keys_already_set, with an event.
   Status check_replacement(const RemoteKeys& next, const RemoteKeys* present,
                            const Pair* from) const;
   Result<std::unique_ptr<RemoteKeys>> endpoint_keys(const RemoteEndpoint& remote,
@@ -273,7 +275,7 @@ class Transform final : public spi::CryptoTransform {
                                                 BytesView encoded, MutableBytes out) override;
 
  private:
-  /// The whole message, and then without what its sender may not say.
+  /// Decodes the whole message, including parts that its sender may not send.
   Result<std::size_t> open_message_of(spi::ParticipantCryptoHandle receiver,
                                       spi::ParticipantCryptoHandle sender, BytesView encoded,
                                       MutableBytes out);

@@ -1,12 +1,13 @@
-// Participants and endpoints, local and remote, as the registry holds them.
+// Participants and endpoints, local and remote, as the registry stores them.
 //
-// Ownership and life: the registry owns entities, entities own their keys. All changes are made by
-// one thread at a time, under Engine's mutex. The message path follows pointers under a ReadGuard
-// without any lock. What it may follow either never changes during an entity's life (handle, kind,
-// protection, the pointers up to the parents) or is Published: own keys, key material that tokens
-// bring, pairs and routes are replaced as a whole, and the former object dies after its last
-// reader. An entity is unlinked from all tables and from the registry before it is retired, and
-// children are retired with their parents, so that a pointer up never dangles within a guard.
+// Ownership and lifetime: the registry owns entities, and entities own their keys. One thread at a
+// time makes changes, under the mutex of Shared. The message path follows pointers under a
+// ReadGuard without any lock. It follows only two kinds of data. Some never change during an
+// entity's life (handle, kind, protection, pointers to the parents). The others are Published:
+// local keys, key material from tokens, pairs and routes are replaced as a whole, and the former
+// object is destroyed after its last reader. An entity is unlinked from all tables and from the
+// registry before it is retired. Children are retired with their parents, so a pointer to a parent
+// never dangles within a guard.
 #pragma once
 
 #include <algorithm>
@@ -33,21 +34,21 @@
 
 namespace ddssec::cryptography {
 
-/// Keys of one revision of a remote entity. Null: none came, or none is due at that level.
+/// The keys of one revision of a remote entity. Null: none came, or this level needs none.
 struct LevelKeys {
-  std::shared_ptr<ReceiveKey> submessage;  ///< or, for a participant, of RTPS messages
+  std::shared_ptr<ReceiveKey> submessage;  ///< for submessages; of a participant: for RTPS messages
   std::shared_ptr<ReceiveKey> payload;
 };
 using KeyLevel = std::shared_ptr<ReceiveKey> LevelKeys::*;
 
-/// The keys of a remote entity, as its tokens said: the newest, and former revisions that still
-/// count for a while (key_revision.hpp).
+/// The keys of a remote entity from its tokens: the newest, and former revisions that stay valid
+/// for a while (key_revision.hpp).
 struct RemoteKeys final : Retirable, LevelKeys {
   struct Former : LevelKeys {
     std::chrono::nanoseconds until;  ///< by the monotonic clock
   };
   std::vector<Former> former;  ///< newest first
-  EntityId owner = {};         ///< of an endpoint's keys; zero: not known (key_owner.hpp)
+  EntityId owner = {};  ///< the endpoint that the keys belong to; zero: not known (key_owner.hpp)
 };
 
 struct LocalParticipant final : Entity {
@@ -58,9 +59,9 @@ struct LocalParticipant final : Entity {
   spi::CipherMask allowed_ciphers = spi::kAllCiphers;
   Published<SendKey> key;  ///< null if RTPS messages are not protected
   std::atomic<bool> is_cut_off = false;
-  bool trusts_type_information = false;  ///< the host gets that of peers
+  bool trusts_type_information = false;  ///< the host receives the type information of peers
   bool revises_keys = false;
-  bool is_revising = false;  ///< the next keys are not in use yet
+  bool is_revising = false;  ///< new keys exist and are not in use yet
   spi::KeyRevision revision = 0;
   KeyLife life;
   std::unique_ptr<SendKey> next_key = {};
@@ -69,18 +70,18 @@ struct LocalParticipant final : Entity {
   ReceiverPlaces receivers{ReceiverPlaces::kMostOfEach, "participants"};  ///< of RTPS messages
 };
 
-/// Error: identity_ended.
+/// Success unless the participant was cut off. Error: identity_ended.
 inline Status check_not_cut_off(const LocalParticipant& participant) {
   if (!participant.is_cut_off.load(std::memory_order_relaxed)) [[likely]]
     return {};
   return fail(Code::identity_ended);
 }
 
-/// In whose names the messages of a peer spoke, to tell each once. Thread-safe.
+/// The participants in whose names messages of a peer spoke, to report each once. Thread-safe.
 class NamesSpoken {
  public:
   static constexpr std::size_t kMax = 8;
-  /// True if it is new, and not one too many.
+  /// True if the name is new and fewer than kMax are recorded.
   bool note(const GuidPrefix& name) {
     const std::lock_guard lock(mutex_);
     const bool is_new = std::find(names_.begin(), names_.end(), name) == names_.end();
@@ -94,27 +95,31 @@ class NamesSpoken {
   std::vector<GuidPrefix> names_;
 };
 
-/// What one local and one remote participant have with each other.
+/// The state that one local and one remote participant share.
 struct Pair final : Retirable {
   explicit Pair(const LocalParticipant& local_participant) : local(local_participant) {}
   const LocalParticipant& local;
-  std::uint64_t number = 0;  ///< of the key exchange: no two have one
+  std::uint64_t number = 0;  ///< number of the key exchange; unique
   spi::CipherMask peer_ciphers = spi::kStandardCiphers;
-  std::optional<GuidPrefix> peer_prefix = {};  ///< nothing: another vendor's authentication
-  std::optional<GuidPrefix> own_prefix = {};   ///< the local participant's; nothing: the same
-  spi::PermissionsHandle permissions = {};     ///< the remote's; under Engine's mutex
-  std::unique_ptr<ReceiverKey> receiver_key;   ///< ours towards the remote; null without need
-  std::optional<std::uint64_t> place = {};     ///< whose place among the local one's receivers
+  std::optional<GuidPrefix> peer_prefix = {};  ///< empty: another vendor's authentication
+  /// Of the local participant; empty: another vendor's authentication.
+  std::optional<GuidPrefix> own_prefix = {};
+  spi::PermissionsHandle permissions = {};  ///< of the remote participant; under Shared's mutex
+  /// Local key for the remote participant; null if not needed.
+  std::unique_ptr<ReceiverKey> receiver_key;
+  /// Subject whose place it takes among the local participant's receivers.
+  std::optional<std::uint64_t> place = {};
   std::unique_ptr<SendKey> key_exchange_send;
   std::unique_ptr<ReceiveKey> key_exchange_receive;
   Published<RemoteKeys> remote_keys;
-  NamesSpoken names_spoken;  ///< of other authenticated peers
+  NamesSpoken names_spoken;  ///< names of other authenticated peers
 
-  /// Of the products that may be at the other end only ours announces ChaCha20-Poly1305.
+  /// True if the peer uses ddssec: of all products, only ddssec announces ChaCha20-Poly1305.
   bool is_with_ours() const { return (peer_ciphers & spi::kChaCha20Poly1305Bit) != 0; }
 };
 
-/// Local participant's handle -> pair. As many rows as local participants of one process.
+/// Maps a local participant's handle to its pair. There are as many rows as local participants in
+/// the process.
 struct PairTable final : Retirable {
   struct Row {
     std::int64_t local;
@@ -130,11 +135,11 @@ struct RemoteParticipant final : Entity {
   std::unordered_set<std::int64_t> endpoints;
   std::unordered_map<std::int64_t, std::unique_ptr<Pair>> pairs;  ///< by local participant
   Published<PairTable> pair_table;
-  Routes routes;                            ///< of its endpoints that protect submessages
+  Routes routes;                            ///< to its endpoints that protect submessages
   PayloadPositions payload_positions = {};  ///< of its writers that protect payloads alone
   mutable PeerDiscovery discovery = {};
 
-  /// Under a ReadGuard: what it has with that local participant, or nullptr.
+  /// The pair with that local participant, or nullptr. Under a ReadGuard.
   Pair* pair(std::int64_t local) const {
     const auto* const table = pair_table.read();
     if (table == nullptr) return nullptr;
@@ -144,15 +149,17 @@ struct RemoteParticipant final : Entity {
   }
 };
 
-/// A local reader's submessage key towards one remote participant. What the reader says to that
-/// participant's writers opens nowhere else: the destination of a submessage is not protected with
-/// it, and an ACKNACK for one writer would acknowledge the samples of another that has the same
-/// entity id. With origin authentication the receiver's own MAC does that, and the reader has one
-/// key.
+/// A local reader's submessage key for one remote participant.
+///
+/// Submessages under this key can be decrypted by that participant only. This is needed because the
+/// destination of a submessage is not protected. With a common key, an ACKNACK for one writer would
+/// acknowledge the samples of another with the same entity id. With origin authentication, the
+/// receiver's own MAC prevents this, and the reader has one key.
 struct PeerKey {
   Published<SendKey> key;
   std::unique_ptr<SendKey> next = {};
-  std::size_t writers = 0;  ///< of the participant that are matched with the reader
+  /// Number of the participant's writers that are matched with the reader.
+  std::size_t writers = 0;
 };
 
 /// A local datawriter or datareader.
@@ -165,18 +172,19 @@ struct LocalEndpoint final : Entity {
   LocalParticipant& participant;
   spi::ProtectionKind submessage = spi::ProtectionKind::none;
   spi::ProtectionKind payload = spi::ProtectionKind::none;
-  bool is_builtin = false;   ///< as access control says
+  bool is_builtin = false;   ///< according to access control
   bool is_volatile = false;  ///< ParticipantVolatileMessageSecure: keys of the key exchange
-  std::shared_ptr<const spi::MatchGate> gate = {};  ///< who gets keys; null: not asked here
+  /// Decides which peers get keys; null: no check here.
+  std::shared_ptr<const spi::MatchGate> gate = {};
   Cipher cipher = Cipher::aes256_gcm;
   Published<SendKey> submessage_key;  ///< null if it has peer keys
   Published<SendKey> payload_key;
   std::unordered_map<std::int64_t, std::shared_ptr<PeerKey>> peer_keys;  ///< by participant
   std::unique_ptr<SendKey> next_submessage_key = {}, next_payload_key = {};
-  /// A reader's key that is only ever sent, where only payloads are protected.
+  /// A reader's key that is sent but never used: only payloads are protected.
   std::optional<KeyMaterial> token_only;
   std::unordered_set<std::int64_t> matched;  ///< remote endpoints
-  ReceiverPlaces receivers;                  ///< a writer's that need a MAC each
+  ReceiverPlaces receivers;                  ///< a writer's receivers that each need a MAC
 
   bool has_peer_keys() const {
     return kind() == EntityKind::local_reader && !is_volatile && is_protected(submessage) &&
@@ -196,11 +204,12 @@ struct RemoteEndpoint final : Entity {
       : Entity(kind), local(local_endpoint), participant(parent) {}
   LocalEndpoint& local;
   RemoteParticipant& participant;
-  std::unique_ptr<ReceiverKey> receiver_key;  ///< ours towards it; null without need
-  std::shared_ptr<PeerKey> peer_key = {};     ///< ours towards its participant; null without need
+  std::unique_ptr<ReceiverKey> receiver_key;  ///< local key for it; null if not needed
+  std::shared_ptr<PeerKey> peer_key = {};     ///< local key for its participant; null if not needed
   Published<RemoteKeys> remote_keys;
-  std::atomic<std::uint64_t> route = 0;     ///< the number of its only route that counts; 0: none
-  std::optional<std::uint64_t> place = {};  ///< whose place among the local writer's receivers
+  std::atomic<std::uint64_t> route = 0;  ///< number of its only valid route; 0: none
+  /// Subject whose place it takes among the local writer's receivers.
+  std::optional<std::uint64_t> place = {};
 };
 
 }  // namespace ddssec::cryptography

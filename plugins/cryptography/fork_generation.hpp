@@ -1,5 +1,5 @@
-// Which process this memory is in: a child of fork() has its parent's keys and counters, and must
-// not use a number that its parent uses as well.
+// Detects fork(). A child process has its parent's keys and counters, and must not use a number
+// that its parent uses too.
 #pragma once
 
 #include <atomic>
@@ -7,30 +7,30 @@
 
 namespace ddssec::cryptography {
 
-/// Changes in the child of every fork(), clone() without CLONE_VM included. Never 0.
+/// A number that changes in the child of every fork(), including clone() without CLONE_VM. Never 0.
 ///
-/// The number lives in a page that the kernel hands to a child full of zeros (MADV_WIPEONFORK). On
-/// a system without that, pthread_atfork's handler writes the zero: it sees fork() only.
+/// It lives in a page that the kernel fills with zeros in a child (MADV_WIPEONFORK). On a system
+/// without that, a pthread_atfork handler writes the zero; it detects fork() only.
 class ForkGeneration {
  public:
   enum class Means { kernel_if_possible, handler };
 
-  /// Lives to the end of the process, as its means do.
+  /// The object and its page or handler must live until the process ends.
   explicit ForkGeneration(Means means);
   ForkGeneration(const ForkGeneration&) = delete;
   ForkGeneration& operator=(const ForkGeneration&) = delete;
-  /// The one that all keys of the process share.
+  /// The instance that all keys of the process share.
   static ForkGeneration& of_process();
 
-  /// For the message path: 0 in a child that did not call `current` yet.
+  /// For the message path; 0 in a child that has not called `current` yet.
   std::uint64_t peek() const noexcept { return place_->load(std::memory_order_relaxed); }
-  /// Takes no lock: the thread that forked is the only one in the child, and others' locks may
-  /// stay locked there for good.
+  /// The present number. Takes no lock: the forking thread is the only one in the child, and locks
+  /// of other threads may stay locked there forever.
   std::uint64_t current() noexcept;
 
  private:
   std::atomic<std::uint64_t>* place_;
-  std::atomic<std::uint64_t> last_ = 1;  ///< the highest that this process or a parent had
+  std::atomic<std::uint64_t> last_ = 1;  ///< the highest number of this process or a parent
 };
 
 }  // namespace ddssec::cryptography

@@ -12,7 +12,7 @@ std::size_t fragments_of(const DataPiece& piece) {
   return (std::size_t{piece.sample_size} + piece.fragment_size - 1) / piece.fragment_size;
 }
 
-/// Of a sample's place, that in the piece's payload.
+/// Converts a position in the sample to one in the payload of this piece.
 TypeInformationAt within(const DataPiece& piece, TypeInformationAt at) {
   const auto begin = std::size_t{piece.first_fragment - 1} * piece.fragment_size;
   if (!at || *at < begin || *at >= begin + piece.payload.size()) return {};
@@ -76,9 +76,9 @@ Result<FragmentWalks::Samples::iterator> FragmentWalks::sample_of(const BuiltinT
       .first;
 }
 
-/// Of a forgotten sample the host may hold fragments. To forget the lowest alone keeps what must be
-/// remembered of all that were forgotten to one number. What the host has not acknowledged stays:
-/// it may still wait for one below it.
+/// The host may still hold fragments of a forgotten sample. Because only the lowest is forgotten,
+/// one number is enough to remember all forgotten samples. A sample that the host has not
+/// acknowledged stays, because the host may still wait for one below it.
 Status FragmentWalks::make_room(const BuiltinTopic& topic, Writer& writer, std::uint64_t number,
                                 std::size_t fragments, const AnnouncedEndpoints& announced,
                                 MonotonicTime now) {
@@ -118,7 +118,7 @@ Status FragmentWalks::read(const BuiltinTopic& topic, const Owner& owner, const 
   return {};
 }
 
-/// Reads what follows the fragments that passed; changes nothing if it must not pass.
+/// Reads the octets that follow the passed fragments. Changes nothing if they must not pass.
 Status FragmentWalks::go_on(const BuiltinTopic& topic, const Owner& owner, const DataPiece& piece,
                             BytesView octets, const std::vector<Sha256Digest>& added,
                             Sample& sample, AnnouncedEndpoints& announced) const {

@@ -1,16 +1,16 @@
-// Fragmented announcements of one participant, judged as they come.
+// Checks fragmented announcements of one participant as the fragments come.
 //
-// A host puts the fragments of a sample together itself, from whatever it was given under one
-// sequence number, and believes the result. Which fragments it keeps and which it drops cannot be
-// known here: its limits are configurable, and it drops without a word. So the rule does not depend
-// on it: all fragments that ever pass under one number are of one content, which was read here in
-// order. Whichever of them the host joins, it gets that content or a part of it.
+// A host reassembles a sample from all fragments that it received under one sequence number, and
+// trusts the result. Which fragments it keeps and which it drops cannot be known here: its limits
+// are configurable, and it drops without notice. So the check does not depend on that: all
+// fragments that ever pass under one number belong to one content, which was read here in order.
+// Whichever fragments the host joins, it gets that content or a part of it.
 //
 // - Fragments pass in order only.
-// - One that passed comes again only as it was: its digest stays as long as its sample is known.
-// - Only the sample with the lowest number is forgotten, once the host has acknowledged it: it
-// needs
-//   none up to that number any more. None of these passes again.
+// - A fragment that passed may come again only unchanged: its digest is stored as long as its
+//   sample is known.
+// - Only the sample with the lowest number is forgotten, and only after the host has acknowledged
+//   it: the host then needs no fragment up to that number any more. None of these passes again.
 #pragma once
 
 #include <chrono>
@@ -30,23 +30,24 @@
 
 namespace ddssec::cryptography {
 
-/// Thread-safe.
+/// The checks for one participant. Thread-safe.
 class FragmentWalks {
  public:
-  static constexpr std::size_t kMostOfSample = 384;      ///< fragments: 516 kB by Cyclone DDS
+  static constexpr std::size_t kMostOfSample = 384;      ///< fragments: 516 kB with Cyclone DDS
   static constexpr std::uint32_t kMostOctets = 1 << 20;  ///< of a sample
   static constexpr std::size_t kMostFragments = 2048;    ///< of a writer: 64 kB of digests
   static constexpr std::size_t kMostSamples = 512;       ///< of a writer: two windows of an ACKNACK
-  /// Further ones, for numbers below the highest: the host needs the lowest first.
+  /// Additional space for numbers below the highest one: the host needs the lowest first.
   static constexpr std::size_t kSpareSamples = 64, kSpareFragments = kMostOfSample;
-  /// So long is the lowest kept, for other participants of this process.
+  /// For how long the lowest sample is kept, for other participants of this process.
   static constexpr MonotonicTime kKept = std::chrono::seconds(5);
 
-  /// One DATA_FRAG that is not a whole sample, of a writer whose samples are parameter lists.
-  /// Returns where its payload holds the parameter id of type information: also if it comes again.
-  /// The sample counts in `announced` from the first one on.
-  /// Errors: builtin_source_mismatch, builtin_source_unreadable; builtin_fragment_early: one before
-  /// it is missing, or there is no room now, and it will be asked for again; or its sample is
+  /// Checks one DATA_FRAG that is not a whole sample, from a writer whose samples are parameter
+  /// lists. Returns the position of the parameter id of type information in its payload, also for a
+  /// retransmitted fragment. The sample counts in `announced` from its first fragment on.
+  ///
+  /// Errors: builtin_source_mismatch, builtin_source_unreadable. builtin_fragment_early: an earlier
+  /// fragment is missing or there is no space now, so it will be requested again; or its sample is
   /// forgotten, and the sender serves another participant.
   Result<TypeInformationAt> take(const BuiltinTopic& topic, const Owner& owner,
                                  const DataPiece& piece, AnnouncedEndpoints& announced,
@@ -56,17 +57,18 @@ class FragmentWalks {
   struct Sample {
     std::uint32_t size;
     std::uint16_t fragment_size;
-    std::size_t count;  ///< of its fragments
+    std::size_t count;  ///< number of its fragments
     MonotonicTime last_progress;
-    std::unique_ptr<ParameterWalk> walk = std::make_unique<ParameterWalk>();  ///< null: whole
+    /// Null: the sample is complete.
+    std::unique_ptr<ParameterWalk> walk = std::make_unique<ParameterWalk>();
     std::vector<Sha256Digest> passed = {};
     TypeInformationAt type_information = {};
   };
   using Samples = std::map<std::uint64_t, Sample>;  ///< by writerSN
   struct Writer {
     Samples samples = {};
-    std::size_t fragments = 0;          ///< of all of them, whether they came or not
-    std::uint64_t forgotten_until = 0;  ///< the highest number of a sample that was forgotten
+    std::size_t fragments = 0;          ///< of all samples, received or not
+    std::uint64_t forgotten_until = 0;  ///< the highest number of a forgotten sample
     void erase(Samples::iterator sample);
     bool is_full(std::uint64_t number, std::size_t fragments_more) const;
   };
@@ -84,20 +86,20 @@ class FragmentWalks {
                AnnouncedEndpoints& announced) const;
 
   std::mutex mutex_;
-  std::map<EntityId, Writer> writers_;  ///< as many as there are topics
+  std::map<EntityId, Writer> writers_;  ///< at most one for each topic
 };
 
-/// What is known of the announcements of one participant.
+/// The known announcements of one participant.
 struct PeerDiscovery {
   FragmentWalks walks = {};
   AnnouncedEndpoints announced = {};
 };
 
-/// Whose is where.
+/// Finds the announcements of participants.
 class DiscoveryOfPeers {
  public:
   virtual ~DiscoveryOfPeers() = default;
-  /// Null: no participant of that name is known now.
+  /// The announcements of that participant; null if it is not known now.
   virtual PeerDiscovery* of(const GuidPrefix& owner) = 0;
   virtual MonotonicTime now() const = 0;
 };

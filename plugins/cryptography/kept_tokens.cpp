@@ -12,8 +12,8 @@
 namespace ddssec::cryptography {
 namespace {
 
-/// Whether the host has matched all builtin endpoints that the local participant has keys for with
-/// the sender's. False while another thread changes them: the message comes again.
+/// True if the host has matched all builtin endpoints that share keys between the local participant
+/// and the sender's. False while another thread changes them: the message comes again.
 bool are_builtin_matched(const Shared& shared, const RemoteEndpoint& sender) {
   const std::unique_lock lock(shared.mutex, std::try_to_lock);
   if (!lock.owns_lock()) return false;
@@ -32,8 +32,8 @@ bool are_builtin_matched(const Shared& shared, const RemoteEndpoint& sender) {
   });
 }
 
-/// Whether any endpoint here takes such tokens. A host never comes with a reader's tokens if no
-/// submessages of the writer are protected, and would hold them for nothing. True while another
+/// True if any local endpoint accepts such tokens. A host never uses a reader's tokens if the
+/// writer's submessages are not protected, and would store them for nothing. True while another
 /// thread changes the endpoints.
 bool may_be_used(const Shared& shared, const RemoteEndpoint& sender, const TokenMessage& message) {
   if (message.remote.entity == kEntityIdParticipant) return true;
@@ -45,13 +45,13 @@ bool may_be_used(const Shared& shared, const RemoteEndpoint& sender, const Token
     const auto found = shared.registry.find<LocalEndpoint>(handle, kind);
     if (!found) return false;
     const auto& endpoint = **found;
-    // Another vendor's access control does not tell which are builtin.
+    // Another vendor's access control does not report which endpoints are builtin.
     if (!for_builtin && endpoint.is_builtin) return false;
     return endpoint.has_tokens() && (!message.is_of_reader || is_protected(endpoint.submessage));
   });
 }
 
-/// What becomes of a token message, and what there is to report of it.
+/// The decision about a token message, and the error to report.
 struct Judgement {
   Passage passage;
   std::optional<Error> reported = {};
@@ -62,7 +62,8 @@ Result<Judgement> judge(const Shared& shared, const RemoteEndpoint& sender, cons
   using Kind = Passage::Kind;
   if (auto status = check_usable(message); !status)
     return Judgement{{Kind::hidden}, std::move(status).error()};
-  // The ledger tells sessions by the pair, and what is for another pair comes by its own channel.
+  // The ledger identifies sessions by the pair. Messages for another pair come by that pair's own
+  // channel.
   if (pair.own_prefix && message.local.prefix != *pair.own_prefix)
     return Judgement{{Kind::hidden},
                      Error(Code::token_source_mismatch, {.document = "a key token message",
@@ -73,10 +74,12 @@ Result<Judgement> judge(const Shared& shared, const RemoteEndpoint& sender, cons
   const bool are_matched = is_builtin(message.remote.entity) && are_builtin_matched(shared, sender);
   auto noted = shared.ledger.note(message, {pair.number, pair.peer_prefix.has_value()}, are_matched,
                                   shared.environment.clock.monotonic());
-  // One that is not accepted would hold up all that follow, those of honest endpoints too.
+  // A message that is not accepted would delay all that follow, including those of honest
+  // endpoints.
   if (!noted) return Judgement{{Kind::hidden}, std::move(noted).error()};
   const auto passage = *noted;
-  // The host logs it. It is no event: honest peers that met again after a loss send such messages.
+  // The host logs it. No event is raised, because honest peers that met again after a loss send
+  // such messages.
   if (passage.kind == Kind::later) return fail(Code::crypto_tokens_repeated);
   if (passage.kind != Kind::repeated) return Judgement{passage};
   return Judgement{
@@ -85,7 +88,8 @@ Result<Judgement> judge(const Shared& shared, const RemoteEndpoint& sender, cons
                                                     .note = "for " + message.local.to_string()})};
 }
 
-/// What the ledger gives to a match that has waited for it. An error is an event of its own.
+/// Gives tokens from the ledger to a match that waits for them. An error is reported as a separate
+/// event.
 void hand_over(Shared& shared, const TokenMessage& message, const Passage& passage) {
   spi::Token token = message.tokens.front();
   auto& value = token.binary_properties.front().value;
@@ -99,9 +103,9 @@ void hand_over(Shared& shared, const TokenMessage& message, const Passage& passa
     (void)keys.set_remote_datawriter_crypto_tokens({local}, {remote}, {&token, 1});
 }
 
-/// A reader has tokens only if it needs those of writers. A writer needs those of readers if it
-/// protects submessages, and sends the key for these first. True while another thread changes the
-/// endpoints.
+/// True if the local endpoint needs the peer's tokens. A reader has tokens only if it needs those
+/// of writers. A writer needs those of readers if it protects submessages; the key for these comes
+/// first in its tokens. True while another thread changes the endpoints.
 bool needs_tokens(const Shared& shared, const LocalParticipant& participant,
                   const TokenMessage& own) {
   if (own.is_of_reader) return true;

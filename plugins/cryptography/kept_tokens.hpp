@@ -1,20 +1,23 @@
-// What becomes of a peer's key tokens (9.5.2.2) in a host that asks no plugin about their source.
+// Handles a peer's key tokens (DDS-Security 9.5.2.2) for a host that does not ask the plugins about
+// their source.
 #pragma once
 
 #include "plugins/cryptography/engine.hpp"
 
 namespace ddssec::cryptography {
 
-/// Key tokens in a decoded `submessage` stay in the ledger, and the host gets tickets. What it must
-/// not see now comes to it as a message of a class that it does not know: one that is missing would
-/// hold up all that follow. Submessages without key tokens stay as they are. `pair` is that of the
-/// sender's participant and ours.
+/// Keeps the key tokens of a decoded `submessage` in the ledger and gives tickets to the host. A
+/// message that the host must not see is passed to it under a class that it does not know, because
+/// a missing message would delay all that follow. Submessages without key tokens stay unchanged.
+/// `pair` belongs to the sender's participant and the local one. Errors: those of read_data_piece,
+/// read_token_message; crypto_tokens_repeated (not accepted now, will be sent again).
 Status keep_tokens(Shared& shared, const RemoteEndpoint& sender, const Pair& pair,
                    MutableBytes submessage);
 
-/// Of a `submessage` that the host sends by our volatile writer: key tokens of an endpoint of ours
-/// for one of the peer. The host has matched the two, and now waits for the peer's tokens. Noted
-/// for a peer with our plugins only: another would not notice that we begin the session anew.
+/// Inspects a `submessage` that the host sends with the local volatile writer, for key tokens of a
+/// local endpoint for one of the peer. The host has matched the two, and now waits for the peer's
+/// tokens. Recorded only for a peer with ddssec: other plugins would not notice that the session is
+/// started anew.
 void note_own_tokens(const Shared& shared, const LocalEndpoint& sender, const Pair& pair,
                      BytesView submessage);
 

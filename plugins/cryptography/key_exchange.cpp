@@ -7,10 +7,11 @@
 namespace ddssec::cryptography {
 namespace {
 
-/// Our key, with the receiver's own part if there is one, and for our plugins with where we stand.
+/// The token for a local key: with the receiver-specific part if there is one, and for ddssec peers
+/// with the present position.
 spi::Token token_for(const SendKey& key, const ReceiverKey* receiver, const Pair& to) {
   auto material = key.material().clone();
-  const ReadGuard guard;  // a sending thread may go on to the next session
+  const ReadGuard guard;  // a sending thread may change to the next session
   if (to.is_with_ours()) material.position = key.position();
   if (receiver != nullptr) {
     material.receiver_key_id = receiver->id();
@@ -19,14 +20,14 @@ spi::Token token_for(const SendKey& key, const ReceiverKey* receiver, const Pair
   return crypto_token(material);
 }
 
-/// Our key for submessages to that endpoint; nullptr without one, or without a revised one.
+/// The local key for submessages to that endpoint; nullptr if there is none, or no revised one.
 const SendKey* own_submessage_key(const RemoteEndpoint& to, bool revised) {
   const auto& own = to.local;
   if (to.peer_key) return revised ? to.peer_key->next.get() : to.peer_key->key.read();
   return revised ? own.next_submessage_key.get() : own.submessage_key.read();
 }
 
-/// What the host came with: the tokens, or a ticket for those that the ledger keeps.
+/// The tokens from the host, or those in the ledger if the host presented a ticket.
 class HeldTokens {
  public:
   HeldTokens(const Shared& shared, std::span<const spi::Token> from_host,
@@ -40,11 +41,13 @@ class HeldTokens {
   }
 
   std::span<const spi::Token> tokens() const { return tokens_; }
-  /// From a session with the same peer that has ended: the ledger awaits those of the present one.
+  /// True if the ticket is from a session with the same peer that has ended: the ledger waits for
+  /// the tokens of the present session.
   bool are_awaited() const { return held_ && held_->tokens.empty(); }
-  /// The endpoint that kept tokens are of; zero: not known.
+  /// The endpoint that owns tokens from the ledger; zero: not known.
   EntityId owner() const { return held_ ? held_->remote.entity : EntityId{}; }
-  /// Kept tokens are for the participant that they came from.
+  /// Success if tokens from the ledger are used for the participant that sent them. Error:
+  /// crypto_not_matched.
   Status check_source(const Pair& pair) const {
     if (held_ && pair.peer_prefix && held_->remote.prefix != *pair.peer_prefix)
       return fail(Code::crypto_not_matched);
@@ -82,8 +85,8 @@ void keep_position(RemoteKeys& next, const RemoteKeys* present) {
     next.submessage->count_from(*present->submessage);
 }
 
-/// The same of a key for payloads alone. Cyclone DDS opens a payload with the key of the first
-/// reader, for all of them; other hosts open it for each reader.
+/// The same for a key for payloads only. Cyclone DDS decrypts a payload once, with the key of the
+/// first reader, for all readers. Other hosts decrypt it for each reader.
 void share_payload_position(const Shared& shared, RemoteKeys& next, RemoteEndpoint& remote) {
   const auto* const present = remote.remote_keys.read();
   if (!next.payload || !next.payload->position()) return;
@@ -92,7 +95,8 @@ void share_payload_position(const Shared& shared, RemoteKeys& next, RemoteEndpoi
   if (!shared.host_checks_sources) remote.participant.payload_positions.share(*next.payload);
 }
 
-/// A host hands what one of our endpoints can read to all that hear the same sender.
+/// A host passes a submessage that one local endpoint can decrypt to all endpoints that receive
+/// from the same sender, so they share the position.
 void share_position(RemoteKeys& next, const RemoteEndpoint& remote) {
   const auto* const present = remote.remote_keys.read();
   if (!next.submessage) return;
@@ -102,7 +106,7 @@ void share_position(RemoteKeys& next, const RemoteEndpoint& remote) {
   if (other != nullptr) next.submessage->count_with(*other);
 }
 
-/// Whether submessages under either find the same route.
+/// True if submessages under either key find the same route.
 bool route_alike(const RemoteKeys& next, const std::unique_ptr<RemoteKeys>& former) {
   if (!former || !former->submessage) return false;
   const auto& a = next.submessage->material();
@@ -110,7 +114,7 @@ bool route_alike(const RemoteKeys& next, const std::unique_ptr<RemoteKeys>& form
   return a.sender_key_id == b.sender_key_id && a.receiver_key_id == b.receiver_key_id;
 }
 
-/// A key speaks for one endpoint (key_owner.hpp).
+/// Success if no other endpoint has the key (key_owner.hpp).
 Status check_owner(const RemoteEndpoint& remote, const RemoteKeys& keys) {
   if (!keys.submessage || keys.owner.is_zero()) return {};
   const auto id = keys.submessage->material().sender_key_id;
@@ -123,7 +127,7 @@ Status check_owner(const RemoteEndpoint& remote, const RemoteKeys& keys) {
                .found = id.to_string() + ", which is also that of " + owner.to_string()});
 }
 
-/// AES is everybody's.
+/// Success if the cipher may be used with this peer. AES always may.
 Status check_cipher(const KindTraits& traits, const Pair& from) {
   if (traits.cipher != Cipher::chacha20_poly1305) return {};
   if ((from.peer_ciphers & spi::kChaCha20Poly1305Bit) == 0)
@@ -137,8 +141,8 @@ Status check_cipher(const KindTraits& traits, const Pair& from) {
 
 }  // namespace
 
-/// A key that does exactly what the governance demands, by a cipher that the peer announced: a
-/// vendor's number means what we mean by it only then.
+/// Accepts only a key that does exactly what the governance demands, with a cipher that the peer
+/// announced: only then does a vendor-specific number have the same meaning on both sides.
 Result<std::unique_ptr<ReceiveKey>> KeyExchange::receive_key(KeyMaterial material,
                                                              spi::ProtectionKind due,
                                                              const Pair& from) const {
@@ -176,7 +180,8 @@ Result<std::vector<spi::Token>> KeyExchange::create_local_participant_crypto_tok
   const auto* const key = revised ? participant->next_key.get() : participant->key.read();
   std::vector<spi::Token> tokens;
   if (key == nullptr && revised) return tokens;
-  // Always exactly one: Fast DDS refuses any other number. NONE where there is nothing to protect.
+  // Always exactly one token, because Fast DDS refuses any other number. Its kind is NONE if
+  // nothing is protected.
   tokens.push_back(key != nullptr ? token_for(*key, pair->receiver_key.get(), *pair)
                                   : crypto_token(KeyMaterial{}));
   return tokens;
@@ -201,7 +206,7 @@ Status KeyExchange::take(const LocalParticipant& participant, spi::ParticipantCr
                          Pair& pair, std::span<const spi::Token> tokens) {
   if (tokens.size() != 1) return fail(Code::crypto_token_count);
   auto material = DDSSEC_TRY(read_crypto_token(tokens.front()));
-  // Fast DDS sends a GMAC key even where nothing is protected.
+  // Fast DDS sends a GMAC key even if nothing is protected.
   if (!is_protected(participant.rtps)) return {};
   auto keys = std::make_unique<RemoteKeys>();
   keys->submessage = DDSSEC_TRY(receive_key(std::move(material), participant.rtps, pair));
@@ -227,7 +232,7 @@ Result<std::vector<spi::Token>> KeyExchange::create(Local local, Remote remote,
   const std::lock_guard lock(shared_.mutex);
   const auto& endpoint = *DDSSEC_TRY(matched(local, remote));
   std::vector<spi::Token> tokens;
-  // Submessage before payload: receivers route by the first.
+  // The submessage key comes before the payload key: receivers use the first one for routing.
   const auto& own = endpoint.local;
   const auto* const pair = endpoint.participant.pair(own.participant.handle());
   if (pair == nullptr) return fail(Code::crypto_not_matched);
@@ -241,8 +246,8 @@ Result<std::vector<spi::Token>> KeyExchange::create(Local local, Remote remote,
   return tokens;
 }
 
-/// Which of one or two materials serves which level. One serves all that need one (Fast DDS shares
-/// its key if both levels encrypt or both sign); of two, the first is the submessage's.
+/// Assigns one or two materials to the levels. A single one serves all levels that need one (Fast
+/// DDS shares its key if both levels encrypt or both sign). Of two, the first is for submessages.
 Result<std::unique_ptr<RemoteKeys>> KeyExchange::endpoint_keys(
     const RemoteEndpoint& remote, std::vector<KeyMaterial> materials) const {
   const auto& local = remote.local;
@@ -253,7 +258,7 @@ Result<std::unique_ptr<RemoteKeys>> KeyExchange::endpoint_keys(
     auto payload = materials.back().clone();
     payload.receiver_key_id = {};  // payloads have no receiver-specific MACs
     payload.receiver_key = {};
-    // Inside a protected submessage it is as new as that.
+    // A payload inside a protected submessage needs no replay check of its own.
     if (is_protected(local.submessage)) payload.position.reset();
     keys->payload = DDSSEC_TRY(receive_key(std::move(payload), local.payload, *pair));
   }
@@ -276,14 +281,15 @@ Status KeyExchange::set(Local local, Remote remote, std::span<const spi::Token> 
   if (!endpoint.local.has_tokens()) return fail(Code::crypto_tokens_not_expected);
   if (pair == nullptr) return fail(Code::crypto_not_matched);
   DDSSEC_TRY(held.check_source(*pair));
-  // Not when it was announced: a host that believes clear discovery asks for readers that a
-  // stranger invented in the peer's name. It sends nothing to one whose tokens have not come.
+  // A place is taken now and not at the announcement. A host that trusts unprotected discovery also
+  // registers readers that an attacker invented in the peer's name. It sends nothing to a reader
+  // whose tokens have not come.
   const bool had_place = endpoint.place.has_value();
   DDSSEC_TRY(shared_.take_place(endpoint, *pair));
   Rollback give_back([&] {
     if (!had_place) shared_.give_back_place(endpoint);
   });
-  if (held.are_awaited()) {  // the host goes on as if the keys were here
+  if (held.are_awaited()) {  // the host continues as if the keys had arrived
     give_back.release();
     return {};
   }

@@ -13,14 +13,14 @@ namespace {
 constexpr std::string_view kVolatileWriterName = "BuiltinParticipantVolatileMessageSecureWriter";
 constexpr std::string_view kVolatileReaderName = "BuiltinParticipantVolatileMessageSecureReader";
 
-/// The only mark of the volatile secure endpoints (DDS-Security 8.8.8.1).
+/// The property that identifies the volatile secure endpoints (DDS-Security 8.8.8.1).
 bool is_volatile(EntityKind kind, const spi::PropertyList& properties) {
   const auto* const name = spi::find_property(properties, spi::property::kBuiltinEndpointName);
   return name != nullptr &&
          *name == (kind == EntityKind::local_writer ? kVolatileWriterName : kVolatileReaderName);
 }
 
-/// The same material means the same shared secret.
+/// True if both have the same material, which means the same shared secret.
 bool same_key_exchange(const Pair& a, const Pair& b) {
   return a.key_exchange_send->material().sender_key == b.key_exchange_send->material().sender_key;
 }
@@ -45,7 +45,7 @@ Result<Key> KeyFactory::random_key(std::size_t size) {
   return Key::fill(size, [&](MutableBytes out) { return shared_.environment.random.fill(out); });
 }
 
-/// Unique for all our participants, and never 0, which is the key exchange's.
+/// Unique among all local participants. Never 0, which is the id of the key exchange's key.
 KeyId KeyFactory::fresh_key_id() {
   if (next_key_id_ == 0) ++next_key_id_;
   const auto number = next_key_id_++;
@@ -151,7 +151,7 @@ Result<std::unique_ptr<Pair>> KeyFactory::make_pair(const LocalParticipant& loca
   auto material = derive_key_exchange_material(shared_secret);
   pair->key_exchange_receive =
       std::make_unique<ReceiveKey>(material.clone(), *traits_of(material.kind), shared_.keys);
-  // Both directions share the key: a random session id and suffix keep their IVs apart.
+  // Both directions share the key. A random session id and suffix keep their IVs apart.
   pair->key_exchange_send = DDSSEC_TRY(send_key(std::move(material)));
   if (is_origin_authenticated(local.rtps))
     pair->receiver_key = DDSSEC_TRY(receiver_key(local.cipher));
@@ -242,7 +242,7 @@ Status KeyFactory::make_endpoint_keys(LocalEndpoint& endpoint) {
   if (endpoint.kind() == EntityKind::local_writer)
     endpoint.payload_key.replace(DDSSEC_TRY(fresh(endpoint.payload)), shared_.graveyard);
   else if (!protects_submessages)
-    // Fast DDS 2.9 pairs its writer only after a token of the reader, even if it needs none.
+    // Fast DDS 2.9 matches its writer only after a token of the reader, even if it needs none.
     endpoint.token_only = DDSSEC_TRY(fresh_material(false, Cipher::aes256_gcm));
   return {};
 }
@@ -296,9 +296,9 @@ Result<KeyFactory::Match> KeyFactory::find_match(std::int64_t local, EntityKind 
   return Match{*endpoint, *parent, *pair};
 }
 
-/// The gate is asked without the lock: no judgement, however long, makes other peers' messages
-/// wait. Everything is looked up again then, and a peer that was judged anew meanwhile is asked
-/// about once more.
+/// Asks the gate without holding the lock, so that a slow check never delays other peers' messages.
+/// Afterwards everything is looked up again. If the peer's permissions changed meanwhile, the gate
+/// is asked once more.
 Result<std::int64_t> KeyFactory::match(std::int64_t local, EntityKind kind,
                                        spi::ParticipantCryptoHandle remote) {
   std::optional<spi::PermissionsHandle> admitted;
@@ -339,8 +339,9 @@ void KeyFactory::give_back_peer_key(const RemoteEndpoint& writer) noexcept {
     writer.local.peer_keys.erase(writer.participant.handle());
 }
 
-/// The shared secret is that of the two participants, and came with register_matched_remote_
-/// participant: the volatile endpoints of a pair must share one sender's counter, not start two.
+/// The shared secret belongs to the two participants and came with
+/// register_matched_remote_participant. The volatile endpoints of a pair must share one sender's
+/// counter instead of starting two.
 Result<std::int64_t> KeyFactory::add_match(const Match& match, EntityKind kind) {
   auto& [local, parent, pair] = match;
   if (local.sends_protected()) DDSSEC_TRY(check_peer(local.cipher, pair.peer_ciphers));
@@ -373,8 +374,9 @@ Result<spi::DatawriterCryptoHandle> KeyFactory::register_matched_remote_datawrit
       DDSSEC_TRY(match(local_datareader.value, EntityKind::remote_writer, remote_participant))};
 }
 
-// Dropping: first out of the tables that lead to it, then out of the registry, then retired. A
-// route stays for a while, and leads to nothing that the registry does not know (routes.hpp).
+// Removal: an object is first removed from the tables that lead to it, then from the registry, then
+// retired. A route stays for a while and leads nowhere, because the registry no longer knows the
+// handle (routes.hpp).
 
 void KeyFactory::drop(const Entity& entity) {
   shared_.graveyard.retire(shared_.registry.remove(entity));

@@ -5,15 +5,14 @@
 namespace ddssec::cryptography {
 namespace {
 
-/// From three quarters of it to the whole.
+/// A value from three quarters of the limit to the whole limit.
 std::uint64_t in_last_quarter(std::uint64_t limit, std::uint64_t chance) {
   return limit - chance % (limit / 4 + 1);
 }
 
 }  // namespace
 
-// What is made at the end of a life is in use, and the former no longer counts, when the life is
-// over.
+// The new keys must be in use, and the former ones invalid, when the lifetime is over.
 void KeyLife::begin(std::chrono::nanoseconds now, std::uint64_t chance) {
   const auto whole = static_cast<std::uint64_t>(std::chrono::nanoseconds(limits_.lifetime).count());
   const std::chrono::nanoseconds drawn{in_last_quarter(whole, chance)};

@@ -1,5 +1,5 @@
-// When a local participant's keys have served long enough: its limits, and where in them the keys
-// that it has now end. Time and use are looked at once a second; no message pays for it.
+// The lifetime of a local participant's keys: the limits, and where within them the present keys
+// end. Time and use are checked once a second, so that messages have no extra cost.
 #pragma once
 
 #include "plugins/spi/key_limits.hpp"
@@ -8,19 +8,19 @@ namespace ddssec::cryptography {
 
 class KeyLife {
  public:
-  /// How often a host asks.
+  /// How often a host calls is_key_revision_due.
   static constexpr std::chrono::seconds kAsked{1};
 
   KeyLife() = default;
   explicit KeyLife(spi::KeyLimits limits) : limits_(limits) {}
 
   bool is_limited() const { return limits_.any(); }
-  /// Keys were made now. By `chance`, a random number, they end somewhere in the last quarter of
-  /// what the limits allow: participants that start together do not revise together.
+  /// Keys were made at `now`. They end at a random point in the last quarter of the limits, by the
+  /// random number `chance`. So participants that start together do not revise their keys together.
   void begin(std::chrono::nanoseconds now, std::uint64_t chance);
   bool has_ended(std::chrono::nanoseconds now) const;
-  /// Is it time to look how much they protected? Not sooner after they were made than former keys
-  /// count, so that few revisions count at a time, however low the limit is.
+  /// True if it is time to check the volume. Not earlier after the keys were made than former keys
+  /// stay valid, so that few revisions are valid at a time, however low the limit is.
   bool counts_blocks(std::chrono::nanoseconds now) const;
   bool is_used_up(std::uint64_t blocks) const { return blocks >= last_block_; }
 

@@ -13,7 +13,7 @@ constexpr std::string_view kKeyMaterialProperty = "dds.cryp.keymat";
 constexpr std::size_t kLeastNoneSize = 24;
 constexpr std::size_t kMostNoneSize = 128;
 
-/// The first four by the last octet of the kind, from 1.
+/// The first four are ordered by the last octet of the kind, from 1.
 constexpr std::array kKinds = {
     KindTraits{kAes128Gmac, Cipher::aes128_gcm, false},
     KindTraits{kAes128Gcm, Cipher::aes128_gcm, true},
@@ -85,7 +85,7 @@ bool KeyMaterial::operator==(const KeyMaterial& other) const {
 }
 
 Bytes serialize_key_material(const KeyMaterial& material) {
-  // Reserved at once, so that no smaller block with half the keys is left behind unwiped.
+  // Reserved at once, so that no smaller block with some of the keys is freed without being wiped.
   Bytes out;
   const auto position = material.position ? serialize(*material.position) : Bytes();
   out.reserve(24 + 3 * MasterKey::capacity + position.size());

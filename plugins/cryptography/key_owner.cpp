@@ -8,7 +8,7 @@
 namespace ddssec::cryptography {
 namespace {
 
-/// Where a submessage names the endpoint that sent it, and the octets of its fixed fields.
+/// The position of the sender's entity id in a submessage, and the size of its fixed fields.
 struct Shape {
   std::string_view field;
   std::size_t sender_at;
@@ -46,7 +46,8 @@ Status check_speaker(const RemoteEndpoint& sender, BytesView plain) {
   const auto header = read_submessage_header(plain);
   if (header.id == submessage_id::kInfoTimestamp) return {};
   const auto shape = shape_of(header.id);
-  // With length 0 the host reads on after the group, so that all fields must stand in it.
+  // With length 0 the host continues to read after the group, so all fields must be inside the
+  // group.
   const auto least = header.length == 0 ? shape.least_size : shape.sender_at + EntityId::size;
   if (plain.size() < least)
     return fail(Code::secure_group_malformed, {.document = "a protected submessage",

@@ -12,7 +12,7 @@ namespace property = spi::property;
 
 namespace {
 
-/// What stands for all keys of an entity: they are revised together.
+/// A key that represents all keys of an entity: they are revised together.
 const ReceiveKey* any_of(const LevelKeys& keys) {
   return keys.submessage ? keys.submessage.get() : keys.payload.get();
 }
@@ -104,7 +104,7 @@ void KeyFactory::each_endpoint(const LocalParticipant& participant, F&& f) {
       if (const auto found = shared_.registry.find<LocalEndpoint>(handle, kind)) f(**found);
 }
 
-// All are made before any counts: a failure leaves everything as it was.
+// All keys are made before any takes effect, so that a failure leaves everything as it was.
 Result<KeyRevision> KeyFactory::revise_local_entity_keys(spi::ParticipantCryptoHandle local) {
   const std::lock_guard lock(shared_.mutex);
   auto& participant = *DDSSEC_TRY(shared_.local_participant(local));

@@ -1,5 +1,5 @@
 // Key revisions (DDS-Security 1.2 9.5.1.6, 10.5.2.2): new salt and sender key under the same key
-// id, so that a participant that gets no more keys cannot read on.
+// id. A participant that gets no more keys can then no longer decrypt.
 #pragma once
 
 #include <chrono>
@@ -13,33 +13,35 @@ using spi::KeyRevision;
 
 inline constexpr KeyRevision kLastKeyRevision = 0xffffff;
 
-/// The first three octets of a transformation kind.
+/// The key revision of a kind: its first three octets.
 KeyRevision revision_of(TransformKind kind);
 TransformKind with_revision(TransformKind kind, KeyRevision revision);
-/// 0 is never used again.
+/// The revision after this one. 0 never comes again.
 constexpr KeyRevision next_revision(KeyRevision revision) {
   return revision == kLastKeyRevision ? 1 : revision + 1;
 }
-/// Numbers come round: half of them are later than any.
+/// True if `revision` is later than `than`. Revisions wrap around: half of them are later than any
+/// given one.
 bool is_later(KeyRevision revision, KeyRevision than);
 
-/// How long a remote's former keys count from the arrival of its new ones: it may send with them
-/// until all have those (a host's patience is shorter), and messages are on their way.
+/// For how long a remote entity's former keys stay valid after its new ones arrive. The sender may
+/// use the former keys until all receivers have the new ones (a host's timeout is shorter), and
+/// messages take time.
 inline constexpr auto kFormerKeyLife = std::chrono::seconds(10);
-/// How many revisions besides the newest count at a time.
+/// The largest number of valid revisions besides the newest.
 inline constexpr std::size_t kMostFormerRevisions = 4;
 
-/// Lets what a remote entity had until now count beside its new keys if these revise it; other keys
-/// make an end of it. Error: key_revision_stale.
+/// Keeps a remote entity's present keys valid beside `next` if `next` revises them. Keys that do
+/// not revise them replace them at once. Error: key_revision_stale.
 Status inherit(RemoteKeys& next, const RemoteKeys* present, std::chrono::nanoseconds now);
 
-/// Do these follow the present ones as a later revision does?
+/// True if `next` is a later revision of the present keys.
 bool is_later_revision(const RemoteKeys& next, const RemoteKeys& present);
 
-/// The same keys without former ones whose time is over.
+/// A copy of the keys without former ones that are no longer valid.
 std::unique_ptr<RemoteKeys> without_ended(const RemoteKeys& keys, std::chrono::nanoseconds now);
 
-/// Under a ReadGuard: the former key of that kind, or nullptr.
+/// The former key of that kind that is still valid; nullptr if there is none. Under a ReadGuard.
 ReceiveKey* former_key(const RemoteKeys& keys, KeyLevel level, TransformKind kind,
                        std::chrono::nanoseconds now);
 

@@ -1,4 +1,4 @@
-// Whole RTPS messages, whichever participant owns the key. Under a ReadGuard.
+// Protection of whole RTPS messages with a given key. All functions run under a ReadGuard.
 #pragma once
 
 #include "plugins/cryptography/receive_key.hpp"
@@ -7,12 +7,13 @@
 
 namespace ddssec::cryptography {
 
-/// Protects a message without receiver-specific MACs; see spi::CryptoTransform for the buffers and
-/// errors. How many octets were written.
+/// Protects a message without receiver-specific MACs and returns the octets written. See
+/// spi::CryptoTransform for buffers and errors.
 Result<std::size_t> seal_message(BytesView plain, Frame frame, SendKey& key, MutableBytes out);
 
-/// The message with INFO_SRC behind its header, if everything about it is right. Nothing of what is
-/// not stays in `out`. `prefix_is_network_order`: see Options.
+/// Verifies a message and returns its octets, with INFO_SRC after the header. After an error
+/// nothing decrypted remains in `out`. `prefix_is_network_order`: see Options. Errors: see
+/// spi::CryptoTransform.
 Result<std::size_t> open_message(BytesView encoded, Frame frame, ReceiveKey& key, MutableBytes out,
                                  bool prefix_is_network_order = true);
 

@@ -1,10 +1,10 @@
-// PID_PARTITION of announcements, judged before Cyclone DDS compares it.
+// Checks PID_PARTITION of announcements before Cyclone DDS compares it.
 //
-// The core compares the partitions of a discovered endpoint with ours before it asks a plugin, and
-// its matcher tries every place for every `*`: k of them against a name of n characters cost about
-// n^(k+1) / (k+1)! steps. A run of `*` and `?` counts as one, and one at the end costs nothing: the
-// matcher has then succeeded. Names without `*` and `?` it compares as they are, like those of
-// topics and types.
+// The core compares the partitions of a discovered endpoint with local ones before it asks a
+// plugin. Its matcher tries every position for every `*`: k of them against a name of n characters
+// cost about n^(k+1) / (k+1)! steps. A run of `*` and `?` counts as one `*`. A run at the end costs
+// nothing, because the matcher has then succeeded. Names without `*` and `?` are compared
+// literally, like those of topics and types.
 #pragma once
 
 #include <array>
@@ -18,8 +18,8 @@ namespace ddssec::cryptography {
 
 struct BuiltinTopic;
 
-/// Reads the value of the parameter, a CDR sequence of strings, in pieces of any size. Small, to be
-/// copied.
+/// Reads the value of the parameter, a CDR sequence of strings, in pieces of any size. Small, so
+/// that it can be copied.
 class PartitionWalk {
  public:
   static constexpr std::size_t kMostNames = 256;         ///< as access control allows
@@ -30,7 +30,7 @@ class PartitionWalk {
   PartitionWalk() = default;
   PartitionWalk(std::uint16_t length, bool is_little) : is_little_(is_little), rest_(length) {}
 
-  /// The next octets of the value, no more than are left. Error: builtin_source_unreadable.
+  /// Reads the next octets of the value, at most rest(). Error: builtin_source_unreadable.
   Status read(const BuiltinTopic& topic, BytesView octets);
   std::size_t rest() const { return rest_; }
 
@@ -43,17 +43,17 @@ class PartitionWalk {
 
   bool is_little_ = false;
   bool has_count_ = false;
-  bool in_stars_ = false;  ///< a run of `*` and `?` that has a `*`
+  bool in_stars_ = false;  ///< inside a run of `*` and `?` that contains a `*`
   std::uint8_t filled_ = 0;
   std::uint32_t word_ = 0;
   std::uint32_t names_left_ = 0;
-  std::uint32_t name_left_ = 0;  ///< octets of the name, with its NUL
+  std::uint32_t name_left_ = 0;  ///< octets left of the name, including its NUL
   std::uint8_t to_pad_ = 0;
-  std::uint8_t stars_ = 0;         ///< of the name
-  std::uint8_t stars_of_all_ = 0;  ///< of the parameter
-  std::size_t rest_ = 0;           ///< octets of the value that are to come
+  std::uint8_t stars_ = 0;         ///< of the present name
+  std::uint8_t stars_of_all_ = 0;  ///< of the whole parameter
+  std::size_t rest_ = 0;           ///< octets left of the value
   std::uint8_t text_size_ = 0;
-  std::array<char, 48> text_ = {};  ///< the name's beginning, to say what is wrong
+  std::array<char, 48> text_ = {};  ///< beginning of the name, for error messages
 };
 
 }  // namespace ddssec::cryptography

@@ -13,7 +13,7 @@ constexpr std::size_t kMostPassphraseOctets = Passphrase::Text::capacity;
 constexpr std::size_t kMostLineOctets = 10 + 1 + kMostPassphraseOctets + 2;
 using Lines = Secret<struct PassphraseLinesTag, kMostLineOctets*(kMostExtraPassphrases + 1)>;
 
-/// Where a passphrase stands. What it says is never part of an error.
+/// The place of a passphrase. Its text is never part of an error.
 struct Place {
   std::string_view property;
   int line;
@@ -52,7 +52,8 @@ Result<Passphrase> parse_line(std::string_view line, const Place& place) {
   return Passphrase{id, DDSSEC_TRY(Passphrase::Text::copy_of(as_bytes(text)))};
 }
 
-/// The same one twice does no harm: it may be both the one to send with and one that is accepted.
+/// The same passphrase twice is allowed: it may be both the one to send with and one that is
+/// accepted.
 Status add(Passphrase passphrase, const Place& place, std::vector<Passphrase>& out) {
   const auto known = std::ranges::find(out, passphrase.id, &Passphrase::id);
   if (known == out.end())

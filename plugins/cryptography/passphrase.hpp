@@ -13,33 +13,34 @@
 namespace ddssec::cryptography {
 
 struct Passphrase {
-  /// Octets, printable ASCII.
+  /// Printable ASCII.
   using Text = Secret<struct PassphraseTag, 512>;
   std::uint32_t id = 0;
   Text text = {};
-  /// In constant time for one length of the text.
+  /// Takes constant time for a given length of the text.
   bool operator==(const Passphrase&) const = default;
 };
 
-/// Those that are only accepted, besides the one that is used to send.
+/// The largest number of passphrases that are accepted only, besides the one to send with.
 inline constexpr std::size_t kMostExtraPassphrases = 15;
 
-/// Where a participant's passphrases come from, so that they can be read again.
+/// The sources of a participant's passphrases, so that they can be read again.
 class PassphraseFiles {
  public:
-  /// `poll_interval`: between two looks at the files; 0: never.
+  /// `poll_interval`: the time between two checks of the files; 0: never check.
   PassphraseFiles(const spi::PropertyList& properties, std::chrono::nanoseconds poll_interval);
 
-  /// The passphrase to send with, then those that are accepted as well. A file that others may read
-  /// raises psk_passphrase_exposed. Errors: missing_property, those of base/source.hpp,
-  /// invalid_property (not ID:PASSPHRASE; an id that is reserved; one id for two passphrases; too
-  /// many); the document is the property, and none repeats any of a passphrase.
+  /// Reads the passphrase to send with, then those that are accepted as well. Raises
+  /// psk_passphrase_exposed for a file that others may read. Errors: missing_property, those of
+  /// base/source.hpp, invalid_property (not ID:PASSPHRASE, a reserved id, one id for two
+  /// passphrases, too many). The document of an error is the property; no error repeats any of a
+  /// passphrase.
   Result<std::vector<Passphrase>> load(EventSink& events) const;
 
-  /// See FileWatch.
+  /// As of FileWatch.
   bool may_have_changed(std::chrono::nanoseconds now);
   void look_again();
-  /// What the property says, to be told: where a passphrase is, not which.
+  /// The place named by the property, for messages: it tells where a passphrase is, not which.
   std::string place_of(std::string_view property) const;
 
  private:

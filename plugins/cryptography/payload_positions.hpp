@@ -1,5 +1,5 @@
-// Where writers of one remote participant stand that protect payloads alone: several of our readers
-// may have the key of one of them.
+// Positions (send_position.hpp) of a remote participant's writers that protect payloads only:
+// several local readers may have the key of one of them.
 #pragma once
 
 #include <algorithm>
@@ -11,10 +11,10 @@
 
 namespace ddssec::cryptography {
 
-/// Not thread-safe.
+/// The positions, by key id and revision. Not thread-safe.
 class PayloadPositions {
  public:
-  /// From here on all keys of one id and revision count by the newest position of any of them.
+  /// From now on, all keys of one id and revision use the newest position of any of them.
   void share(ReceiveKey& key) {
     const auto& material = key.material();
     auto& known = positions_[{material.sender_key_id, material.kind}];

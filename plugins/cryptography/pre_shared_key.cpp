@@ -11,7 +11,7 @@
 namespace ddssec::cryptography {
 namespace {
 
-/// Extract and one block of expand (RFC 5869), with the sender as the salt.
+/// HKDF-Extract and one block of HKDF-Expand (RFC 5869), with the sender as the salt.
 template <class Key>
 Key derive(std::string_view label, std::string_view info, const Passphrase& passphrase,
            BytesView context, std::size_t size) {
@@ -101,8 +101,8 @@ bool PreSharedKeyRing::uses(const std::vector<Passphrase>& passphrases) const {
   return std::ranges::equal(entries_, passphrases, {}, &Entry::passphrase);
 }
 
-// What cannot be used changes nothing. It is read again every time, since what was wrong may have
-// been the moment, and told once.
+// Unusable passphrases change nothing. The files are read again every time, because the cause may
+// have been temporary, and it is reported once.
 void PreSharedKeyRing::refresh() {
   if (!files_.may_have_changed(environment_.clock.monotonic())) return;
   auto passphrases = files_.load(environment_.events);
@@ -130,8 +130,8 @@ void PreSharedKeyRing::keep_despite(const Error& error) {
   if (complaint_ != before) environment_.events.raise(Event(complaint));
 }
 
-// A participant has one name for all its life. Who bears the same one later, after a restart, has
-// the same master key: random starts keep its IVs apart.
+// A participant has the same source for its whole life. A participant with the same source after a
+// restart has the same master key: random starts keep its IVs apart.
 Result<SendKey*> PreSharedKeyRing::send_key(const MessageSource& source) {
   if (send_ && source == own_) return send_.get();
   const auto& entry = entries_.front();
@@ -150,7 +150,8 @@ Result<std::size_t> PreSharedKeyRing::encode(BytesView plain, MutableBytes out) 
   return seal_message(plain, kPreSharedKeyFrame, *key, out);
 }
 
-// The key revision is part of the passphrase's id: the rest of the kind is judged with the key.
+// Compares only the key revision, which is part of the passphrase's id. The rest of the kind is
+// checked with the key.
 Result<const PreSharedKeyRing::Entry*> PreSharedKeyRing::entry_of(BytesView encoded) const {
   if (!is_message(encoded)) return fail(Code::secure_group_malformed);
   const auto header = DDSSEC_TRY(read_prefix(encoded.subspan(kRtpsHeaderSize), kPreSharedKeyFrame));

@@ -1,4 +1,4 @@
-// Messages protected by a key that a whole domain shares (DDS-Security 1.2 10.5.2.1.3).
+// Protection of messages by a key that a whole domain shares (DDS-Security 1.2 10.5.2.1.3).
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace ddssec::cryptography {
 
-/// Version, vendor and GUID prefix, as they stand in an RTPS header.
+/// Version, vendor and GUID prefix, as in an RTPS header.
 using MessageSource = std::array<std::uint8_t, 16>;
 
 /// SenderKeyId: three octets that depend on the domain, and the low octet of the passphrase's id.
@@ -23,12 +23,12 @@ KeyId pre_shared_key_id(std::uint32_t passphrase_id, DomainId domain_id,
 /// `algorithm` with the other three octets of the passphrase's id as its key revision.
 TransformKind pre_shared_kind(TransformKind algorithm, std::uint32_t passphrase_id);
 
-/// The keys of one sender. `kind` and `key_id` as above.
+/// The keys of one sender. `kind` and `key_id` come from the two functions above.
 KeyMaterial derive_pre_shared_material(const Passphrase& passphrase, TransformKind kind,
                                        KeyId key_id, const MessageSource& source);
 
-/// What senders' keys are derived from, and those that were. A sender's keys are remembered once a
-/// tag under them was right: a sender without a passphrase takes no place.
+/// The passphrases and the keys derived from them. A sender's keys are remembered only after a tag
+/// under them was right, so a sender without a passphrase takes no memory. Not thread-safe.
 class PreSharedKeyRing final : public spi::PreSharedKeys {
  public:
   static constexpr std::size_t kMostSenders = 1024;
@@ -38,7 +38,8 @@ class PreSharedKeyRing final : public spi::PreSharedKeys {
     std::string tag;
     TransformKind algorithm;
   };
-  /// Errors: those of PassphraseFiles::load. `environment` and `keys` outlive it.
+  /// Reads the passphrases. `environment` and `keys` must outlive the result. Errors: those of
+  /// PassphraseFiles::load.
   static Result<std::unique_ptr<PreSharedKeyRing>> create(PassphraseFiles files, Domain domain,
                                                           const Environment& environment,
                                                           const KeyEnvironment& keys);
@@ -47,7 +48,7 @@ class PreSharedKeyRing final : public spi::PreSharedKeys {
   bool remembers(BytesView encoded) const override;
   Result<std::size_t> decode(BytesView encoded, MutableBytes out) override;
   void refresh() override;
-  /// Senders that are remembered.
+  /// The number of remembered senders.
   std::size_t senders() const { return senders_.size(); }
 
  private:
@@ -73,7 +74,7 @@ class PreSharedKeyRing final : public spi::PreSharedKeys {
         domain_(std::move(domain)),
         environment_(environment),
         keys_(keys) {}
-  /// At least one, the first to send with. Forgets what was derived from others.
+  /// Uses these passphrases: at least one, the first to send with. Drops keys derived from others.
   void use(std::vector<Passphrase> passphrases);
   bool uses(const std::vector<Passphrase>& passphrases) const;
   void keep_despite(const Error& error);
@@ -88,7 +89,8 @@ class PreSharedKeyRing final : public spi::PreSharedKeys {
   const Environment& environment_;
   const KeyEnvironment& keys_;
   std::vector<Entry> entries_;
-  std::string complaint_;  ///< about what could not be used; empty: nothing
+  /// Last event about unusable passphrases, to report it once; empty: none.
+  std::string complaint_;
   MessageSource own_{};
   std::unique_ptr<SendKey> send_;
   std::map<SenderId, Sender> senders_;

@@ -1,4 +1,4 @@
-// The receiver's side of one key: the sessions of a remote sender, expanded and remembered.
+// The receiving side of one key: the sessions of a remote sender, expanded and remembered.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@
 
 namespace ddssec::cryptography {
 
-/// A remote session's keys, expanded. `receiver` is empty without a receiver-specific key.
+/// The expanded keys of a remote session. `receiver` is null without a receiver-specific key.
 struct ReceiveSession final : Retirable {
   SessionId id;
   ExpandedKey key;
@@ -24,16 +24,17 @@ struct ReceiveSession final : Retirable {
   std::atomic<std::uint32_t> last_used = 0;
 };
 
-/// Where the sender of a key stood when it gave it to the last of the endpoints here that have it.
-/// The host hands each message to all of them, so that what is old to one is old to all.
+/// The position of the sender when it gave its key to the last local endpoint that has it. The host
+/// passes each message to all these endpoints, so a message that is old for one is old for all.
 class NewestPosition {
  public:
   explicit NewestPosition(SendPosition position)
       : newest_(std::make_unique<Place>(std::move(position))) {}
 
-  /// Under a ReadGuard.
+  /// True if a message with that IV was protected before this position. Under a ReadGuard.
   bool has_passed(const Iv& iv) const noexcept { return newest_.read()->position.has_passed(iv); }
-  /// One caller at a time: of the same key, given to another endpoint.
+  /// Moves on to the position in another copy of the same key, given to another endpoint, if that
+  /// is newer. One caller at a time.
   void note(const NewestPosition& other, Graveyard& graveyard);
 
  private:
@@ -44,14 +45,15 @@ class NewestPosition {
   Published<Place> newest_;
 };
 
-/// Decrypts and verifies what one remote entity sends with one key. Any number of threads.
+/// Decrypts and verifies messages that one remote entity sends with one key. Any number of threads
+/// may use it.
 ///
-/// The session id of a message is its sender's, or an attacker's, choice. So a session is
-/// remembered only after a tag under it was right, and kMostSessions are. A hit costs a look at
-/// kMostSessions pointers and writes nothing (but once after each new session, for the order of
-/// use); a miss costs a derivation and an expansion. Fast DDS changes its session every 32
-/// messages: who leaves the memory is kept aside and its place filled with the next one, so that
-/// nothing is allocated then.
+/// The sender, or an attacker, chooses the session id of a message. So a session is remembered only
+/// after a tag under it was right, and at most kMostSessions are remembered. A hit reads
+/// kMostSessions pointers and writes nothing (except once after each new session, for the order of
+/// use). A miss costs a derivation and a key expansion. Fast DDS changes its session every 32
+/// messages. So the object of a dropped session is set aside and used again for the next one, and
+/// nothing is allocated.
 class ReceiveKey final : public Retirable {
  public:
   static constexpr std::size_t kMostSessions = 4;
@@ -67,7 +69,7 @@ class ReceiveKey final : public Retirable {
   const KeyMaterial& material() const { return material_; }
   const KindTraits& traits() const { return traits_; }
 
-  /// A session to try a message with, under a ReadGuard. Not remembered if it is new.
+  /// A session for trying a message. Valid under a ReadGuard. A new one is not remembered yet.
   class Candidate {
    public:
     const ReceiveSession* operator->() const { return session_; }
@@ -77,27 +79,29 @@ class ReceiveKey final : public Retirable {
     const ReceiveSession* session_ = nullptr;
     std::unique_ptr<ReceiveSession> fresh_;
   };
-  /// Errors: internal.
+  /// The session with that id, expanded now if it is not remembered. Error: internal.
   Result<Candidate> session(SessionId id);
-  /// To be called once the tags were right.
+  /// Remembers the session. Call it after the tags were right.
   void remember(Candidate candidate);
 
-  /// Under a ReadGuard: was the message protected before its sender gave the key to all of our
-  /// endpoints that have it?
+  /// True if the message was protected before its sender gave the key to all local endpoints that
+  /// have it. Under a ReadGuard.
   bool is_from_before(const Iv& iv) const { return position_ && position_->has_passed(iv); }
-  /// To be called once the tags were right: did the message come before? Only our senders with
-  /// origin authentication are judged (replay_window.hpp).
+  /// True if the message came before. Call it after the tags were right. Only senders that use
+  /// ddssec with origin authentication are checked (replay_window.hpp).
   bool is_repeated(const Iv& iv) { return window_ && !window_->accept(iv); }
-  /// Before it is published: the key came once more. What was under way meanwhile is still new.
+  /// The same key came once more: continues with the state of `first`, so messages that were under
+  /// way stay valid. Call it before publication.
   void count_from(const ReceiveKey& first) {
     position_ = first.position_;
     window_ = first.window_;
   }
-  /// Before it is published, by one caller at a time: another endpoint has the same sender's key.
-  /// What was under way to that one is lost, and a reliable sender repeats it.
+  /// Another endpoint has the key of the same sender: shares its position. Messages that were under
+  /// way to that endpoint are lost; a reliable sender repeats them. Call it before publication, one
+  /// caller at a time.
   void count_with(const ReceiveKey& other) { count_with(other.position_); }
   void count_with(const std::shared_ptr<NewestPosition>& of_other);
-  /// nullptr: its sender did not say.
+  /// The sender's position; nullptr if the sender did not send it.
   const std::shared_ptr<NewestPosition>& position() const { return position_; }
 
  private:
@@ -112,8 +116,8 @@ class ReceiveKey final : public Retirable {
     return said ? std::make_shared<NewestPosition>(std::move(*said)) : nullptr;
   }
 
-  std::shared_ptr<NewestPosition> position_;  ///< null: its sender did not say
-  std::shared_ptr<ReplayWindow> window_;      ///< null: not judged
+  std::shared_ptr<NewestPosition> position_;  ///< null: the sender did not send it
+  std::shared_ptr<ReplayWindow> window_;      ///< null: replay is not checked
   const KeyMaterial material_;
   const KindTraits traits_;
   const KeyEnvironment& environment_;

@@ -1,6 +1,6 @@
-// How many remote receivers a sender with origin authentication serves. Each of its messages has a
-// MAC for each of them, and a datagram has room for some three thousand: with more of them, none
-// would get anything.
+// Limits the number of remote receivers of a sender with origin authentication. Each of its
+// messages has a MAC for each receiver, and a datagram has room for about three thousand. With more
+// receivers, none would get any message.
 #pragma once
 
 #include <cstddef>
@@ -12,22 +12,24 @@
 
 namespace ddssec::cryptography {
 
-/// The readers of a writer, or the participants that RTPS messages are for.
+/// The places of the readers of a writer, or of the participants that receive RTPS messages. Not
+/// thread-safe.
 class ReceiverPlaces {
  public:
   /// This many MACs leave 3,000 octets of a UDP datagram for the rest.
   static constexpr std::size_t kMost = 3125;
-  /// Of readers, and of participants, where RTPS messages have origin authentication: a message may
-  /// carry MACs of both levels. Twice as many leave 5,500 octets for the rest.
+  /// The limit for readers, and that for participants, if RTPS messages have origin authentication:
+  /// a message may then carry MACs of both levels. Both together leave 5,500 octets for the rest.
   static constexpr std::size_t kMostOfEach = 1500;
-  /// Of one certificate. Each of its participants has a reader of every secure builtin topic.
+  /// The limit for one certificate. Each of its participants has a reader for every secure builtin
+  /// topic.
   static constexpr std::size_t share_of(std::size_t most) { return most / 5; }
 
-  /// `of` stands in events.
+  /// `of` names the receivers in events.
   explicit ReceiverPlaces(std::size_t most = kMost, std::string_view of = "readers of a writer")
       : most_(most), of_(of) {}
 
-  /// For one more receiver of a certificate's subject. Error: receiver_places_taken.
+  /// Takes a place for one more receiver of a certificate's subject. Error: receiver_places_taken.
   Status take(std::uint64_t subject);
   void give_back(std::uint64_t subject) noexcept;
 

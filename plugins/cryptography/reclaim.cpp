@@ -12,19 +12,20 @@ struct alignas(64) Slot {
 
 constinit std::atomic<std::uint64_t> current_epoch = 1;
 
-/// All threads' slots. Never freed while a thread lives; slots of dead threads are used again.
+/// The slots of all threads. Never freed while a thread lives; slots of ended threads are used
+/// again.
 struct Slots {
   std::mutex mutex;
   std::vector<std::unique_ptr<Slot>> all;
 };
 
 Slots& slots() {
-  // Left to the process: threads may end after static objects died.
+  // Never freed: threads may end after static objects are destroyed.
   static Slots& instance = *new Slots;
   return instance;
 }
 
-/// Gives the slot back when the thread ends.
+/// Returns the slot when the thread ends.
 struct Lease {
   Slot* slot;
   Lease() : slot(nullptr) {
@@ -87,12 +88,13 @@ void Graveyard::retire(std::unique_ptr<Retirable> object) noexcept {
     last_ = added;
     ++size_;
   }
-  // They die without the lock: destructors may retire more.
+  // Destroyed without the lock, because destructors may retire more objects.
   while (auto dead = take_safe()) {
   }
 }
 
-/// Stamps grow along the list: the first that is still read keeps those behind it.
+/// Stamps increase along the list, so the first object that may still be read keeps all objects
+/// after it.
 std::unique_ptr<Retirable> Graveyard::take_safe() noexcept {
   const std::lock_guard lock(mutex_);
   if (!first_ || !is_safe(first_->epoch_)) return nullptr;

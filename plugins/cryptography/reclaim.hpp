@@ -23,10 +23,10 @@
 
 namespace ddssec::cryptography {
 
-/// The thread reads shared objects while one of these lives. They do not nest.
+/// While a guard lives, its thread may read shared objects. Guards do not nest.
 class ReadGuard {
  public:
-  /// The first of a thread allocates.
+  /// The first guard of a thread allocates memory.
   ReadGuard();
   ~ReadGuard() { slot_.store(0, std::memory_order_release); }
   ReadGuard(const ReadGuard&) = delete;
@@ -36,7 +36,7 @@ class ReadGuard {
   std::atomic<std::uint64_t>& slot_;
 };
 
-/// Base of what can be retired.
+/// Base class of objects that can be retired.
 class Retirable {
  public:
   Retirable() = default;
@@ -50,12 +50,14 @@ class Retirable {
   std::uint64_t epoch_ = 0;
 };
 
-/// Stamps an object that was just unlinked: it may die, or be used again, once `is_safe`.
+/// A stamp for an object that was just unlinked: it may be destroyed, or used again, once
+/// `is_safe`.
 std::uint64_t retirement_epoch() noexcept;
-/// True if no thread can still hold what was stamped so.
+/// True if no thread can still hold an object with that stamp.
 bool is_safe(std::uint64_t epoch) noexcept;
 
-/// Retired objects that wait for their readers. Its owner outlives all readers of its objects.
+/// Retired objects that wait for their readers. Its owner must outlive all readers of the objects.
+/// Thread-safe.
 class Graveyard {
  public:
   Graveyard() = default;
@@ -63,10 +65,10 @@ class Graveyard {
   Graveyard(const Graveyard&) = delete;
   Graveyard& operator=(const Graveyard&) = delete;
 
-  /// Takes an unlinked object, if any; frees what has become safe. Needs no memory: what is
-  /// unlinked can always be kept for its readers.
+  /// Takes ownership of an unlinked object (or null), and frees objects that have become safe.
+  /// Allocates no memory, so an unlinked object can always be kept for its readers.
   void retire(std::unique_ptr<Retirable> object) noexcept;
-  /// How many still wait.
+  /// The number of objects that still wait.
   std::size_t size() const;
 
  private:
@@ -78,7 +80,7 @@ class Graveyard {
   std::size_t size_ = 0;
 };
 
-/// An owning pointer that readers follow under a ReadGuard while one writer at a time replaces it.
+/// An owning pointer. Readers follow it under a ReadGuard while one writer at a time replaces it.
 template <class T>
 class Published {
  public:
@@ -97,7 +99,7 @@ class Published {
     if (former) graveyard.retire(std::move(former));
   }
 
-  /// Publishes `next` and hands out the unlinked former object, which others may still read.
+  /// Publishes `next` and returns the unlinked former object, which others may still read.
   std::unique_ptr<T> exchange(std::unique_ptr<T> next) {
     return std::unique_ptr<T>(pointer_.exchange(next.release()));
   }

@@ -1,4 +1,4 @@
-// Handles and what they stand for.
+// Handles and the entities that they stand for.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace ddssec::cryptography {
 
-/// What a handle stands for.
+/// The kind of an entity.
 enum class EntityKind : std::uint8_t {
   local_participant = 1,
   remote_participant,
@@ -22,7 +22,7 @@ enum class EntityKind : std::uint8_t {
   remote_reader,
 };
 
-/// Anything that has a handle. The handle is given by the registry and never changes.
+/// An object with a handle. The registry assigns the handle, which never changes.
 class Entity : public Retirable {
  public:
   explicit Entity(EntityKind kind) : kind_(kind) {}
@@ -35,9 +35,10 @@ class Entity : public Retirable {
   std::int64_t handle_ = 0;
 };
 
-/// Gives out handles and finds entities by them without a lock. A handle is, from the highest bit:
-/// 0, kind (3 bits), generation (36 bits, from a random start, so that another engine's handles and
-/// those returned are strangers), index (24 bits). The chunks that indices point into never move.
+/// Assigns handles and finds entities by them without a lock. A handle consists of, from the
+/// highest bit: 0, kind (3 bits), generation (36 bits), index (24 bits). Generations start at
+/// random, so that handles of another engine and returned handles are unknown. The chunks that
+/// indices point into never move.
 class Registry {
  public:
   static constexpr std::size_t kChunkSize = 1024;
@@ -49,15 +50,16 @@ class Registry {
   Registry(const Registry&) = delete;
   Registry& operator=(const Registry&) = delete;
 
-  /// One caller at a time. Gives the entity its handle and owns it. Errors:
+  /// Assigns the entity its handle and takes ownership. One caller at a time. Error:
   /// crypto_too_many_entities.
   Status add(std::unique_ptr<Entity> entity);
-  /// One caller at a time. Unlinks: the handle is unknown from now on. The caller retires the
-  /// entity. Needs no memory.
+  /// Unlinks the entity and returns it; from now on its handle is unknown. The caller retires the
+  /// entity. Allocates no memory. One caller at a time.
   std::unique_ptr<Entity> remove(const Entity& entity) noexcept;
 
-  /// Under a ReadGuard or by the one caller of `add`. Errors: crypto_handle_nil,
-  /// crypto_handle_unknown (never given out, or returned), crypto_handle_wrong_kind.
+  /// The entity with that handle and kind. Under a ReadGuard, or by the one caller of `add`.
+  /// Errors: crypto_handle_nil, crypto_handle_unknown (never given out, or returned),
+  /// crypto_handle_wrong_kind.
   template <class T>
   Result<T*> find(std::int64_t handle, EntityKind kind) const {
     Entity* const entity = at(handle);
@@ -75,7 +77,7 @@ class Registry {
 
   struct Place {
     std::atomic<Entity*> entity = nullptr;
-    std::uint64_t used = 0;  // how often; only the one caller of add sees it
+    std::uint64_t used = 0;  // how often; only the caller of add reads it
   };
   using Chunk = std::array<Place, kChunkSize>;
 

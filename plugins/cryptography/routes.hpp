@@ -1,11 +1,12 @@
-// Which endpoint of a remote participant sent a protected submessage: the key id in it says so.
+// Finds the endpoint of a remote participant that sent a protected submessage, by the key id in it.
 //
-// A peer may have thousands of endpoints, and they come and go one by one, so no change may copy
-// all routes. Routes stand in sorted runs; readers see them as a whole, without a lock. A new route
-// is a run of its own, merged with the runs before it that are not eight times as long: n routes
-// cost some n log n copies. The route of an endpoint that is gone stays in its run and leads
-// nowhere, since the registry no longer knows the handle: leaving needs neither memory nor a copy.
-// It goes with a later merge; of all runs, if half of all routes lead nowhere when one is added.
+// A peer may have thousands of endpoints that come and go one by one, so no change may copy all
+// routes. Routes are stored in sorted runs; readers see all runs as a whole, without a lock. A new
+// route is a run of its own. It is merged with the runs before it that are less than eight times as
+// long: n routes cost about n log n copies. The route of a removed endpoint stays in its run and
+// leads nowhere, because the registry no longer knows the handle. So removal needs neither memory
+// nor a copy. Such a route is removed by a later merge. All runs are merged if half of all routes
+// lead nowhere when one is added.
 #pragma once
 
 #include <compare>
@@ -26,12 +27,12 @@ struct RemoteEndpoint;
 class ReceiveKey;
 
 struct Route {
-  KeyId key_id;           ///< zero: of the key exchange
+  KeyId key_id;           ///< zero: key of the key exchange
   KeyId receiver_key_id;  ///< zero: none
   std::int64_t local_participant;
   EntityKind kind;  ///< remote_writer or remote_reader
   std::int64_t handle;
-  std::uint64_t number;  ///< leads to the endpoint while that has the same (RemoteEndpoint::route)
+  std::uint64_t number;  ///< valid while the endpoint has the same number (RemoteEndpoint::route)
   auto operator<=>(const Route&) const = default;
 };
 
@@ -40,21 +41,21 @@ class Routes {
  public:
   explicit Routes(const Registry& registry) : registry_(registry) {}
 
-  /// One caller at a time, after the endpoint got the route's number.
+  /// Adds a route, after the endpoint got the route's number. One caller at a time.
   void add(const Route& route, Graveyard& graveyard);
-  /// One caller at a time, after a route has ceased to lead to its endpoint.
+  /// Call it after a route has ceased to lead to its endpoint. One caller at a time.
   void note_gone() noexcept { ++gone_; }
 
-  /// Under a ReadGuard: the endpoint that a SEC_ group under the key `key` is for, matched with the
-  /// local participant `receiver` (0: with any). Several may have one key, a remote writer that is
-  /// matched with several of our readers for example: then the one that the group has a MAC for, or
-  /// else the first. nullptr if there is none.
+  /// The endpoint that sent a SEC_ group under the key `key`, as matched with the local participant
+  /// `receiver` (0: with any). Several endpoints may have one key, for example a remote writer that
+  /// is matched with several local readers. Then the result is the one for which the group has a
+  /// MAC, or else the first. nullptr if there is none. Under a ReadGuard.
   RemoteEndpoint* find(KeyId key, std::int64_t receiver, BytesView group) const;
-  /// By the caller of `add`: an endpoint that is not `owner` and has that key; zero if none is
-  /// known.
+  /// The id of an endpoint other than `owner` that has that key; zero if none is known. By the
+  /// caller of `add`.
   EntityId other_owner(KeyId key, const EntityId& owner) const;
-  /// By the caller of `add`: a key of the same sender that an endpoint has, whatever the receiver's
-  /// own part; nullptr if there is none.
+  /// A key of the same sender that an endpoint has, whatever the receiver-specific part; nullptr if
+  /// there is none. By the caller of `add`.
   const ReceiveKey* same_sender_key(const KeyMaterial& material) const;
 
  private:
@@ -83,7 +84,7 @@ class Routes {
 
   const Registry& registry_;
   Published<Table> table_;
-  std::size_t gone_ = 0;  ///< at most so many lead nowhere
+  std::size_t gone_ = 0;  ///< the number of routes that lead nowhere, at most
 };
 
 }  // namespace ddssec::cryptography

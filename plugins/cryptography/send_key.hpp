@@ -1,4 +1,4 @@
-// The sender's side of one key: its current session, and numbers that are used once.
+// The sending side of one key: its current session, and numbers that are used only once.
 #pragma once
 
 #include <atomic>
@@ -16,7 +16,7 @@
 
 namespace ddssec::cryptography {
 
-/// What all keys of one engine share. Outlives them.
+/// The environment that all keys of one engine share. It must outlive them.
 struct KeyEnvironment {
   const AeadBackend& aead;
   Graveyard& graveyard;
@@ -26,45 +26,46 @@ struct KeyEnvironment {
   ForkGeneration& generation = ForkGeneration::of_process();
 };
 
-/// Where a sender's numbers start; random.
+/// The random start of a sender's numbers.
 struct SendStart {
   std::uint32_t session = 0;
   std::uint64_t suffix = 0;
 
-  /// Errors: those of the random source.
+  /// Draws a start. Errors: those of the random source.
   static Result<SendStart> draw(Random& random);
 };
 
-/// One expanded session key with its counter. Immutable but for the counter.
+/// One expanded session key with its counter. Only the counter changes.
 struct SendSession final : Retirable {
   SessionId id;
   std::uint64_t number = 0;      ///< 0 for the first of its key
   std::uint64_t suffix = 0;      ///< of the first IV
-  std::uint64_t generation = 0;  ///< of the process that may use it
-  SessionRange begun;            ///< by this process with this key, up to this session
+  std::uint64_t generation = 0;  ///< of the process that may use the session
+  SessionRange begun;            ///< sessions of this process with this key, up to this one
   std::vector<SessionRange> begun_by_parents;  ///< one for each fork() since the key was made
   ExpandedKey key;
-  /// AES blocks promised so far. On a cache line of its own: all threads that send write it.
+  /// AES blocks reserved so far. On its own cache line, because all sending threads write to it.
   alignas(64) std::atomic<std::uint64_t> used = 0;
 };
 
-/// Encrypts or signs for one local entity at one level. Any number of threads.
+/// Encrypts or signs for one local entity at one level. Any number of threads may use it.
 ///
-/// No IV comes twice under one session key: a message of n blocks reserves n numbers of the session
-/// by one atomic addition, and its suffix is the start plus the first of them. Two messages reserve
-/// different numbers, and no more than most_blocks_per_session (plus one addition a thread, unused)
-/// are ever given out, far below the 2^64 after which suffixes would come again. No session id
-/// comes twice under one master key: ids count up and stop after most_sessions_per_key.
+/// No IV is used twice under one session key. A message of n blocks reserves n numbers of the
+/// session by one atomic addition; its suffix is the start plus the first of them. Two messages
+/// never reserve the same number. At most most_blocks_per_session numbers are ever given out (plus
+/// one unused addition per thread), far below the 2^64 after which suffixes would repeat. No
+/// session id is used twice under one master key: ids count up and stop after
+/// most_sessions_per_key.
 ///
 /// The first session is expanded for the first message: a reader has a key for each participant
-/// that writes its topic, and a best-effort one never uses them.
+/// that writes its topic, and a best-effort reader never uses them.
 ///
-/// A child of fork() has the key and the numbers of its parent, which goes on to use them. Before
-/// its first message it leaves its parent's session for one whose id and suffix are random: the
-/// two would have to agree in 32 bits and to within 2^32 in 64 more.
+/// A child of fork() has the key and the numbers of its parent, which continues to use them. Before
+/// its first message the child leaves its parent's session for one with a random id and suffix. A
+/// collision would need the two to agree in 32 bits, and to within 2^32 in 64 more.
 class SendKey final : public Retirable {
  public:
-  /// Errors: internal (no kind of a key).
+  /// Creates the key. Error: internal (the kind is not that of a key).
   static Result<std::unique_ptr<SendKey>> create(KeyMaterial material, SendStart start,
                                                  const KeyEnvironment& environment);
 
@@ -75,17 +76,18 @@ class SendKey final : public Retirable {
     const SendSession* session;  ///< valid as long as the ReadGuard
     Iv iv;
   };
-  /// Under a ReadGuard: an IV for a message of `size` octets and its receiver-specific MACs.
-  /// Errors: session_ids_exhausted, internal; in a child of fork() those of the random source.
+  /// Reserves an IV for a message of `size` octets and its receiver-specific MACs. Under a
+  /// ReadGuard. Errors: session_ids_exhausted, internal; in a child of fork() those of the random
+  /// source.
   Result<Reservation> reserve(std::size_t size);
-  /// Under a ReadGuard: is this session one of those used so far, by this process or a parent
-  /// before its fork()? They start at random, so that one of another sender with the same master
-  /// key is not, but for one chance in 2^32.
+  /// True if the session was used so far, by this process or by a parent before its fork().
+  /// Sessions start at random, so a session of another sender with the same master key gives true
+  /// with a probability of 2^-32 only. Under a ReadGuard.
   bool has_begun(SessionId session) const;
-  /// Under a ReadGuard: where the next message will stand. Those that other threads protect
-  /// meanwhile may count as passed.
+  /// The position of the next message. Messages that other threads protect meanwhile may count as
+  /// passed. Under a ReadGuard.
   SendPosition position() const;
-  /// Under a ReadGuard: AES blocks promised so far, and what finished sessions left over.
+  /// AES blocks reserved so far, counting finished sessions as full. Under a ReadGuard.
   std::uint64_t blocks_used() const;
 
  private:
@@ -99,20 +101,20 @@ class SendKey final : public Retirable {
   Result<std::unique_ptr<SendSession>> first_session() const;
   Result<std::unique_ptr<SendSession>> session_after(const SendSession& former) const;
   Status expand(SendSession& session) const;
-  /// Goes on to the next session, or the first after none, unless another thread did.
+  /// Changes to the next session, or to the first one, unless another thread already did.
   Status roll_over(const SendSession* former);
 
   const KeyMaterial material_;
   const KindTraits traits_;
   const KeyEnvironment& environment_;
   const SendStart start_;
-  const std::uint64_t generation_;  // of the process that drew it
+  const std::uint64_t generation_;  // of the process that drew the start
   Published<SendSession> current_;  // null before the first message
-  std::mutex mutex_;                // held by who rolls over
+  std::mutex mutex_;                // held while changing to the next session
 };
 
-/// The receiver-specific key that a local sender has for one remote receiver
-/// (DDS-Security 9.5.3.3.3), expanded for the sender's current session.
+/// The receiver-specific key that a local sender has for one remote receiver (DDS-Security
+/// 9.5.3.3.3), expanded for the sender's current session.
 class ReceiverKey final : public Retirable {
  public:
   ReceiverKey(KeyId id, MasterReceiverKey key, const KeyEnvironment& environment)
@@ -121,13 +123,14 @@ class ReceiverKey final : public Retirable {
   KeyId id() const { return id_; }
   const MasterReceiverKey& master() const { return key_; }
 
-  /// Under a ReadGuard: the GMAC of `common_mac` for this receiver. `sender` and `reservation`
-  /// belong together. Errors: internal.
+  /// Writes the GMAC of `common_mac` for this receiver. `sender` and `reservation` belong together.
+  /// Under a ReadGuard. Error: internal.
   Status mac(const SendKey& sender, const SendKey::Reservation& reservation, TagView common_mac,
              TagOut out);
 
  private:
-  /// The salt is the sender's: another revision's session of the same number is another one.
+  /// The derivation uses the sender's salt, so the same session number under another revision is a
+  /// different session.
   struct Session final : Retirable {
     SessionId id;
     TransformKind kind;
@@ -142,7 +145,7 @@ class ReceiverKey final : public Retirable {
   const MasterReceiverKey key_;
   const KeyEnvironment& environment_;
   Published<Session> current_;
-  std::mutex mutex_;  // held by who expands
+  std::mutex mutex_;  // held while expanding
 };
 
 }  // namespace ddssec::cryptography

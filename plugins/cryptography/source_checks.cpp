@@ -10,16 +10,16 @@
 namespace ddssec::cryptography {
 namespace {
 
-// ParticipantGenericMessage (DDS-Security 7.4.4.4) begins with GUIDs and sequence numbers only:
-// each of its places is the same in every byte order and in plain CDR 1 and 2.
+// ParticipantGenericMessage (DDS-Security 7.4.4.4) begins with GUIDs and sequence numbers only, so
+// these positions are the same in every byte order and in plain CDR 1 and 2.
 constexpr std::size_t kSourceAt = 4;           ///< message_identity.source_guid
 constexpr std::size_t kSourceEndpointAt = 84;  ///< source_endpoint_guid
 constexpr std::size_t kAddressesSize = 100;    ///< up to message_class_id
 
 // ---- whole messages
 
-/// Cyclone DDS reads the lengths of a SEC_ group in the byte order of its SEC_PREFIX. With one
-/// order in all three there is one way to read them.
+/// True if all parts of a SEC_ group have the same byte order. Cyclone DDS reads all their lengths
+/// in the order of SEC_PREFIX, so with one order there is only one way to read them.
 bool is_of_one_order(BytesView group, std::size_t prefix_size) {
   const auto order = group[1] & kEndianFlag;
   auto rest = group.subspan(prefix_size);
@@ -31,8 +31,8 @@ bool is_of_one_order(BytesView group, std::size_t prefix_size) {
   return true;
 }
 
-/// Does a submessage that is only signed follow SEC_PREFIX? It reaches the host by its own key, and
-/// is no longer signed if it is changed before.
+/// True if a submessage that is only signed follows SEC_PREFIX. The host verifies it with its own
+/// key, so a change here would break its signature.
 bool begins_signed_group(BytesView group, std::size_t prefix_size) {
   if (group[0] != submessage_id::kSecPrefix) return false;
   const auto body = group.subspan(prefix_size);
@@ -48,15 +48,16 @@ Error unreadable() {
   return Error(Code::secure_group_malformed, {.document = "a protected message"});
 }
 
-/// Samples of the builtin writers of DDS-XTypes 7.6.3.3.3. Some end the process that reads them.
+/// True for samples of the builtin writers of DDS-XTypes 7.6.3.3.3. Some of them crash the process
+/// that reads them.
 bool is_type_lookup(BytesView submessage) {
   constexpr EntityId kRequests{{0x00, 0x03, 0x00, 0xc3}}, kReplies{{0x00, 0x03, 0x01, 0xc3}};
   const auto writer = writer_of_data(submessage);
   return writer && (*writer == kRequests || *writer == kReplies);
 }
 
-/// Checks the submessage with which `rest` begins; the sender's part ends before one that fails.
-/// `source` is who speaks.
+/// Checks the first submessage of `rest`; the sender's part ends before one that fails. `source` is
+/// the participant that speaks.
 Result<TypeInformationAt> check_next(BytesView rest, std::size_t size, const GuidPrefix& sender,
                                      GuidPrefix& source, DiscoveryOfPeers& peers) {
   const auto id = rest[0];
@@ -77,7 +78,7 @@ Result<TypeInformationAt> check_next(BytesView rest, std::size_t size, const Gui
 
 // ---- key tokens
 
-/// Plain CDR 1 or 2, of either byte order.
+/// True for plain CDR 1 or 2 in either byte order.
 bool is_plain_cdr(BytesView payload) {
   return payload[0] == 0 && (payload[1] <= 1 || payload[1] == 6 || payload[1] == 7);
 }
@@ -141,17 +142,17 @@ Status check_token_source(BytesView submessage, bool is_key_exchange,
     return fail(Code::submessage_not_of_sender,
                 {.field = "writerId", .found = writer->to_string()});
   if (!is_key_exchange) return {};
-  // One that names no reader reaches all in the process, and a trusting host holds its ticket
-  // twice.
+  // A message that names no reader reaches all participants in the process, and a host that trusts
+  // it would hold its ticket twice.
   const auto reader = reader_of_data(submessage);
   if (reader != kVolatileReader)
     return fail(Code::submessage_not_of_sender, {.field = "readerId", .found = reader.to_string()});
   const auto piece = read_data_piece(submessage);
   if (!piece) return unreadable_token("its lengths contradict one another");
-  // Cyclone DDS reads one of which it got only the key, or its hash, through a null pointer.
+  // If only the key or its hash came, Cyclone DDS dereferences a null pointer.
   if (!piece->has_data || piece->has_key)
     return unreadable_token("it is not data, but a key or nothing");
-  // It would keep each fragment until all have come, up to 2 GB.
+  // Cyclone DDS would keep each fragment until all have come, up to 2 GB.
   const auto payload = piece->payload;
   if (piece->is_fragment && payload.size() < piece->sample_size)
     return unreadable_token("it comes in several fragments");

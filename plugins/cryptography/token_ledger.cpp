@@ -35,8 +35,9 @@ bool is_reader(const EntityId& id) {
   return kind == 0x04 || kind == 0x07;
 }
 
-/// A writer and a reader of one secure builtin topic (DDS-Security 7.4.5): the sender chooses the
-/// bits of an entity id that say builtin, and the host matches no others by itself.
+/// True for a writer and a reader of one secure builtin topic (DDS-Security 7.4.5). The sender
+/// chooses the bits of an entity id that mark it as builtin, and the host matches no other builtin
+/// endpoints by itself.
 bool are_builtin_pair(const EntityId& remote, const EntityId& local) {
   constexpr std::array<std::uint32_t, 4> kTopics = {0xff0003, 0xff0004, 0xff0200, 0xff0101};
   const auto topic_of = [](const EntityId& id) {
@@ -49,7 +50,7 @@ bool are_builtin_pair(const EntityId& remote, const EntityId& local) {
          std::ranges::find(kTopics, topic_of(remote)) != kTopics.end();
 }
 
-/// Two endpoints, or two participants, for which the host can ever use the tokens.
+/// True for two endpoints, or two participants, for which the host can use tokens at all.
 bool are_two_of_a_kind(const TokenMessage& message) {
   const auto &remote = message.remote.entity, &local = message.local.entity;
   if (remote == kEntityIdParticipant) return local == kEntityIdParticipant;
@@ -99,7 +100,7 @@ Result<std::optional<TokenMessage>> read_generic_message(const DataPiece& piece)
     return std::nullopt;
   } else if (source_endpoint.prefix != source.prefix ||
              source_endpoint.entity == kEntityIdParticipant) {
-    return fail(Code::malformed);  // of no owner, or those of a participant as an endpoint's
+    return fail(Code::malformed);  // without owner, or a participant's tokens as an endpoint's
   }
   if (piece.number >= kGreatestNumber) return fail(Code::length_out_of_range);
   message.tokens_at = kEncapsulationSize + in.position();
@@ -133,7 +134,7 @@ Status check_usable(const TokenMessage& message) {
 
 void write_ticket(const Ticket& ticket, const TokenMessage& message, const DataPiece& piece,
                   MutableBytes payload) {
-  // What read_tokens read without an error is read again, where it stands.
+  // read_tokens has parsed this without an error, so parsing it again at its place succeeds.
   const bool little = (piece.payload[1] & 1) != 0;
   const auto stream = payload.subspan(kEncapsulationSize);
   Reader in(stream, little ? Endian::little : Endian::big);
@@ -194,7 +195,7 @@ std::vector<spi::Token> PackedTokens::tokens() const {
   return out;
 }
 
-/// A proven prefix begins with six octets that are bound to the subject (DDS-Security 9.3.3).
+/// The first six octets of a proven prefix are bound to the subject (DDS-Security 9.3.3).
 std::uint64_t TokenLedger::account_of(const Key& key, const TokenSender& sender) {
   if (!sender.is_proven) return kUnproven | sender.exchange;
   std::uint64_t subject = 0;
@@ -203,7 +204,8 @@ std::uint64_t TokenLedger::account_of(const Key& key, const TokenSender& sender)
   return subject;
 }
 
-/// Its first octet is that of no transformation kind: a ticket is never read as key material.
+/// No transformation kind begins with this first octet, so a ticket is never parsed as key
+/// material.
 Ticket TokenLedger::fresh_ticket() {
   Ticket ticket{{0xff, 't', 'i', 'c', 'k', 'e', 't', 0}};
   for (std::size_t i = 0; i < 8; ++i)
@@ -213,7 +215,7 @@ Ticket TokenLedger::fresh_ticket() {
 }
 
 /// While the host holds a ticket, only the message that brought it passes, as a retransmission: the
-/// host may have had no room for it the first time.
+/// host may have had no space for it the first time.
 Passage TokenLedger::of_held(Entry& entry, const TokenMessage& message, const Age& age) {
   if (age == entry.passed) return {Passage::Kind::ticket, entry.ticket};
   if (age > entry.newest) {
@@ -224,8 +226,8 @@ Passage TokenLedger::of_held(Entry& entry, const TokenMessage& message, const Ag
   return {is_same_exchange ? Passage::Kind::repeated : Passage::Kind::hidden};
 }
 
-/// Whether the host cannot hold the ticket of a former exchange any more. If it had one for builtin
-/// endpoints, it came with it when it matched them.
+/// True if the host can no longer hold the ticket of a former exchange. A ticket for builtin
+/// endpoints is presented when the host matches them.
 bool TokenLedger::is_given_up(const Key& key, Entry& entry, bool are_builtin_matched,
                               std::chrono::nanoseconds now) {
   if (key.remote.entity == kEntityIdParticipant) return true;
@@ -279,7 +281,7 @@ Result<Passage> TokenLedger::note(const TokenMessage& message, const TokenSender
       if (!is_other) return of_held(entry, message, age);
       if (!is_given_up(key, entry, are_builtin_matched, now)) return Passage{Passage::Kind::later};
     } else if (exchange == entry.newest.exchange && age <= entry.newest) {
-      return Passage{Passage::Kind::hidden};  // the host has had it, or passed it over
+      return Passage{Passage::Kind::hidden};  // the host already had it, or ignored it
     } else if (entry.awaited_by && entry.awaited_by->exchange == exchange) {
       user = entry.awaited_by;
     }
@@ -358,8 +360,8 @@ void TokenLedger::await(std::uint64_t exchange, const Key& key, std::chrono::nan
   if (!has_come) awaited_.await(exchange, key, now);
 }
 
-/// Tokens of the same exchange that the host did not use in kHostKeeps pass at once in the next:
-/// that cannot be taken for lost again.
+/// Tokens of the same exchange that the host did not use in kHostKeeps pass at once in the next
+/// exchange, so they cannot be counted as lost twice.
 TokenLedger::Fate TokenLedger::fate_of(std::uint64_t exchange, const Key& key,
                                        std::chrono::nanoseconds since) {
   const auto known = entries_.find(key);
@@ -397,7 +399,8 @@ void TokenLedger::acknowledged(std::uint64_t exchange, std::uint64_t next,
   if (next <= taken.next) return;
   if (taken.latest == nullptr || now - taken.latest->since >= kSpan) {
     acknowledged_.push_back({now, exchange, next});
-    taken.latest = &acknowledged_.back();  // where it stays when others come and go
+    taken.latest = &acknowledged_.back();  // a deque does not move elements when others are added
+                                           // or removed at its ends
   }
   taken.next = taken.latest->next = next;
 }
@@ -438,7 +441,7 @@ void TokenLedger::forget_old(std::chrono::nanoseconds now) {
   }
 }
 
-/// They are remembered only to know repetitions by.
+/// Entries that were used are stored only to detect repetitions.
 void TokenLedger::forget_used(const Key& key, const TokenSender& sender) {
   const auto account = account_of(key, sender);
   const auto forget = [&](Entries::iterator entry) {

@@ -1,7 +1,8 @@
-// Key tokens, from their message until the host comes with them. Cyclone DDS holds tokens back
-// until their endpoints are matched, as many as come, for five minutes each. If tokens for the same
-// two endpoints come again in that time, it corrupts its memory. So it gets tickets instead of
-// tokens.
+// Keeps key tokens from the arrival of their message until the host uses them.
+//
+// Cyclone DDS stores tokens until their endpoints are matched: any number of them, for five minutes
+// each. If tokens for the same two endpoints come again in that time, it corrupts its memory. So it
+// receives tickets instead of tokens.
 #pragma once
 
 #include <array>
@@ -25,67 +26,67 @@
 
 namespace ddssec::cryptography {
 
-/// A key token message, as far as the ledger is concerned.
+/// The fields of a key token message that the ledger needs.
 struct TokenMessage {
-  Guid remote;           ///< whose keys: a participant or an endpoint
+  Guid remote;           ///< owner of the keys: a participant or an endpoint
   Guid local;            ///< the receiver
   std::uint64_t number;  ///< writerSN
   bool is_of_reader;     ///< datareader_crypto_tokens
   std::vector<spi::Token> tokens;
-  std::size_t class_at;   ///< where in the payload the text of message_class_id begins
-  std::size_t tokens_at;  ///< where in the payload the sequence of tokens begins
+  std::size_t class_at;   ///< position of the text of message_class_id in the payload
+  std::size_t tokens_at;  ///< position of the sequence of tokens in the payload
 };
 
-/// Of a piece that passed check_token_source. Nothing where no tokens begin. All of them must be in
-/// this piece: who sends them in fragments hides which they are. Errors: token_source_unreadable,
-/// also for tokens of more than kMostTokenOctets, for an endpoint's that do not name one of the
-/// sender's, and for a number from kGreatestNumber on: Cyclone DDS takes the greatest of all before
-/// those that come first.
+/// Parses a piece that passed check_token_source; empty if no tokens begin in it. All tokens must
+/// be in this piece: with fragments, a sender could hide which tokens it sends. Error:
+/// token_source_unreadable, also for tokens of more than kMostTokenOctets, for an endpoint's tokens
+/// that do not name an endpoint of the sender, and for numbers from kGreatestNumber on: Cyclone DDS
+/// handles the greatest of all numbers before those that come first.
 Result<std::optional<TokenMessage>> read_token_message(const DataPiece& piece);
 
-/// Whether the host could use what the message brings once its endpoints are matched: key material,
-/// as much as one may have, between a writer and a reader or between two participants. The host
-/// would keep anything. Errors: token_source_unreadable (no two such entities exchange keys),
+/// Success if the host could use the tokens once its endpoints are matched: key material, of an
+/// allowed number, between a writer and a reader or between two participants. The host would store
+/// anything. Errors: token_source_unreadable (no two such entities exchange keys),
 /// crypto_token_count, those of read_crypto_token.
 Status check_usable(const TokenMessage& message);
 
 inline constexpr std::uint64_t kGreatestNumber = std::uint64_t{1} << 62;
 
-/// Of all tokens of one message, names and class ids included: three times what two keys with
-/// receiver keys need.
+/// The largest number of octets of all tokens of one message, including names and class ids: three
+/// times the size of two keys with receiver keys.
 inline constexpr std::size_t kMostTokenOctets = 1024;
 
-/// A writer may have one key for both levels, or a key for each (DDS-Security 9.5.2.1).
+/// A writer may have one key for both levels, or one key for each (DDS-Security 9.5.2.1).
 inline constexpr std::size_t kMostTokensPerEndpoint = 2;
 
-/// What the host gets instead of key material, and comes back with.
+/// Given to the host instead of key material; the host presents it later.
 struct Ticket {
   std::array<std::uint8_t, 16> octets;
   auto operator<=>(const Ticket&) const = default;
 };
 
-/// A match for which the host comes with a ticket, or came with one of a session that had ended.
+/// A match for which the host presents a ticket, possibly one of a session that has ended.
 struct TicketUser {
-  std::uint64_t exchange = 0;  ///< the present one with the peer; 0: there is none
-  std::int64_t local = 0;      ///< crypto handles of our endpoint and the peer's
+  std::uint64_t exchange = 0;  ///< the present exchange with the peer; 0: none
+  std::int64_t local = 0;      ///< crypto handles of the local endpoint and the peer's
   std::int64_t remote = 0;
   bool operator==(const TicketUser&) const = default;
 };
 
-/// Who sent a message.
+/// The sender of a message.
 struct TokenSender {
-  std::uint64_t exchange;  ///< tells one authentication from the next; later ones are greater
-  bool is_proven = true;   ///< authentication told us the prefix that the message names
+  std::uint64_t exchange;  ///< number of the authentication; later ones are greater
+  bool is_proven = true;   ///< authentication provided the prefix that the message names
 };
 
-/// What becomes of a message.
+/// The decision about a message.
 struct Passage {
   enum class Kind : std::uint8_t {
-    ticket,    ///< it goes to the host, with the ticket in it
-    hidden,    ///< it goes to the host as a class that the host does not know
-    repeated,  ///< hidden, since the host holds a ticket of the same exchange
-    later,     ///< it is not accepted yet, and will be sent again
-    awaited,   ///< hidden; the ticket is for `user`, which the host believes to have keys
+    ticket,    ///< passed to the host with the ticket in it
+    hidden,    ///< passed to the host under a class that it does not know
+    repeated,  ///< hidden, because the host holds a ticket of the same exchange
+    later,     ///< not accepted now; the sender will send it again
+    awaited,   ///< hidden; the ticket is for `user`, for which the host believes it has keys
   };
   Kind kind;
   Ticket ticket = {};
@@ -93,13 +94,13 @@ struct Passage {
   bool operator==(const Passage&) const = default;
 };
 
-/// Writes the ticket over the first binary value of a message that read_token_message read, and
-/// zeros over all others.
+/// Overwrites the first binary value of a message from read_token_message with the ticket, and all
+/// others with zeros.
 void write_ticket(const Ticket& ticket, const TokenMessage& message, const DataPiece& piece,
                   MutableBytes payload);
 
-/// The key material of usable tokens, in one block and without what is the same in all. Wiped when
-/// it goes.
+/// The key material of usable tokens, packed into one block without the parts that are the same in
+/// all tokens. Wiped at destruction.
 class PackedTokens {
  public:
   PackedTokens() = default;
@@ -111,97 +112,103 @@ class PackedTokens {
   std::vector<spi::Token> tokens() const;
 
  private:
-  Bytes octets_;  ///< for each token its length, one octet, and so many octets
+  Bytes octets_;  ///< for each token its length (one octet), then that many octets
 };
 
-/// Keeps the tokens that come for two endpoints, and gives the host a ticket for them. Any number
-/// of threads.
+/// The ledger: keeps the tokens for two endpoints and gives the host a ticket for them.
+/// Thread-safe.
 ///
-/// The host holds one ticket for two endpoints at a time. Tokens that come while it does replace
-/// the ones kept here, and the host does not see them. It names no GUIDs when it comes back: the
-/// ticket tells which two endpoints it means.
+/// The host holds at most one ticket for two endpoints. Tokens that come meanwhile replace the
+/// stored ones, and the host does not see them. The host names no GUIDs when it presents a ticket;
+/// the ticket identifies the two endpoints.
 ///
-/// A message that was opened may still not have reached the host. When its sender authenticates
-/// anew, the host may hold the former ticket or not. It drops those of a participant with the
-/// participant. Those of builtin endpoints it uses as soon as it matches them; tokens wait for
-/// that. Of other endpoints nothing is known for six minutes: if the host does not come in that
-/// time, it never had the ticket, and what came since then must come again in a further session.
-/// It is known sooner if the host has matched the two meanwhile: it would have come (`await`).
+/// A message that was decrypted may still not have reached the host. So when its sender
+/// authenticates anew, the host may or may not hold the former ticket:
+/// - Tickets of a participant are dropped with the participant.
+/// - Tickets of builtin endpoints are used as soon as the host matches these endpoints. New tokens
+///   are refused until then.
+/// - Of other endpoints nothing is known for six minutes. If the host does not present the ticket
+///   in that time, it never had it, and tokens that came since then must come again in a further
+///   session. This is known sooner if the host has matched the two endpoints meanwhile: it would
+///   have presented the ticket (`await`).
 class TokenLedger {
  public:
-  /// Of one certificate's participants, which are told by the first six octets of the prefix
-  /// (DDS-Security 9.3.3). As many as 128 readers and 128 writers of two participants have.
+  /// The largest number of pending tickets for the participants of one certificate, which are
+  /// identified by the first six octets of the prefix (DDS-Security 9.3.3). Enough for the 128
+  /// readers and 128 writers of two participants.
   static constexpr std::size_t kMostPending = 16384;
-  /// Of all senders whose prefix is not proven, which can name any. Each has a share like that of a
-  /// certificate, but no more than is left for others: so a further one finds some.
+  /// The limit for all senders with an unproven prefix, which can name any prefix. Each has a share
+  /// like that of a certificate, but at most as much as is left for others, so that a further
+  /// sender finds some space.
   static constexpr std::size_t kMostUnproven = 4 * kMostPending;
-  /// More of a certificate's, for the few that participants and builtin endpoints have: without
-  /// these nothing else works.
+  /// Additional space of a certificate for the few tokens of participants and builtin endpoints,
+  /// without which nothing else works.
   static constexpr std::size_t kReserved = 2048;
-  /// After an exchange has ended, or the host has acknowledged a message of it: the host's five
-  /// minutes, and what a message may wait in its queue. Before that the host may hold messages back
-  /// for any time, until one that is missing comes.
+  /// For how long an entry stays after its exchange has ended, or after the host has acknowledged
+  /// its message: the host's five minutes, and the time that a message may wait in its queue.
+  /// Before that, the host may delay messages for any time, until a missing one comes.
   static constexpr std::chrono::seconds kMemory{360};
 
   TokenLedger() = default;
   TokenLedger(const TokenLedger&) = delete;
   TokenLedger& operator=(const TokenLedger&) = delete;
 
-  /// How long the host surely keeps a ticket that it has no use for: five minutes, less what clocks
-  /// may differ.
+  /// For how long the host certainly keeps a ticket that it cannot use: five minutes, less a margin
+  /// for differences of clocks.
   static constexpr std::chrono::seconds kHostKeeps{290};
 
-  /// How long the host may need, once endpoints are matched, to come with a ticket for them.
+  /// For how long the host may take to present a ticket after the endpoints are matched.
   static constexpr std::chrono::milliseconds kComing{50};
 
-  /// Of a message that check_usable let pass, whose tokens it wipes. Within one exchange, the host
-  /// takes the numbers of messages in order and each once.
-  /// `are_builtin_matched`: the host has matched all builtin endpoints of sender and receiver.
-  /// Error: crypto_tokens_crowded.
+  /// Records a message that passed check_usable. Within one exchange, the host takes the numbers of
+  /// messages in order, each once. `are_builtin_matched`: the host has matched all builtin
+  /// endpoints of sender and receiver. Error: crypto_tokens_crowded.
   Result<Passage> note(const TokenMessage& message, const TokenSender& sender,
                        bool are_builtin_matched, std::chrono::nanoseconds now);
 
-  /// The host has taken all messages of that exchange below `next`.
+  /// The host has taken all messages of that exchange below `next`. `now`, here and below:
+  /// Clock::monotonic.
   void acknowledged(std::uint64_t exchange, std::uint64_t next, std::chrono::nanoseconds now);
 
-  /// The sender of that exchange is gone, or will authenticate anew.
+  /// The sender of that exchange has left, or will authenticate anew.
   void end(std::uint64_t exchange, std::chrono::nanoseconds now);
 
-  /// The host has matched two endpoints and waits for tokens of that exchange. Those that come now
-  /// find room beyond kMostPending.
+  /// The host has matched two endpoints and waits for tokens of that exchange. Tokens that come now
+  /// find space beyond kMostPending.
   void await(std::uint64_t exchange, const TokenKey& key, std::chrono::nanoseconds now);
 
-  /// Whether tokens of that exchange, which goes on, were given up since the last call: hidden from
-  /// the host because of a ticket that it cannot have any more, or awaited, though the host took
-  /// their ticket more than kHostKeeps before. To be called once a second.
+  /// True if tokens of that exchange, which still goes on, were dropped since the last call. Either
+  /// they were hidden from the host because of a ticket that it can no longer have; or they are
+  /// awaited although the host took their ticket more than kHostKeeps before. Call it once a
+  /// second.
   bool take_stranded(std::uint64_t exchange, std::chrono::nanoseconds now);
 
   struct Held {
-    Guid remote;                     ///< whose tokens
-    std::vector<spi::Token> tokens;  ///< none, if they came before the user's exchange
+    Guid remote;                     ///< the sender of the tokens
+    std::vector<spi::Token> tokens;  ///< empty if they came before the user's exchange
   };
-  /// For tokens that the host came back with, and holds no longer: the newest for the two endpoints
-  /// of their ticket. Nothing if there is no ticket in them that is still good. The caller wipes
-  /// them. The host may come with a ticket of a session that has ended, and takes no other after
-  /// it: so the tokens of the present session go to the user as soon as they come.
+  /// The newest tokens for the two endpoints of the ticket that the host presents, and no longer
+  /// holds. Empty if `tokens` holds no ticket that is still valid. The caller wipes the result. The
+  /// host may present a ticket of a session that has ended, and takes no other afterwards. So the
+  /// tokens of the present session go to `user` as soon as they come.
   std::optional<Held> redeem(std::span<const spi::Token> tokens, const TicketUser& user);
 
-  /// For tests: all that is remembered.
+  /// For tests: the number of all entries.
   std::size_t size() const;
-  /// For tests: of that, what the host may hold tickets for.
+  /// For tests: the number of entries for which the host may hold tickets.
   std::size_t pending() const;
 
  private:
   using Key = TokenKey;
-  /// A message's place among all that came for two endpoints.
+  /// The order of a message among all that came for two endpoints.
   struct Age {
     std::uint64_t exchange;
     std::uint64_t number;
     auto operator<=>(const Age&) const = default;
   };
   struct Entry {
-    Age passed;  ///< the message that brought the host its ticket
-    Age newest;  ///< the message that the tokens are of
+    Age passed;  ///< the message with which the host got its ticket
+    Age newest;  ///< the message with the stored tokens
     std::uint64_t account;
     std::optional<std::chrono::nanoseconds> matched_since = {};
     bool is_pending = true;
@@ -212,7 +219,8 @@ class TokenLedger {
     PackedTokens tokens;
   };
   using Entries = std::map<Key, Entry>;
-  /// Of the participants of one certificate, or of one exchange whose peer proved no prefix.
+  /// The counts for the participants of one certificate, or for one exchange whose peer proved no
+  /// prefix.
   struct Account {
     std::size_t pending = 0;
     std::size_t all = 0;
@@ -221,17 +229,17 @@ class TokenLedger {
     std::chrono::nanoseconds at;
     std::uint64_t exchange;
   };
-  /// All that was acknowledged within some seconds.
+  /// Everything that was acknowledged within kSpan.
   struct Acknowledged {
     std::chrono::nanoseconds since;
     std::uint64_t exchange;
     std::uint64_t next;
   };
   static constexpr std::chrono::seconds kSpan{10};
-  /// What the host has taken of an exchange.
+  /// The messages of an exchange that the host has taken.
   struct Taken {
-    std::uint64_t next = 0;          ///< all below
-    Acknowledged* latest = nullptr;  ///< in acknowledged_; null: that was long ago
+    std::uint64_t next = 0;          ///< all below this number
+    Acknowledged* latest = nullptr;  ///< in acknowledged_; null: that was too long ago
   };
   static constexpr std::uint64_t kUnproven = std::uint64_t{1} << 63;
 
@@ -244,31 +252,31 @@ class TokenLedger {
   Ticket fresh_ticket();
   void no_longer_pending(Entry& entry);
   void forget_old(std::chrono::nanoseconds now);
-  /// Whether the host passes over that message when it comes again.
+  /// True if the host ignores that message when it comes again.
   bool has_taken(const Age& age) const;
-  /// What the host never used, of an exchange, in messages below `next`.
+  /// Drops tokens of an exchange, in messages below `next`, that the host never used.
   void forget_unused(std::uint64_t exchange, std::uint64_t next);
   void forget_used(const Key& key, const TokenSender& sender);
-  /// The first entry of an exchange; the end without one.
+  /// The first entry of an exchange; the end if there is none.
   Entries::iterator first_of(std::uint64_t exchange);
-  /// Of tokens that the host waits for.
+  /// The state of tokens that the host waits for.
   enum class Fate : std::uint8_t { lost, undecided, not_here };
   Fate fate_of(std::uint64_t exchange, const Key& key, std::chrono::nanoseconds since);
-  /// The host would have come with a ticket for endpoints that it has matched.
+  /// Drops entries of awaited tokens: for endpoints that it has matched, the host would have
+  /// presented a ticket.
   void forget_awaited(std::uint64_t exchange, std::chrono::nanoseconds now);
-  /// The host has dropped the ticket, and may yet match the endpoints.
+  /// The host has dropped the ticket, but may still match the endpoints.
   void note_lost(Entries::iterator entry);
-  /// Erases what the host can have no ticket for any more.
+  /// Erases an entry for which the host can no longer have a ticket.
   void give_up(Entries::iterator entry);
   void erase(Entries::iterator entry);
 
   mutable std::mutex mutex_;
   Entries entries_;
-  std::set<std::pair<std::uint64_t, const Key*>>
-      by_exchange_;                        // the one of the message that passed
-  std::deque<Ended> ended_;                // the first ended first
-  std::deque<Acknowledged> acknowledged_;  // the first first
-  std::map<std::uint64_t, Taken> taken_;   // by exchange
+  std::set<std::pair<std::uint64_t, const Key*>> by_exchange_;  // exchange of Entry::passed
+  std::deque<Ended> ended_;                                     // in the order in which they ended
+  std::deque<Acknowledged> acknowledged_;                       // in order of time
+  std::map<std::uint64_t, Taken> taken_;                        // by exchange
   std::map<Ticket, Entries::iterator> tickets_;
   std::map<std::uint64_t, Account> accounts_;
   std::set<std::uint64_t> stranded_;  // exchanges
@@ -277,7 +285,7 @@ class TokenLedger {
   std::uint64_t next_ticket_ = 1;
 };
 
-/// Before tokens that were held are given up.
+/// Overwrites the values of tokens before they are dropped.
 void wipe_tokens(std::span<spi::Token> tokens);
 
 }  // namespace ddssec::cryptography

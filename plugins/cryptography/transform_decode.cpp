@@ -12,7 +12,8 @@
 namespace ddssec::cryptography {
 namespace {
 
-/// Is the message protected as its sender's key, which fits our governance, says?
+/// Success if the message is protected in the way that its sender's key demands. That key fits the
+/// governance.
 Status check_header(const ReceiveKey& key, const CryptoHeader& header, bool is_encrypted) {
   if (is_encrypted != key.traits().encrypts)
     return fail(is_encrypted ? Code::encrypted_where_signature_is_due
@@ -22,7 +23,8 @@ Status check_header(const ReceiveKey& key, const CryptoHeader& header, bool is_e
   return {};
 }
 
-/// Plain octets at `place` if the tag is right, zeros otherwise.
+/// Writes plain octets to `place` and returns true if the tag is right. Otherwise it writes no
+/// plain octets.
 bool open_content(const Protected& message, const ExpandedKey& key, std::uint8_t* place) {
   if (message.is_encrypted)
     return key.open(message.header.iv, {}, message.content, place, message.footer.tag());
@@ -31,15 +33,15 @@ bool open_content(const Protected& message, const ExpandedKey& key, std::uint8_t
   return true;
 }
 
-/// What stands around a protected message does not matter.
+/// For a message that may stand anywhere.
 struct AnySurroundings {
   Status operator()(BytesView /*content*/) const { return {}; }
 };
 
-/// Decrypts or verifies into the beginning of `out`: all that must be right about a protected
-/// message is checked here, and only then is its session remembered, and its IV once
-/// `fits(content)` says that it stands where its sender put it: a copy that was put elsewhere uses
-/// up nothing. Octets written.
+/// Decrypts or verifies into the beginning of `out` and returns the octets written. All checks of a
+/// protected message are made here. Only then is its session remembered. Its IV is remembered only
+/// after `fits(content)` confirms that the message stands where its sender put it, so a copy at
+/// another place uses up nothing.
 template <class Fits = AnySurroundings>
 [[gnu::always_inline]] inline Result<std::size_t> open(const Protected& message, ReceiveKey& key,
                                                        MutableBytes out, Fits&& fits = {}) {
@@ -49,7 +51,7 @@ template <class Fits = AnySurroundings>
   const bool origin = key.material().has_receiver_key();
   const auto ours =
       origin ? message.footer.receiver_mac(key.material().receiver_key_id) : std::nullopt;
-  // Before any cipher: others' messages pass here often.
+  // Checked before any cipher, because messages for other receivers come here often.
   if (origin && !ours) return fail(Code::receiver_specific_mac_missing);
   auto session = DDSSEC_TRY(key.session(message.header.session_id));
   if (!open_content(message, session->key, out.data())) return fail(Code::tag_mismatch);
@@ -65,15 +67,15 @@ template <class Fits = AnySurroundings>
   return std::unexpected(std::move(status).error());
 }
 
-/// The newest keys of a remote entity at one level, if its tokens came.
+/// The newest key of a remote entity at one level, if its tokens have come.
 Result<ReceiveKey*> received(const Published<RemoteKeys>& keys, KeyLevel level) {
   const auto* const published = keys.read();
   if (published == nullptr || !(published->*level)) return fail(Code::key_material_not_received);
   return (published->*level).get();
 }
 
-/// The key of the revision that the message names, or the newest if it disagrees with that in
-/// anything else: that is for check_header to name.
+/// The key of the revision that the message names. If the kind differs in anything else, returns
+/// the newest key, so that check_header reports the difference.
 [[gnu::cold]] Result<ReceiveKey*> of_revision(const Shared& shared,
                                               const Published<RemoteKeys>& keys, KeyLevel level,
                                               ReceiveKey& newest, TransformKind named) {
@@ -85,7 +87,7 @@ Result<ReceiveKey*> received(const Published<RemoteKeys>& keys, KeyLevel level) 
   return fail(Code::key_revision_unknown);
 }
 
-/// Opens a message by the newest keys, or former ones if it names them.
+/// Decrypts a message with the newest key, or with a former one if the message names its revision.
 template <class Fits = AnySurroundings>
 Result<std::size_t> open(const Shared& shared, const Published<RemoteKeys>& keys, KeyLevel level,
                          const Protected& message, ReceiveKey& newest, MutableBytes out,
@@ -96,8 +98,9 @@ Result<std::size_t> open(const Shared& shared, const Published<RemoteKeys>& keys
   return open(message, *key, out, fits);
 }
 
-/// Both sides of a key exchange have one key, and the host hears the other's name from an RTPS
-/// header that any sender can write: our own messages, sent back, are recognized by their session.
+/// The key for submessages. Both sides of a key exchange share one key, and the host takes the
+/// sender's name from an RTPS header that anyone can write. So local messages that are sent back
+/// are recognized by their session.
 Result<ReceiveKey*> submessage_key(const RemoteEndpoint& sender, SessionId session) {
   if (!sender.local.is_volatile) return received(sender.remote_keys, &LevelKeys::submessage);
   const auto* const pair = sender.participant.pair(sender.local.participant.handle());
@@ -106,8 +109,8 @@ Result<ReceiveKey*> submessage_key(const RemoteEndpoint& sender, SessionId sessi
   return pair->key_exchange_receive.get();
 }
 
-/// What the owner of a writer's or reader's key may send under it. Fast DDS protects a writer's
-/// INFO_TS in a group of its own. The volatile endpoints of a participant share one key.
+/// The kinds of submessage that the owner of a writer's or reader's key may send. Fast DDS protects
+/// a writer's INFO_TS in its own group. The volatile endpoints of a participant share one key.
 bool may_send(const RemoteEndpoint& sender, std::uint8_t id) {
   using namespace submessage_id;
   constexpr std::array kWriters = {kData,          kDataFrag, kHeartbeat,
@@ -119,7 +122,8 @@ bool may_send(const RemoteEndpoint& sender, std::uint8_t id) {
   return sender.kind() == EntityKind::remote_writer ? writer : reader;
 }
 
-/// Exactly one submessage in whole words, as the host reads it, of a kind its sender may send.
+/// Success if `plain` is exactly one submessage in whole words, as the host reads it, and of a kind
+/// that its sender may send.
 Status check_submessage(const RemoteEndpoint& sender, BytesView plain) {
   if (plain.size() % 4 != 0 || size_of_first_submessage(plain) != plain.size())
     return fail(Code::secure_group_malformed);
@@ -139,7 +143,7 @@ class DiscoveryOfOne final : public DiscoveryOfPeers {
   const Clock& clock_;
 };
 
-/// What a protected builtin writer says, which the host then gets without type information.
+/// Checks a sample of a protected builtin writer, and hides its type information from the host.
 Status check_discovery(const Shared& shared, const RemoteEndpoint& sender, const Owner& owner,
                        MutableBytes plain) {
   DiscoveryOfOne peers(sender.participant.discovery, shared.environment.clock);
@@ -149,7 +153,8 @@ Status check_discovery(const Shared& shared, const RemoteEndpoint& sender, const
   return {};
 }
 
-/// The same for a host that would believe whatever source, and whatever endpoint, it names.
+/// All source checks, for a host that would trust any source and endpoint that the submessage
+/// names.
 Status check_source_named(Shared& shared, const RemoteEndpoint& sender, MutableBytes plain) {
   if (shared.host_checks_sources) return {};
   const auto* const pair = sender.participant.pair(sender.local.participant.handle());
@@ -166,7 +171,7 @@ Status check_source_named(Shared& shared, const RemoteEndpoint& sender, MutableB
   return status;
 }
 
-/// No honest holder of the key protects such a submessage.
+/// Raises an event, because no honest owner of the key protects such a submessage.
 void report_form(const Shared& shared, const RemoteEndpoint& sender, const Error& error) {
   const auto* const pair = sender.participant.pair(sender.local.participant.handle());
   if (pair != nullptr) shared.report(error, pair->peer_prefix);
@@ -208,9 +213,10 @@ std::array<std::uint8_t, 16> source_of(BytesView rtps_header, bool prefix_is_net
   return source;
 }
 
-/// The header is not authenticated, INFO_SRC inside is: they must name the same source. Another one
-/// may follow: Cyclone DDS puts what participants of one process say into one message. A host that
-/// does not remember whose key protects it all gets the sender's part only (source_checks.hpp).
+/// The header is not authenticated, but the INFO_SRC inside is, so both must name the same source.
+/// Another INFO_SRC may follow: Cyclone DDS puts submessages of several participants of one process
+/// into one message. A host that does not check sources gets only the sender's part
+/// (source_checks.hpp).
 Status check_source(BytesView content, const std::array<std::uint8_t, 16>& outside) {
   if (content.size() < kInfoSourceSize) return fail(Code::info_source_missing);
   const auto header = read_submessage_header(content);
@@ -221,8 +227,8 @@ Status check_source(BytesView content, const std::array<std::uint8_t, 16>& outsi
   return {};
 }
 
-/// `open_group(message, out, fits)`: by which key is the caller's business; what `fits(content)`
-/// does not take was not opened.
+/// `open_group(message, out, fits)` decrypts with a key of the caller's choice. If `fits(content)`
+/// refuses the content, it must return an error.
 template <class F>
 Result<std::size_t> open_message(BytesView encoded, Frame frame, MutableBytes out,
                                  bool prefix_is_network_order, F&& open_group) {
@@ -234,7 +240,7 @@ Result<std::size_t> open_message(BytesView encoded, Frame frame, MutableBytes ou
   const auto source = source_of(encoded, prefix_is_network_order);
   const auto fits = [&](BytesView plain) { return check_source(plain, source); };
   const auto size = DDSSEC_TRY(open_group(message, content, fits));
-  // INFO_SRC stays first, and the header says what it says, in network order.
+  // INFO_SRC stays first, and the header gets the same values, in network order.
   Pen pen(out);
   pen.put(encoded.first(4));
   pen.put(source);
@@ -300,7 +306,7 @@ std::optional<const RemoteParticipant*> find_peer(const Shared& shared,
   return nullptr;
 }
 
-/// Of the sender of a message, and of others in its process.
+/// The announcements of the sender of a message, and of other participants in its process.
 class DiscoveryInMessage final : public DiscoveryOfPeers {
  public:
   DiscoveryInMessage(const Shared& shared, spi::ParticipantCryptoHandle receiver,
@@ -325,9 +331,10 @@ class DiscoveryInMessage final : public DiscoveryOfPeers {
   const GuidPrefix& prefix_;
 };
 
-/// Cyclone DDS sends what participants of one process say in one message, under the key of one of
-/// them. So a message in another peer's name can be honest: that is said once of each, and no more
-/// is claimed. In the name of a stranger, or in ours, it cannot.
+/// Cyclone DDS sends submessages of several participants of one process in one message, under the
+/// key of one of them. So a message in another peer's name can be honest. It is reported once for
+/// each peer, with its own code (info_source_of_peer), which claims no more than that. A message in
+/// the name of an unknown participant, or of the local one, cannot be honest.
 void Transform::report_end(spi::ParticipantCryptoHandle receiver,
                            spi::ParticipantCryptoHandle sender, const SenderPart& part,
                            const GuidPrefix& prefix) const {
@@ -337,14 +344,14 @@ void Transform::report_end(spi::ParticipantCryptoHandle receiver,
   auto* const pair = remote ? (*remote)->pair(receiver.value) : nullptr;
   if (!part.named || !local || pair == nullptr) return shared_.report(*part.ended, prefix);
   const auto peer = find_peer(shared_, **local, *part.named);
-  if (!peer) return;  // it is said next time
+  if (!peer) return;  // it is reported next time
   if (*peer == nullptr) return shared_.report(*part.ended, prefix);
   if (pair->names_spoken.note(*part.named))
     shared_.report(Error(Code::info_source_of_peer, part.ended->details()), prefix);
 }
 
-/// The host reads padding there, and goes on behind it. One of length 0 goes to the end, as padding
-/// it would have no octets: the sender's part ends before it.
+/// Turns a submessage into padding, so that the host continues after it. A submessage of length 0
+/// goes to the end, but as padding it would be empty. So the sender's part ends before it.
 void hide_submessage(MutableBytes content, std::size_t at, SenderPart& part) {
   constexpr std::uint8_t kPad = 0x01;
   if (read_submessage_header(content.subspan(at)).length == 0)
@@ -353,8 +360,9 @@ void hide_submessage(MutableBytes content, std::size_t at, SenderPart& part) {
     content[at] = kPad;
 }
 
-/// What an insider says in another's name is lost, not what it says in its own: an honest process
-/// whose participants have different certificates goes on, since what is lost is repeated.
+/// Drops what an insider sends in another participant's name, but not what it sends in its own. An
+/// honest process whose participants have different certificates keeps working, because lost
+/// submessages are sent again.
 std::size_t Transform::keep_part_of_sender(spi::ParticipantCryptoHandle receiver,
                                            spi::ParticipantCryptoHandle sender,
                                            MutableBytes message) {
@@ -401,8 +409,8 @@ Result<spi::SecureSubmessage> Transform::preprocess_secure_submessage(
   const auto header = DDSSEC_TRY(read_prefix(encoded, kSubmessageFrame));
   const auto* const endpoint = remote.routes.find(header.key_id, receiver.value, encoded);
   if (endpoint == nullptr) return fail(Code::unknown_key_id);
-  // Without INFO_DST a trusting host gives a key token message to all its participants, and holds
-  // its ticket twice.
+  // Without INFO_DST, a host that does not check sources passes a key token message to all its
+  // participants, and would hold its ticket twice.
   if (endpoint->local.is_volatile && !receiver && !shared_.host_checks_sources)
     return fail(Code::key_exchange_undirected);
   const auto ours = endpoint->local.handle(), theirs = endpoint->handle();

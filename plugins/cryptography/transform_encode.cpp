@@ -10,12 +10,13 @@
 namespace ddssec::cryptography {
 namespace {
 
-/// What goes between prefix and postfix: INFO_SRC, if there is a source, and `body`.
+/// The content between prefix and postfix: INFO_SRC, if there is a source, and `body`.
 struct GroupRequest {
   Frame frame;
   BytesView source;  ///< version, vendor and prefix of an RTPS header
   BytesView body;
-  /// Where in `body` a length that says "to the end" has to be replaced by the real one.
+  /// Position in `body` of a submessage with length "to the end", which must be replaced by the
+  /// real length.
   std::optional<std::size_t> open_length;
   std::size_t receivers;
 
@@ -30,7 +31,7 @@ std::size_t encoded_size(const GroupRequest& request, bool encrypts) {
          kReceiverMacSize * request.receivers;
 }
 
-/// Writes what is left of the submessage behind the header at `position` into its length.
+/// Writes the real length of the submessage whose header is at `position`; it ends with `content`.
 void close_length(MutableBytes content, std::size_t position) {
   const auto length = content.size() - position - kSubmessageHeaderSize;
   const bool little = (content[position + 1] & 1) != 0;
@@ -38,15 +39,15 @@ void close_length(MutableBytes content, std::size_t position) {
   content[position + (little ? 3 : 2)] = static_cast<std::uint8_t>(length >> 8);
 }
 
-/// INFO_SRC, which binds the RTPS header to what is protected (DDS-Security 9.5.3.3.4.5).
+/// INFO_SRC, which binds the RTPS header to the protected content (DDS-Security 9.5.3.3.4.5).
 void info_source(Pen& pen, BytesView source) {
   pen.submessage_header(submessage_id::kInfoSource, kInfoSourceSize - kSubmessageHeaderSize);
   pen.u32(0);
   pen.put(source);
 }
 
-/// The protected octets, at their place. Straight from the input if nothing is put before or into
-/// it; otherwise put together there first, and encrypted in place.
+/// Writes the protected octets to `place`. They come directly from the input if nothing is inserted
+/// before or into it. Otherwise they are assembled at `place` and encrypted there.
 bool protect(const GroupRequest& request, const SendKey& key, const SendKey::Reservation& reserved,
              std::uint8_t* place, TagOut tag) {
   const auto& session = reserved.session->key;
@@ -62,9 +63,10 @@ bool protect(const GroupRequest& request, const SendKey& key, const SendKey::Res
                   : session.mac(reserved.iv, content, tag);
 }
 
-/// The MAC of each receiver, and how many there are. `receiver(i)` is the ReceiverKey of the i-th
-/// as Result. A host lists receivers before it asks, and one of them may have left meanwhile: the
-/// others must not miss the message for that. Error: that of the last, if none is left.
+/// Writes the MAC of each receiver and returns their number. `receiver(i)` returns the ReceiverKey
+/// of receiver i as Result. A host lists receivers before this call, and one of them may have left
+/// meanwhile. The others must still get the message. Error: that of the last receiver, if none is
+/// left.
 template <class Receiver>
 Result<std::size_t> receiver_macs(Pen& pen, std::size_t receivers, const SendKey& key,
                                   const SendKey::Reservation& reserved, TagOut common_mac,
@@ -82,7 +84,7 @@ Result<std::size_t> receiver_macs(Pen& pen, std::size_t receivers, const SendKey
   return written;
 }
 
-/// `receiver(i)` is the ReceiverKey of the i-th receiver, as Result.
+/// `receiver(i)` returns the ReceiverKey of receiver i as Result.
 template <class Receiver>
 Result<std::size_t> encode_group(const GroupRequest& request, SendKey& key, MutableBytes out,
                                  Receiver&& receiver) {
@@ -111,7 +113,8 @@ Result<std::size_t> encode_group(const GroupRequest& request, SendKey& key, Muta
   return pen.written();
 }
 
-/// One submessage in whole words; its position if its length has to be written in.
+/// Checks that `plain` is one submessage of whole words. Returns its position if its length must be
+/// filled in.
 Result<std::optional<std::size_t>> check_submessage(BytesView plain) {
   if (plain.size() < kSubmessageHeaderSize || plain.size() % 4 != 0 ||
       plain.size() > kMostSubmessageContent)
@@ -122,7 +125,8 @@ Result<std::optional<std::size_t>> check_submessage(BytesView plain) {
   return std::optional<std::size_t>(0);
 }
 
-/// A chain of submessages; the position of the last if its length has to be written in.
+/// Checks a chain of submessages. Returns the position of the last one if its length must be filled
+/// in.
 Result<std::optional<std::size_t>> check_submessages(BytesView plain) {
   if (plain.size() < kSubmessageHeaderSize || plain.size() % 4 != 0)
     return fail(Code::plaintext_malformed);
@@ -130,7 +134,7 @@ Result<std::optional<std::size_t>> check_submessages(BytesView plain) {
   while (position < plain.size()) {
     const auto header = read_submessage_header(plain.subspan(position));
     const auto left = plain.size() - position - kSubmessageHeaderSize;
-    // Only INFO_TS and PAD are really empty; elsewhere 0 is "to the end" (RTPS 9.4.5.1.3).
+    // Only INFO_TS and PAD can be empty; for others, 0 means "to the end" (RTPS 9.4.5.1.3).
     const bool may_be_empty = header.id == submessage_id::kInfoTimestamp || header.id == 0x01;
     if (header.length == 0 && !may_be_empty && left != 0) {
       if (left > kMostSubmessageContent) return fail(Code::plaintext_malformed);
@@ -148,7 +152,7 @@ Status check_receivers(spi::ProtectionKind kind, std::size_t count) {
   return {};
 }
 
-/// A submessage of a volatile endpoint goes to one participant, under the key of the two.
+/// A submessage of a volatile endpoint goes to one participant, under the key of the pair.
 template <class Remote>
 Result<std::size_t> encode_volatile(const Shared& shared, const LocalEndpoint& sender,
                                     std::span<const Remote> receivers, GroupRequest request,
@@ -168,7 +172,8 @@ Result<std::size_t> encode_volatile(const Shared& shared, const LocalEndpoint& s
                       [](std::size_t) -> Result<ReceiverKey*> { return fail(Code::internal); });
 }
 
-/// Tells the peer's discovery what the host has taken of it. `find` names the peer, or null.
+/// Records in the peer's discovery state which samples the host has acknowledged. `find` returns
+/// the peer, or null.
 template <class F>
 void note_acknowledged(BytesView submessage, F&& find) {
   const auto acknowledged = read_acknowledgment(submessage);
@@ -177,7 +182,7 @@ void note_acknowledged(BytesView submessage, F&& find) {
   if (peer != nullptr) peer->discovery.announced.acknowledged(*topic, acknowledged->next);
 }
 
-/// Of a submessage that goes to these writers of one participant.
+/// The same for a submessage that goes to these writers of one participant.
 template <class Remote>
 void note_acknowledged(const Shared& shared, std::span<const Remote> receivers,
                        BytesView submessage) {
@@ -188,7 +193,7 @@ void note_acknowledged(const Shared& shared, std::span<const Remote> receivers,
   });
 }
 
-/// Of those inside of a message, whose receivers INFO_DST names.
+/// The same for the submessages inside a message, whose receivers INFO_DST names.
 void note_acknowledged(const Shared& shared, const LocalParticipant& sender, BytesView message) {
   GuidPrefix to;
   for (auto rest = message.subspan(kRtpsHeaderSize); !rest.empty();) {
@@ -203,9 +208,9 @@ void note_acknowledged(const Shared& shared, const LocalParticipant& sender, Byt
   }
 }
 
-/// The key that all of these writers have of the reader `sender`. One of them may have left since
-/// the host listed them. Errors: receiver_count for none, or for those of several participants;
-/// crypto_not_matched; crypto_handle_unknown if all have left.
+/// The key of the reader `sender` that all of these writers share. One of them may have left since
+/// the host listed them. Errors: receiver_count for no writer, or for writers of several
+/// participants; crypto_not_matched; crypto_handle_unknown if all have left.
 template <class Remote>
 Result<SendKey*> peer_key(const Shared& shared, const LocalEndpoint& sender,
                           std::span<const Remote> receivers) {
@@ -224,7 +229,7 @@ Result<SendKey*> peer_key(const Shared& shared, const LocalEndpoint& sender,
   return common->key.read();
 }
 
-/// The key that the endpoint `sender` has for these receivers.
+/// The key of the endpoint `sender` for these receivers.
 template <class Remote>
 Result<SendKey*> key_towards(const Shared& shared, const LocalEndpoint& sender,
                              std::span<const Remote> receivers) {
@@ -253,7 +258,7 @@ Result<std::size_t> encode_submessage(const Shared& shared, Local handle,
   });
 }
 
-/// The RTPS message as what stands between its header and SRTPS_POSTFIX.
+/// The content of the RTPS message between its header and SRTPS_POSTFIX.
 Result<GroupRequest> message_request(BytesView plain, Frame frame, bool encrypts) {
   if (plain.size() < kRtpsHeaderSize || as_text(plain.first(4)) != "RTPS")
     return fail(Code::plaintext_malformed);
@@ -266,7 +271,7 @@ Result<GroupRequest> message_request(BytesView plain, Frame frame, bool encrypts
   return request;
 }
 
-/// The header as it is, then the group.
+/// Writes the unchanged header, then the group.
 template <class Receiver>
 Result<std::size_t> seal_message(BytesView plain, const GroupRequest& request, SendKey& key,
                                  MutableBytes out, Receiver&& receiver) {

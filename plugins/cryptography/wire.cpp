@@ -27,14 +27,14 @@ CryptoHeader crypto_header_at(BytesView octets) {
   return header;
 }
 
-/// GCM or GMAC; the only thing needed to find one's way through the octets.
+/// True for GCM, false for GMAC: parsing depends on nothing else.
 Result<bool> encrypts(const CryptoHeader& header) {
   const auto traits = traits_of(header.kind);
   if (!traits) return fail(Code::crypto_header_kind_unknown);
   return traits->encrypts;
 }
 
-/// The count must say exactly what is there: it never steers a loop or an allocation.
+/// The count must match the octets exactly, so it never controls a loop or an allocation.
 Result<CryptoFooter> footer_from(BytesView octets) {
   if (octets.size() < kFooterSize) return fail(Code::secure_group_malformed);
   const std::uint64_t count = u32_at(octets, kTagSize);
@@ -51,7 +51,7 @@ Result<BytesView> content_from(BytesView body) {
   return body.subspan(4, size);
 }
 
-/// Bits of the flags other than E change the meaning in later versions (P and A of SRTPS_PREFIX).
+/// Flags other than E change the meaning in later versions (P and A of SRTPS_PREFIX).
 Status check_flags(const SubmessageHeader& header, std::uint8_t due = 0) {
   if ((header.flags & ~kEndianFlag) != due) return fail(Code::secure_flags_unsupported);
   return {};
@@ -68,8 +68,8 @@ Result<BytesView> body_from(BytesView octets) {
   return content_from(octets.subspan(kSubmessageHeaderSize));
 }
 
-/// Where the postfix begins: behind the SEC_BODY or the one submessage of a SEC_ group. In a signed
-/// message the first postfix id in the chain of submessages is it.
+/// The position of the postfix: after the SEC_BODY or after the one submessage of a SEC_ group. In
+/// a signed message it is the first postfix id in the chain of submessages.
 Result<std::size_t> find_postfix(BytesView octets, Frame frame) {
   std::size_t position = 0;
   while (octets.size() - position >= kSubmessageHeaderSize) {
@@ -81,8 +81,8 @@ Result<std::size_t> find_postfix(BytesView octets, Frame frame) {
   return fail(Code::secure_group_malformed);
 }
 
-/// Fast DDS 2.9 appends a statistics submessage (id 0x80) to messages that are protected already.
-/// It is not authenticated: behind the postfix of a message, everything is passed over and lost.
+/// Fast DDS 2.9 appends a statistics submessage (id 0x80) to messages that are already protected.
+/// It is not authenticated. So everything after the postfix of a message is skipped and lost.
 Result<CryptoFooter> postfix_from(BytesView octets, Frame frame) {
   const auto header = read_submessage_header(octets);
   auto content = octets.subspan(kSubmessageHeaderSize);
@@ -110,7 +110,7 @@ Result<Protected> read_protected_payload(BytesView encoded) {
       .header = crypto_header_at(encoded), .is_encrypted = false, .content = {}, .footer = {}};
   out.is_encrypted = DDSSEC_TRY(encrypts(out.header));
   const auto footer = encoded.last(kFooterSize);
-  // One MAC list for all readers would be no origin authentication (DDS-Security 9.5.3.3.4.4).
+  // A list of MACs for all readers would not authenticate the origin (DDS-Security 9.5.3.3.4.4).
   if (u32_at(footer, kTagSize) != 0) return fail(Code::receiver_specific_macs_not_allowed);
   out.footer = DDSSEC_TRY(footer_from(footer));
   const auto inside =

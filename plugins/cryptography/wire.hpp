@@ -1,5 +1,6 @@
 // The octets of CryptoHeader, CryptoContent and CryptoFooter (DDS-Security 9.5.2.3 to 9.5.2.5), and
-// of the secure submessages around them (7.4.2): reading is checking, writing is for who checked.
+// of the secure submessages around them (7.4.2). Reading checks everything; writing expects checked
+// sizes.
 #pragma once
 
 #include <algorithm>
@@ -22,9 +23,9 @@ inline constexpr std::size_t kFooterSize = 20;  ///< without receiver-specific M
 inline constexpr std::size_t kSubmessageHeaderSize = 4;
 inline constexpr std::size_t kRtpsHeaderSize = 20;
 inline constexpr std::size_t kInfoSourceSize = 24;
-/// What octetsToNextHeader can say, in whole words.
+/// The largest octetsToNextHeader that is a multiple of 4.
 inline constexpr std::size_t kMostSubmessageContent = 65532;
-/// As many as an SEC_POSTFIX can hold.
+/// The largest number of receivers in a SEC_POSTFIX.
 inline constexpr std::size_t kMostReceivers =
     (kMostSubmessageContent - kFooterSize) / kReceiverMacSize;
 
@@ -36,17 +37,17 @@ inline constexpr std::uint8_t kAckNack = 0x06, kHeartbeat = 0x07, kGap = 0x08,
                               kSecPostfix = 0x32, kSrtpsPrefix = 0x33, kSrtpsPostfix = 0x34;
 }  // namespace submessage_id
 
-/// E of a submessage's flags.
+/// Flag E of a submessage.
 inline constexpr std::uint8_t kEndianFlag = 0x01;
 
-/// P of SRTPS_PREFIX: by a pre-shared key (DDS-Security 1.2 7.4.7.8).
+/// Flag P of SRTPS_PREFIX: protected by a pre-shared key (DDS-Security 1.2 7.4.7.8).
 inline constexpr std::uint8_t kPreSharedKeyFlag = 0x04;
 
 /// The ids of a prefix and its postfix.
 struct Frame {
   std::uint8_t prefix;
   std::uint8_t postfix;
-  std::uint8_t prefix_flags = 0;  ///< besides E
+  std::uint8_t prefix_flags = 0;  ///< flags besides E
 };
 inline constexpr Frame kSubmessageFrame{submessage_id::kSecPrefix, submessage_id::kSecPostfix};
 inline constexpr Frame kMessageFrame{submessage_id::kSrtpsPrefix, submessage_id::kSrtpsPostfix};
@@ -58,7 +59,7 @@ struct CryptoHeader {
   TransformKind kind;
   KeyId key_id;
   SessionId session_id;
-  Iv iv;  ///< session id and suffix, as they stand in the header
+  Iv iv;  ///< session id and suffix, as in the header
 };
 
 /// CryptoFooter; borrowed.
@@ -67,43 +68,43 @@ struct CryptoFooter {
   BytesView receiver_macs;  ///< a multiple of kReceiverMacSize
 
   TagView tag() const { return TagView(common_mac.data(), kTagSize); }
-  /// The MAC for a receiver-specific key, if there is one.
+  /// The MAC for a receiver-specific key; empty if there is none.
   std::optional<TagView> receiver_mac(KeyId id) const;
 };
 
-/// What is between a header and a footer.
+/// A protected message or payload, taken apart; borrowed.
 struct Protected {
   CryptoHeader header;
-  bool is_encrypted;  ///< content came as CryptoContent
-  BytesView content;  ///< ciphertext, or what is signed
+  bool is_encrypted;  ///< the content came as CryptoContent
+  BytesView content;  ///< ciphertext, or the signed octets
   CryptoFooter footer;
 };
 
-/// A protected payload. Whether it has a CryptoContent is for the kind to say. Errors:
+/// Reads a protected payload. The kind decides whether it has a CryptoContent. Errors:
 /// secure_group_malformed, receiver_specific_macs_not_allowed, crypto_header_kind_unknown.
 Result<Protected> read_protected_payload(BytesView encoded);
-/// A SEC_ group or the part of an RTPS message behind its header, whole. Errors:
+/// Reads a whole SEC_ group, or the part of an RTPS message after its header. Errors:
 /// secure_group_malformed, secure_flags_unsupported, crypto_header_kind_unknown.
 Result<Protected> read_protected_group(BytesView encoded, Frame frame);
-/// The CryptoHeader of a SEC_ group, whatever follows. Errors: the same.
+/// Reads the CryptoHeader of a SEC_ group, whatever follows. Errors as above.
 Result<CryptoHeader> read_prefix(BytesView encoded, Frame frame);
 
 /// One submessage header.
 struct SubmessageHeader {
   std::uint8_t id;
   std::uint8_t flags;
-  std::size_t length;  ///< octetsToNextHeader, as it stands
+  std::size_t length;  ///< octetsToNextHeader, unchanged
 };
-/// The caller has seen to it that there are 4 octets.
+/// The caller has checked that there are at least 4 octets.
 inline SubmessageHeader read_submessage_header(BytesView octets) {
   const bool little = (octets[1] & kEndianFlag) != 0;
   const std::size_t length = little ? octets[2] | octets[3] << 8 : octets[2] << 8 | octets[3];
   return {octets[0], octets[1], length};
 }
 
-/// The octets of the first submessage, header included, as Cyclone DDS reads it; nothing where it
-/// stops reading. Length 0 means "to the end" (RTPS 9.4.5.1.3), except that INFO_TS and PAD are
-/// then empty, and more submessages can follow.
+/// The size of the first submessage in octets, including its header, as Cyclone DDS reads it; empty
+/// where Cyclone DDS stops reading. Length 0 means "to the end" (RTPS 9.4.5.1.3). For INFO_TS and
+/// PAD it means empty, and more submessages can follow.
 inline std::optional<std::size_t> size_of_first_submessage(BytesView octets) {
   constexpr std::uint8_t kPad = 0x01;
   if (octets.size() < kSubmessageHeaderSize) return std::nullopt;
@@ -118,14 +119,14 @@ inline std::optional<std::size_t> size_of_first_submessage(BytesView octets) {
   return size;
 }
 
-/// The number as its octets from the highest on.
+/// The number in big-endian byte order.
 template <class T>
 T big_endian(T value) {
   return std::endian::native == std::endian::little ? std::byteswap(value) : value;
 }
 
-/// Writes over octets that the caller has counted. In the header, and a word at a time: a message
-/// of 64 octets takes less time than its framing would, an octet at a time.
+/// Writes into a buffer whose size the caller has checked. It is inline and writes a word at a
+/// time: octet by octet, the framing of a 64-octet message would take longer than its encryption.
 class Pen {
  public:
   explicit Pen(MutableBytes out) : begin_(out.data()), at_(out.data()) {}
@@ -146,14 +147,14 @@ class Pen {
     put(key.octets);
     put(iv);
   }
-  /// Little endian: E flag 1.
+  /// Little-endian: flag E is 1.
   void submessage_header(std::uint8_t id, std::size_t length, std::uint8_t flags = 0) {
     u32(static_cast<std::uint32_t>(id) << 24 |
         static_cast<std::uint32_t>(flags | kEndianFlag) << 16 |
         std::byteswap(static_cast<std::uint16_t>(length)));
   }
   void zeros(std::size_t count) { std::fill_n(skip(count), count, std::uint8_t{0}); }
-  /// Leaves room, to be written by others.
+  /// Skips `count` octets and returns their position, to be written later.
   std::uint8_t* skip(std::size_t count) { return std::exchange(at_, at_ + count); }
   std::size_t written() const { return static_cast<std::size_t>(at_ - begin_); }
 
