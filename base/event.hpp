@@ -78,8 +78,8 @@ class EventSink {
 /// once in each interval.
 class RateLimitedSink final : public EventSink {
  public:
-  static constexpr std::size_t kMostRemembered =
-      1024;  ///< about the local participant; also the number of shares of authenticated peers
+  /// About the local participant; also the number of shares of authenticated peers.
+  static constexpr std::size_t kMostRemembered = 1024;
   static constexpr std::size_t kMostClaimed = 128;  ///< about all unauthenticated peers together
   static constexpr std::size_t kMostOfAPeer = 16;   ///< about one authenticated peer, for each code
 

@@ -18,8 +18,8 @@ inline constexpr std::size_t kMostPermissionsOctets = 1024 * 1024;
 /// other fields are unproven.
 struct Credentials {
   BytesView id;  ///< c.id: certificate, PEM
-  std::optional<BytesView>
-      permissions;                      ///< c.perm: signed document, with or without a trailing NUL
+  /// c.perm: signed document, with or without a trailing NUL.
+  std::optional<BytesView> permissions;
   BytesView participant_data;           ///< c.pdata: big-endian parameter list
   BytesView signature_algorithm;        ///< c.dsign_algo
   BytesView key_agreement_algorithm;    ///< c.kagree_algo

@@ -20,8 +20,8 @@ struct HandshakeContext {
   const LocalIdentity& local;
   Guid remote_guid;
   spi::Challenge own_challenge;  ///< the local challenge1 or challenge2
-  std::optional<spi::Challenge>
-      announced_challenge;  ///< the peer's challenge from its auth request, if one came
+  /// The peer's challenge from its auth request, if one came.
+  std::optional<spi::Challenge> announced_challenge;
   WallTime now;
 };
 

@@ -27,8 +27,8 @@ struct PairHandshake {
   HandshakeState state;
   Bytes participant_data;  ///< the c.pdata that was sent
   std::chrono::nanoseconds since;
-  UnprovenOctets::Share unproven =
-      {};  ///< memory share of the peer's request, until the handshake is established
+  /// Memory share of the peer's request, until the handshake is established.
+  UnprovenOctets::Share unproven = {};
 };
 
 /// A remote participant as one local participant knows it. Lock order: a pair's mutex before the
@@ -159,8 +159,8 @@ class IdentityTable {
   };
   struct Remote : Common {
     RemoteClaim claim;
-    std::optional<pki::Certificate> authenticated =
-        {};  ///< the certificate with which it authenticated
+    /// The certificate with which it authenticated.
+    std::optional<pki::Certificate> authenticated = {};
     std::shared_ptr<Pair> pair;
     PeerName name() const;
   };

@@ -17,8 +17,8 @@ class MatchGate {
 
   struct Peer {
     PermissionsHandle permissions;  ///< of the remote participant
-    std::optional<GuidPrefix>
-        prefix;   ///< of the remote participant; empty if authentication did not provide it
+    /// Of the remote participant; empty if authentication did not provide it.
+    std::optional<GuidPrefix> prefix;
     bool writes;  ///< true: its writer and our reader; false: its reader and our writer
   };
   /// Success if the peer may have the keys. Errors: keys_not_permitted, after an event that names
