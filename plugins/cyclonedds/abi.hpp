@@ -1,5 +1,6 @@
-// Cyclone DDS's plugin ABI, the part of its headers that compiles as C++ (the same in 0.10.2 and in
-// the later versions), and the layout that its three plugins share behind a handle.
+// Cyclone DDS's plugin ABI: the part of its headers that compiles as C++ (the same in 0.10.2 and in
+// later versions). Also the data and functions that the three ddssec libraries share across the
+// ABI.
 #pragma once
 
 #include <cstddef>
@@ -12,77 +13,84 @@
 #include <dds/security/dds_security_api_err.h>
 #include <dds/security/dds_security_api_types.h>
 
-/// Exported from the shared libraries; everything else is hidden.
+/// Marks exported functions; everything else in the shared libraries is hidden.
 #define DDSSEC_EXPORT extern "C" __attribute__((visibility("default")))
 
 namespace ddssec::cyclonedds {
 
 using Exception = DDS_Security_SecurityException;
 
-/// Our cryptography library exports this beside its entry points, for our authentication library:
-/// the spi::CipherMask of what it can decrypt.
+/// Exported by libddssec_cryptography for libddssec_authentication: the spi::CipherMask of the
+/// ciphers that it can decrypt.
 using SupportedCiphers = std::uint32_t();
 inline constexpr const char* kSupportedCiphersSymbol = "ddssec_supported_ciphers";
 
-/// What libddssec_cryptography shows our authentication: did that remote participant send its keys?
+/// Exported by libddssec_cryptography for libddssec_authentication, as are the next four: whether
+/// that remote participant has sent its keys.
 using HasKeysOf = bool(DDS_Security_IdentityHandle);
 inline constexpr const char* kHasKeysOfSymbol = "ddssec_has_keys_of";
 
-/// And when a message that only the peer can make by our shared secret was opened last: ns of the
-/// monotonic clock, 0 for never.
+/// The time of the last decrypted message that only the holder of the shared secret can produce, in
+/// nanoseconds of the monotonic clock; 0: never.
 using LastHeardOf = std::int64_t(DDS_Security_IdentityHandle);
 inline constexpr const char* kLastHeardOfSymbol = "ddssec_last_heard_of";
 
-/// And whether the host has matched it with our builtin endpoints.
+/// Whether the host has matched that remote participant with the local builtin endpoints.
 using IsMatchedWith = bool(DDS_Security_IdentityHandle);
 inline constexpr const char* kIsMatchedWithSymbol = "ddssec_is_matched_with";
 
-/// And whether it proved, since the last call, that it has lost its session with us.
+/// Whether that remote participant has proven, since the last call, that it lost its session with
+/// the local one.
 using TakeSessionReset = bool(DDS_Security_IdentityHandle);
 inline constexpr const char* kTakeSessionResetSymbol = "ddssec_take_session_reset";
 
-/// And whether its keys were given up since the last call, so that only a further session brings
-/// them (spi::CryptoKeyFactory::take_stranded_keys).
+/// Whether its keys were dropped since the last call, so that only a new session brings them
+/// (spi::CryptoKeyFactory::take_stranded_keys).
 using TakeStrandedKeys = bool(DDS_Security_IdentityHandle);
 inline constexpr const char* kTakeStrandedKeysSymbol = "ddssec_take_stranded_keys";
 
-/// What our authentication and our access control tell our cryptography, and our authentication our
-/// access control: that local participant is cut off.
+/// Tells a ddssec library that a local participant is cut off. Called by libddssec_authentication
+/// and libddssec_access_control for cryptography, and by libddssec_authentication for access
+/// control.
 using CutOff = void(DDS_Security_IdentityHandle);
 inline constexpr const char* kCutOffCryptographySymbol = "ddssec_cut_off_cryptography";
 inline constexpr const char* kCutOffAccessControlSymbol = "ddssec_cut_off_access_control";
 
-/// What our access control tells our cryptography: the host forgets a reader of this process.
+/// Called by libddssec_access_control for libddssec_cryptography when the host forgets a reader of
+/// this process.
 using LookForEndedReaders = void();
 inline constexpr const char* kLookForEndedReadersSymbol = "ddssec_look_for_ended_readers";
 
-/// Each of our libraries exports one, for the line that says which are in use: the version.
+/// Exported by each ddssec library, for the log line that reports the versions in use.
 using PluginVersion = const char*();
 
-/// What our cryptography asks our access control before it hands out the keys of a match.
+/// The question that libddssec_cryptography asks libddssec_access_control before it hands out the
+/// keys of a match.
 struct MatchQuestion {
-  const DDS_Security_PropertySeq* scope;  ///< ac_endpoint_properties of our own endpoint
+  const DDS_Security_PropertySeq* scope;  ///< ac_endpoint_properties of the local endpoint
   DDS_Security_PermissionsHandle remote_permissions;
-  DDS_Security_boolean remote_writes;     ///< to our reader, or else it reads from our writer
-  const DDS_Security_octet* peer_prefix;  ///< 12 octets of its GUID, or null
+  /// True: its writer and our reader; false: its reader and our writer.
+  DDS_Security_boolean remote_writes;
+  const DDS_Security_octet* peer_prefix;  ///< 12 octets of the peer's GUID, or null
 };
 enum class MatchVerdict : std::int32_t {
   allowed = 1,
-  refused = 0,  ///< and an event says why
+  refused = 0,  ///< an event gives the reason
   unknown_access_control = -1,
   out_of_memory = -2,
 };
-/// Our access control library exports this beside its entry points. Any thread.
+/// Exported by libddssec_access_control. May be called by any thread.
 using JudgeMatch = MatchVerdict(const MatchQuestion*);
 inline constexpr const char* kJudgeMatchSymbol = "ddssec_judge_match";
 
-/// What our access control shows our authentication of the governance of that local participant: a
-/// mask of GovernanceFact (governance_facts.hpp).
+/// Exported by libddssec_access_control for libddssec_authentication: facts about the governance of
+/// that local participant, as a mask of GovernanceFact (governance_facts.hpp).
 using GovernanceFactsOf = std::uint32_t(DDS_Security_IdentityHandle);
 inline constexpr const char* kGovernanceFactsOfSymbol = "ddssec_governance_facts_of";
 
-/// What a DDS_Security_SharedSecretHandle points to: Cyclone's own cryptography plugin reads it,
-/// and its authentication plugin hands it out, so that ours can stand beside either.
+/// The memory behind a DDS_Security_SharedSecretHandle. Cyclone's cryptography plugin reads it and
+/// its authentication plugin creates it, so each ddssec plugin works together with the other stock
+/// plugin.
 struct SharedSecretLayout {
   DDS_Security_octet* shared_secret;
   DDS_Security_long shared_secret_size;
@@ -90,18 +98,18 @@ struct SharedSecretLayout {
   DDS_Security_octet challenge2[DDS_SECURITY_AUTHENTICATION_CHALLENGE_SIZE];
 };
 
-/// Ours, with what only our own cryptography looks for. Cyclone's plugin allocates its octets apart
-/// from the layout, at addresses that are a multiple of the word: it never points to where this
-/// one's are.
+/// The ddssec form, with further fields that only libddssec_cryptography uses. Cyclone's plugin
+/// allocates its octets separately from the layout, at addresses that are a multiple of the word
+/// size. So its pointer never has the value that the pointer in this form has.
 struct ExtendedSharedSecret {
   SharedSecretLayout layout;
   std::uint32_t peer_ciphers;            ///< spi::CipherMask
-  std::uint32_t peer_builtin_endpoints;  ///< BuiltinEndpointSet_t that it signed; 0: unknown
-  DDS_Security_octet peer_prefix[12];    ///< the GUID prefix that authentication proved, or zeros
+  std::uint32_t peer_builtin_endpoints;  ///< BuiltinEndpointSet_t that the peer signed; 0: unknown
+  DDS_Security_octet peer_prefix[12];    ///< the authenticated GUID prefix of the peer, or zeros
   DDS_Security_octet own_guid[16];       ///< of the local participant, or zeros
   DDS_Security_octet octets[64];
 
-  /// The whole behind a layout, or nullptr for another's.
+  /// The whole object that contains `layout`; nullptr if another plugin made the layout.
   static const ExtendedSharedSecret* of(const SharedSecretLayout& layout);
 };
 static_assert(offsetof(ExtendedSharedSecret, octets) % alignof(std::max_align_t) == 4);

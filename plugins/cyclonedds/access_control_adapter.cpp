@@ -30,7 +30,7 @@ using Tags = DDS_Security_DataTags;
 
 spi::PermissionsHandle permissions(CPermissions handle) { return {handle}; }
 
-/// As is_carrier_topic, of that participant of ours.
+/// As is_carrier_topic, for that local participant.
 Result<bool> is_carriers(Adapter& adapter, CPermissions handle, std::string_view name) {
   if (name != kCarrierTopic) return false;
   return is_carrier_topic(
@@ -66,7 +66,7 @@ CPermissions validate_remote_permissions(Instance* instance, const dds_security_
                                          const CToken* permissions_token, const CToken* credential,
                                          Exception* ex) {
   return ask_handle<Adapter>(instance, ex, [&](Adapter& adapter) -> Result<spi::PermissionsHandle> {
-    // An announcement has none, if a stranger left it out.
+    // An announcement forged by an attacker may have no token.
     if (permissions_token == nullptr || permissions_token->class_id == nullptr)
       return fail(Code::permissions_token_class, {.found = "no permissions token"});
     DDSSEC_TRY(adapter.facts().check(spi::IdentityHandle{local_identity}));
@@ -161,7 +161,7 @@ DDS_Security_boolean check_remote_datareader(
     Instance* instance, const CPermissions handle, const CDomain domain_id,
     const DDS_Security_SubscriptionBuiltinTopicDataSecure* data, DDS_Security_boolean* relay_only,
     Exception* ex) {
-  // The host reads it even after a refusal, from memory it did not set.
+  // The host reads this value even after a refusal, from memory that it did not initialize.
   if (relay_only != nullptr) *relay_only = 0;
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     DDSSEC_TRY(require(data, relay_only));
@@ -185,9 +185,9 @@ DDS_Security_boolean check_remote_topic(Instance* instance, const CPermissions h
   });
 }
 
-// Cyclone's core matches local endpoints without asking and has no instance level checks: the six
-// functions below have no caller. The standard's builtin plugin allows all of them
-// (DDS-Security 9.4.3): creation and remote matching were checked already.
+// Cyclone's core matches local endpoints without asking and has no checks of instances, so the six
+// functions below have no caller. The standard's builtin plugin allows all of them (DDS-Security
+// 9.4.3), because creation and remote matching were checked already.
 DDS_Security_boolean allow(Instance* instance, Exception* ex) noexcept {
   return ask<Adapter>(instance, ex, [](Adapter&) -> Status { return {}; });
 }
@@ -256,7 +256,7 @@ DDS_Security_boolean set_listener(Instance* instance,
   });
 }
 
-/// The host declares what it returns const and never looks at it again.
+/// The host declares the object const although it gives it back, and never uses it again.
 DDS_Security_boolean return_token(Instance* instance, const CToken* token, Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter&) -> Status {
     if (token != nullptr) free_token(const_cast<CToken&>(*token));
@@ -361,7 +361,7 @@ DDS_Security_boolean return_attributes(Instance* instance, const Attributes*, Ex
   return allow(instance, ex);
 }
 
-/// The host declares what it returns const and never looks at it again.
+/// The host declares the object const although it gives it back, and never uses it again.
 DDS_Security_boolean return_datawriter_sec_attributes(
     Instance* instance, const DDS_Security_EndpointSecurityAttributes* attributes, Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter&) -> Status {

@@ -1,4 +1,4 @@
-// spi::AccessControl as Cyclone's dds_security_access_control.
+// Adapts spi::AccessControl to Cyclone's dds_security_access_control.
 #pragma once
 
 #include <atomic>
@@ -12,7 +12,7 @@
 
 namespace ddssec::cyclonedds {
 
-/// The C struct is the base; the host sees only that. One for each domain.
+/// The C struct is the base class; the host sees only that. There is one adapter for each domain.
 class AccessControlAdapter final : public dds_security_access_control {
  public:
   AccessControlAdapter(
@@ -22,15 +22,15 @@ class AccessControlAdapter final : public dds_security_access_control {
   AccessControlAdapter(const AccessControlAdapter&) = delete;
   AccessControlAdapter& operator=(const AccessControlAdapter&) = delete;
 
-  /// What cryptography asks (abi.hpp). Each adapter is asked about its own endpoints; one that is
-  /// gone, which Cyclone ends after cryptography, is unknown.
+  /// Answers cryptography's question (abi.hpp). Each adapter answers for its own endpoints. An
+  /// adapter that is already destroyed is unknown; Cyclone destroys it after cryptography.
   static MatchVerdict judge(const MatchQuestion* question) noexcept;
 
-  /// What authentication asks about the governance of that local participant, in whatever domain: a
+  /// Answers authentication's question about the governance of a local participant in any domain: a
   /// mask of GovernanceFact.
   static std::uint32_t governance_facts_of(spi::IdentityHandle local) noexcept;
 
-  /// What authentication tells about a local participant of whatever domain.
+  /// Called by authentication: a local participant of any domain is cut off.
   static void cut_off(spi::IdentityHandle local);
 
   static AccessControlAdapter& of(dds_security_access_control& instance) {
@@ -40,19 +40,20 @@ class AccessControlAdapter final : public dds_security_access_control {
   spi::AccessControl& engine() { return *engine_; }
   SharedMemoryGuard& shared_memory() { return shared_memory_; }
   GovernanceFacts& facts() { return facts_; }
-  /// A property wants the host to ask peers for types.
+  /// A property demands that the host asks peers for types.
   void trust_type_information() { trusts_type_information_ = true; }
-  /// Open also where a stock cryptography shows the host the types of peers, for then it asks for
-  /// them.
+  /// Whether the readers of type lookup stay open. They also stay open with a stock cryptography
+  /// plugin, which shows peers' types to the host, so that the host asks for them.
   TypeLookup type_lookup() const;
   /// Unique within the process.
   std::uint64_t id() const { return id_; }
 
-  /// Null stops the timer; returns when no revocation is running any more.
+  /// Sets the listener. Null stops the timer; the call returns when no revocation is running any
+  /// more.
   void listen(const dds_security_access_control_listener* listener);
 
  private:
-  /// Among those of the process that may be asked.
+  /// Adds this adapter to, or removes it from, the list of adapters in the process.
   void enlist();
   void delist();
 
@@ -62,7 +63,7 @@ class AccessControlAdapter final : public dds_security_access_control {
   SharedMemoryGuard shared_memory_;
   GovernanceFacts facts_;
   std::atomic<bool> trusts_type_information_ = false;
-  ExpiryTimer timer_;  ///< last: it ends before what it uses
+  ExpiryTimer timer_;  ///< last member: destroyed before the objects that it uses
 };
 
 }  // namespace ddssec::cyclonedds

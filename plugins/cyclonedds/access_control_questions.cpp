@@ -1,4 +1,4 @@
-// What the other two libraries of the process ask our access control (abi.hpp).
+// Answers to the questions of the other two ddssec libraries in the process (abi.hpp).
 #include <cstdlib>
 #include <map>
 #include <mutex>
@@ -10,13 +10,13 @@
 namespace ddssec::cyclonedds {
 namespace {
 
-/// The adapters of the process, one for each domain.
+/// The adapters in the process, one for each domain.
 struct Adapters {
   std::shared_mutex mutex;
   std::map<std::uint64_t, AccessControlAdapter*> by_id;
 };
 
-/// Never destroyed: a thread of the host may ask at the process's end.
+/// Never destroyed: a thread of the host may ask while the process exits.
 Adapters& adapters() {
   static auto* const all = new Adapters;
   return *all;
@@ -62,7 +62,7 @@ MatchVerdict AccessControlAdapter::judge(const MatchQuestion* question) noexcept
     if (found == adapters().by_id.end()) return MatchVerdict::unknown_access_control;
     return judge_in(*found->second, *scope, *question);
   } catch (...) {
-    return MatchVerdict::out_of_memory;  // not allowed, and cryptography says so
+    return MatchVerdict::out_of_memory;  // not allowed; cryptography reports it
   }
 }
 

@@ -52,13 +52,13 @@ CResult validate(Instance* instance, Exception* ex, F&& f) noexcept {
   return done ? result : DDS_SECURITY_VALIDATION_FAILED;
 }
 
-/// A token on its way out; an absent one is nil.
+/// Copies a token for the host; nil if there is none.
 Status hand_out(const std::optional<spi::Token>& token, CToken& out) {
   out = {};
   return token ? copy_token(*token, out) : Status{};
 }
 
-/// Once a process. The host has made its sockets before it makes a participant.
+/// Warns once per process. The host has created its sockets before it creates a participant.
 void say_transport(Host& host) {
   static std::atomic_flag asked;
   if (asked.test_and_set()) return;
@@ -123,15 +123,16 @@ bool admits_unauthenticated(CIdentity local) {
   return holds(GovernanceFact::allows_unauthenticated, identity(local));
 }
 
-/// Does the refusal hold for this GUID whatever is announced in its name?
+/// True if the refusal is final for this GUID, whatever is announced in its name.
 bool is_for_good(const Error& refusal) {
   return refusal.code() == Code::remote_guid_is_local || refusal.code() == Code::guid_not_adjusted;
 }
 
-/// An attacker can announce something unreadable in the name of a peer, and a table that is full or
-/// a list that is over is so for a while only. A failure would end the core's handshake for as long
-/// as the peer is there. So the core asks again, until the watch makes it discover the peer anew.
-/// Where governance lets unauthenticated participants in, the core takes the peer for one.
+/// Handles a remote participant that was not admitted, without an error for the host. An attacker
+/// can announce something unreadable in a peer's name, and a full table or an outdated list is
+/// temporary. An error would end the core's handshake for as long as the peer is present. So the
+/// core asks again until the watch makes it discover the peer anew. If governance admits
+/// unauthenticated participants, the core treats the peer as one.
 Result<CResult> not_admitted(Adapter& adapter, CIdentity local, const Guid& guid, Error refusal,
                              CIdentity& remote_handle) {
   if (is_for_good(refusal) || admits_unauthenticated(local) ||
@@ -148,17 +149,18 @@ CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
                                  const CIdentity local_handle, const CToken* remote_token,
                                  const DDS_Security_GUID_t* remote_guid, Exception* ex) {
   return validate(instance, ex, [&](Adapter& adapter) -> Result<CResult> {
-    // The core takes strlen of this class id later, also when we refuse or have nothing to send.
-    // Where it asks again, it hands over what we wrote before.
+    // The core calls strlen on this class id later, even after a refusal or without a token to
+    // send. When it asks again, it passes the string from the former call.
     DDSSEC_TRY(require(local_auth_request));
     if (local_auth_request->class_id == nullptr)
       DDSSEC_TRY(copy_token(spi::Token{}, *local_auth_request));
     DDSSEC_TRY(require(remote_handle, remote_token, remote_guid));
     *remote_handle = DDS_SECURITY_HANDLE_NIL;
     const auto guid = guid_from(*remote_guid);
-    // The peer's own auth_request is not handed over, nor looked at: it can be forged, and a
-    // challenge from it would be held against the honest peer's messages until its lease ends. What
-    // the handshake proves, its signatures prove. The core asks once: ours is always sent.
+    // The peer's own auth_request is not used, because it can be forged. The engine would compare a
+    // forged challenge with the honest peer's messages until the peer's lease ends. The signatures
+    // of the handshake are sufficient proof. The core asks once, so the local auth_request is
+    // always sent.
     const auto token = token_from(remote_token);
     if (!token) {
       adapter.host().refused(token.error(), info(token.error().code()).severity);
@@ -185,8 +187,8 @@ CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
   });
 }
 
-/// Of a participant of ours that is cut off nothing is begun again: the host drops a peer for all
-/// its participants.
+/// Does nothing for a local participant that is cut off, because the host drops a peer for all its
+/// participants.
 void note_refused(Adapter& adapter, spi::IdentityHandle local, spi::IdentityHandle remote) {
   if (!adapter.remotes().has_ended(local)) adapter.watch().refused(remote);
 }
@@ -207,7 +209,7 @@ CResult begin_handshake_request(Instance* instance, CHandshake* handle, CToken* 
     const auto data = DDSSEC_TRY(octets_from(participant_data));
     const auto remote = adapter.remotes().pair(identity(initiator), identity(replier));
     auto begun = adapter.engine().begin_handshake_request(identity(initiator), remote, data);
-    // The core gives this peer up. No stranger can cause that: there is nothing to begin again.
+    // The core gives up this peer. No attacker can cause that, so there is nothing to begin again.
     if (!begun) adapter.watch().forget(identity(replier));
     const auto step = DDSSEC_TRY(std::move(begun));
     adapter.secrets().note(step.handle, identity(initiator), identity(replier));
@@ -257,8 +259,9 @@ CResult process_handshake(Instance* instance, CToken* message_out, const CToken*
   });
 }
 
-/// A peer can be told that we lost the session, should the host drop it while the peer keeps that.
-/// Only our plugins understand that, and announce ChaCha20-Poly1305; others are waited for.
+/// Remembers the session, so that a reset can be sent if the host drops the peer while the peer
+/// keeps the session. Only ddssec peers understand that, and they announce ChaCha20-Poly1305. For
+/// other peers the watch waits.
 void note_session(Adapter& adapter, spi::HandshakeHandle handshake,
                   const spi::SharedSecret& secret) {
   const auto pair = adapter.secrets().pair_of(handshake);
@@ -309,7 +312,7 @@ DDS_Security_boolean set_listener(Instance* instance,
   });
 }
 
-/// The host declares what it returns const and never looks at it again.
+/// The host declares the token const although it gives it back, and never uses it again.
 DDS_Security_boolean return_token(Instance* instance, const CToken* token, Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter&) -> Status {
     if (token != nullptr) free_token(const_cast<CToken&>(*token));
@@ -347,7 +350,7 @@ DDS_Security_boolean return_identity_handle(Instance* instance, const CIdentity 
   });
 }
 
-/// The secret stays until its remote identity is returned: cryptography may still read it.
+/// The secret stays until its remote identity is returned, because cryptography may still read it.
 DDS_Security_boolean return_sharedsecret_handle(Instance* instance,
                                                 const DDS_Security_SharedSecretHandle,
                                                 Exception* ex) {
@@ -390,7 +393,7 @@ AuthenticationAdapter::AuthenticationAdapter(std::unique_ptr<Host> host,
 }
 
 void AuthenticationAdapter::revoke_stuck(const std::stop_token& stop, const Revoke& revoke) {
-  constexpr int kMostFarewells = 32;  // a second: strangers can invent peers that never answer
+  constexpr int kMostFarewells = 32;  // per second: attackers can invent peers that never answer
   int farewells = 0;
   for (const auto& stuck : watch_.give_up(questions_to_cryptography())) {
     if (stop.stop_requested()) return;
@@ -408,14 +411,15 @@ void AuthenticationAdapter::revoke_stuck(const std::stop_token& stop, const Revo
                  .note = "from now on it is begun again at growing intervals, without another "
                          "event"}),
           {}, stuck.guid.to_string(),
-          // Without endpoints it has finished its handshake; strangers can announce the others.
+          // A peer that lacks endpoints has finished its handshake; all others may be invented by
+          // an attacker.
           stuck.lacks_endpoints ? PeerProof::authenticated : PeerProof::claimed));
     }
     revoke(stuck.remote.value);
   }
 }
 
-/// Where unauthenticated participants are let in, the peer may live with us as one of them.
+/// Not where unauthenticated participants are admitted: the peer may be matched as one of them.
 void AuthenticationAdapter::say_farewell(const Guid& peer) {
   for (const auto& local : farewells_.locals()) {
     if (!remotes_.has_met(local.handle, peer) || admits_unauthenticated(local.handle.value))
@@ -427,7 +431,7 @@ void AuthenticationAdapter::say_farewell(const Guid& peer) {
 }
 
 void AuthenticationAdapter::revoke_reset(const std::stop_token& stop, const Revoke& revoke) {
-  // Without our cryptography no peer can prove anything.
+  // Without libddssec_cryptography no peer can prove that it lost its session.
   void* const symbol = dlsym(RTLD_DEFAULT, kTakeSessionResetSymbol);
   if (symbol == nullptr) return;
   for (const auto& [remote, guid] : remotes_.all()) {
@@ -455,8 +459,8 @@ void AuthenticationAdapter::send_resets() {
   const auto has_met = [&](auto local, const auto& guid) { return remotes_.has_met(local, guid); };
   for (const auto& reset : lost_sessions_.due(has_met)) {
     send_datagram(reset.message, reset.to);
-    // Our host may not meet the peer because it believes that it has no security, and the peer's
-    // host may believe the same of us.
+    // The local host may not meet the peer because it believes that the peer has no security. The
+    // peer's host may believe the same about the local participant.
     if (!reset.is_meeting && !admits_unauthenticated(reset.local.value))
       send_datagram(write_farewell(reset.own, reset.remote.prefix), reset.to);
   }

@@ -1,4 +1,4 @@
-// spi::Authentication as Cyclone's dds_security_authentication.
+// Adapts spi::Authentication to Cyclone's dds_security_authentication.
 #pragma once
 
 #include <atomic>
@@ -15,7 +15,7 @@
 
 namespace ddssec::cyclonedds {
 
-/// The C struct is the base; the host sees only that. One for each domain.
+/// The C struct is the base class; the host sees only that. There is one adapter for each domain.
 class AuthenticationAdapter final : public dds_security_authentication {
  public:
   AuthenticationAdapter(std::unique_ptr<Host> host, const MakeEngine<spi::Authentication>& make,
@@ -32,32 +32,34 @@ class AuthenticationAdapter final : public dds_security_authentication {
   LostSessions& lost_sessions() { return lost_sessions_; }
   Farewells& farewells() { return farewells_; }
 
-  /// Null stops the timer; returns when no revocation is running any more.
+  /// Sets the listener. Null stops the timer; the call returns when no revocation is running any
+  /// more.
   void listen(const dds_security_authentication_listener* listener);
 
  private:
   using Revoke = std::function<void(std::int64_t)>;
-  /// Makes the host begin again with peers whose handshake came to no end.
-  /// Has this domain of the process another local participant that did not end?
+  /// True if this domain of the process has another local participant that has not expired.
   bool has_others(spi::IdentityHandle local) const;
+  /// Makes the host begin again with peers whose handshake does not end.
   void revoke_stuck(const std::stop_token& stop, const Revoke& revoke);
-  /// Makes a peer that answers nothing begin again, too.
+  /// Makes a peer that does not answer begin again too.
   void say_farewell(const Guid& peer);
-  /// The same with peers that have lost their session with us.
+  /// Makes the host begin again with peers that have lost their session with a local participant.
   void revoke_reset(const std::stop_token& stop, const Revoke& revoke);
-  /// Makes peers begin again with which we have lost our session.
-  /// Peers with endpoints whose keys only a further session brings.
+  /// Makes the host begin again with peers that have endpoints whose keys only a new session
+  /// brings.
   void revoke_stranded(const std::stop_token& stop, const Revoke& revoke);
+  /// Makes peers begin again whose session the local host has lost.
   void send_resets();
 
   std::unique_ptr<Host> host_;
   std::unique_ptr<spi::Authentication> engine_;
-  SharedSecrets secrets_;  ///< by the host's handles
+  SharedSecrets secrets_;  ///< identified by the host's handles
   RemoteIdentities remotes_;
   HandshakeWatch watch_;
   LostSessions lost_sessions_;
   Farewells farewells_;
-  ExpiryTimer timer_;  ///< last: it ends before what it uses
+  ExpiryTimer timer_;  ///< last member: destroyed before the objects that it uses
 };
 
 }  // namespace ddssec::cyclonedds

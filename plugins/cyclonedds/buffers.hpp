@@ -1,4 +1,4 @@
-// Output blocks and handle lists of the message path.
+// Output buffers and handle lists of the message path.
 #pragma once
 
 #include <algorithm>
@@ -17,8 +17,9 @@
 
 namespace ddssec::cyclonedds {
 
-/// Gives the host one malloc block with what `write(MutableBytes of at most `bound` octets) ->
-/// Result<octets written>` made; after a failure there is no block and `out` is empty.
+/// Gives the host one malloc block that `write(MutableBytes of at most `bound` octets) ->
+/// Result<octets written>` has filled. The host frees it. After a failure there is no block and
+/// `out` is empty. Errors: out_of_memory, internal, those of `write`.
 template <class Write>
 Status write_block(DDS_Security_OctetSeq& out, std::size_t bound, Write&& write) {
   struct Free {
@@ -35,8 +36,9 @@ Status write_block(DDS_Security_OctetSeq& out, std::size_t bound, Write&& write)
   return {};
 }
 
-/// The host's list of receivers as handles, without the nil ones of unprotected endpoints; these
-/// are `kept` then.
+/// The host's list of receivers as handles, without the nil handles of unprotected endpoints. If
+/// there are such handles, the result points into `kept`; otherwise into the list. Error:
+/// null_argument.
 template <class Handle>
 Result<std::span<const Handle>> receivers_from(const DDS_Security_LongLongSeq* list,
                                                std::vector<Handle>& kept) {
@@ -50,9 +52,9 @@ Result<std::span<const Handle>> receivers_from(const DDS_Security_LongLongSeq* l
   return kept;
 }
 
-/// Cyclone has turned the GUID prefix of a received RTPS header into the machine's order, in place,
-/// before it asks for decoding. This puts the wire's order back for as long as it lives. The buffer
-/// belongs to the receiving thread alone.
+/// While an object lives, the GUID prefix of a received RTPS header is in network order. Cyclone
+/// converts it to host order, in place, before it asks for decoding. The buffer belongs to the
+/// receiving thread alone.
 class WireOrderPrefix {
  public:
   explicit WireOrderPrefix(BytesView message)
@@ -68,7 +70,7 @@ class WireOrderPrefix {
   static constexpr std::size_t kBegin = 8;
   static constexpr std::size_t kEnd = 20;
 
-  /// Three 32 bit words.
+  /// Swaps the octets of three 32-bit words.
   void swap() {
     if (prefix_ == nullptr || std::endian::native == std::endian::big) return;
     for (std::size_t word = 0; word < kEnd - kBegin; word += 4)

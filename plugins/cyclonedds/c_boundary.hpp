@@ -1,5 +1,5 @@
-// The one place where C meets C++: nothing leaves an exported function but its result. Whatever
-// goes wrong inside denies, fills the host's SecurityException and raises one event.
+// The boundary between C and C++. No exception leaves an exported function. Any failure denies,
+// fills the host's SecurityException and raises one event.
 #pragma once
 
 #include <exception>
@@ -13,29 +13,32 @@
 
 namespace ddssec::cyclonedds {
 
-/// Message (one malloc block, the host frees it), code and minor code. A null `ex` is fine.
+/// Fills in the message (one malloc block, which the host frees), code and minor code. `ex` may be
+/// null.
 void fill_exception(Exception* ex, const Error& error, DDS_Security_long code) noexcept;
 
-/// The same for an error that an event tells in full: the host logs the message, too, so it is
-/// short.
+/// The same with a short message, for an error that an event reports in full: the host logs the
+/// message too.
 void fill_exception_of_logged(Exception* ex, const Error& error, DDS_Security_long code) noexcept;
 
-/// How a failure is told: the code in the host's exception, and the event, if there is to be one.
+/// How a failure is reported: the code in the host's exception, and the event, if one is raised.
 struct Telling {
   DDS_Security_long host_code;
   Severity severity;
   bool raises_event = true;
 };
-/// The number and the severity of the Code. Why keys are not permitted is told by access control.
+/// The default: number and severity of the Code. For keys_not_permitted access control raises the
+/// event.
 inline Telling plainly(const Error& error) {
   return {static_cast<DDS_Security_long>(error.code()), info(error.code()).severity,
           error.code() != Code::keys_not_permitted};
 }
 
-/// An Error for an exception; never throws itself.
+/// The Error for an exception. Never throws.
 Error error_from(const std::exception* thrown) noexcept;
 
-/// Runs `f` (returns a Result), catches everything, and tells a failure as `tell(error)` says.
+/// Runs `f`, which returns a Result, catches all exceptions, and reports a failure as `tell(error)`
+/// demands.
 template <class F, class Tell>
 auto at_c_boundary(Host& host, Exception* ex, F&& f, Tell&& tell) noexcept
     -> decltype(std::forward<F>(f)()) {
@@ -46,7 +49,7 @@ auto at_c_boundary(Host& host, Exception* ex, F&& f, Tell&& tell) noexcept
     } catch (const std::bad_alloc&) {
       return fail(Code::out_of_memory);
     } catch (const std::system_error& thrown) {
-      // No further thread, for one.
+      // For example, no further thread can be created.
       if (thrown.code() == std::errc::resource_unavailable_try_again)
         return fail(Code::out_of_memory);
       return std::unexpected(error_from(&thrown));
@@ -59,7 +62,7 @@ auto at_c_boundary(Host& host, Exception* ex, F&& f, Tell&& tell) noexcept
   if (!outcome) [[unlikely]] {
     const Telling telling = tell(outcome.error());
     fill_exception_of_logged(ex, outcome.error(), telling.host_code);
-    // An engine that raised its own event, with subject and GUID, has said it better.
+    // If the engine raised its own event, with subject and GUID, that one is better.
     if (telling.raises_event && Host::raised_by_this_thread() == raised_before)
       host.refused(outcome.error(), telling.severity);
   }
@@ -71,26 +74,26 @@ auto at_c_boundary(Host& host, Exception* ex, F&& f) noexcept -> decltype(std::f
   return at_c_boundary(host, ex, std::forward<F>(f), plainly);
 }
 
-/// C's "boolean" of an outcome: anything but success is 0.
+/// The outcome as C boolean: 1 for success, otherwise 0.
 template <class F>
 DDS_Security_boolean allowed_at_c_boundary(Host& host, Exception* ex, F&& f) noexcept {
   return at_c_boundary(host, ex, std::forward<F>(f)) ? 1 : 0;
 }
 
-/// C's handle of an outcome: anything but success is nil.
+/// The outcome as C handle: nil unless it is a success.
 template <class F>
 DDS_Security_long_long handle_at_c_boundary(Host& host, Exception* ex, F&& f) noexcept {
   const auto handle = at_c_boundary(host, ex, std::forward<F>(f));
   return handle ? handle->value : DDS_SECURITY_HANDLE_NIL;
 }
 
-/// What is left to say when the host gives no instance.
+/// Fills the exception when the host passes no instance.
 inline void refuse_null_instance(Exception* ex) noexcept {
   const Error error(Code::null_argument);
   fill_exception(ex, error, plainly(error).host_code);
 }
 
-/// Fails with null_argument unless all pointers are set.
+/// Success if all pointers are set. Error: null_argument.
 template <class... Pointers>
 Status require(const Pointers*... pointers) {
   if ((... && (pointers != nullptr))) return {};

@@ -1,4 +1,4 @@
-// From the C pointer that the host passes to the C++ context behind it.
+// From the C pointer of the host to the C++ context that it belongs to.
 #pragma once
 
 #include <functional>
@@ -8,11 +8,11 @@
 
 namespace ddssec::cyclonedds {
 
-/// Builds an engine in the environment of its host.
+/// Creates an engine in the environment of its host.
 template <class Engine>
 using MakeEngine = std::function<std::unique_ptr<Engine>(const Environment&)>;
 
-/// Calls `f(context) -> Result` behind the boundary; a null instance is refused.
+/// Calls `f(context) -> Result` inside the C boundary. A null instance is refused.
 template <class Context, class Instance, class F>
 DDS_Security_boolean ask(Instance* instance, Exception* ex, F&& f) noexcept {
   if (instance == nullptr) {

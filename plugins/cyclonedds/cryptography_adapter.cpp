@@ -11,7 +11,8 @@ struct Adapters {
   std::set<CryptographyAdapter*> all;
 };
 Adapters& adapters() {
-  static auto& of_process = *new Adapters;  // authentication's timer may ask while the process ends
+  // Never destroyed: authentication's timer may ask at exit.
+  static auto& of_process = *new Adapters;
   return of_process;
 }
 

@@ -1,4 +1,4 @@
-// spi::Cryptography as Cyclone's dds_security_cryptography.
+// Adapts spi::Cryptography to Cyclone's dds_security_cryptography.
 #pragma once
 
 #include "plugins/cyclonedds/context.hpp"
@@ -8,9 +8,10 @@
 
 namespace ddssec::cyclonedds {
 
-/// The C struct is the base; the host sees only that and its three sub-tables, which know their
-/// way back. One for each domain. Every call of the host comes in by `of`, which ends what its
-/// thread knew of an opened message: the host has gone on to something else.
+/// The C struct is the base class. The host sees only that and its three sub-tables, which point
+/// back to the adapter. There is one adapter for each domain. Every call of the host comes in
+/// through `of`. It clears the thread's OpenedMessage, because the host has gone on to something
+/// else.
 class CryptographyAdapter final : public dds_security_cryptography {
  public:
   CryptographyAdapter(std::unique_ptr<Host> host, const MakeEngine<spi::Cryptography>& make,
@@ -29,20 +30,20 @@ class CryptographyAdapter final : public dds_security_cryptography {
     return entered(*static_cast<Table<dds_security_crypto_transform>&>(instance).owner);
   }
 
-  /// Asks those of all domains of the process: spi::CryptoKeyFactory::take_stranded_keys.
+  /// spi::CryptoKeyFactory::take_stranded_keys for all domains of the process.
   static bool take_stranded_keys(spi::IdentityHandle remote);
 
-  /// A local participant of whatever domain is cut off: process_questions.hpp.
+  /// A local participant of any domain is cut off: process_questions.hpp.
   static void cut_off(spi::IdentityHandle local);
 
-  /// Of all domains of the process: reader_ends.hpp.
+  /// For all domains of the process: reader_ends.hpp.
   static void look_for_ended_readers() noexcept;
 
   Host& host() { return *host_; }
   spi::CryptoKeyFactory& key_factory() { return key_factory_engine_; }
   spi::CryptoKeyExchange& key_exchange() { return key_exchange_engine_; }
   spi::CryptoTransform& transform() { return transform_engine_; }
-  /// Whose keys they are, until the host unregisters it.
+  /// Remembers the identity of a local participant until the host unregisters it.
   void note_local(spi::ParticipantCryptoHandle local, spi::IdentityHandle identity);
   void forget_local(spi::ParticipantCryptoHandle local);
   OwnReaders& own_readers() { return reader_ends_.readers(); }

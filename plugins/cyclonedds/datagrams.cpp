@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t kMostGroups = 64, kMostPorts = 16, kMostInterfaces = 16;
 
-/// The address for the kernel and how long it is. `scope`: an interface, for a link-local one.
+/// The address for the kernel, with its length. `scope`: the interface of a link-local address.
 std::pair<sockaddr_storage, socklen_t> kernel_address(const spi::UdpAddress& address, int scope) {
   sockaddr_storage out{};
   if (address.is_ipv6) {
@@ -45,7 +45,7 @@ bool is_link_local(const spi::UdpAddress& address) {
   return address.is_ipv6 && address.address[0] == 0xfe && (address.address[1] & 0xc0) == 0x80;
 }
 
-/// Multicast from this socket leaves by that interface.
+/// Makes multicast from this socket leave by that interface.
 bool goes_over(int socket, bool is_ipv6, int interface) {
   if (is_ipv6)
     return ::setsockopt(socket, IPPROTO_IPV6, IPV6_MULTICAST_IF, &interface, sizeof interface) == 0;
@@ -81,7 +81,8 @@ std::optional<Number> number_in(std::string_view text, int base) {
   return out;
 }
 
-/// A line of an interface, then one for each of its groups, which begins with a blank.
+/// The file has a line for an interface, then one for each of its groups, which begins with a
+/// blank.
 void add_ipv4(std::vector<JoinedGroup>& out, std::string_view igmp) {
   std::istringstream lines{std::string(igmp)};
   int interface = 0;
@@ -96,7 +97,7 @@ void add_ipv4(std::vector<JoinedGroup>& out, std::string_view igmp) {
     const auto number = number_in<std::uint32_t>(word, 16);
     if (!number || interface <= 0) continue;
     JoinedGroup group{.interface = interface};
-    // The kernel prints the four octets as one number of this machine.
+    // The kernel prints the four octets as one number in host byte order.
     std::memcpy(group.address.data() + 12, &*number, 4);
     const bool is_local =
         group.address[12] == 224 && group.address[13] == 0 && group.address[14] == 0;
@@ -104,7 +105,8 @@ void add_ipv4(std::vector<JoinedGroup>& out, std::string_view igmp) {
   }
 }
 
-/// A line for each: the interface's index and name, the address in 32 digits.
+/// The file has one line for each group: the interface's index and name, and the address in 32
+/// digits.
 void add_ipv6(std::vector<JoinedGroup>& out, std::string_view igmp6) {
   std::istringstream lines{std::string(igmp6)};
   for (std::string line; std::getline(lines, line) && out.size() < kMostGroups;) {
@@ -120,7 +122,7 @@ void add_ipv6(std::vector<JoinedGroup>& out, std::string_view igmp6) {
       is_address = is_address && octet;
       group.address.at(i) = octet.value_or(0);
     }
-    // ff02::1, ff02::1:ff00:0 and the like: nothing but zeros before the last five octets.
+    // ff02::1, ff02::1:ff00:0 and the like: only zeros before the last five octets.
     const bool is_local = std::all_of(group.address.begin() + 2, group.address.begin() + 11,
                                       [](auto octet) { return octet == 0; }) &&
                           group.address[11] <= 1;
@@ -128,7 +130,7 @@ void add_ipv6(std::vector<JoinedGroup>& out, std::string_view igmp6) {
   }
 }
 
-/// Of a UDP socket.
+/// The port of a UDP socket; empty for other descriptors.
 std::optional<std::uint16_t> bound_port(int socket) {
   int type = 0;
   socklen_t length = sizeof type;
@@ -145,7 +147,7 @@ std::optional<std::uint16_t> bound_port(int socket) {
   return port == 0 ? std::nullopt : std::optional(port);
 }
 
-/// Of a UDP socket that other processes may bind, too.
+/// The port of a UDP socket that other processes may bind too.
 std::optional<std::uint16_t> shared_port(int socket) {
   int reuses_address = 0, reuses_port = 0;
   socklen_t length = sizeof reuses_port;
@@ -154,7 +156,8 @@ std::optional<std::uint16_t> shared_port(int socket) {
   return reuses_address == 0 && reuses_port == 0 ? std::nullopt : bound_port(socket);
 }
 
-/// Calls `f(descriptor)` for each of this process until it returns false. False: they are not told.
+/// Calls `f(descriptor)` for each descriptor of this process until it returns false. Returns false
+/// if the descriptors cannot be listed.
 template <class F>
 bool each_descriptor(F&& f) {
   std::error_code error;
@@ -163,8 +166,8 @@ bool each_descriptor(F&& f) {
   return !error;
 }
 
-/// Where discovery may be heard. To find it out takes some calls of the system for each descriptor,
-/// and it may be wanted for 32 peers in a row.
+/// The addresses on which discovery may be received. They are cached, because finding them takes
+/// some system calls for each descriptor and may be needed for 32 peers in a row.
 struct DiscoveryPlaces {
   std::vector<JoinedGroup> groups;
   std::vector<std::uint16_t> ports;
@@ -173,7 +176,7 @@ struct DiscoveryPlaces {
 DiscoveryPlaces discovery_places() {
   using Clock = std::chrono::steady_clock;
   static std::mutex mutex;
-  static auto& known = *new DiscoveryPlaces;  // a timer may send while the process ends
+  static auto& known = *new DiscoveryPlaces;  // never destroyed: a timer may send at exit
   static std::optional<Clock::time_point> since;
   const std::lock_guard lock(mutex);
   if (!since || Clock::now() - *since >= std::chrono::seconds(1)) {
@@ -231,8 +234,8 @@ std::optional<bool> has_bound_udp() {
   return are_told ? std::optional(is_bound) : std::nullopt;
 }
 
-/// A line for each address: 32 digits, the interface's index, the length of the prefix and the
-/// scope, all in hexadecimal. 20 is the scope of a link.
+/// The file has one line for each address: 32 digits, the interface's index, the length of the
+/// prefix and the scope, all in hexadecimal. 20 is link scope.
 std::vector<int> link_local_interfaces(std::string_view if_inet6) {
   std::vector<int> out;
   std::istringstream lines{std::string(if_inet6)};

@@ -1,4 +1,4 @@
-// The DATA of a builtin writer of discovery which says that an entity is gone.
+// The DATA submessage of a builtin discovery writer that disposes an entity.
 #pragma once
 
 #include "base/ids.hpp"
@@ -12,14 +12,14 @@ struct Disposal {
   EntityId reader;
   EntityId writer;
   rtps::SequenceNumber number;
-  rtps::ParameterId key;  ///< whose GUID it is: PID_PARTICIPANT_GUID or PID_ENDPOINT_GUID
+  rtps::ParameterId key;  ///< kind of the GUID: PID_PARTICIPANT_GUID or PID_ENDPOINT_GUID
   Guid gone;
 };
 
 inline constexpr rtps::ParameterId kParticipantGuid = 0x0050;
 inline constexpr rtps::ParameterId kEndpointGuid = 0x005a;
 
-/// The submessage: the entity is disposed and unregistered.
+/// Writes the submessage: the entity is disposed and unregistered.
 void write(rtps::SpanWriter& out, const Disposal& disposal);
 
 }  // namespace ddssec::cyclonedds

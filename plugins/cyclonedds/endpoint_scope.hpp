@@ -1,5 +1,5 @@
-// What one of our endpoints is about, as access control hands it to cryptography through the host:
-// in ac_endpoint_properties, which the host passes on unread.
+// The scope of a local endpoint: topic, partitions and data tags. Access control passes it to
+// cryptography through the host in ac_endpoint_properties, which the host does not read.
 #pragma once
 
 #include <cstdint>
@@ -9,22 +9,22 @@
 
 namespace ddssec::cyclonedds {
 
-/// Fills `out` with which access control context the endpoint belongs to (ids are unique within the
-/// process) and its topic, partitions and data tags. It holds the values themselves, so that no
-/// table of endpoints has to be kept. Errors: out_of_memory, text_holds_nul; `out` is empty then.
+/// Fills `out` with the id of the endpoint's access control context (unique within the process),
+/// and its topic, partitions and data tags. It contains the values themselves, so that no table of
+/// endpoints is needed. Errors: out_of_memory, text_holds_nul; `out` is empty then.
 Status make_scope(std::uint64_t access_control, const spi::EndpointRequest& request,
                   DDS_Security_PropertySeq& out);
 
-/// Was it made by make_scope?
+/// True if make_scope made the properties.
 bool is_scope(const DDS_Security_PropertySeq& properties);
 
-/// Frees what make_scope made, once; other properties are left alone.
+/// Frees a scope of make_scope and empties it; other properties are left alone.
 void free_scope(DDS_Security_PropertySeq& properties) noexcept;
 
-/// A scope read back, with the lists it borrows; the texts stay the host's.
+/// A parsed scope. It owns its lists; the texts are borrowed from the host's properties.
 class EndpointScope {
  public:
-  /// Error: malformed.
+  /// Parses a scope. Error: malformed.
   static Result<EndpointScope> from(const DDS_Security_PropertySeq& properties);
   std::uint64_t access_control() const { return access_control_; }
   spi::EndpointRequest request() const {

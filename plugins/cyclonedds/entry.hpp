@@ -1,4 +1,4 @@
-// What the six exported functions have in common.
+// The common part of the six exported functions.
 #pragma once
 
 #include <exception>
@@ -9,8 +9,9 @@
 
 namespace ddssec::cyclonedds {
 
-/// Makes one context, with all its state in it: several domains of one process have one each.
-/// `caller` is an address in the host's code. Anything but 0 fails the participant's creation.
+/// Creates one context, which contains all its state: each domain of a process has its own.
+/// `caller` is an address in the host's code. Any result except 0 fails the creation of the
+/// participant.
 template <class Adapter, class CStruct, class Make>
 int init(void** context, ddsi_domaingv* domain, const void* caller, Make&& make) noexcept {
   if (context == nullptr) return DDS_SECURITY_FAILED;
@@ -25,7 +26,7 @@ int init(void** context, ddsi_domaingv* domain, const void* caller, Make&& make)
   }
 }
 
-/// Ends the context's thread, if it has one, and wipes and frees all it holds.
+/// Ends the context's thread, if it has one, and wipes and frees its memory.
 template <class Adapter, class CStruct>
 int finalize(void* context) noexcept {
   if (context == nullptr) return DDS_SECURITY_FAILED;

@@ -25,7 +25,7 @@ int open_suitable(const char* path) {
   return -1;
 }
 
-/// Keeps SIGPIPE, which a FIFO without a reader raises in the thread that writes, from the process.
+/// Suppresses SIGPIPE, which a FIFO without a reader raises in the writing thread.
 class WithoutSigpipe {
  public:
   WithoutSigpipe() {
@@ -33,7 +33,7 @@ class WithoutSigpipe {
     sigaddset(&sigpipe_, SIGPIPE);
     sigset_t pending;
     sigpending(&pending);
-    // One that is pending is the host's, and is blocked there.
+    // A SIGPIPE that is already pending belongs to the host, and is blocked.
     if (sigismember(&pending, SIGPIPE) == 1) return;
     is_ours_ = pthread_sigmask(SIG_BLOCK, &sigpipe_, &before_) == 0;
   }

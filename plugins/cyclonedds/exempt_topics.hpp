@@ -1,4 +1,5 @@
-// Topics that no document speaks of: an application cannot exchange samples of them with a peer.
+// Topics that need no rule in documents, because an application cannot exchange their samples with
+// a peer.
 #pragma once
 
 #include <string_view>
@@ -7,19 +8,22 @@
 
 namespace ddssec::cyclonedds {
 
-/// Cyclone's builtin topics show an application what this process has discovered anyway; nothing of
-/// them is on the network. rmw_cyclonedds needs them, and no permissions document lists them.
-/// Applications cannot create topics of these names: the core refuses the prefix DCPS.
+/// True for Cyclone's builtin topics. They show an application the entities that this process has
+/// discovered anyway; none of their samples is on the network. rmw_cyclonedds needs them, and no
+/// permissions document lists them. Applications cannot create topics with these names: the core
+/// refuses the prefix DCPS.
 bool is_local_builtin_topic(std::string_view name);
 
-/// The core creates their readers in a partition of its own only.
+/// True for a reader of such a topic. The core creates these readers only in a partition of its
+/// own.
 bool reads_local_builtin_topic(const spi::EndpointRequest& request);
 
-/// A carrier's announcement is never sent as such (own_readers.hpp), as long as discovery is
-/// protected. No remote participant may write such a topic: documents are asked for that.
+/// True for a carrier's topic (own_readers.hpp), as long as discovery is protected: then its
+/// announcement is never sent as such. No remote participant may write such a topic: for that,
+/// documents are consulted.
 bool is_carrier_topic(std::string_view name, const spi::ParticipantSecurityAttributes& participant);
 
-/// Of a carrier: its announcement is protected, and nothing else.
+/// The attributes of a carrier: only its announcement is protected.
 spi::EndpointSecurityAttributes carrier_attributes();
 
 }  // namespace ddssec::cyclonedds

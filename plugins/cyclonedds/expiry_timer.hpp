@@ -1,4 +1,4 @@
-// The thread that tells the host when an identity or a permission ends.
+// The thread that revokes expired identities and permissions in the host.
 #pragma once
 
 #include <chrono>
@@ -14,13 +14,13 @@
 
 namespace ddssec::cyclonedds {
 
-/// Looks once a second, or sooner if something ends sooner, and revokes while holding no lock: the
-/// host takes its entities' locks and calls back into the plugin. One second, because the clock may
-/// be set at any time.
+/// Checks once a second, or earlier if something expires earlier. Once a second, because the clock
+/// may be set at any time. It holds no lock while it revokes, because the host takes its entities'
+/// locks and calls back into the plugin.
 class ExpiryTimer {
  public:
   struct Tasks {
-    /// Revokes what has just ended, each once, until it is told to stop.
+    /// Revokes everything that has just expired, each once, until `stop` is requested.
     std::function<void(const std::stop_token&)> revoke_ended;
     std::function<std::optional<WallTime>()> next_expiry;
   };
@@ -32,7 +32,7 @@ class ExpiryTimer {
   ExpiryTimer(const ExpiryTimer&) = delete;
   ExpiryTimer& operator=(const ExpiryTimer&) = delete;
 
-  /// The tasks for an engine with `expire` and `next_expiry`, which outlives the timer.
+  /// The tasks for an engine with `expire` and `next_expiry`, which must outlive the timer.
   template <class Engine>
   static Tasks tasks_of(Engine& engine, std::function<void(std::int64_t)> revoke) {
     return {.revoke_ended =
@@ -45,8 +45,9 @@ class ExpiryTimer {
 
   /// Replaces the tasks of an earlier start.
   void start(Tasks tasks);
-  /// Returns when the thread has ended and nothing more will be called; when called from within a
-  /// revocation, the thread ends by itself afterwards and the destructor waits for it.
+  /// Stops the thread and returns when it has ended; afterwards nothing more is called. If it is
+  /// called from within a revocation, the thread ends by itself afterwards, and the destructor
+  /// waits for it.
   void stop();
 
  private:
@@ -55,7 +56,7 @@ class ExpiryTimer {
 
   const Clock& clock_;
   const std::chrono::milliseconds longest_wait_;
-  std::mutex control_;  ///< orders start and stop
+  std::mutex control_;  ///< serializes start and stop
   std::mutex sleep_;
   std::condition_variable_any wake_;
   std::jthread thread_;

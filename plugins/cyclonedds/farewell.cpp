@@ -10,7 +10,7 @@ namespace ddssec::cyclonedds {
 Bytes write_farewell(const GuidPrefix& own, const GuidPrefix& peer) {
   Bytes octets(128);
   rtps::SpanWriter out(octets);
-  write(out, rtps::Header{.vendor = rtps::kVendorCyclone, .prefix = own});  // as the host's own
+  write(out, rtps::Header{.vendor = rtps::kVendorCyclone, .prefix = own});  // as the host does
   write(out, rtps::InfoDestination{peer});
   write(out, Disposal{.reader = rtps::kSpdpReader,
                       .writer = rtps::kSpdpWriter,

@@ -1,7 +1,8 @@
-// A farewell in our own name, for a peer that answers nothing. Its core may have believed an
-// announcement that a stranger forged in our name, one without security: then it asks no plugin,
-// ignores our handshake, and our honest announcements renew what it believes. It also believes a
-// clear farewell, but of unauthenticated participants only. After it, it discovers us anew.
+// A farewell in the local participant's name, for a peer that does not answer. An attacker may have
+// forged an announcement without security in the local participant's name. If the peer's core
+// trusted it, that core asks no plugin and ignores the handshake, and the honest announcements only
+// renew its wrong state. It also trusts an unprotected farewell, but only of unauthenticated
+// participants. After the farewell it discovers the local participant anew.
 #pragma once
 
 #include <map>
@@ -14,11 +15,11 @@
 
 namespace ddssec::cyclonedds {
 
-/// A whole RTPS message: participant `own` is disposed and unregistered (RTPS 8.5.3.3), said to
-/// participant `peer` alone (INFO_DST).
+/// A whole RTPS message, for participant `peer` only (INFO_DST): participant `own` is disposed and
+/// unregistered (RTPS 8.5.3.3).
 Bytes write_farewell(const GuidPrefix& own, const GuidPrefix& peer);
 
-/// Our participants, which may have to say it. Thread-safe.
+/// The local participants, which may have to send farewells. Thread-safe.
 class Farewells {
  public:
   void add_local(spi::IdentityHandle local, const GuidPrefix& prefix);

@@ -1,5 +1,5 @@
-// What our access control knows of local participants: facts of their governance, which it shows
-// our authentication, and whether they are cut off.
+// State of local participants in access control: facts about their governance, for authentication,
+// and whether they are cut off.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace ddssec::cyclonedds {
 
-/// Bits of a mask that crosses from one library to the other (abi.hpp).
+/// Bits of a mask that one library passes to another (abi.hpp).
 enum class GovernanceFact : std::uint32_t {
   allows_unauthenticated = 1,
 };
@@ -21,7 +21,7 @@ constexpr bool has(std::uint32_t facts, GovernanceFact fact) {
   return (facts & static_cast<std::uint32_t>(fact)) != 0;
 }
 
-/// By the permissions of local participants. Thread-safe.
+/// The facts, by the permissions handles of local participants. Thread-safe.
 class GovernanceFacts {
  public:
   void note(spi::PermissionsHandle permissions, spi::IdentityHandle local,
@@ -38,34 +38,34 @@ class GovernanceFacts {
     const std::lock_guard lock(mutex_);
     locals_.erase(permissions);
   }
-  /// 0: unknown, or none.
+  /// The facts of a local participant; 0: unknown, or none.
   std::uint32_t of(spi::IdentityHandle local) const {
     const std::lock_guard lock(mutex_);
     for (const auto& [permissions, known] : locals_)
       if (known.local == local) return known.facts;
     return 0;
   }
-  /// Nothing: the permissions are those of a peer.
+  /// The local identity with these permissions; empty if they belong to a peer.
   std::optional<spi::IdentityHandle> identity_of(spi::PermissionsHandle permissions) const {
     const std::lock_guard lock(mutex_);
     const auto known = locals_.find(permissions);
     return known == locals_.end() ? std::nullopt : std::optional(known->second.local);
   }
 
-  /// From now on the participant is refused, for that reason. The first counts.
+  /// From now on the participant is refused for that reason. A second reason is ignored.
   void cut_off(spi::IdentityHandle local, Code reason) {
     const std::lock_guard lock(mutex_);
     for (auto& [permissions, known] : locals_)
       if (known.local == local && !known.cut_off) known.cut_off = reason;
   }
-  /// Has this domain of the process another local participant that is not cut off?
+  /// True if this domain of the process has another local participant that is not cut off.
   bool has_others(spi::IdentityHandle local) const {
     const std::lock_guard lock(mutex_);
     for (const auto& [permissions, known] : locals_)
       if (known.local != local && !known.cut_off) return true;
     return false;
   }
-  /// Error: the reason why it is cut off.
+  /// Success unless the participant is cut off; the error is the reason.
   Status check(spi::PermissionsHandle permissions) const {
     const std::lock_guard lock(mutex_);
     const auto known = locals_.find(permissions);

@@ -80,14 +80,15 @@ HandshakeWatch::Duration HandshakeWatch::patience(const Remote& remote) const {
   return std::min(wait, remote.longest_wait);
 }
 
-/// Endpoints are missing only after the end of the handshake.
+/// Endpoints can be missing only after the end of the handshake.
 bool HandshakeWatch::is_stuck(const Remote& remote, Duration now) const {
   if (remote.is_settled) return false;
   if (!remote.lacks_endpoints && now - remote.met >= remote.longest_wait) return true;
   return now - remote.since >= patience(remote);
 }
 
-/// Of a bounded memory: who invents GUIDs makes it forget those that waited longest.
+/// The memory is bounded: an attacker that invents GUIDs makes it forget those that were given up
+/// longest ago.
 HandshakeWatch::Past& HandshakeWatch::past_of(const Guid& guid, Duration now) {
   if (!past_.contains(guid) && past_.size() >= kMaxPeers)
     past_.erase(

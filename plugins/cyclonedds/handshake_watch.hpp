@@ -1,6 +1,6 @@
-// Handshakes that come to no end. Cyclone's core runs one for each remote participant that it
-// discovers, and a message that a stranger forges in the peer's name can leave it in a state from
-// which it never starts again while the peer is there. Then the peer is revoked: the core forgets
+// Watches for handshakes that do not end. Cyclone's core runs one for each remote participant that
+// it discovers. A message that an attacker forges in the peer's name can leave it in a state from
+// which it never starts again while the peer is present. Then the peer is revoked: the core forgets
 // it, discovers it anew and begins again.
 #pragma once
 
@@ -16,40 +16,44 @@
 
 namespace ddssec::cyclonedds {
 
-/// By the host's handles of remote identities, which all its participants share. Thread-safe.
+/// The watched remote participants, by the host's handles, which all local participants share.
+/// Thread-safe.
 class HandshakeWatch {
  public:
   using Duration = std::chrono::nanoseconds;
-  /// How long a handshake may stand still, once a request was refused and before we sent anything.
+  /// The longest time without progress after a request was refused and before anything was sent.
   static constexpr Duration kPatience = std::chrono::milliseconds(2500);
-  /// How long in every other case. Long, because a busy peer may only be slow, and one that has
-  /// answered us, or finished its half, does not notice that we begin again.
+  /// The longest time without progress in every other case. It is long, because a busy peer may
+  /// only be slow. A peer that has answered, or has finished its half, does not notice that the
+  /// local side begins again.
   static constexpr Duration kLongPatience = std::chrono::seconds(20);
-  /// Each further time the wait doubles, up to this. No handshake lives longer: after 100 seconds
-  /// the core's own timer ends it, and Cyclone DDS 0.10.2 then damages its list of timers.
+  /// The wait doubles each further time, up to this value. No handshake lives longer. After 100
+  /// seconds the core's own timer would end it, and Cyclone DDS 0.10.2 then corrupts its list of
+  /// timers.
   static constexpr Duration kMaxWait = std::chrono::seconds(80);
-  /// The same where governance lets unauthenticated participants in: the core takes the peer for
-  /// one when its timer ends the handshake.
+  /// The same if governance admits unauthenticated participants: the core treats the peer as one
+  /// when its timer ends the handshake.
   static constexpr Duration kMaxWaitForUnauthenticated = std::chrono::seconds(120);
-  /// A peer that was not given up for so long starts from the beginning.
+  /// A peer that was not given up for this long starts with the shortest wait again.
   static constexpr Duration kForgetAfter = std::chrono::minutes(10);
   static constexpr std::size_t kMaxPeers = 1024;
 
   explicit HandshakeWatch(const Clock& clock) : clock_(clock) {}
 
+  /// The host has met a remote participant.
   void met(spi::IdentityHandle remote, const Guid& guid, Duration longest_wait = kMaxWait);
-  /// What was announced in its name was refused; the host asks again, and its wait goes on.
+  /// An announcement in its name was refused. The host asks again, and the wait continues.
   void not_admitted(spi::IdentityHandle remote, const Guid& guid);
-  /// We sent a request or a reply.
+  /// A request or a reply was sent.
   void progressed(spi::IdentityHandle remote, spi::HandshakeHandle handshake);
   /// A request, or a message of this handshake, was refused.
   void refused(spi::IdentityHandle remote);
   void refused(spi::HandshakeHandle handshake);
-  /// From now on the remote is not given up, whatever becomes of other handshakes with it; unless
-  /// its keys do not come, which says that it did not finish its half.
+  /// The handshake has ended. From now on the remote participant is not given up, whatever happens
+  /// to other handshakes with it, unless its keys do not come: then it did not finish its half.
   void finished(spi::HandshakeHandle handshake);
-  /// The peer has finished its half, and would not notice that we begin again: its keys are waited
-  /// for as long as there can be a handshake, unless a message was refused.
+  /// The peer has finished its half, and would not notice that the local side begins again. Its
+  /// keys are awaited as long as a handshake can last, unless a message was refused.
   void keeps_its_session(spi::HandshakeHandle handshake);
   void forget(spi::HandshakeHandle handshake);
   void forget(spi::IdentityHandle remote);
@@ -58,23 +62,25 @@ class HandshakeWatch {
     spi::IdentityHandle remote;
     Guid guid;
     bool was_disturbed;    ///< a message was refused
-    bool lacks_endpoints;  ///< all else is done
-    bool is_first;         ///< of this GUID, as far as is remembered
+    bool lacks_endpoints;  ///< everything else is done
+    bool is_first;         ///< the first time for this GUID, as far as remembered
     Duration waited;
   };
-  /// What our cryptography knows of a remote. Without a function no answer is waited for.
+  /// Questions to libddssec_cryptography about a remote participant. An empty function is not
+  /// asked.
   struct Questions {
-    /// Has the remote sent its keys?
+    /// Has the remote participant sent its keys?
     std::function<bool(spi::IdentityHandle)> has_keys = {};
-    /// Has the host matched it with all our builtin endpoints? A forged announcement, in which some
-    /// are missing or which disposes one, would keep the two from discovering each other's
-    /// endpoints: builtin endpoints go with their participant only.
+    /// Has the host matched it with all local builtin endpoints? A forged announcement that omits
+    /// or disposes some of them would keep the two participants from discovering each other's
+    /// endpoints, because the host removes builtin endpoints only together with their participant.
     std::function<bool(spi::IdentityHandle)> is_matched = {};
-    /// When did the remote last show that it has our shared secret? It finished its half then, and
-    /// its keys may still come: a peer that does not notice that we begin anew is not given up.
+    /// When did the remote participant last show that it has the shared secret? It had finished its
+    /// half then, and its keys may still come. A peer that does not notice that the local side
+    /// begins anew is not given up.
     std::function<Duration(spi::IdentityHandle)> last_heard = {};
   };
-  /// Those to be revoked now, each once.
+  /// The remote participants to revoke now, each once.
   std::vector<Stuck> give_up(const Questions& ask);
   std::vector<Stuck> give_up() { return give_up({}); }
 
@@ -82,14 +88,14 @@ class HandshakeWatch {
   struct Remote {
     Guid guid;
     Duration met;
-    Duration since = met;  ///< its last progress
+    Duration since = met;  ///< time of the last progress
     Duration longest_wait = kMaxWait;
     bool keeps_its_session = false;
     bool was_disturbed = false;
-    bool is_under_way = false;  ///< we sent a request or a reply
+    bool is_under_way = false;  ///< a request or a reply was sent
     bool is_finished = false;
     bool lacks_endpoints = false;
-    bool is_settled = false;  ///< not to be given up while its builtin endpoints are there
+    bool is_settled = false;  ///< not given up while its builtin endpoints are matched
   };
   struct Past {
     unsigned times = 0;

@@ -12,7 +12,7 @@ void Host::CountingSink::raise(const Event& event) {
   try {
     next_.raise(event);
   } catch (...) {
-    // Telling about a refusal may fail for want of memory; the refusal itself stands.
+    // Reporting may fail for lack of memory; the refusal itself stands.
   }
 }
 
@@ -22,7 +22,7 @@ void Host::notice(const Event& event) noexcept {
   try {
     limited_.raise(event);
   } catch (...) {
-    // As above: without the memory to tell, everything goes on.
+    // As above: reporting may fail for lack of memory, and everything continues.
   }
 }
 

@@ -1,4 +1,5 @@
-// What every plugin context has of its host: clocks, randomness, and where events go.
+// The services that every plugin context gets from its host: clocks, randomness, and the output of
+// events.
 #pragma once
 
 #include <memory>
@@ -10,29 +11,30 @@
 
 namespace ddssec::cyclonedds {
 
-/// One for each plugin context; outlives the engine. Thread-safe.
+/// The services of one plugin context. It must outlive the engine. Thread-safe.
 class Host {
  public:
-  /// `log` takes the events that pass the rate limit; `code` is an address in the host's code, or
-  /// null.
+  /// `log` receives the events that pass the rate limit. `code` is an address in the host's code,
+  /// or null.
   explicit Host(std::unique_ptr<EventSink> log, const void* code = nullptr)
       : code_(code), log_(std::move(log)), limited_(*log_, clock_), counted_(limited_) {}
   Host(const Host&) = delete;
   Host& operator=(const Host&) = delete;
 
-  /// For the engine; lives as long as the host.
+  /// The environment for the engine; owned by this object.
   const Environment& environment() const { return environment_; }
   const Clock& clock() const { return calendar_; }
   SteadyCalendar& calendar() { return calendar_; }
   const void* code() const { return code_; }
 
-  /// Raises one event; swallows whatever goes wrong meanwhile.
+  /// Raises one event; ignores all exceptions.
   void refused(const Error& error, Severity severity) noexcept;
 
-  /// Raises what belongs to no refusal: the call under way is not taken to have said its own.
+  /// Raises an event that belongs to no refusal. It does not count as the event of the call that is
+  /// under way.
   void notice(const Event& event) noexcept;
 
-  /// How many events the calling thread has raised so far, by any plugin of this library.
+  /// The number of events that the calling thread has raised so far, by any plugin of this library.
   static unsigned raised_by_this_thread() noexcept;
 
  private:

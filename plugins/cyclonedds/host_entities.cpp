@@ -11,7 +11,7 @@
 namespace ddssec::cyclonedds {
 namespace {
 
-/// The host's functions that are used.
+/// The functions of the host that are used.
 struct Functions {
   decltype(&dds_get_children) get_children = nullptr;
   decltype(&dds_get_guid) get_guid = nullptr;
@@ -40,7 +40,7 @@ bool find_all(Functions& host, const void* code) {
          find(host.delete_entity, code, "dds_delete");
 }
 
-/// A type of one octet, which is never written: a topic must have one.
+/// A type of one octet, because a topic needs a type. No sample is ever written.
 const dds_topic_descriptor_t& carrier_type() {
   static constexpr std::uint32_t kOperations[] = {
       static_cast<std::uint32_t>(DDS_OP_ADR) | static_cast<std::uint32_t>(DDS_OP_TYPE_1BY), 0,
@@ -139,7 +139,7 @@ class Entities final : public HostEntities {
 void* find_host_symbol(const void* code, const char* name) noexcept {
   Dl_info host{};
   if (code != nullptr && dladdr(code, &host) != 0 && host.dli_fname != nullptr) {
-    // Already loaded, so this only counts up.
+    // The library is already loaded, so this only increases its reference count.
     if (void* library = dlopen(host.dli_fname, RTLD_LAZY | RTLD_NOLOAD)) {
       void* symbol = dlsym(library, name);
       dlclose(library);

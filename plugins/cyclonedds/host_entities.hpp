@@ -1,5 +1,6 @@
-// The host's entities by its public functions. libddsc may have been loaded without RTLD_GLOBAL,
-// and nothing of it is linked: its functions are looked up where the host's code lies.
+// Access to the host's entities by its public functions. libddsc may have been loaded without
+// RTLD_GLOBAL, and the plugin is not linked with it. So its functions are looked up in the library
+// that contains the host's code.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +12,12 @@
 
 namespace ddssec::cyclonedds {
 
-/// A function that the host's library exports, or any library of the process; null: none does.
-/// `code` is an address in the host's code, or null.
+/// A function that the host's library or any other library of the process exports; null if there is
+/// none. `code` is an address in the host's code, or null.
 void* find_host_symbol(const void* code, const char* name) noexcept;
 
-/// Any thread that is not in a call of the host's: they take the locks of entities.
+/// The functions take locks of entities, so only threads that are not inside a call of the host may
+/// use them.
 class HostEntities {
  public:
   virtual ~HostEntities() = default;
@@ -23,18 +25,18 @@ class HostEntities {
   struct Participant {
     std::int32_t handle = 0;
     Guid guid = {};
-    std::set<Guid> entities = {};  ///< all below it, of which some may be just leaving
+    std::set<Guid> entities = {};  ///< all entities below it; some may be just being deleted
   };
-  /// All participants of the process. Who is being created, together with its parent, is waited
-  /// for.
+  /// All participants of the process. Waits for entities that are being created, together with
+  /// their parents.
   virtual std::vector<Participant> participants() const = 0;
 
-  /// Makes the host announce a reader of kCarrierTopic whose USER_DATA is the GUID `ended`, and
-  /// deletes it. False: the host refused, as when the participant leaves.
+  /// Makes the host announce a reader of kCarrierTopic whose USER_DATA is the GUID `ended`, then
+  /// deletes it. False if the host refuses, for example when the participant is being deleted.
   virtual bool carry_end(const Participant& participant, const Guid& ended) const = 0;
 };
 
-/// Null: the host has not all the functions that are needed.
+/// Access to the host; null if the host lacks a needed function.
 std::unique_ptr<HostEntities> find_host_entities(const void* code);
 
 }  // namespace ddssec::cyclonedds

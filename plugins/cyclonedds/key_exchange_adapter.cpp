@@ -1,4 +1,4 @@
-// CryptoKeyExchange: crypto tokens out and in.
+// CryptoKeyExchange: creates and accepts crypto tokens.
 #include <algorithm>
 #include <array>
 
@@ -40,7 +40,7 @@ Status set_participant_tokens(spi::CryptoKeyExchange& exchange, spi::Participant
   return exchange.set_remote_participant_crypto_tokens(local, remote, tokens.view());
 }
 
-/// And not about how the host calls us.
+/// True if the error is about the tokens, and not about the host's call.
 bool is_about_tokens(Code code) {
   constexpr std::array kAboutHandles = {Code::crypto_handle_nil, Code::crypto_handle_unknown,
                                         Code::crypto_handle_wrong_kind, Code::crypto_not_matched};
@@ -64,8 +64,9 @@ DDS_Security_boolean set_remote_participant_crypto_tokens(Instance* instance, co
     const auto status = set_participant_tokens(adapter.key_exchange(), {local}, {remote}, *in);
     if (status) PeersWithKeys::of_process().sent_keys({remote});
     if (status || !is_about_tokens(status.error().code())) return status;
-    // They had no effect. Of refused tokens of a participant Cyclone DDS logs each and frees none:
-    // a peer could fill log and memory.
+    // Refused tokens have no effect, so this reports success. If it reported an error, Cyclone DDS
+    // would log each refused token of a participant and free none: a peer could fill log and
+    // memory.
     if (Host::raised_by_this_thread() == events)
       adapter.host().refused(status.error(), info(status.error().code()).severity);
     return {};

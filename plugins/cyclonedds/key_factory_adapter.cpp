@@ -58,7 +58,8 @@ CHandle register_matched_remote_participant(Instance* instance, const CHandle lo
         const auto secret = DDSSEC_TRY(shared_secret_from(secret_handle));
         const auto peer = DDSSEC_TRY(adapter.key_factory().register_matched_remote_participant(
             {local}, {remote_identity}, {permissions}, secret));
-        // Another product may have fewer matched, and would not notice that we begin anew.
+        // Another product may match fewer endpoints, and would not notice that the session is
+        // started anew.
         const bool is_ours = (secret.peer_ciphers & spi::kChaCha20Poly1305Bit) != 0;
         PeersWithKeys::of_process().met(peer, {remote_identity}, {local},
                                         is_ours ? secret.peer_builtin_endpoints : 0);
@@ -129,14 +130,14 @@ CHandle register_matched_remote_datawriter(Instance* instance, const CHandle loc
       });
 }
 
-/// The core returns some handles twice when several participants end at once. Then there is nothing
-/// left to do.
+/// The core returns some handles twice when several participants end at the same time. Then nothing
+/// is left to do.
 Status unless_gone(Status status) {
   if (status || status.error().code() != Code::crypto_handle_unknown) return status;
   return {};
 }
 
-// Endpoints without protection were never registered: the host's handle for them is nil.
+// Endpoints without protection were never registered, and the host's handle for them is nil.
 DDS_Security_boolean unregister_participant(Instance* instance, const CHandle handle,
                                             Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {

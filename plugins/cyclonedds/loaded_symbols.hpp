@@ -1,4 +1,4 @@
-// Functions that the libraries of this process export, by the end of their names.
+// Finds functions that the libraries of this process export, by the end of their names.
 #pragma once
 
 #include <optional>
@@ -13,8 +13,8 @@ struct LoadedSymbol {
 };
 
 /// A symbol that a loaded library or the program defines and whose name ends with `suffix` (and is
-/// longer); nothing if there is none. Looks through every dynamic symbol table: some milliseconds
-/// in a large process.
+/// longer); empty if there is none. Searches every dynamic symbol table, which takes some
+/// milliseconds in a large process.
 std::optional<LoadedSymbol> find_loaded_symbol(std::string_view suffix);
 
 }  // namespace ddssec::cyclonedds

@@ -32,8 +32,8 @@ class HostLog final : public EventSink {
   }
 
  private:
-  /// A full disk or a slow reader stops no refusal. It is said once, and what was lost when lines
-  /// go in again.
+  /// A full disk or a slow reader must not stop a refusal. The loss is reported once, and the
+  /// number of lost lines when lines can be written again.
   void append(const Event& event) {
     if (!json_->append(event.to_json())) {
       if (lost_.fetch_add(1) == 0)
@@ -59,7 +59,7 @@ class HostLog final : public EventSink {
     if (category == 0) return;
     const auto line = event.to_line();
     if (log_ != nullptr) {
-      // The events' texts are arguments, never formats: peers choose parts of them.
+      // The texts of events are arguments, never formats, because peers choose parts of them.
       log_(category, "ddssec", 0, "ddssec", "ddssec %s\n", line.c_str());
     } else {
       std::fprintf(stderr, "ddssec %s\n", line.c_str());
@@ -98,7 +98,7 @@ std::uint32_t log_category(const Event& event) {
     case Code::plugins_in_use:
     case Code::no_revocation_list:
     case Code::crl_renewed:
-      return DDS_LC_WARNING;  // Cyclone DDS shows nothing below, unless it is asked for more
+      return DDS_LC_WARNING;  // Cyclone DDS shows nothing below by default
     default:
       return log_category(event.severity);
   }

@@ -51,7 +51,7 @@ void LostSessions::lost(const Guid& remote) {
   auto at = sessions_.lower_bound({remote, IdentityHandle{INT64_MIN}});
   while (at != sessions_.end() && at->first.first == remote) {
     const Key key = at->first;
-    // This session or the next one may give way to it.
+    // This call may drop this session or the next one.
     if (at->second.lost == 0) note_lost(key, at->second);
     at = sessions_.upper_bound(key);
   }

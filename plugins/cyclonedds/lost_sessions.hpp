@@ -1,9 +1,11 @@
-// Sessions with peers that the host has dropped while the peer may have kept them: after a link
-// that failed in one direction only, for example. Such a peer gets our reset token
-// (plugins/spi/session_reset.hpp), or it would ignore every new handshake: often when it is met
-// again, and seldom while it is not, since a forged announcement can keep our host from meeting it.
-// A participant of ours that ends sends them its tokens, too: the clear farewell of its host is not
-// believed, and its secured one finds no peer any more.
+// Sessions with peers that the host has dropped although the peer may have kept them, for example
+// after a link that failed in one direction only. Such a peer is sent the reset token
+// (plugins/spi/session_reset.hpp), because otherwise it ignores every new handshake. The token is
+// sent often when the host meets the peer again. It is sent seldom while the host does not, because
+// a forged announcement can keep the host from meeting it.
+//
+// A local participant that ends also sends its tokens to its peers. They do not trust the
+// unprotected farewell of its host, and its protected one no longer reaches any peer.
 #pragma once
 
 #include <array>
@@ -23,32 +25,33 @@
 
 namespace ddssec::cyclonedds {
 
-/// Thread-safe.
+/// The sessions, lost or not. Thread-safe.
 class LostSessions {
  public:
   using Duration = std::chrono::nanoseconds;
-  /// Between two resets of one session: at first, and after kSoon of them, when the peer is out of
-  /// reach, or has another vendor's plugins.
+  /// The time between two resets of one session: first the short interval, and after kSoon resets
+  /// the long one. The peer is then out of reach, or has another vendor's plugins.
   static constexpr Duration kInterval = std::chrono::seconds(3);
   static constexpr Duration kLongInterval = std::chrono::seconds(30);
   static constexpr unsigned kSoon = 10;
-  /// How long after a loss the first of them goes to a peer that is not met again, and the second;
-  /// each further one after twice the time. Between the first two there is time for the peer to
-  /// notice that we do not answer (HandshakeWatch::kLongPatience): the farewell beside a reset
-  /// makes it begin anew.
+  /// The time from a loss to the first and to the second reset for a peer that the host does not
+  /// meet again. Each further one is sent after twice the time. The time between the first two is
+  /// long enough for the peer to notice that the local side does not answer
+  /// (HandshakeWatch::kLongPatience): the farewell sent with a reset makes it begin anew.
   static constexpr Duration kFirstUnmet = std::chrono::seconds(4);
   static constexpr Duration kSecondUnmet = std::chrono::seconds(32);
-  /// Most resets for such peers at once. The others are due the next time.
+  /// The largest number of resets for such peers at once. The others are due the next time.
   static constexpr unsigned kMostUnmet = 32;
-  /// How long a lost session is remembered. A peer that was out of reach for longer and kept the
-  /// session has a lease that long.
+  /// For how long a lost session is remembered. A peer that was out of reach for longer and kept
+  /// the session would need a lease of that length.
   static constexpr Duration kMemory = std::chrono::minutes(30);
-  /// Most lost sessions remembered of each local participant, and most of them with participants of
-  /// one certificate: as many as it may have. Beyond its share the certificate's session that was
-  /// lost first gives way; beyond kMostLost that of the certificate with the most.
+  /// The largest number of lost sessions for each local participant, and of those with participants
+  /// of one certificate: as many as it may have. Beyond the share of a certificate, its oldest lost
+  /// session is dropped. Beyond kMostLost, that of the certificate with the most lost sessions is
+  /// dropped.
   static constexpr std::size_t kMostLost = 4096;
   static constexpr std::size_t kMostOfSubject = 625;
-  /// Most addresses of one peer that are used.
+  /// The largest number of addresses used for one peer.
   static constexpr std::size_t kMostAddresses = 4;
 
   explicit LostSessions(const Clock& clock) : clock_(clock) {}
@@ -58,27 +61,27 @@ class LostSessions {
     Bytes message;
     std::vector<spi::UdpAddress> to;
   };
-  /// A local participant is gone, with its sessions. What tells its peers so.
+  /// A local participant has ended, with its sessions. Returns the resets that inform its peers.
   std::vector<Reset> remove_local(spi::IdentityHandle local);
-  /// Two participants have authenticated: forgets a session that they had lost before.
+  /// Two participants have authenticated: a session that they had lost before is forgotten.
   void established(spi::IdentityHandle local, const Guid& remote, const spi::SharedSecret& secret);
   /// The host has dropped the remote participant.
   void lost(const Guid& remote);
 
-  /// Where a peer of a session could be reached; none without one.
+  /// The addresses of a peer; empty if there is no session with it.
   std::vector<spi::UdpAddress> addresses_of(const Guid& remote);
 
   struct Due {
     spi::IdentityHandle local;
     GuidPrefix own;
     Guid remote;
-    bool is_meeting;  ///< the host meets them again
+    bool is_meeting;  ///< the host meets the peer again
     Bytes message;
     std::vector<spi::UdpAddress> to;
   };
-  /// Is the host meeting this pair again?
+  /// Tells whether the host is meeting this pair again.
   using IsMeeting = std::function<bool(spi::IdentityHandle local, const Guid& remote)>;
-  /// What is to be sent now.
+  /// The resets to send now.
   std::vector<Due> due(const IsMeeting& is_meeting);
 
  private:
@@ -86,17 +89,18 @@ class LostSessions {
     GuidPrefix sender;
     spi::ResetToken token;
     std::vector<spi::UdpAddress> to;
-    std::uint64_t lost = 0;  ///< the number of its loss; 0: not lost
+    std::uint64_t lost = 0;  ///< sequence number of its loss; 0: not lost
     Duration lost_at{};
     Duration next{};
     unsigned sent = 0;
     unsigned sent_unmet = 0;
   };
   using Key = std::pair<Guid, spi::IdentityHandle>;  ///< remote, local
-  /// The first half of a prefix, which the remote proved to be bound to its certificate's subject
-  /// (DDS-Security 9.3.3).
+  /// The first half of a proven prefix, which is bound to the subject of the remote participant's
+  /// certificate (DDS-Security 9.3.3).
   using Subject = std::array<std::uint8_t, 6>;
-  using InOrder = std::set<std::pair<std::uint64_t, Key>>;  ///< by the number of their loss
+  /// By the sequence number of their loss.
+  using InOrder = std::set<std::pair<std::uint64_t, Key>>;
   struct Local {
     GuidPrefix prefix;
     std::map<Subject, InOrder> lost = {};

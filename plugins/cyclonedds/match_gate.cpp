@@ -14,7 +14,7 @@ Result<std::shared_ptr<const MatchGate>> MatchGate::of(const DDS_Security_Proper
 
 MatchGate::MatchGate(spi::PropertyList scope, JudgeMatch* judge)
     : scope_(std::move(scope)), judge_(judge) {
-  // C has no const here; nothing writes to it.
+  // The C type has no const; nothing writes to the text.
   for (auto& one : scope_) as_c_.push_back({one.name.data(), one.value.data(), one.propagate});
 }
 

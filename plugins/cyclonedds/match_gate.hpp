@@ -1,4 +1,4 @@
-// spi::MatchGate across two shared libraries: ours of cryptography asks ours of access control.
+// spi::MatchGate across two shared libraries: libddssec_cryptography asks libddssec_access_control.
 #pragma once
 
 #include <memory>
@@ -12,12 +12,11 @@ namespace ddssec::cyclonedds {
 
 class MatchGate final : public spi::MatchGate {
  public:
-  /// The gate of an endpoint with these ac_endpoint_properties; nullptr where a stock access
-  /// control plugin stands beside us, which cannot be asked. Errors: null_argument,
-  /// length_out_of_range.
+  /// The gate of an endpoint with these ac_endpoint_properties; nullptr with a stock access control
+  /// plugin, which cannot be asked. Errors: null_argument, length_out_of_range.
   static Result<std::shared_ptr<const MatchGate>> of(const DDS_Security_PropertySeq& properties);
 
-  /// `judge`: null to look it up in the process at each question.
+  /// `judge`: null to look it up in the process for each question.
   explicit MatchGate(spi::PropertyList scope, JudgeMatch* judge = nullptr);
   Status check(const Peer& peer) const override;
 

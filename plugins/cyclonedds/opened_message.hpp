@@ -1,6 +1,6 @@
-// Cyclone's core asks for the same RTPS message once for each local participant that matched its
-// sender, and keeps the result of the last call only: every earlier one is memory that nothing
-// frees. Here a thread knows the message it opened last, so that one result is made for all.
+// Remembers the message that a thread decrypted last. Cyclone's core asks for the same RTPS message
+// once for each local participant that matched its sender. It keeps the result of the last call
+// only, and leaks every earlier one. With this class, one result is made for all.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace ddssec::cyclonedds {
 
-/// A protected RTPS message as the core hands it over.
+/// A protected RTPS message as the core passes it.
 struct MessageCall {
   const void* plugin;  ///< the instance of the domain
   DDS_Security_ParticipantCryptoHandle receiver;
@@ -19,17 +19,17 @@ struct MessageCall {
   BytesView octets;
 };
 
-/// One for each thread: the core asks for one message in a row, by one thread. Nothing is copied
-/// but what the sender's key makes different in any two messages: the CryptoHeader with its IV, and
-/// the end, with the tag or the last receiver-specific MAC of it.
+/// One object for each thread, because one thread of the core makes all calls for one message in a
+/// row. Copies only the octets that differ between any two messages of a sender's key: the
+/// CryptoHeader with its IV, and the end, with the tag or the last receiver-specific MAC.
 class OpenedMessage {
  public:
   static OpenedMessage& of_this_thread() noexcept;
 
   void forget() noexcept { plugin_ = nullptr; }
   void remember(const MessageCall& call) noexcept;
-  /// Is it the remembered one, asked for another local participant? If the same one asks, it is
-  /// another datagram of the same content.
+  /// True if it is the remembered message, for another local participant. If the same participant
+  /// asks, it is another datagram with the same content.
   bool was_opened_for_another(const MessageCall& call) const noexcept;
 
  private:

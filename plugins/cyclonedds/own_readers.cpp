@@ -15,7 +15,7 @@ constexpr rtps::ParameterId kTopicName = 0x0005, kUserData = 0x002c;
 constexpr std::size_t kGuidSize = GuidPrefix::size + EntityId::size;
 constexpr std::size_t kEncapsulationSize = 4;
 
-/// DATA and DATA_FRAG have it in the same place.
+/// DATA and DATA_FRAG have the writer id at the same position.
 bool is_of_subscriptions(BytesView submessage) {
   constexpr std::size_t kWriterAt = 12;
   return submessage.size() > kWriterAt + EntityId::size &&
@@ -31,7 +31,7 @@ std::optional<Guid> guid_from(BytesView octets) {
               EntityId::from(octets.subspan(GuidPrefix::size))};
 }
 
-/// What follows its length in a string or a sequence of octets.
+/// The content of a string or a sequence of octets, after its length.
 BytesView counted(const rtps::Parameter& parameter) {
   auto in = parameter.reader();
   const auto length = in.read<std::uint32_t>();
@@ -50,7 +50,7 @@ struct OwnReaders::Announcement {
   std::optional<Guid> ended = {};  ///< whose end a carrier carries
 
   void take(const rtps::Parameter& parameter);
-  /// As far as the list goes: of a large announcement only the first fragment is looked at.
+  /// Reads the list up to its end. Of a large announcement only the first fragment is read.
   void take(BytesView payload);
 };
 
@@ -82,7 +82,7 @@ std::optional<OwnReaders::Announcement> OwnReaders::read(BytesView submessage) {
     const auto piece = rtps::read_data_frag(view);
     if (!piece || piece->first.value != 1) return std::nullopt;
     out.take(piece->payload);
-    out.is_carrier = false;  // ours are small
+    out.is_carrier = false;  // carriers of this process are small
     return out;
   }
   const auto data = rtps::read_data(view);

@@ -1,12 +1,14 @@
-// Ends of our own readers, said where peers believe them.
+// Announces the end of local readers in a way that peers trust.
 //
-// Cyclone DDS 0.10.2 announces a reader whose discovery is protected by the protected writer of
-// subscriptions, and forgets how it was protected before it says that the reader is gone: that goes
-// out by the unprotected writer, outside of any protection. Our peers believe no such thing
-// (closed_readers.hpp). So the end is said here, in the protected stream: a further reader of the
-// host, the carrier, makes the host announce something there. What is sent in place of that
-// announcement says that another reader, which the carrier's USER_DATA names, is gone. The host
-// repeats it to each peer that lacks it, as any announcement.
+// Cyclone DDS 0.10.2 announces a reader with protected discovery by the protected writer of
+// subscriptions. When the reader is deleted, it has forgotten how it was protected. So it announces
+// the end by the unprotected writer, outside of any protection, and ddssec peers do not trust that
+// (closed_readers.hpp).
+//
+// So the end is announced here, in the protected stream. A further reader of the host, the carrier,
+// makes the host announce something there. That announcement is replaced by one that ends another
+// reader, which the carrier's USER_DATA names. The host retransmits it to each peer that lacks it,
+// like any announcement.
 #pragma once
 
 #include <array>
@@ -22,27 +24,27 @@
 
 namespace ddssec::cyclonedds {
 
-/// The topic of carriers. Peers never hear of it.
+/// The topic of carriers. Peers never receive it.
 inline constexpr std::string_view kCarrierTopic = "ddssec_end_of_reader";
 
-/// What the participants of one domain of this process announced by their protected writers of
-/// subscriptions. Thread-safe.
+/// The readers that participants of one domain of this process announced by their protected writers
+/// of subscriptions. Thread-safe.
 class OwnReaders {
  public:
-  /// Room for what is said in place of a submessage.
+  /// Buffer for a replacement submessage.
   using Room = std::array<std::uint8_t, 128>;
 
-  /// What to send for a submessage of one of our writers, before it is protected: itself, or what
-  /// was written into `room`.
+  /// The submessage to send in place of `submessage` of a local writer, before protection: either
+  /// the same, or one that was written into `room`.
   BytesView said(BytesView submessage, Room& room);
 
-  /// Those whose end was not said.
+  /// The readers whose end was not announced yet.
   std::vector<Guid> announced() const;
-  /// Counts every reader that is announced for the first time.
+  /// The number of readers announced so far, each counted once.
   std::uint64_t count() const;
-  /// A carrier was made for it.
+  /// A carrier was created for that reader.
   void ended(const Guid& reader);
-  /// A participant of this process is gone.
+  /// A participant of this process has ended.
   void forget(const GuidPrefix& participant);
 
  private:
@@ -53,7 +55,7 @@ class OwnReaders {
 
   mutable std::mutex mutex_;
   std::set<Guid> announced_;
-  /// As many as the host keeps announcements of readers that are gone: it never drops one.
+  /// At most as many as the host stores announcements of deleted readers; it never drops one.
   std::set<Guid> ended_;
   std::uint64_t count_ = 0;
 };

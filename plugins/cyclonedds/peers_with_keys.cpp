@@ -6,7 +6,8 @@
 namespace ddssec::cyclonedds {
 
 PeersWithKeys& PeersWithKeys::of_process() {
-  static auto& peers = *new PeersWithKeys;  // authentication's timer may ask while the process ends
+  // Never destroyed: authentication's timer may ask at exit.
+  static auto& peers = *new PeersWithKeys;
   return peers;
 }
 

@@ -1,8 +1,7 @@
-// Which remote participants have sent their keys, and were matched with all our builtin endpoints.
-// Only then is a handshake over for the host, so our authentication, in another library of the
-// process, asks for it (handshake_watch.hpp). The host matches builtin endpoints by an announcement
-// that a stranger can forge; what the peer really has stands in the participant data that it
-// signed.
+// Remote participants that have sent their keys, and those that were matched with all local builtin
+// endpoints. Only then is a handshake over for the host, so libddssec_authentication asks for it
+// (handshake_watch.hpp). The host matches builtin endpoints by an announcement that an attacker can
+// forge. The endpoints that the peer really has are in the participant data that it signed.
 #pragma once
 
 #include <atomic>
@@ -15,7 +14,7 @@
 
 namespace ddssec::cyclonedds {
 
-/// Of all domains of the process. Thread-safe.
+/// The peers of all domains of the process. Thread-safe.
 class PeersWithKeys {
  public:
   static PeersWithKeys& of_process();
@@ -24,28 +23,29 @@ class PeersWithKeys {
   /// publications and subscriptions, secure liveliness, and the key exchange.
   static constexpr std::uint32_t kSecureEndpoints = 0x0f3f0000;
 
-  /// Our local participant `local` met the peer, which signed that it has these builtin endpoints.
-  /// Without memory the peer stays unknown, and is taken for one without keys.
+  /// The local participant `local` met the peer, which signed that it has these builtin endpoints.
+  /// If memory runs out, the peer stays unknown and counts as one without keys.
   void met(spi::ParticipantCryptoHandle peer, spi::IdentityHandle identity,
            spi::ParticipantCryptoHandle local, std::uint32_t builtin_endpoints) noexcept;
   void sent_keys(spi::ParticipantCryptoHandle peer);
   void left(spi::ParticipantCryptoHandle peer);
-  /// A protected builtin endpoint of ours. Without memory it is not waited for.
+  /// Adds a protected local builtin endpoint. If memory runs out, it is not waited for.
   void add_builtin(std::int64_t endpoint, spi::ParticipantCryptoHandle local) noexcept;
-  /// The host matched `endpoint` of the peer with `own` of ours. Without memory nothing is noted.
+  /// The host matched the peer's `endpoint` with the local endpoint `own`. If memory runs out,
+  /// nothing is recorded.
   void matched(std::int64_t endpoint, spi::ParticipantCryptoHandle peer, std::int64_t own) noexcept;
-  /// An endpoint of the peer or of ours is gone.
+  /// A local or remote endpoint was removed.
   void forget(std::int64_t endpoint);
-  /// A message of the peer's endpoint was opened. Only while keys of a peer are awaited is anything
-  /// noted.
+  /// A message of the peer's endpoint was decrypted. Recorded only while keys of some peer are
+  /// awaited.
   void heard(std::int64_t endpoint, std::chrono::nanoseconds now);
   bool awaits_keys() const noexcept { return awaited_.load(std::memory_order_relaxed) > 0; }
 
   bool contains(spi::IdentityHandle identity) const;
-  /// Is each of our protected builtin endpoints matched? True as well for a peer that does
-  /// not have all kSecureEndpoints: what it lacks is not known here.
+  /// True if each protected local builtin endpoint is matched. Also true for a peer that does not
+  /// have all kSecureEndpoints, because it is not known here which ones it lacks.
   bool is_matched(spi::IdentityHandle identity) const;
-  /// 0: never.
+  /// When the peer was last heard, by the monotonic clock; 0: never.
   std::chrono::nanoseconds last_heard(spi::IdentityHandle identity) const;
 
  private:
@@ -54,12 +54,13 @@ class PeersWithKeys {
     bool sent_keys = false;
     bool has_all_endpoints = false;
     std::chrono::nanoseconds last_heard{};
-    std::set<std::int64_t> locals = {};        ///< that met it
-    std::multiset<std::int64_t> matched = {};  ///< builtin endpoints of ours, for each of its own
+    std::set<std::int64_t> locals = {};  ///< local participants that met it
+    /// Local builtin endpoints, one entry for each of its own.
+    std::multiset<std::int64_t> matched = {};
   };
   struct Endpoint {
     std::int64_t peer;  ///< its crypto handle
-    std::int64_t own;   ///< of ours, which it is matched with
+    std::int64_t own;   ///< the local endpoint that it is matched with
   };
   const Peer* find(spi::IdentityHandle identity) const;
 
@@ -67,8 +68,9 @@ class PeersWithKeys {
   std::unordered_map<std::int64_t, Peer> peers_;                ///< by crypto handle
   std::unordered_map<std::int64_t, std::int64_t> by_identity_;  ///< crypto handle
   std::unordered_map<std::int64_t, Endpoint> endpoints_;        ///< of peers
-  std::unordered_map<std::int64_t, std::int64_t> builtin_;      ///< ours: their local participant
-  std::atomic<std::size_t> awaited_ = 0;                        ///< peers without keys
+  /// Local builtin endpoints: their participant.
+  std::unordered_map<std::int64_t, std::int64_t> builtin_;
+  std::atomic<std::size_t> awaited_ = 0;  ///< peers without keys
 };
 
 }  // namespace ddssec::cyclonedds

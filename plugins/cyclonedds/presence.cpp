@@ -21,12 +21,13 @@ constexpr std::array<Library, 3> kLibraries = {{
     {"cryptography", "ddssec_cryptography_version"},
 }};
 
-// The file says its version, so that `ddssec doctor` can read it without loading the library.
+// The library file contains its version, so that `ddssec doctor` can read it without loading the
+// library.
 constexpr std::string_view kVersionName = "ddssec plugin version ";
 constexpr char kVersionMark[] = "ddssec plugin version " DDSSEC_VERSION;
 
-/// The version of our library of that kind, if it is loaded; null where a stock one is in its
-/// place.
+/// The version of the ddssec library of that kind; null if it is not loaded, for example because a
+/// stock one is used.
 const char* version_of(std::size_t kind) noexcept {
   void* const symbol = dlsym(RTLD_DEFAULT, kLibraries[kind].version_symbol);
   return symbol == nullptr ? nullptr : reinterpret_cast<PluginVersion*>(symbol)();
@@ -42,7 +43,7 @@ std::string listed(const std::vector<std::string_view>& names) {
   return list;
 }
 
-/// Those that are ours, or the others.
+/// The names of the plugins from ddssec, or of the others.
 std::vector<std::string_view> named(const PluginVersions& found, bool are_ours) {
   std::vector<std::string_view> names;
   for (std::size_t i = 0; i < found.size(); ++i)
@@ -99,7 +100,8 @@ void say_plugins_in_use(Host& host, PluginKind own, std::string (*openssl)()) no
   if (said.test() || !speaks_for_all(own) || said.test_and_set()) return;
   try {
     PluginVersions found = {version_of(0), version_of(1), version_of(2)};
-    found[static_cast<std::size_t>(own)] = version();  // also where our symbols are not global
+    // Also if the symbols of this library are not global.
+    found[static_cast<std::size_t>(own)] = version();
     const auto version_text = openssl();
     host.notice(plugins_in_use(found, version_text));
     if (const auto warning = mixture_warning(found)) host.notice(*warning);

@@ -1,4 +1,4 @@
-// The line that says whose plugins a process uses.
+// The event that reports which plugins a process uses.
 #pragma once
 
 #include <array>
@@ -13,35 +13,37 @@ namespace ddssec::cyclonedds {
 /// In the order in which Cyclone DDS loads them.
 enum class PluginKind { authentication, access_control, cryptography };
 
-/// The project's version, which each library shows under a symbol of its own.
+/// The project's version, which each library exports as a symbol.
 const char* version() noexcept;
 
-/// True if no library of ours in this process comes before this one: it speaks for all three, so
-/// that what concerns the process is said once. Looked up late: the host loads the libraries one
-/// after the other.
+/// True if no other ddssec library in this process comes before this one. That library reports on
+/// behalf of all three, so that events about the process are raised once. Evaluated late, because
+/// the host loads the libraries one after the other.
 bool speaks_for_all(PluginKind own) noexcept;
 
-/// plugins_in_use, once a process: which of the three plugins are ours, their version, and the
-/// version of OpenSSL that they run on; then plugins_mixed if not all are ours, and
-/// openssl_known_unsafe if that version has known flaws.
-/// Call it when a participant is made: by then all are loaded.
+/// Raises plugins_in_use once per process: which of the three plugins are from ddssec, their
+/// version, and their version of OpenSSL. Then plugins_mixed if not all are from ddssec, and
+/// openssl_known_unsafe if that version has known flaws. Call it when a participant is created: by
+/// then all plugins are loaded.
 void say_plugins_in_use(Host& host, PluginKind own,
                         std::string (*openssl)() = openssl_version) noexcept;
 
-/// transport_without_resets if the process has no UDP socket, or nothing. `has_udp`: as far as that
-/// is known.
+/// transport_without_resets if the process has no UDP socket; otherwise empty. `has_udp`: empty if
+/// not known.
 std::optional<Event> transport_warning(std::optional<bool> has_udp);
 
-/// Reports that the calendar was set, and what came of it; the library that speaks for all does.
+/// Raises an event if the calendar was set, and about the outcome. Only the library that reports
+/// for all does so.
 void say_clock_steps(Host& host, PluginKind own) noexcept;
 
-/// Of each kind the version of our plugin; null: a stock one, or another's, is in its place.
+/// For each kind the version of the ddssec plugin; null: a stock plugin or another vendor's is
+/// loaded.
 using PluginVersions = std::array<const char*, 3>;
-/// The event itself. `openssl`: what openssl_version() says.
+/// The event plugins_in_use. `openssl`: the result of openssl_version().
 Event plugins_in_use(const PluginVersions& found, const std::string& openssl);
-/// plugins_mixed, or nothing if all three are ours.
+/// plugins_mixed; empty if all three plugins are from ddssec.
 std::optional<Event> mixture_warning(const PluginVersions& found);
-/// openssl_known_unsafe, or nothing.
+/// openssl_known_unsafe; empty if no flaw is certain.
 std::optional<Event> openssl_warning(const std::string& openssl);
 
 }  // namespace ddssec::cyclonedds

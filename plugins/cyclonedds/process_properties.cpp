@@ -11,7 +11,7 @@ namespace {
 
 namespace property = spi::property;
 
-/// Cyclone DDS's core cannot protect messages before an authentication.
+/// Cyclone DDS's core cannot protect messages before authentication.
 constexpr std::string_view kOfPreSharedKeys[] = {
     property::kPskPassphrase, property::kPskExtraPassphrases, property::kPskCipher};
 

@@ -1,5 +1,5 @@
-// What a participant is told where the host tells it nothing: Cyclone's core passes no participant
-// properties to the cryptography plugin, and its configuration file knows only its own names.
+// Properties of a participant that the host cannot pass: Cyclone's core passes no participant
+// properties to the cryptography plugin, and its configuration file accepts only known names.
 #pragma once
 
 #include "base/result.hpp"
@@ -7,14 +7,15 @@
 
 namespace ddssec::cyclonedds {
 
-/// The value of dds.sec.crypto.symmetric_cipher_algorithm; goes before the file.
+/// The value of dds.sec.crypto.symmetric_cipher_algorithm; takes precedence over the file.
 inline constexpr const char* kCipherVariable = "DDSSEC_SYMMETRIC_CIPHER_ALGORITHM";
-/// The path of a file of properties.
+/// The path of a properties file.
 inline constexpr const char* kPropertiesVariable = "DDSSEC_PROPERTIES";
 
-/// What the host says, and what the two environment variables say where the host names nothing; an
-/// empty value of the host and an empty variable name nothing. Errors: those of
-/// spi::read_property_file, and property_without_effect for what Cyclone DDS cannot honour.
+/// The properties from the host, completed by those from the two environment variables where the
+/// host names none. An empty value of the host and an empty variable count as none. Errors: those
+/// of spi::read_property_file, and property_without_effect for a property that Cyclone DDS cannot
+/// support.
 Result<spi::PropertyList> with_process_properties(spi::PropertyList of_host);
 
 }  // namespace ddssec::cyclonedds

@@ -1,5 +1,5 @@
-// What one of our libraries asks the other two in the process. Each is looked up late, as
-// the host loads it after us; a stock library in its place gives no answer.
+// Questions of one ddssec library to the other two in the process. Each is looked up late, because
+// the host loads the other library later. A stock library gives no answer.
 #pragma once
 
 #include "plugins/cyclonedds/governance_facts.hpp"
@@ -8,29 +8,32 @@
 
 namespace ddssec::cyclonedds {
 
-/// Is the cryptography of this process ours?
+/// True if the process uses libddssec_cryptography.
 bool has_our_cryptography();
 
-/// What our cryptography in this process can decrypt; the standard's ciphers without ours.
+/// The ciphers that libddssec_cryptography in this process can decrypt; the standard's ciphers if
+/// it is not loaded.
 spi::CipherMask ciphers_of_process();
 
-/// Empty functions without ours.
+/// The questions; empty functions without libddssec_cryptography.
 HandshakeWatch::Questions questions_to_cryptography();
 
-/// A reader of this process may have ended: our cryptography says so to the peers
-/// (reader_ends.hpp). Nothing without ours.
+/// A reader of this process may have ended: libddssec_cryptography announces that to the peers
+/// (reader_ends.hpp). Without it nothing happens.
 void look_for_ended_readers() noexcept;
 
-/// The certificate or the permissions of a local participant have ended. Cyclone's core would delete
-/// the participant beneath the application's entities, and the process would end at the next call
-/// that needs it. So the core is not told, and our other plugins refuse it everything, as far as
-/// they are ours. Where the process has others in the domain, it is told: peers go on meeting a
-/// participant that is announced, and what they say when they give it up ends them for all
-/// participants of the process.
+/// The certificate or the permissions of a local participant have expired. Cyclone's core would
+/// delete the participant although the application still uses its entities, and the process would
+/// crash at the next call that needs it. So the core is not informed, and the other ddssec plugins
+/// refuse the participant everything, as far as they are loaded.
+///
+/// The core is informed if the process has other participants in the domain. Peers keep meeting a
+/// participant that is announced, and the messages that they send when they give it up would end
+/// the session for all participants of the process.
 void cut_off_cryptography(spi::IdentityHandle local);
 void cut_off_access_control(spi::IdentityHandle local);
 
-/// Without our access control nothing is known.
+/// True if the fact holds. False without libddssec_access_control.
 bool holds(GovernanceFact fact, spi::IdentityHandle local);
 
 }  // namespace ddssec::cyclonedds

@@ -47,7 +47,7 @@ void ReaderEnds::run(const std::stop_token& stop) {
     try {
       is_open = look(*host);
     } catch (...) {
-      is_open = true;  // without memory: looks again
+      is_open = true;  // out of memory: check again
     }
   }
 }
@@ -56,7 +56,7 @@ bool ReaderEnds::wait(const std::stop_token& stop, std::chrono::milliseconds lon
   std::unique_lock lock(mutex_);
   if (!wake_.wait_for(lock, stop, longest, [this] { return is_due_; })) return false;
   is_due_ = false;
-  // What is deleted together is looked for together.
+  // Waits, so that readers that are deleted together are found together.
   wake_.wait_for(lock, stop, kPause, [] { return false; });
   return true;
 }
@@ -71,7 +71,8 @@ bool ReaderEnds::look(const HostEntities& host) {
                                          [](const auto& known) { return known.guid.prefix; });
     const bool is_owned = owner != participants.end();
     if (is_owned && owner->entities.contains(reader)) continue;
-    // A look may come between two changes of the host's tables: what counts is missing twice.
+    // A check may happen between two changes of the host's tables, so a reader must be missing
+    // twice.
     if (!missing_.contains(reader)) {
       missing.insert(reader);
     } else if (!is_owned) {

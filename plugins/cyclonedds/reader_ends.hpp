@@ -1,5 +1,5 @@
-// The thread that finds which of our announced readers are gone, and has their ends said
-// (own_readers.hpp). It runs from the first end on.
+// The thread that finds announced local readers that were deleted, and has their ends announced
+// (own_readers.hpp). It starts with the first end.
 #pragma once
 
 #include <chrono>
@@ -16,14 +16,14 @@
 
 namespace ddssec::cyclonedds {
 
-/// Of one domain of the process. Thread-safe.
+/// The reader ends of one domain of the process. Thread-safe.
 class ReaderEnds {
  public:
-  /// How long after a hint the host's entities are looked at, so that one look finds what was
-  /// deleted together, and how long until the next look must confirm what is missing.
+  /// The time from a hint to the check of the host's entities, so that one check finds all that
+  /// were deleted together. Also the time until the next check, which must confirm missing readers.
   static constexpr std::chrono::milliseconds kPause{50};
-  /// How often readers that are announced later are looked for: the host tells a later
-  /// participant of readers that had ended before.
+  /// How often to check for readers that are announced later: the host also announces readers that
+  /// have already ended to a participant that joins later.
   static constexpr std::chrono::milliseconds kLater{1000};
 
   using FindHost = std::function<std::unique_ptr<HostEntities>()>;
@@ -35,13 +35,13 @@ class ReaderEnds {
 
   OwnReaders& readers() { return readers_; }
 
-  /// An endpoint of this process may have ended. Without memory for the thread, the next hint
-  /// counts.
+  /// An endpoint of this process may have ended. If the thread cannot be created for lack of
+  /// memory, the next hint counts.
   void look_soon() noexcept;
-  /// Returns when the thread has ended.
+  /// Stops the thread and returns when it has ended.
   void stop();
 
-  /// One look at the host. True: something is missing that the next look must confirm.
+  /// One check of the host's entities. True: something is missing that the next check must confirm.
   bool look(const HostEntities& host);
 
  private:
@@ -50,7 +50,7 @@ class ReaderEnds {
 
   const FindHost find_host_;
   OwnReaders readers_;
-  std::set<Guid> missing_ = {};  ///< by the last look; of the thread
+  std::set<Guid> missing_ = {};  ///< at the last check; used by the thread only
   std::mutex mutex_;
   std::condition_variable_any wake_;
   bool is_due_ = false;

@@ -29,7 +29,7 @@ IdentityHandle RemoteIdentities::note_refused(const Guid& guid) {
   const std::lock_guard lock(mutex_);
   if (const auto known = remotes_.find(guid); known != remotes_.end()) return known->second.of_host;
   static std::atomic<std::int64_t> last = 0;
-  const IdentityHandle own{--last};  // below 0, where no engine has handles
+  const IdentityHandle own{--last};  // negative, because engines use no such handles
   const auto named = guid_of_.try_emplace(own, guid).first;
   Rollback forget([&] { guid_of_.erase(named); });
   remotes_.try_emplace(guid, Remote{own});
@@ -96,7 +96,7 @@ void RemoteIdentities::forget_local(IdentityHandle local) {
   }
 }
 
-/// Does a local participant that did not end have the remote of this pair too?
+/// True if a local participant that has not ended has met the remote participant of this pair too.
 bool RemoteIdentities::stays(const Remote& remote, IdentityHandle pair) const {
   const auto ended = [&](const auto& entry) { return ended_locals_.contains(entry.first); };
   const auto own = std::ranges::find(remote.pairs, pair, [](auto& entry) { return entry.second; });

@@ -1,4 +1,4 @@
-// One handle of a remote participant for the host, one for each pair in the engine.
+// Maps the host's single handle of a remote participant to the engine's handles, one for each pair.
 #pragma once
 
 #include <map>
@@ -14,44 +14,44 @@
 
 namespace ddssec::cyclonedds {
 
-/// Cyclone's core has one identity handle for a remote participant, however many of its own
-/// participants met it: it keeps the last that it was given, asserts that all are the same and
-/// returns it once. The engine has one for each pair of a local and a remote participant. All calls
-/// between name the local one as well, or a handshake. Thread-safe.
+/// Cyclone's core has one identity handle for a remote participant, however many local participants
+/// met it. It keeps the last handle that it got, asserts that all are the same and returns it once.
+/// The engine has one handle for each pair of a local and a remote participant. All calls in
+/// between also name the local participant or a handshake. Thread-safe.
 class RemoteIdentities {
  public:
-  /// Remembers the engine's handle of a pair. The host's handle for the remote: that of the first
-  /// pair, as long as the host keeps it.
+  /// Remembers the engine's handle of a pair and returns the host's handle for the remote
+  /// participant: that of the first pair, as long as the host keeps it.
   spi::IdentityHandle note(spi::IdentityHandle local, const Guid& remote, spi::IdentityHandle pair);
 
-  /// The host's handle for a remote that the engine did not admit: the one that the host has, or
-  /// one of our own, unique in the process, behind which is nothing yet.
+  /// The host's handle for a remote participant that the engine did not admit. It is the one that
+  /// the host has, or a new one that is unique in the process and has no identity yet.
   spi::IdentityHandle note_refused(const Guid& remote);
 
-  /// The engine's handle for the host's. One that was never noted stays what it is: whether there
-  /// is such an identity is for the engine to say.
+  /// The engine's handle for the host's. An unknown handle is returned unchanged; the engine
+  /// decides whether there is such an identity.
   spi::IdentityHandle pair(spi::IdentityHandle local, spi::IdentityHandle remote) const;
 
-  /// The GUID behind the host's handle of a remote; nothing for any other.
+  /// The GUID for the host's handle of a remote participant; empty for any other handle.
   std::optional<Guid> guid(spi::IdentityHandle of_host) const;
-  /// Has the local participant met the remote one, and the host not returned it since?
+  /// True if the local participant has met the remote one, and the host has not returned it since.
   bool has_met(spi::IdentityHandle local, const Guid& remote) const;
-  /// The host's handle and the GUID of each remote.
+  /// The host's handle and the GUID of each remote participant.
   std::vector<std::pair<spi::IdentityHandle, Guid>> all() const;
 
-  /// The host returns a remote identity, or a local one: what has to be returned to the engine.
+  /// The host returns a remote or a local identity. Returns the handles to return to the engine.
   std::vector<spi::IdentityHandle> take(spi::IdentityHandle identity);
 
-  /// Has `expire` found that this local participant ended?
+  /// True if `expire` has reported this local participant.
   bool has_ended(spi::IdentityHandle local) const;
 
   struct ToRevoke {
     std::vector<spi::IdentityHandle> remotes = {};  ///< the host's handles
     std::vector<spi::IdentityHandle> locals = {};
   };
-  /// What the engine's `expire` found, as the host knows it. The host can remove a remote
-  /// participant for all its local ones only, so one whose only fault is that a local participant
-  /// ended is left to the others that have it.
+  /// Converts the result of the engine's `expire` to the host's handles. The host can remove a
+  /// remote participant only for all local ones. So a remote participant that is reported only
+  /// because a local participant ended stays for the others that have met it.
   ToRevoke to_revoke(std::span<const spi::IdentityHandle> ended);
 
  private:
@@ -65,7 +65,7 @@ class RemoteIdentities {
 
   mutable std::mutex mutex_;
   std::map<Guid, Remote> remotes_;
-  std::map<spi::IdentityHandle, Guid> guid_of_;  ///< of host's handles and of pairs
+  std::map<spi::IdentityHandle, Guid> guid_of_;  ///< for the host's handles and for pairs
   std::set<spi::IdentityHandle> ended_locals_;
 };
 

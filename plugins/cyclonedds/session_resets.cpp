@@ -10,7 +10,7 @@ namespace ddssec::cyclonedds {
 
 SessionResets& SessionResets::of_process() {
   static auto& resets =
-      *new SessionResets;  // authentication's timer may ask while the process ends
+      *new SessionResets;  // never destroyed: authentication's timer may ask at exit
   return resets;
 }
 

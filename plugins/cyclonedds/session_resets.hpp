@@ -1,7 +1,7 @@
-// Peers that have lost their session with us and prove it (plugins/spi/session_reset.hpp).
-// Cyclone's core ignores a peer that begins a new handshake while it keeps the old session. So our
-// authentication, in another library of the process, asks here and revokes the peer: the core
-// forgets it and discovers it anew.
+// Peers that prove that they have lost their session (plugins/spi/session_reset.hpp). Cyclone's
+// core ignores a peer that begins a new handshake while it keeps the old session. So
+// libddssec_authentication asks here and revokes the peer: the core forgets it and discovers it
+// anew.
 #pragma once
 
 #include <atomic>
@@ -13,19 +13,19 @@
 
 namespace ddssec::cyclonedds {
 
-/// Of all domains of the process. Thread-safe.
+/// The sessions of all domains of the process. Thread-safe.
 class SessionResets {
  public:
   static SessionResets& of_process();
 
-  /// From now on `peer` may prove with `token` that it has lost the session. Without memory it
-  /// cannot, which leaves the session as it is.
+  /// From now on `peer` can prove with `token` that it has lost the session. If memory runs out it
+  /// cannot, and the session stays as it is.
   void expect(spi::ParticipantCryptoHandle peer, spi::IdentityHandle identity,
               spi::ResetToken token) noexcept;
   void forget(spi::ParticipantCryptoHandle peer);
-  /// False: not the token of a session that we have.
+  /// Checks a received reset. False if it is not the token of an existing session.
   bool received(const spi::Reset& reset);
-  /// Whether that remote participant asked for a reset since the last call.
+  /// True if that remote participant has requested a reset since the last call.
   bool take(spi::IdentityHandle identity);
 
  private:
@@ -39,7 +39,8 @@ class SessionResets {
   std::mutex mutex_;
   std::map<spi::ResetName, Session> sessions_;
   std::multimap<std::int64_t, spi::ResetName> names_;  ///< by the peer's handle
-  std::atomic<std::size_t> lost_ = 0;  ///< not yet taken; `take` asks for every peer each second
+  /// Not yet taken; `take` is called for every peer each second.
+  std::atomic<std::size_t> lost_ = 0;
 };
 
 }  // namespace ddssec::cyclonedds

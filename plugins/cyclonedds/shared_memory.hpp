@@ -1,5 +1,5 @@
-// Refuses protected endpoints whose samples Cyclone DDS would pass through shared memory: on that
-// way it asks no plugin, and the samples lie in the clear (DECISIONS.md).
+// Refuses protected endpoints whose samples Cyclone DDS would pass through shared memory. On that
+// path it asks no plugin, and the samples are not protected (DECISIONS.md).
 #pragma once
 
 #include <cstdint>
@@ -15,38 +15,40 @@
 
 namespace ddssec::cyclonedds {
 
-/// How samples would leave this process without the plugins being asked.
+/// A way in which samples would leave this process without the plugins.
 struct Bypass {
-  std::string_view setting;  ///< of Cyclone DDS's configuration
-  std::string seen;          ///< what gives it away
+  std::string_view setting;  ///< setting in Cyclone DDS's configuration
+  std::string seen;          ///< what shows that it is active
 };
 
-/// The path of an iceoryx segment among the mappings of a process, in the form of /proc/PID/maps.
+/// The path of an iceoryx segment among the mappings of a process, in the format of /proc/PID/maps;
+/// empty if there is none.
 std::optional<std::string> iceoryx_segment(std::string_view mappings);
 
-/// How samples of Cyclone DDS would bypass the plugins in this process; nothing: they cannot.
-/// 0.10: the process has iceoryx's management segment mapped once a domain enables shared memory.
-/// 11: the library of a PSMX instance is loaded and exports TYPE_create_psmx.
-/// Error: shared_memory_undecidable, if /proc/self/maps (or the file given) cannot be read.
+/// The way in which samples of Cyclone DDS would bypass the plugins in this process; empty if they
+/// cannot. In 0.10, the process maps iceoryx's management segment once a domain enables shared
+/// memory. In 11, the library of a PSMX instance is loaded and exports TYPE_create_psmx. Error:
+/// shared_memory_undecidable, if /proc/self/maps (or the given file) cannot be read.
 Result<std::optional<Bypass>> find_bypass(const char* mappings_file = "/proc/self/maps");
 
-/// Whether a local endpoint writes or reads: the other side's access control is what counts.
+/// The direction of a local endpoint; access control of the opposite direction is what counts.
 enum class Direction : std::uint8_t { writes, reads };
 
-/// What governance promises about the endpoint's samples and shared memory would not keep, as
-/// "data_protection_kind ENCRYPT"; empty: nothing.
+/// The protection of the endpoint's samples that governance demands and shared memory would not
+/// provide, such as "data_protection_kind ENCRYPT"; empty if there is none.
 std::string promise_for_samples(const spi::ParticipantSecurityAttributes& participant,
                                 const spi::EndpointSecurityAttributes& endpoint,
                                 Direction direction);
 
-/// One for each domain. Cyclone DDS sets up shared memory with the domain, before it loads a
-/// plugin: one look is enough, and is taken at the first endpoint that needs it. Thread-safe.
+/// The check for one domain. Cyclone DDS sets up shared memory with the domain, before it loads a
+/// plugin. So one probe is enough; it is made for the first endpoint that needs it. Thread-safe.
 class SharedMemoryGuard {
  public:
   using Probe = std::function<Result<std::optional<Bypass>>()>;
   explicit SharedMemoryGuard(Probe probe) : probe_(std::move(probe)) {}
 
-  /// What org.ddssec.access.allow_shared_memory says; false without it. Error: invalid_property.
+  /// The value of org.ddssec.access.allow_shared_memory; false if it is missing. Error:
+  /// invalid_property.
   static Result<bool> is_allowed_by(const spi::PropertyList& properties);
 
   /// The participant accepts shared memory for all its endpoints.
@@ -64,7 +66,7 @@ class SharedMemoryGuard {
   const Probe probe_;
   mutable std::mutex mutex_;
   std::set<std::int64_t> allowed_;
-  std::optional<std::optional<Bypass>> known_;  ///< after a look that succeeded
+  std::optional<std::optional<Bypass>> known_;  ///< result of a successful probe
 };
 
 }  // namespace ddssec::cyclonedds

@@ -1,4 +1,4 @@
-// The shared secrets that were handed to the host as pointers, and how long they live.
+// The shared secrets that the host holds as pointers, and their lifetime.
 #pragma once
 
 #include <array>
@@ -15,30 +15,30 @@
 
 namespace ddssec::cyclonedds {
 
-/// Cyclone's core never returns a shared secret or a handshake, and its cryptography plugin reads
-/// through the pointer as long as the remote participant is there: a secret lives until one of its
+/// Cyclone's core never returns a shared secret or a handshake. Its cryptography plugin reads
+/// through the pointer as long as the remote participant exists. So a secret lives until one of its
 /// two identities is returned. Thread-safe.
 class SharedSecrets {
  public:
-  /// Most handshakes of a pair remembered that have no secret yet; the oldest is dropped. Any
-  /// sender can make us answer a request, only the peer can finish.
+  /// The largest number of remembered handshakes of a pair without a secret; the oldest is dropped.
+  /// Any sender can cause an answer to a request, but only the peer can finish a handshake.
   static constexpr std::size_t kMostUnfinishedPerPair = 8;
 
-  /// Remembers whose handshake it is.
+  /// Remembers the two identities of a handshake.
   void note(spi::HandshakeHandle handshake, spi::IdentityHandle initiator,
             spi::IdentityHandle replier);
-  /// The pointer for that handshake, the same each time. Error: foreign_shared_secret for a
-  /// handshake not noted.
+  /// The pointer for that handshake, the same each time. Error: foreign_shared_secret for an
+  /// unknown handshake.
   Result<DDS_Security_SharedSecretHandle> hand_out(spi::HandshakeHandle handshake,
                                                    const spi::SharedSecret& secret);
-  /// The two identities of a handshake, initiator first; nothing for one not noted.
+  /// The two identities of a handshake, initiator first; empty for an unknown handshake.
   std::optional<std::pair<spi::IdentityHandle, spi::IdentityHandle>> pair_of(
       spi::HandshakeHandle handshake) const;
   /// Wipes and frees the secrets of this identity's handshakes.
   void drop(spi::IdentityHandle identity);
 
  private:
-  /// The layout together with the octets it points to; wiped when it dies.
+  /// The layout together with the octets that it points to; wiped at destruction.
   struct Block {
     explicit Block(const spi::SharedSecret& secret);
     ~Block();
@@ -56,7 +56,7 @@ class SharedSecrets {
   void forget_oldest_unfinished(std::vector<Entry>& entries);
 
   mutable std::mutex mutex_;
-  std::map<Pair, std::vector<Entry>> entries_;  ///< of a pair: in the order they were noted
+  std::map<Pair, std::vector<Entry>> entries_;  ///< for each pair in the order of `note`
   std::map<spi::HandshakeHandle, Pair> pair_of_;
 };
 

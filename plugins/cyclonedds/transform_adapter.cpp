@@ -1,4 +1,4 @@
-// CryptoTransform: the message path. One malloc block a result, nothing else.
+// CryptoTransform: the message path. One malloc block for each result, and no other allocation.
 #include <cstring>
 
 #include "plugins/cyclonedds/buffers.hpp"
@@ -15,8 +15,8 @@ using Instance = dds_security_crypto_transform;
 using CHandle = DDS_Security_CryptoHandle;
 using Octets = DDS_Security_OctetSeq;
 
-/// SEC_PREFIX: submessage header and CryptoHeader. What follows it is all the room that the host
-/// has for a decoded submessage.
+/// SEC_PREFIX: submessage header and CryptoHeader. A decoded submessage must fit into the octets
+/// after it.
 constexpr std::size_t kSecurePrefixSize = 24;
 
 Status encode_serialized_payload(Adapter& adapter, Octets& out, const Octets* plain,
@@ -27,7 +27,7 @@ Status encode_serialized_payload(Adapter& adapter, Octets& out, const Octets* pl
   });
 }
 
-/// `encode(octets, receivers, room)`, for all receivers at once.
+/// Calls `encode(octets, receivers, room)` for all receivers at once.
 template <class Handle, class Encode>
 Status encode_for(Octets& out, const Octets* plain, const DDS_Security_LongLongSeq* list,
                   Encode&& encode) {
@@ -40,7 +40,7 @@ Status encode_for(Octets& out, const Octets* plain, const DDS_Security_LongLongS
                      [&](MutableBytes room) { return encode(octets, receivers, room); });
 }
 
-/// The host's loop over receivers is over after the first call.
+/// Ends the host's loop over receivers after the first call.
 void end_loop(DDS_Security_long* index, const DDS_Security_LongLongSeq* list) {
   if (index != nullptr && list != nullptr) *index = static_cast<DDS_Security_long>(list->_length);
 }
@@ -98,7 +98,7 @@ DDS_Security_boolean encode_rtps_message(Instance* instance, Octets* encoded, co
   });
 }
 
-/// The result must fit where the host copies it without looking, and end at a multiple of 4 where
+/// The result must fit where the host copies it without a check, and end at a multiple of 4 where
 /// submessages follow one another.
 Status check_decoded(Octets& decoded, std::size_t most, std::size_t alignment) {
   if (decoded._length <= most && decoded._length % alignment == 0) return {};
@@ -109,15 +109,15 @@ Status check_decoded(Octets& decoded, std::size_t most, std::size_t alignment) {
   return fail(code);
 }
 
-/// The host reads a submessage that is only signed where it received it: there it must find what
-/// was decoded, which can differ (cryptography/type_information.hpp).
+/// The host reads a submessage that is only signed in the received buffer. So the decoded content,
+/// which can differ (cryptography/type_information.hpp), is written there.
 void write_where_received(const Octets& plain, const Octets& encoded) {
   constexpr std::uint8_t kSecureBody = 0x30;
   auto* const received = encoded._buffer + kSecurePrefixSize;
   if (*received != kSecureBody) std::memmove(received, plain._buffer, plain._length);
 }
 
-/// `decode(octets, room)`.
+/// Calls `decode(octets, room)`.
 template <class Decode>
 Status decode_submessage(Octets* plain, const Octets* encoded, Decode&& decode) {
   DDSSEC_TRY(require(plain));
@@ -130,7 +130,8 @@ Status decode_submessage(Octets* plain, const Octets* encoded, Decode&& decode) 
   return {};
 }
 
-/// Before its keys are here a peer can only be heard over the key exchange, by the shared secret.
+/// Before its keys have come, only messages of the key exchange, protected by the shared secret,
+/// show that a peer is alive.
 void note_heard(Adapter& adapter, CHandle sender) {
   auto& peers = PeersWithKeys::of_process();
   if (peers.awaits_keys()) peers.heard(sender, adapter.host().clock().monotonic());
@@ -139,9 +140,9 @@ void note_heard(Adapter& adapter, CHandle sender) {
 /// Makes the host ask for its next local participant. Any other code ends the message.
 constexpr DDS_Security_long kAskNext = DDS_SECURITY_ERR_INVALID_CRYPTO_RECEIVER_SIGN_CODE;
 
-/// Cyclone asks for each local participant in turn: a message without a MAC for this one, from a
-/// sender whose keys have not come yet, or older than they are, may be for the next, which is
-/// no reason for an alarm.
+/// Cyclone asks for each local participant in turn. A message may be for the next participant if it
+/// has no MAC for this one, if the sender's keys have not come yet, or if it is older than they
+/// are. Such errors are no reason for an alarm.
 Telling as_one_of_several_receivers(const Error& error) {
   auto telling = plainly(error);
   if (error.code() == Code::receiver_specific_mac_missing || error.code() == Code::identity_ended)
@@ -173,10 +174,11 @@ DDS_Security_boolean decode_rtps_message(Instance* instance, Octets* plain, cons
   const MessageCall call{
       instance, receiver, sender,
       encoded != nullptr ? octets_from(encoded).value_or(BytesView()) : BytesView()};
-  // Nothing in it is for the host. One that proves nothing is as if it had never come.
+  // A reset contains nothing for the host. An invalid one is ignored.
   const auto reset = spi::read_reset(call.octets);
   if (reset) SessionResets::of_process().received(*reset);
-  // The host has the plaintext: another result would take its place, and nothing would free it.
+  // The host already has the plaintext. Another result would replace it, and the first one would
+  // leak.
   if (reset || opened.was_opened_for_another(call)) {
     if (ex != nullptr) *ex = {.message = nullptr, .code = kAskNext, .minor_code = 0};
     return 0;
@@ -205,7 +207,7 @@ DDS_Security_boolean preprocess_secure_submsg(Instance* instance, CHandle* dataw
     const auto octets = DDSSEC_TRY(octets_from(encoded));
     const auto found =
         DDSSEC_TRY(adapter.transform().preprocess_secure_submessage({receiver}, {sender}, octets));
-    // Success without an endpoint would leave the host with an empty buffer.
+    // Success without an endpoint would leave an empty buffer to the host.
     if (found.category == spi::SecureSubmessageCategory::info) return fail(Code::nothing_to_route);
     *datawriter = found.datawriter.value;
     *datareader = found.datareader.value;

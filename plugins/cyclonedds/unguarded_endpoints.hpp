@@ -1,4 +1,4 @@
-// Local endpoints that access control refuses because Cyclone's core would let others around it.
+// Refuses local endpoints to which Cyclone's core would give unauthorized participants access.
 #pragma once
 
 #include <string_view>
@@ -8,18 +8,21 @@
 
 namespace ddssec::cyclonedds {
 
-/// Cyclone 0.10.2 asks about a remote endpoint only if the endpoint's announcement wants that, and
-/// matches those of unauthenticated participants without asking. Only keys keep either out: where
-/// governance controls the access to a topic that has none, our own endpoint is what we can refuse.
-/// The same goes for a reader of a topic that only the protection of whole messages covers: the
-/// core takes the messages of an unauthenticated participant as they are.
+/// Refuses a local endpoint that no key protects from unauthorized peers.
+///
+/// Cyclone 0.10.2 asks about a remote endpoint only if the endpoint's announcement demands it, and
+/// matches endpoints of unauthenticated participants without asking. Only keys exclude both. If
+/// governance controls the access to a topic without keys, only the local endpoint can be refused.
+/// The same is true of a reader of a topic that only the protection of whole messages covers: the
+/// core accepts messages of an unauthenticated participant unprotected.
+///
 /// Errors: unauthenticated_peers_unstoppable, controlled_topic_unguarded.
 Status refuse_what_nothing_guards(AccessControlAdapter& adapter, spi::PermissionsHandle handle,
                                   const spi::EndpointRequest& request,
                                   const spi::EndpointSecurityAttributes& endpoint, bool is_writer);
 
-/// Cyclone DDS asks no plugin about samples that go through shared memory.
-/// Errors: invalid_property, those of SharedMemoryGuard::check.
+/// Refuses a local endpoint whose samples would go unprotected through shared memory, about which
+/// Cyclone DDS asks no plugin. Errors: invalid_property, those of SharedMemoryGuard::check.
 Status refuse_what_shared_memory_exposes(AccessControlAdapter& adapter,
                                          spi::PermissionsHandle handle, std::string_view topic,
                                          const DDS_Security_Qos* qos,

@@ -8,19 +8,20 @@ namespace {
 
 bool has(std::uint32_t mask, std::uint32_t flag) { return (mask & flag) != 0; }
 
-/// A mask without its valid bit says nothing more than the booleans (DDS-Security 9.4.2.4).
+/// A mask without its valid bit adds nothing to the booleans (DDS-Security 9.4.2.4).
 std::uint32_t valid_or_nothing(std::uint32_t mask) {
   return has(mask, spi::kMaskIsValid) ? mask : 0;
 }
 
-// What our access control tells our cryptography of an entity. The host hands the attributes of the
-// one to the other without looking at their properties; others' cryptography passes them over.
+// Data about an entity that libddssec_access_control passes to libddssec_cryptography. The host
+// passes the attributes from one to the other without reading their properties; other cryptography
+// plugins ignore them.
 using NoProperties = DDS_Security_PropertySeq;
 constexpr std::string_view kBuiltinEndpoint = "org.ddssec.builtin_endpoint";
 constexpr std::string_view kClosedReader = "org.ddssec.closed_reader";
 constexpr std::string_view kStandardCiphersOnly = "org.ddssec.standard_ciphers_only";
 
-/// One property that lives as long as the library; C has no const here, nothing writes to it.
+/// A property that lives as long as the library. The C type has no const; nothing writes to it.
 template <const std::string_view& name>
 DDS_Security_PropertySeq marker() {
   static char value[] = "true";

@@ -1,5 +1,5 @@
-// The small values between Cyclone's C types and ours: octets, GUIDs, attributes, endpoint
-// requests.
+// Conversion of small values between Cyclone's C types and those of spi: octets, GUIDs, attributes,
+// endpoint requests.
 #pragma once
 
 #include <span>
@@ -15,7 +15,7 @@
 
 namespace ddssec::cyclonedds {
 
-/// The elements of a sequence; null_argument for a length without a buffer.
+/// The elements of a sequence, borrowed. Error: null_argument for a length without a buffer.
 template <class Sequence>
 auto elements_of(const Sequence& sequence)
     -> Result<std::span<const std::remove_pointer_t<decltype(sequence._buffer)>>> {
@@ -24,10 +24,10 @@ auto elements_of(const Sequence& sequence)
       sequence._buffer, sequence._buffer != nullptr ? sequence._length : 0);
 }
 
-/// The octets, borrowed.
+/// The octets, borrowed. Error: null_argument.
 Result<BytesView> octets_from(const DDS_Security_OctetSeq* octets);
 
-/// GUIDs are in network octet order on both sides.
+/// GUIDs are in network byte order on both sides.
 Guid guid_from(const DDS_Security_GUID_t& guid);
 DDS_Security_GUID_t to_c(const Guid& guid);
 
@@ -36,8 +36,8 @@ DDS_Security_ParticipantSecurityAttributes to_c(
 DDS_Security_TopicSecurityAttributes to_c(const spi::TopicSecurityAttributes& attributes);
 DDS_Security_EndpointSecurityAttributes to_c(const spi::EndpointSecurityAttributes& attributes);
 
-/// Of a reader that is to match no remote writer (closed_readers.hpp). Our cryptography makes no
-/// keys for it and takes none.
+/// The attributes of a reader that must not match any remote writer (closed_readers.hpp).
+/// libddssec_cryptography makes no keys for it and accepts none.
 DDS_Security_EndpointSecurityAttributes closed_reader_attributes();
 
 spi::ParticipantSecurityAttributes attributes_from(
@@ -45,11 +45,12 @@ spi::ParticipantSecurityAttributes attributes_from(
 spi::EndpointSecurityAttributes attributes_from(
     const DDS_Security_EndpointSecurityAttributes& attributes);
 
-/// What an endpoint asks for, with the lists it borrows. The topic's name and the partitions stay
-/// the host's.
+/// The request of an endpoint. It owns its lists; the topic's name and the partitions are borrowed
+/// from the host.
 class EndpointQuestion {
  public:
-  /// A null partition or null tags mean none. Error: null_argument (topic name, an element).
+  /// From the host's values; a null partition or null tags mean none. Error: null_argument (topic
+  /// name, an element).
   static Result<EndpointQuestion> from(const char* topic_name,
                                        const DDS_Security_PartitionQosPolicy* partition,
                                        const DDS_Security_DataTags* data_tags);
@@ -63,7 +64,7 @@ class EndpointQuestion {
   spi::PropertyList data_tags_;
 };
 
-/// Reads what the handle points to. Error: foreign_shared_secret.
+/// Reads the memory behind the handle. Error: foreign_shared_secret.
 Result<spi::SharedSecret> shared_secret_from(DDS_Security_SharedSecretHandle handle);
 
 }  // namespace ddssec::cyclonedds
