@@ -9,7 +9,7 @@
 namespace ddssec::governance {
 namespace {
 
-// True if something was open.
+// Returns true if a range was open.
 bool close_ranges(DomainSet& domains) {
   bool any = false;
   for (auto& range : domains.ranges) {
@@ -40,8 +40,8 @@ void add_partitions(Names& out, const std::vector<Criteria>& list) {
     for (const auto& text : partitions_of(criteria)) out.insert(text.text);
 }
 
-// Fast DDS looks for the partitions of an endpoint in all elements of the rule, so that they are as
-// one element.
+// Fast DDS searches for an endpoint's partitions in all elements of the rule, as if these were one
+// element.
 bool join_elements(std::vector<Criteria>& list) {
   Names all;
   add_partitions(all, list);
@@ -73,7 +73,7 @@ bool takes_all_partitions(const Criteria& criteria) {
   return std::ranges::find(partitions, "*", &Text::text) != partitions.end();
 }
 
-// The topics of an allow_rule, denied in the partitions that it does not list.
+// Elements that deny the topics of an allow_rule in the partitions that it does not list.
 std::vector<Criteria> denied_besides(const std::vector<Criteria>& list) {
   std::vector<Criteria> out;
   for (const auto& criteria : list)
@@ -82,7 +82,7 @@ std::vector<Criteria> denied_besides(const std::vector<Criteria>& list) {
   return out;
 }
 
-// For each rule whether it is an allow_rule after which others list partitions that it does not.
+// For each rule: true if it is an allow_rule and later rules list partitions that it does not.
 std::vector<bool> is_followed_by_more(const std::vector<Rule>& rules,
                                       std::vector<Criteria> Rule::*list) {
   std::vector<bool> out(rules.size());
@@ -99,7 +99,7 @@ std::vector<bool> is_followed_by_more(const std::vector<Rule>& rules,
   return out;
 }
 
-// Whether the partitions of an allow_rule fit or not, Fast DDS looks no further.
+// Fast DDS stops at an allow_rule with the topic, whether its partitions match or not.
 bool end_at_first(std::vector<Rule>& rules) {
   const auto in_publish = is_followed_by_more(rules, &Rule::publish),
              in_subscribe = is_followed_by_more(rules, &Rule::subscribe);

@@ -1,5 +1,5 @@
-// Documents as stock products read them, written as the standard reads them: our decisions by the
-// resulting document are those of the product.
+// Rewrites documents as stock products read them, in the standard's terms: ddssec's decisions by
+// the rewritten document are those of the product.
 #pragma once
 
 #include <cstdint>
@@ -15,14 +15,16 @@ inline constexpr StockProduct kStockProducts[] = {StockProduct::cyclonedds, Stoc
 /// "Cyclone DDS", "Fast DDS".
 std::string_view to_string(StockProduct product);
 
-/// Both products read a range of domains without <max> as one domain. Nothing if that changes
-/// nothing. Expressions are left as they are (dialect.hpp).
+/// A governance document as both products read it: a range of domains without <max> is one domain.
+/// Empty if nothing changes. Expressions stay unchanged (dialect.hpp).
 std::optional<Governance> as_stock_reads(const Governance& document);
 
-/// The same; and Cyclone DDS takes a deny_rule without partitions for the partition "" only, and
-/// passes over <tag>; Fast DDS denies in all partitions, and takes every <default> as DENY. With
-/// Fast DDS a topic and its partitions may also stand in different elements of one rule, and the
-/// first rule with the topic decides: after an allow_rule stands a deny_rule for its topics.
+/// A permissions document as the product reads it; empty if nothing changes. Ranges as above.
+/// - Cyclone DDS applies a deny_rule without partitions to the partition "" only, and ignores
+///   <tag>.
+/// - Fast DDS denies in all partitions, and reads every <default> as DENY. A topic and its
+///   partitions may be in different elements of one rule. The first rule with the topic decides: so
+///   a deny_rule for its topics follows each allow_rule.
 std::optional<Permissions> as_stock_reads(const Permissions& document, StockProduct product);
 
 }  // namespace ddssec::governance

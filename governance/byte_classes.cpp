@@ -25,7 +25,7 @@ const std::string& octets_by_readability() {
 }
 
 void ByteClasses::tell_apart(const std::bitset<256>& set) {
-  // Groups split into what is inside the set and what is outside; at most 256 are left.
+  // Each group is split into the octets inside and outside the set; at most 256 groups remain.
   std::array<std::uint16_t, 512> renamed{};
   std::uint16_t next = 0;
   for (std::size_t octet = 0; octet < group_.size(); ++octet) {

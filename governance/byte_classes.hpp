@@ -1,4 +1,5 @@
-// The alphabet of an automaton over expressions: octets that nothing tells apart are one letter.
+// The alphabet of an automaton over expressions: octets that no expression distinguishes are one
+// letter.
 #pragma once
 
 #include <array>
@@ -12,16 +13,17 @@ namespace ddssec::governance {
 /// Every octet but NUL, the most readable first.
 const std::string& octets_by_readability();
 
-/// Classes of octets, numbered in the order in which people like to read names: letters first.
+/// Classes of octets, numbered so that classes with readable octets come first: letters, then the
+/// others.
 class ByteClasses {
  public:
   using Class = std::uint8_t;
-  /// Of NUL, which no name holds, if nothing else is in its class.
+  /// The class of NUL, which occurs in no name, if it is alone in its class.
   static constexpr Class kNone = 255;
 
   void tell_apart(const std::bitset<256>& set);
   void tell_apart(std::uint8_t octet) { single_.set(octet); }
-  /// After all tell_apart().
+  /// Numbers the classes. Call it after all tell_apart().
   void number();
 
   std::size_t size() const { return shown_.size(); }

@@ -15,7 +15,7 @@ namespace {
 
 std::string_view type_of(std::string_view piece) { return piece.substr(0, piece.find('=')); }
 
-/// A subject as a certificate of it says it, and the same for every spelling.
+/// A subject as in a certificate, and a key that is the same for every spelling.
 struct NamedSubject {
   std::string text;
   std::string key;
@@ -31,7 +31,7 @@ std::optional<NamedSubject> subject_of(const Grant& grant) {
 
 }  // namespace
 
-// As strtok does: no escapes, and nothing between two separators.
+// Like strtok: no escapes, and no empty pieces between separators.
 std::vector<std::string_view> pieces_for_cyclonedds(std::string_view text) {
   constexpr std::string_view kSeparators = ",/|";
   std::vector<std::string_view> out;
@@ -43,7 +43,7 @@ std::vector<std::string_view> pieces_for_cyclonedds(std::string_view text) {
   return out;
 }
 
-// Of several pieces of one type the first counts.
+// If several pieces have one type, the first counts.
 bool cyclonedds_takes(std::string_view grant, std::string_view certificate) {
   const auto said = pieces_for_cyclonedds(grant);
   return std::ranges::all_of(pieces_for_cyclonedds(certificate), [&](std::string_view piece) {
@@ -61,7 +61,7 @@ GrantsForCyclone::GrantsForCyclone(const Permissions& document) {
 }
 
 const Grant* GrantsForCyclone::taken_for(std::string_view certificate) const {
-  const std::vector<const Grant*>* fewest = nullptr;  // a grant that is taken has every piece
+  const std::vector<const Grant*>* fewest = nullptr;  // a grant that applies has every piece
   for (const auto piece : pieces_for_cyclonedds(certificate)) {
     const auto having = by_piece_.find(piece);
     if (having == by_piece_.end()) return nullptr;
@@ -76,14 +76,14 @@ const Grant* GrantsForCyclone::taken_for(std::string_view certificate) const {
 
 namespace {
 
-/// What a document has for one subject, however that is written.
+/// The grants of a document for one subject, in any spelling.
 struct OwnGrants {
   const Grant* first = nullptr;
   std::size_t count = 0;
 };
 using OwnGrantsOf = std::map<std::string_view, OwnGrants>;
 
-/// The subjects of both documents, by what is the same for every spelling.
+/// The subjects of both documents, by a key that is the same for every spelling.
 struct SubjectsOfBoth {
   std::map<std::string, std::vector<std::string>> texts;  ///< as certificates say them
   OwnGrantsOf before, after;
@@ -106,7 +106,7 @@ struct SubjectsOfBoth {
   }
 };
 
-/// Does ddssec look at that grant, and at no other?
+/// True if ddssec also uses that grant, and no other.
 bool is_the_only_one(const OwnGrantsOf& own, const std::string& key, const Grant* taken) {
   const auto found = own.find(key);
   if (found == own.end()) return taken == nullptr;

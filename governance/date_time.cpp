@@ -9,7 +9,7 @@ using std::chrono::hours;
 using std::chrono::minutes;
 using std::chrono::seconds;
 
-/// A cursor over the text; every step fails for good once one failed.
+/// A cursor over the text; after one failed step, all further steps fail.
 class Cursor {
  public:
   explicit Cursor(std::string_view text) : text_(text) {}
@@ -71,7 +71,7 @@ std::optional<seconds> read_time_of_day(Cursor& in) {
   return hours(h) + minutes(m) + seconds(s);
 }
 
-/// True if there are digits other than 0 after the point; nothing if the form is wrong.
+/// True if there are digits other than 0 after the point; empty if the form is wrong.
 std::optional<bool> read_fraction(Cursor& in) {
   if (!in.accept('.')) return false;
   if (!in.next_is_digit()) return std::nullopt;
@@ -80,7 +80,7 @@ std::optional<bool> read_fraction(Cursor& in) {
   return above_zero;
 }
 
-// Where a signed count of 64 bits ends.
+// The last time that a signed 64-bit count of nanoseconds can represent.
 constexpr WallTime kEndOfNanoseconds{
     seconds(std::numeric_limits<std::int64_t>::max() / 1'000'000'000)};
 

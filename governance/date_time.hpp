@@ -1,4 +1,4 @@
-// xs:dateTime, as validity elements hold it.
+// xs:dateTime, the format of validity elements.
 #pragma once
 
 #include <cstdint>
@@ -12,20 +12,21 @@ namespace ddssec::governance {
 
 enum class Round : std::uint8_t { down, up };
 
-/// A moment read from a document.
+/// A time from a document.
 struct DateTime {
   WallTime time;
   bool has_zone;
   bool has_fraction;  ///< of a second, and not 0
-  /// Cyclone DDS 0.10 reads the text as another product does. It has no 24:00:00, no zone beyond 12
-  /// hours, and nothing after 2262-04-11, where its nanoseconds end; as an end these have passed.
+  /// True if Cyclone DDS 0.10 reads the text like other products. It does not know 24:00:00, zones
+  /// beyond 12 hours, or times after 2262-04-11, where its nanoseconds end. As the end of a
+  /// validity it treats these as past.
   bool is_for_cyclone = true;
 };
 
-/// Reads `2026-11-21T03:13:43`, with an optional fraction and an optional zone `Z`, `+hh:mm` or
+/// Parses `2026-11-21T03:13:43` with an optional fraction and an optional zone `Z`, `+hh:mm` or
 /// `-hh:mm`; without a zone it is UTC (DDS-Security 9.4.1.3.2.2). Strict: every digit in its place,
-/// years 1970 to 9999, real days only, 24:00:00 as the next midnight, no leap seconds. A fraction
-/// rounds as asked. Nothing if the text has another form.
+/// years 1970 to 9999, valid days only, 24:00:00 as the next midnight, no leap seconds. A fraction
+/// is rounded as `round` says. Empty if the text has another form.
 std::optional<DateTime> parse_date_time(std::string_view text, Round round);
 
 }  // namespace ddssec::governance

@@ -8,7 +8,7 @@
 
 namespace ddssec::governance {
 
-/// A partition that an entity asks for; compiled at most once, whatever is listed.
+/// A requested partition; compiled at most once, however many are listed.
 class RequestedPartition {
  public:
   explicit RequestedPartition(std::string_view text) : text_(text) {}
@@ -25,8 +25,8 @@ class RequestedPartition {
 
 namespace {
 
-// What may make a requested partition stand for more than its own text. Hosts differ in whether a
-// backslash escapes there, so one counts too: an allow rule must be right either way.
+// Characters with which a requested partition may stand for more than its own text. Hosts differ in
+// whether a backslash escapes there, so it is included: an allow rule must be right either way.
 constexpr std::string_view kSpecial = "*?[\\";
 
 std::string_view longest_literal_beginning(std::string_view requested) {
@@ -39,7 +39,7 @@ bool may_stand_for_many(std::string_view requested) {
 
 bool has_backslash(std::string_view requested) { return requested.find('\\') != requested.npos; }
 
-/// True if every name that `requested` stands for is matched, as far as can be seen simply.
+/// True if every name that `requested` stands for is matched, as far as a simple check can tell.
 bool covers(const Pattern& listed, std::string_view requested) {
   if (!may_stand_for_many(requested)) return listed.matches(requested);
   const auto& steps = listed.steps();
@@ -52,10 +52,10 @@ bool covers(const Pattern& listed, std::string_view requested) {
     return step.kind == Pattern::Kind::character;
   });
   return plain && prefix <= beginning.size() &&
-         listed.matches(beginning);  // the prefix is literal and what follows may be anything
+         listed.matches(beginning);  // the prefix is literal and any text may follow
 }
 
-/// False only if it can be seen that no name is both listed and requested.
+/// False only if a simple check shows that no name is both listed and requested.
 bool may_meet(const Pattern& listed, RequestedPartition& requested) {
   const auto text = requested.text();
   if (!may_stand_for_many(text)) return listed.matches(text);
@@ -73,7 +73,7 @@ bool data_tags_fit(const Rule& rule, const Criteria& criteria, std::span<const D
   return rule.allow ? std::ranges::all_of(tags, listed) : std::ranges::any_of(tags, listed);
 }
 
-/// Can be met whatever partitions and data tags an entity has.
+/// True if the element matches whatever partitions and data tags an entity has.
 bool is_unconditional(const Criteria& criteria) {
   return !criteria.partitions && !criteria.data_tags;
 }
@@ -104,7 +104,7 @@ std::string describe_domain(DomainId domain, std::string_view tag) {
   return text;
 }
 
-// "0, 5 to 7": what the document is for instead.
+// "0, 5 to 7": the domains of the document, for an error message.
 std::string describe_domains(const Governance& governance) {
   constexpr std::size_t kMost = 128;
   std::string out;
@@ -236,7 +236,7 @@ Verdict CompiledGrant::judge(Action action, const Request& request) const {
 }
 
 Verdict CompiledGrant::judge_topic(Action action, std::string_view topic) const {
-  // No entity's key begins with 't'.
+  // The key of an entity never begins with 't'.
   std::string key(1, 't');
   key += cache_key(action, {.topic = topic});
   if (const auto verdict = seen_.find(key)) return *verdict;

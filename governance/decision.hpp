@@ -1,4 +1,4 @@
-// Compiled documents: who may do what, and which rule says so, in microseconds.
+// Compiled documents: decisions in microseconds, with the rule that decided.
 #pragma once
 
 #include <array>
@@ -22,13 +22,13 @@ std::string describe_domain(DomainId domain, std::string_view tag);
 /// "publish", "subscribe", "relay".
 std::string_view to_string(Action action);
 
-/// How many of an entity's partitions an allow rule must list.
+/// The number of an entity's partitions that an allow rule must list.
 enum class PartitionMatch : std::uint8_t {
   all,  ///< every one (DDS-Security 1.2 9.4.1.3.2.3.1.4)
   one,  ///< the "legacy" mode of 1.2: one is enough
 };
 
-/// What an entity asks for. No partition means the partition "".
+/// What an entity requests. No partition means the partition "".
 struct Request {
   std::string_view topic;
   std::span<const std::string_view> partitions = {};
@@ -37,12 +37,12 @@ struct Request {
 
 class RequestedPartition;
 
-/// A decision and what decided. The pointers live as long as the CompiledGrant.
+/// A decision and the rule that decided. The pointers are valid as long as the CompiledGrant.
 struct Verdict {
   bool allowed = false;
-  /// The deciding rule, or nullptr: the grant's default decided.
+  /// The deciding rule; nullptr if the grant's default decided.
   const Rule* rule = nullptr;
-  /// The deciding publish, subscribe or relay element of the rule, if it was one.
+  /// The deciding publish, subscribe or relay element of the rule, if there is one.
   const Criteria* criteria = nullptr;
 
   /// The line that decided; for the default, the line of the grant.
@@ -51,22 +51,23 @@ struct Verdict {
   }
 };
 
-/// Whether a rule says who may join its domains: an allow rule lets in, a deny rule without publish
-/// and subscribe refuses (DDS-Security 1.2 table 70). A deny rule about topics does not: sros2
-/// writes such rules first.
+/// True if a rule decides which participants may join its domains. An allow rule admits them; a
+/// deny rule without publish and subscribe refuses them (DDS-Security 1.2 table 70). A deny rule
+/// about topics does not decide: sros2 writes such rules first.
 bool decides_joining(const Rule& rule);
 
-/// One grant, ready to judge entities of one domain and domain tag. Immutable and thread-safe.
+/// One grant, compiled for one domain and domain tag. Immutable and thread-safe.
 ///
-/// A rule that lists no domain tag is for the empty tag only (DDS-Security 1.2 10.4.1.2.5.1).
-/// Rules are tried in document order and the first that matches decides, else the default. A rule
-/// matches if domain, topic, partitions and data tags fit one of its elements at once.
-/// - Partitions: an allow rule must list all of the entity's (or one, see PartitionMatch), a deny
-///   rule any of them. Data tags: an allow rule must list all of the entity's, a deny rule any.
-/// - A topic name is literal whatever it holds. A requested partition with wildcards or a backslash
-///   stands for many names: an allow rule must cover all of them (same text, `*`, or a prefix
-///   followed by `*`), and a deny rule hits it unless it can be seen that they have nothing in
-///   common.
+/// A rule without domain tags is for the empty tag only (DDS-Security 1.2 10.4.1.2.5.1). Rules are
+/// tried in document order. The first that matches decides, otherwise the default. A rule matches
+/// if domain, topic, partitions and data tags all match one of its elements.
+///
+/// - Partitions: an allow rule must list all of the entity's partitions (or one, see
+///   PartitionMatch), a deny rule any of them. Data tags: an allow rule must list all of the
+///   entity's tags, a deny rule any.
+/// - A topic name is always literal. A requested partition with wildcards or a backslash stands for
+///   many names. An allow rule must cover all of them: by the same text, by `*`, or by a prefix
+///   followed by `*`. A deny rule applies unless the two clearly have no name in common.
 class CompiledGrant {
  public:
   CompiledGrant(std::shared_ptr<const Permissions> permissions, const Grant& grant, DomainId domain,
@@ -75,12 +76,12 @@ class CompiledGrant {
   const Grant& grant() const { return grant_; }
 
   Verdict judge(Action action, const Request& request) const;
-  /// Whether there are partitions and data tags with which the topic may be used.
+  /// Whether the topic may be used with at least some partitions and data tags.
   Verdict judge_topic(Action action, std::string_view topic) const;
-  /// Whether the participant may join: the first rule for the domain that decides_joining, or else
-  /// the default.
+  /// Whether the participant may join: decided by the first rule for the domain for which
+  /// decides_joining is true, otherwise by the default.
   Verdict judge_participant() const { return participant_; }
-  /// The elements of allow rules about the action, in document order.
+  /// The elements of allow rules for the action, in document order.
   std::vector<const Criteria*> allowed(Action action) const;
 
  private:
@@ -113,10 +114,10 @@ class CompiledGrant {
   mutable VerdictCache<Verdict> seen_;
 };
 
-/// The rule of a governance document for one domain, ready to tell topic rules. Thread-safe.
+/// The rule of a governance document for one domain, compiled. Thread-safe.
 class CompiledGovernance {
  public:
-  /// Error: domain_not_covered.
+  /// Compiles the rule for the domain and tag. Error: domain_not_covered.
   static Result<std::shared_ptr<const CompiledGovernance>> make(
       std::shared_ptr<const Governance> governance, DomainId domain, std::string_view tag = {});
 

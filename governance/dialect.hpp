@@ -1,4 +1,4 @@
-// Where products read one expression in different ways.
+// Differences in how products read one expression.
 #pragma once
 
 #include <optional>
@@ -9,16 +9,16 @@
 
 namespace ddssec::governance {
 
-/// Where a product and the standard (ddssec) differ.
+/// A difference between a product and the standard (ddssec).
 struct ReadingDifference {
-  std::string name;              ///< the shortest on which they differ
+  std::string name;              ///< the shortest name on which they differ
   bool product_matches = false;  ///< the standard says the opposite
 };
 
-/// An expression that is not in the subset every product reads alike.
+/// An expression outside the subset that every product reads alike.
 struct Unportable {
-  std::string reason;  ///< what in it is not, such as `the "[" is never closed`
-  /// Nothing if the product agrees on all names, or if that would take too long to find out.
+  std::string reason;  ///< the part that is not portable, such as `the "[" is never closed`
+  /// Empty if the product agrees on all names, or if the answer would take too long.
   std::optional<ReadingDifference> cyclonedds = std::nullopt;  ///< Cyclone DDS 0.10.2
   std::optional<ReadingDifference> fastdds = std::nullopt;     ///< Fast DDS 2.9.1
 
@@ -27,13 +27,14 @@ struct Unportable {
 /// `"a[": a "[" is never closed; Cyclone DDS does not match "a[", which ddssec does`.
 std::string to_sentence(std::string_view expression, const Unportable& found);
 
-/// Nothing if every product reads the expression alike: characters other than `*?[]\`, `*`, `?`,
-/// and `[...]` of letters, digits, '_' and their ranges, with or without '!' before them and not
-/// followed by '-'. Names that hold a ']' are not looked at: Cyclone's brackets match it, and no
-/// topic has it. Differences are looked for as long as there is effort left.
+/// Empty if every product reads the expression alike. That is the case for characters other than
+/// `*?[]\`, for `*`, `?`, and for `[...]` of letters, digits, '_' and their ranges, with or without
+/// '!' before them and not followed by '-'. Names that contain ']' are not considered: Cyclone's
+/// brackets match it, and no topic contains it. Differences are searched for as long as there is
+/// effort left.
 std::optional<Unportable> unportable(std::string_view expression, SetEffort& effort);
 
-/// What the product matches with the expression, as an expression of the standard.
+/// The names that the product matches with the expression, as an expression of the standard.
 std::string as_cyclone_reads_it(std::string_view expression);
 std::string as_fastdds_reads_it(std::string_view expression);
 

@@ -1,4 +1,4 @@
-// The line of domain ids, cut where documents begin and end to speak of them.
+// The range of all domain ids, cut where domain ranges of documents begin and end.
 #pragma once
 
 #include <bitset>
@@ -9,11 +9,11 @@
 
 namespace ddssec::governance {
 
-/// Cuts 0 to kHighestDomainId so that no given range begins or ends within a piece.
+/// Cuts 0 to kHighestDomainId so that no given range begins or ends inside a piece.
 class DomainCuts {
  public:
   void add(const DomainSet& domains);
-  /// Ascending; together the whole line.
+  /// The pieces in ascending order; together all domain ids.
   std::vector<DomainRange> pieces() const;
 
  private:
@@ -21,7 +21,7 @@ class DomainCuts {
   std::bitset<kHighestDomainId + 1> begins_;
 };
 
-/// Sorts, and joins what touches or overlaps.
+/// Sorts the ranges, and joins those that touch or overlap.
 std::vector<DomainRange> joined(std::vector<DomainRange> ranges);
 
 }  // namespace ddssec::governance

@@ -1,4 +1,5 @@
-// Expressions laid out for an automaton: one position a step, and what each expression counts for.
+// Expressions laid out for an automaton: one position for each step, with the labels of each
+// expression.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +14,9 @@
 
 namespace ddssec::governance {
 
-/// A position is what is left of an expression, and what the expression counts for: equal rests of
-/// expressions that count alike are one position. The last position of each chain is its end.
+/// The table. A position stands for the rest of an expression and the labels of that expression:
+/// equal rests of expressions with equal labels are one position. The last position of each chain
+/// is its end.
 class ExpressionTable {
  public:
   using Position = std::uint32_t;
@@ -27,7 +29,7 @@ class ExpressionTable {
 
   std::size_t size() const { return steps_.size(); }
   const ByteClasses& classes() const { return classes_; }
-  /// Where all expressions begin, ascending.
+  /// The first positions of all expressions, ascending.
   const std::vector<Position>& beginnings() const { return beginnings_; }
 
   Kind kind(Position p) const { return steps_[p].kind; }
@@ -38,21 +40,21 @@ class ExpressionTable {
   }
   /// Of Kind::set, ascending.
   std::span<const std::uint32_t> set(Position p) const { return sets_[steps_[p].value]; }
-  /// True for a star behind which nothing comes: from there on every name matches.
+  /// True for a star at the end of an expression: from there every name matches.
   bool is_final_star(Position p) const {
     return kind(p) == Kind::star && kind(next(p)) == Kind::end;
   }
-  /// The star that leads to `p` at once, or kNone.
+  /// The star directly before `p`, or kNone.
   Position star_before(Position p) const { return steps_[p].star_before; }
-  /// The first star behind `p`, or kNone.
+  /// The first star after `p`, or kNone.
   Position star_ahead(Position p) const { return steps_[p].star_ahead; }
 
-  /// What the expressions of the position count for; one label a list, ascending.
+  /// The labels of the position's expressions: at most one for each list, ascending.
   std::span<const Label> labels(Position p) const { return label_sets_[steps_[p].labels]; }
   const NameAtom::Match& match(Label label) const { return labels_[label]; }
-  /// Sorts, and keeps of every list the lowest rank only.
+  /// Sorts the labels, and keeps only the lowest rank of every list.
   void keep_first_of_each_list(std::vector<Label>& labels) const;
-  /// Lists numbered without gaps, and how many there are.
+  /// The number of the label's list; lists are numbered without gaps.
   std::uint32_t list_number(Label label) const { return list_numbers_[label]; }
   std::size_t lists() const { return list_numbers_.empty() ? 0 : list_numbers_.back() + 1; }
 

@@ -8,17 +8,17 @@
 
 namespace ddssec::governance {
 
-/// The first grant for `subject` whose validity contains `now`; grants outside their validity are
-/// ignored (DDS-Security 1.2 9.4.1.3.2.2). Names compare by SubjectName::matches, expressions RDN by
-/// RDN in the same way. `shown` is how errors name the subject.
-/// Errors: no_grant_for_subject; grant_expired or grant_not_yet_valid if there are only such.
+/// The first grant for `subject` whose validity contains `now`; other grants are ignored
+/// (DDS-Security 1.2 9.4.1.3.2.2). Names are compared with SubjectName::matches, expressions RDN by
+/// RDN in the same way. `shown` names the subject in errors. Errors: no_grant_for_subject;
+/// grant_expired or grant_not_yet_valid if all grants for the subject are.
 Result<const Grant*> find_grant(const Permissions& permissions, const pki::SubjectName& subject,
                                 std::string_view shown, WallTime now);
 
 /// True if the grant is for the subject, whatever its validity.
 bool is_for(const Grant& grant, const pki::SubjectName& subject);
 
-/// Success while the grant is valid, else grant_expired or grant_not_yet_valid.
+/// Success while the grant is valid. Errors: grant_expired, grant_not_yet_valid.
 Status check_validity(const Grant& grant, WallTime now);
 
 }  // namespace ddssec::governance

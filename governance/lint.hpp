@@ -1,4 +1,4 @@
-// What is wrong, dead, weak or unportable in documents that can be read.
+// Finds errors, dead rules, weaknesses and portability problems in documents that can be parsed.
 #pragma once
 
 #include <optional>
@@ -10,10 +10,11 @@
 
 namespace ddssec::governance {
 
-/// The most findings of one rule; the last of them says how many more there are.
+/// The largest number of findings for one rule; the last of them gives the number of those left
+/// out.
 inline constexpr std::size_t kMostFindingsPerRule = 20;
 
-/// What a governance document is meant for.
+/// The intended use of a governance document.
 struct GovernanceUse {
   std::optional<DomainId> domain = std::nullopt;
   bool choices = false;  ///< also GOV042 and GOV044, which most documents have for good reasons
@@ -22,18 +23,18 @@ struct GovernanceUse {
 /// Findings GOV001 to GOV046, by line. Errors stop `governance sign`.
 std::vector<Finding> lint(const Governance& governance, const GovernanceUse& use = {});
 
-/// What a permissions document is meant for. What is not given is not looked at.
+/// The intended use of a permissions document. Checks for values that are not given are skipped.
 struct PermissionsUse {
   std::optional<WallTime> now = std::nullopt;
   const pki::Certificate* certificate = nullptr;
   const Governance* governance = nullptr;
-  std::size_t signed_octets = 0;  ///< how long the signed document is, or will be at least
+  std::size_t signed_octets = 0;  ///< length of the signed document, or a lower bound of it
 };
 
-/// PERM042, of a signed document that is longer than ddssec's plugins take.
+/// The finding PERM042, for a signed document that is longer than ddssec's plugins accept.
 Finding too_long_for_peers(std::size_t signed_octets);
 
-/// Findings PERM001 to PERM042 but PERM031, by line. Errors stop `permissions sign`.
+/// Findings PERM001 to PERM042 except PERM031, by line. Errors stop `permissions sign`.
 std::vector<Finding> lint(const Permissions& permissions, const PermissionsUse& use = {});
 
 /// True if one of them is an error.

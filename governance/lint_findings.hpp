@@ -1,4 +1,4 @@
-// Collects findings, within bounds. For governance/ only.
+// Collects findings up to a limit. For governance/ only.
 #pragma once
 
 #include <map>
@@ -17,16 +17,16 @@ inline const std::string kFastDds = "fastdds";
 inline const std::string kOpenDds = "opendds";
 inline const std::vector<std::string> kStock = {kCyclone, kFastDds};
 
-/// The findings of one document, and the effort left for finding more.
+/// The findings of one document, and the effort left for further checks.
 class Findings {
  public:
-  /// `rule` is for what was not looked for when the effort came to its end.
+  /// `rule`: the rule of the finding about checks that were skipped because the effort ran out.
   explicit Findings(ddssec::Rule rule) : if_cut_short_(rule) {}
 
   /// For questions about sets of names.
   SetEffort& effort() { return effort_; }
 
-  /// Adds it unless its rule has enough.
+  /// Adds a finding unless its rule has kMostFindingsPerRule.
   void add(Finding finding);
   /// Adds a note of a reader, as a finding of the rule.
   void add(ddssec::Rule rule, const Note& note, std::vector<std::string> vendors);
@@ -35,11 +35,11 @@ class Findings {
   /// Adds GOV013 or PERM034 if the expression begins like a name of ROS.
   void add_if_ros_name(ddssec::Rule rule, const Text& expression, const std::string& path);
 
-  /// Adds the rule if the name holds characters that a terminal hides or reorders.
+  /// Adds a finding if the name contains characters that a terminal hides or reorders.
   void add_if_misleading(ddssec::Rule rule, std::string_view what, const Text& name,
                          const std::string& path);
 
-  /// All of them by line. Where some were left out, the last one of the rule says so.
+  /// All findings by line. If some were left out, the last one of the rule says so.
   std::vector<Finding> take();
 
  private:
@@ -61,7 +61,7 @@ inline constexpr std::string_view kUnmatchableHint =
 
 /// `"rt/a"`, cut if it is long.
 std::string in_quotes(std::string_view text);
-/// The RFC 2253 text of a name; `reverse`: it begins with the root now.
+/// The RFC 2253 text of a name; `reverse`: in reverse order, beginning with the root.
 std::string rfc2253(const pki::SubjectName& name, bool reverse);
 /// "3" or "0-5", several with commas.
 std::string to_text(const std::vector<DomainRange>& ranges);

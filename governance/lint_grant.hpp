@@ -1,4 +1,4 @@
-// One grant under lint: its rules taken apart. For governance/ only.
+// One grant for lint, with its rules as a list of expressions. For governance/ only.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ struct GrantEntry {
   const Text* topic;
 };
 
-/// A grant and where it stands.
+/// A grant and its place in the document.
 class GrantPlace {
  public:
   GrantPlace(const Grant& grant, std::size_t number);
@@ -56,13 +56,13 @@ const std::vector<Text>& listed_partitions(const Criteria& criteria);
 /// The texts of the entries that are in an allow_rule.
 std::vector<std::string_view> allowed_texts(const std::vector<GrantEntry>& entries);
 
-/// PERM012: what can never apply.
+/// Checks PERM012: rules that can never apply.
 void lint_dead_rules(Findings& out, const GrantPlace& place);
-/// PERM012: partitions, tags, relayed topics and subjects that no name matches.
+/// Checks PERM012: partitions, tags, relayed topics and subjects that no name matches.
 void lint_unmatchable(Findings& out, const GrantPlace& place);
-/// PERM013 to PERM015, PERM020, PERM021, PERM023 to PERM026, PERM034.
+/// Checks PERM013 to PERM015, PERM020, PERM021, PERM023 to PERM026, PERM034.
 void lint_rights(Findings& out, const GrantPlace& place, const Governance* governance);
-/// PERM030, PERM032, PERM033, if the grant speaks of ROS 2.
+/// Checks PERM030, PERM032, PERM033, if the grant concerns ROS 2.
 void lint_ros(Findings& out, const GrantPlace& place);
 
 }  // namespace ddssec::governance

@@ -5,8 +5,8 @@
 namespace ddssec::governance {
 namespace {
 
-// A polynomial over the octets, modulo 2^64, so that the hash of any part of a name follows from
-// the hashes of its beginnings. Collisions only cost a match that fails.
+// The hash is a polynomial over the octets, modulo 2^64, so that the hash of any part of a name
+// follows from the hashes of its prefixes. A collision only costs a match that fails.
 constexpr std::uint64_t kBase = 0x9E3779B97F4A7C15u;
 
 std::uint64_t append(std::uint64_t hash, char c) {
@@ -19,7 +19,7 @@ std::uint64_t hash_of(std::string_view text) {
   return hash;
 }
 
-/// The hashes of all beginnings of a name, and the powers to take parts out of them.
+/// The hashes of all prefixes of a name, and the powers to compute those of parts.
 class NameHashes {
  public:
   explicit NameHashes(std::string_view name)
@@ -38,7 +38,8 @@ class NameHashes {
   std::vector<std::uint64_t> beginnings_, powers_;
 };
 
-/// Inner parts are cut to a power of two, so that few lengths have to be looked up everywhere.
+/// Inner parts are cut to a power of two, so that only few lengths must be looked up at every
+/// position.
 constexpr std::size_t kLongestPart = 32;
 
 std::size_t part_length(std::size_t run) {
@@ -56,7 +57,7 @@ struct PatternSet::Key {
   PartPlace place;
   std::size_t length;
   std::uint64_t hash;
-  /// Different places never share a count.
+  /// Parts at different places are counted separately.
   std::uint64_t counted_as() const {
     return hash ^ (static_cast<std::uint64_t>(place) * 0xD6E8FEB86659FD93u) ^
            (length * 0xA0761D6478BD642Fu);
@@ -115,7 +116,8 @@ void PatternSet::seal() {
     for (const auto& key : keys.back()) ++shared[key.counted_as()];
   }
   for (std::uint32_t i = 0; i < wildcards_.size(); ++i) {
-    // The least shared, then a fixed place (one look-up) before an inner part, then the longest.
+    // Prefers the least shared part, then one at a fixed place (one lookup) over an inner part,
+    // then the longest.
     const auto best = std::ranges::min_element(keys[i], {}, [&](const Key& key) {
       return std::tuple(shared[key.counted_as()], key.place == PartPlace::part, ~key.length);
     });
@@ -128,7 +130,7 @@ void PatternSet::seal() {
   wildcard_ids_.clear();
 }
 
-/// Lists of expressions that have one of their literal parts in a name.
+/// Lists of expressions with a literal part that occurs in a name.
 struct PatternSet::Candidates {
   std::vector<const std::vector<std::uint32_t>*> lists;
 };

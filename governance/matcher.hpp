@@ -1,5 +1,5 @@
-// Expressions of governance and permissions documents: POSIX fnmatch, one at a time and by the
-// ten thousand.
+// Expressions of governance and permissions documents: POSIX fnmatch, for one expression or tens of
+// thousands.
 #pragma once
 
 #include <bitset>
@@ -13,13 +13,14 @@
 
 namespace ddssec::governance {
 
-/// One compiled expression: `*`, `?`, `[...]` with ranges, `!` or `^` and character classes of
-/// ASCII, and a backslash before a character that stands for itself. `*` crosses `/` and a leading
-/// dot, `?` is one octet. A `[` without its `]` is a character; an expression that ends with a
-/// single backslash matches nothing. The same as fnmatch(3) of glibc without flags in the C locale
-/// (DDS-Security 1.2 10.4.1.2.6.1, 10.4.1.5.3.4.1.3); the name is always taken literally, whatever
-/// characters it holds. To compile is linear in the expression; to match is at most its length
-/// times the name's.
+/// One compiled expression, with `*`, `?`, `[...]` with ranges, `!` or `^` and character classes of
+/// ASCII, and a backslash before a literal character. `*` matches `/` and a leading dot; `?` is one
+/// octet. A `[` without its `]` is literal. An expression that ends with a single backslash matches
+/// nothing.
+///
+/// The same as fnmatch(3) of glibc without flags in the C locale (DDS-Security 1.2 10.4.1.2.6.1,
+/// 10.4.1.5.3.4.1.3). The name is always literal, whatever characters it contains. Compilation is
+/// linear in the length of the expression. Matching takes at most its length times the name's.
 class Pattern {
  public:
   enum class Syntax : std::uint8_t {
@@ -31,13 +32,13 @@ class Pattern {
   explicit Pattern(std::string_view expression, Syntax syntax = Syntax::name);
 
   bool matches(std::string_view name) const;
-  /// The same within so many steps, which are taken off; nothing if they are too few.
+  /// The same with at most `steps` steps, which are subtracted; empty if they do not suffice.
   std::optional<bool> matches(std::string_view name, std::size_t& steps) const;
-  /// True if no name can match, as of `[z-a]`.
+  /// True if no name can match, as with `[z-a]`.
   bool matches_no_name() const;
   /// True if it matches exactly one name, text().
   bool is_literal() const { return steps_.empty(); }
-  /// Of a literal the name that it matches, else the expression.
+  /// For a literal the name that it matches, otherwise the expression.
   const std::string& text() const { return text_; }
 
   enum class Kind : std::uint8_t { character, any, star, set };
@@ -55,9 +56,9 @@ class Pattern {
   class SetReader;
 
   bool step_matches(const Step& step, char c) const;
-  /// Reads what begins at text_[at] into a step; its length.
+  /// Parses the step that begins at text_[at]; returns its length.
   std::size_t read_step(std::size_t at, SetReader& sets);
-  /// Reads a bracket expression at text_[at]; 0 if it is none, else its length.
+  /// Parses a bracket expression at text_[at]; returns its length, or 0 if it is none.
   std::size_t read_set(std::size_t at, SetReader& sets);
   void add_set(const std::bitset<256>& set);
 
@@ -67,22 +68,22 @@ class Pattern {
   Syntax syntax_;
 };
 
-/// Tells which of very many expressions match a name. Literals are found by their hash; others by
-/// the hash of a literal part that as few of them as possible share, then matched one by one.
-/// Only expressions without any literal part are tried for every name.
+/// Finds which of very many expressions match a name. Literals are found by their hash. Others are
+/// found by the hash of the literal part that they share with as few others as possible, then
+/// matched one by one. Only expressions without any literal part are tried for every name.
 class PatternSet {
  public:
   using Id = std::uint32_t;
 
-  /// Expressions that are the same text, or literals of the same name, have the same number;
-  /// numbers count up from 0. Not after seal().
+  /// Adds an expression and returns its number. Equal texts, and literals of the same name, have
+  /// the same number. Numbers count up from 0. Not after seal().
   Id add(std::string_view expression);
-  /// Builds the index; then the set is immutable.
+  /// Builds the index; afterwards the set is immutable and thread-safe.
   void seal();
   /// Numbers of all matching expressions, ascending.
   void match(std::string_view name, std::vector<Id>& found) const;
-  /// The same within so many steps, which are taken off. False if they are too few; then some may
-  /// be missing.
+  /// The same with at most `steps` steps, which are subtracted. False if they do not suffice; then
+  /// some numbers may be missing.
   bool match(std::string_view name, std::vector<Id>& found, std::size_t& steps) const;
 
   static constexpr Id kNone = std::numeric_limits<Id>::max();
@@ -96,7 +97,7 @@ class PatternSet {
     Id id;
     Pattern pattern;
   };
-  /// Literal parts of one kind by their hash, and which lengths there are.
+  /// Literal parts of one kind by their hash, and the lengths that occur.
   struct Index {
     std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> by_hash;
     std::vector<std::size_t> lengths;

@@ -1,4 +1,4 @@
-// Governance and permissions documents as plain values, each with the line it came from.
+// Governance and permissions documents as plain values, each with its line in the document.
 #pragma once
 
 #include <optional>
@@ -15,7 +15,7 @@ namespace ddssec::governance {
 /// The highest domain id that RTPS's port formula allows (RTPS 9.6.1.1).
 inline constexpr DomainId kHighestDomainId = 230;
 
-/// Why other products may read something in another way.
+/// Reasons why other products may read something differently.
 enum class NoteKind : std::uint8_t {
   order,             ///< elements are not in the schema's order
   boolean_spelling,  ///< TRUE, 1
@@ -31,13 +31,13 @@ enum class NoteKind : std::uint8_t {
   extension,         ///< elements or attributes that DDS-Security 1.1 does not have
 };
 
-/// Something accepted that other products may read in another way; for lint.
+/// A construct that is accepted but that other products may read differently; for lint.
 struct Note {
   NoteKind kind = NoteKind::order;
   int line = 0;
   std::string path;        ///< of the element, such as /dds/permissions/grant[2]
-  std::string text;        ///< the element and what about it
-  std::string value = {};  ///< of an element without children, with the blanks around it
+  std::string text;        ///< the element and what is special about it
+  std::string value = {};  ///< value of an element without children, including surrounding blanks
   bool operator==(const Note&) const = default;
 };
 
@@ -45,7 +45,7 @@ struct Note {
 struct Text {
   std::string text;
   int line = 0;
-  bool is_padded = false;  ///< there are blanks around it, which Fast DDS takes for a part of it
+  bool is_padded = false;  ///< surrounded by blanks, which Fast DDS reads as part of it
   bool operator==(const Text& other) const { return text == other.text; }
 };
 
@@ -53,10 +53,10 @@ struct Text {
 struct DomainRange {
   DomainId first = 0;
   DomainId last = 0;
-  /// Written without <max>: Cyclone DDS 0.10.2 and Fast DDS 2.9.1 read `first` alone.
+  /// Written without <max>: Cyclone DDS 0.10.2 and Fast DDS 2.9.1 read only `first`.
   bool is_open = false;
 
-  /// By what they hold.
+  /// Compares the ids only.
   bool operator==(const DomainRange& other) const {
     return first == other.first && last == other.last;
   }
@@ -69,11 +69,11 @@ struct DomainSet {
   std::vector<Text> tag_expressions = {};
   int line = 0;
 
-  /// True if both the id and the tag are in the set; without tags only the empty tag is
+  /// True if both the id and the tag are in the set. A set without tags contains the empty tag only
   /// (DDS-Security 1.2 9.4.1.2.4).
   bool contains(DomainId id, std::string_view tag = {}) const;
-  /// What Cyclone DDS 0.10.2 and Fast DDS 2.9.1 answer: open ranges are one id, and they do not
-  /// read documents with tags.
+  /// The answer of Cyclone DDS 0.10.2 and Fast DDS 2.9.1: an open range is one id, and they do not
+  /// accept documents with tags.
   bool contains_for_stock(DomainId id) const;
   bool operator==(const DomainSet& other) const {
     return ranges == other.ranges && tags == other.tags && tag_expressions == other.tag_expressions;
@@ -94,9 +94,9 @@ struct TopicRule {
   int line = 0;
 };
 
-/// allowed_crypto_algorithms of DDS-Security 1.2: names as in its table of algorithms. Readers fill
-/// an absent list with every name of the table; an absent one for the trust chain stays empty and
-/// means `digital_signature`.
+/// allowed_crypto_algorithms of DDS-Security 1.2, with the names of its table of algorithms.
+/// Readers fill a missing list with all names of the table. A missing list for the trust chain
+/// stays empty and means `digital_signature`.
 struct AllowedAlgorithms {
   std::vector<Text> digital_signature = {};
   std::vector<Text> digital_signature_identity_trust_chain = {};
@@ -139,12 +139,12 @@ struct DataTag {
   auto operator<=>(const DataTag&) const = default;
 };
 
-/// One publish, subscribe or relay element. All its lists must fit one entity at once.
+/// One publish, subscribe or relay element. All its lists must match the same entity.
 struct Criteria {
   std::vector<Text> topics = {};
-  /// Absent: allow rules take only the partition "", deny rules take any.
+  /// Absent: allow rules match only the partition "", deny rules match any.
   std::optional<std::vector<Text>> partitions = std::nullopt;
-  /// Absent: allow rules take only entities without data tags, deny rules take any.
+  /// Absent: allow rules match only entities without data tags, deny rules match any.
   std::optional<std::vector<DataTag>> data_tags = std::nullopt;
   int line = 0;
 };
@@ -159,24 +159,24 @@ struct Rule {
   int line = 0;
 };
 
-/// From not_before on, until just before not_after, UTC.
+/// From not_before (included) to not_after (excluded), UTC.
 struct Validity {
   WallTime not_before = {};
   WallTime not_after = {};
-  /// False if Cyclone DDS takes not_after for the distant past (DateTime::is_for_cyclone).
+  /// False if Cyclone DDS reads not_after as the distant past (DateTime::is_for_cyclone).
   bool is_for_cyclone = true;
   bool contains(WallTime time) const { return not_before <= time && time < not_after; }
   bool operator==(const Validity&) const = default;
 };
 
-/// What one subject may do.
+/// The permissions of one subject.
 struct Grant {
   std::string name = {};
   std::string subject_name = {};
   /// True: the values of subject_name are fnmatch expressions (DDS-Security 1.2).
   bool subject_is_expression = false;
-  /// A line break or a tab stands before or after the subject name: Fast DDS takes it for part of
-  /// it.
+  /// A line break or a tab is before or after the subject name: Fast DDS reads it as part of the
+  /// name.
   bool subject_has_line_breaks = false;
   Validity validity = {};
   std::vector<Rule> rules = {};

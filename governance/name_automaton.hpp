@@ -1,4 +1,4 @@
-// The automaton behind topic_sets.hpp: all expressions at once, state by state.
+// The automaton used by topic_sets.hpp: it follows all expressions at once, state by state.
 #pragma once
 
 #include <cstdint>
@@ -15,15 +15,15 @@
 
 namespace ddssec::governance {
 
-/// Walks over the states of all expressions together, breadth first, and names every acceptance.
+/// Explores the states of all expressions together, breadth first, and records every acceptance.
 ///
-/// A state is the set of positions to which a name may have led. Positions from which a star that
-/// was reached lies ahead are left out, since that star can take whatever they could. An expression
-/// whose last step is a star matches for good once it gets there, and then what comes at or behind
-/// its rank in its list no longer matters.
+/// A state is the set of positions that a name can lead to. Positions before a star that was
+/// already reached are left out, because that star can match anything that they could. An
+/// expression whose last step is a star matches permanently once it gets there. Then entries with
+/// an equal or higher rank in its list no longer matter.
 class NameAutomaton {
  public:
-  /// What a search is for. Without `with`, every atom is wanted.
+  /// The goal of a search. Without `with`, every atom is wanted.
   struct Goal {
     std::vector<std::uint32_t> with = {};     ///< lists that must match, below 32
     std::vector<std::uint32_t> without = {};  ///< lists that must not match, below 32
@@ -32,11 +32,12 @@ class NameAutomaton {
 
   NameAutomaton(std::span<const RankedExpression> expressions, const SetLimits& limits, Goal goal);
 
-  /// Once. With a goal it stops at the first name, but the empty one, that meets it.
+  /// Runs the search; may be called once. With a goal it stops at the first name, except the empty
+  /// one, that meets it.
   End run();
-  /// What was found, shortest name first. Good after run().
+  /// The atoms found, shortest name first. Valid after run().
   std::vector<NameAtom> atoms() const;
-  /// After goal_met.
+  /// The name that meets the goal. Valid after goal_met.
   std::string goal_name() const { return name_of(*goal_); }
 
  private:
@@ -54,7 +55,7 @@ class NameAutomaton {
   };
   static constexpr State kNowhere = std::numeric_limits<State>::max();
 
-  /// Where a set of stars leads by itself.
+  /// The moves of a set of stars.
   struct StarMoves {
     std::vector<std::uint32_t> begin;  ///< of each class in `by_class`, and the end
     std::vector<Position> by_class;
@@ -85,12 +86,12 @@ class NameAutomaton {
 
   SetLimits limits_;
   ExpressionTable table_;
-  std::uint32_t with_ = 0, without_ = 0;  ///< a bit a list
+  std::uint32_t with_ = 0, without_ = 0;  ///< one bit for each list
   std::optional<Origin> goal_;
 
   NumberLists forever_;      ///< labels that match whatever follows
   NumberLists stars_;        ///< positions of stars
-  NumberLists states_;       ///< a number of forever_, one of stars_, and positions
+  NumberLists states_;       ///< an id in forever_, an id in stars_, and positions
   NumberLists acceptances_;  ///< labels
   std::unordered_map<ListId, StarMoves> star_moves_;
   std::vector<Origin> origins_;        ///< of each state
@@ -98,7 +99,7 @@ class NameAutomaton {
   std::vector<Origin> witnesses_;      ///< of each acceptance
   std::size_t steps_taken_ = 0, moves_held_ = 0;
 
-  // The state that is left.
+  // The state before the step.
   ListId forever_now_ = 0, stars_now_ = 0;
   std::vector<Position> here_;
   std::vector<std::vector<Position>> by_class_;
@@ -106,7 +107,7 @@ class NameAutomaton {
   std::vector<std::uint32_t> is_star_now_;   ///< for each position: expand_count_ if it is
   std::vector<std::uint32_t> is_star_next_;  ///< likewise, move_count_
   std::uint32_t expand_count_ = 1, move_count_ = 0;
-  // The state that is entered.
+  // The state after the step.
   ListId forever_next_ = 0, stars_next_ = 0;
   std::vector<Position> arrivals_, next_, new_stars_;
   std::vector<Label> labels_;

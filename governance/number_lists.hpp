@@ -1,4 +1,4 @@
-// Lists of numbers, each kept once and known by its own number.
+// Lists of numbers, each stored once and identified by a number.
 #pragma once
 
 #include <cstdint>
@@ -8,21 +8,21 @@
 
 namespace ddssec::governance {
 
-/// Grows only. Equal lists have equal numbers; numbers count up from 0.
+/// The store; it only grows. Equal lists have equal ids, which count up from 0.
 class NumberLists {
  public:
   using Id = std::uint32_t;
 
   NumberLists() : begin_{0}, slots_(kFirstSlots) {}
 
-  /// The number of the list, and whether it is new. `list` must not lie within this object.
+  /// The id of the list, and true if it is new. `list` must not be inside this object.
   std::pair<Id, bool> add(std::span<const std::uint32_t> list);
-  /// Good until the next add().
+  /// Valid until the next add().
   std::span<const std::uint32_t> operator[](Id id) const {
     return std::span(data_).subspan(begin_[id], begin_[id + 1] - begin_[id]);
   }
   std::size_t size() const { return hashes_.size(); }
-  /// How many numbers all lists hold together.
+  /// The total length of all lists.
   std::size_t weight() const { return data_.size(); }
 
  private:
@@ -34,7 +34,7 @@ class NumberLists {
   std::vector<std::uint32_t> data_;
   std::vector<std::size_t> begin_;  ///< one more than there are lists
   std::vector<std::uint64_t> hashes_;
-  std::vector<Id> slots_;  ///< open addressing; 0 is free, else the number and 1
+  std::vector<Id> slots_;  ///< open addressing; 0: free, otherwise id + 1
 };
 
 }  // namespace ddssec::governance

@@ -1,4 +1,4 @@
-// Governance documents to begin with: three levels of protection by name.
+// Template governance documents: three named levels of protection.
 #pragma once
 
 #include <optional>
@@ -10,11 +10,11 @@
 
 namespace ddssec::governance {
 
-/// How much a domain protects.
+/// The level of protection.
 enum class Profile : std::uint8_t {
-  open,      ///< nothing: plain participants may join, permissions are not asked
-  balanced,  ///< payloads and discovery secret, messages signed, permissions enforced
-  strict,    ///< as SROS2's template: every layer secret, messages signed, permissions enforced
+  open,      ///< nothing: participants without security may join, permissions are not checked
+  balanced,  ///< payloads and discovery encrypted, messages signed, permissions enforced
+  strict,  ///< like SROS2's template: every layer encrypted, messages signed, permissions enforced
 };
 
 /// "open", "balanced", "strict".

@@ -1,4 +1,4 @@
-// Values that both kinds of documents hold. For governance/ only.
+// Parsing of values that both kinds of documents contain. For governance/ only.
 #pragma once
 
 #include <span>
@@ -11,7 +11,7 @@
 
 namespace ddssec::governance {
 
-/// What a reader carries along: notes, and a count against kMostEntries.
+/// The state of a reader: notes, and a count that is limited by kMostEntries.
 class ReadContext {
  public:
   explicit ReadContext(std::vector<Note>& notes) : notes_(notes) {}
@@ -29,10 +29,10 @@ class ReadContext {
 
 /// Notes blanks around the element's text.
 void note_padding(ReadContext& context, XmlElement element);
-/// The same of a value with which Fast DDS refuses the document then.
+/// The same for a value with which Fast DDS then refuses the document.
 void note_refused_padding(ReadContext& context, XmlElement element);
-/// Notes elements and attributes, here and below, that DDS-Security 1.1 does not have. Nesting was
-/// bounded by check_xml.
+/// Notes elements and attributes, here and below, that DDS-Security 1.1 does not have. check_xml
+/// has bounded the nesting.
 void note_extensions(ReadContext& context, XmlElement element);
 /// Notes the first end tag with white space in it, which XML 1.0 allows.
 void note_end_tags(ReadContext& context, BytesView xml, int first_line);
@@ -43,10 +43,11 @@ Result<XmlElement> document_body(const XmlDocument& document, std::string_view n
 Result<bool> read_boolean(ReadContext& context, XmlElement element);
 /// `basic`: without origin authentication.
 Result<ProtectionKind> read_protection_kind(ReadContext& context, XmlElement element, bool basic);
-/// A range without <max> goes on to the highest id, one without <min> begins with 0 (DDS-Security
-/// 1.2 10.4.1.2.3, and its rule for all domains in 10.4.1.2.7).
+/// Reads a set of domains. A range without <max> ends with the highest id, one without <min> begins
+/// with 0 (DDS-Security 1.2 10.4.1.2.3, and its rule for all domains in 10.4.1.2.7).
 Result<DomainSet> read_domains(ReadContext& context, XmlElement element);
-/// All children of `list`, which must be named `name`: at least one. `may_be_empty`: their text.
+/// The texts of all children of `list`. There must be at least one, and all must be named `name`.
+/// `may_be_empty`: their text may be empty.
 Result<std::vector<Text>> read_texts(ReadContext& context, XmlElement list, std::string_view name,
                                      bool may_be_empty = false);
 

@@ -1,4 +1,4 @@
-// Why no rule of a grant lets an endpoint in, and what to change: for the person who reads it.
+// Explains why no rule of a grant allows an endpoint, and what to change.
 #pragma once
 
 #include <string>
@@ -7,10 +7,10 @@
 
 namespace ddssec::governance {
 
-/// What a person should know about a refusal besides the line that decides.
+/// Information about a refusal besides the line that decides.
 struct RefusalAdvice {
-  std::string because = {};  ///< a clause, or empty
-  std::string hint = {};     ///< what to do; empty = what is always said
+  std::string because = {};  ///< the reason as a clause, or empty
+  std::string hint = {};     ///< what to do; empty: the general hint
 };
 
 /// Where an allowing element holds, as a clause: "only in \"yard*\"", "only without a partition (or
@@ -18,17 +18,18 @@ struct RefusalAdvice {
 /// \"\")"; empty if in every partition.
 std::string partitions_of(const Criteria& criteria);
 
-/// Of an endpoint that `verdict` refuses: whether an allow_rule has its topic, and only its
-/// partitions or data tags keep it out. Nothing if a deny_rule refuses. Cheap: a peer may ask
-/// often.
+/// Advice for an endpoint that `verdict` refuses: whether an allow_rule has its topic, and only its
+/// partitions or data tags do not match. Empty if a deny_rule refuses. Cheap, because a peer may
+/// cause many refusals.
 RefusalAdvice advice_on_endpoint(const CompiledGrant& grant, Action action, const Request& request,
                                  const Verdict& verdict);
 
-/// Of a topic that no rule names: whether its name is close to one that an allow_rule has (a typo,
-/// another case, the prefix of ROS 2 missing). Compares many names: not for what a peer asks.
+/// Advice for a topic that no rule names: whether its name is similar to one in an allow_rule (a
+/// typo, another case, the prefix of ROS 2 missing). It compares many names, so do not call it for
+/// a peer's request.
 RefusalAdvice advice_on_name(const CompiledGrant& grant, Action action, std::string_view topic);
 
-/// Both: the second where the first has nothing to say and no rule decided.
+/// Both: the second if the first is empty and no rule decided.
 RefusalAdvice advice_on(const CompiledGrant& grant, Action action, const Request& request,
                         const Verdict& verdict);
 

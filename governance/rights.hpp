@@ -1,4 +1,4 @@
-// What a participant is to be allowed, as a grant.
+// Builds a grant from a list of rights.
 #pragma once
 
 #include <string>
@@ -9,20 +9,21 @@
 
 namespace ddssec::governance {
 
-/// Lists of expressions; what no list allows is denied.
+/// The rights as lists of expressions; everything that no list allows is denied.
 struct Rights {
   std::vector<DomainRange> domains = {};
   std::vector<std::string> publish = {};
   std::vector<std::string> subscribe = {};
   std::vector<std::string> deny_publish = {};
   std::vector<std::string> deny_subscribe = {};
-  /// For what is allowed; none = only entities without partitions. Denials hold in every partition.
+  /// The partitions of what is allowed; empty: only entities without partitions. Denials apply in
+  /// every partition.
   std::vector<std::string> partitions = {};
 };
 
-/// A grant for the certificate's subject, in the one spelling that every product takes. Denials
-/// come before what is allowed: the first rule that matches decides. Before denials there is an
-/// allow rule without topics, which lets the participant join.
+/// A grant for the certificate's subject, in the one spelling that every product accepts. Denials
+/// come before allow rules, because the first rule that matches decides. Before the denials comes
+/// an allow rule without topics, which lets the participant join.
 Grant grant_of(std::string name, const pki::Certificate& certificate, const Rights& rights,
                Validity validity);
 

@@ -1,4 +1,4 @@
-// ROS 2 access policies (sros2's policy.xml) and the DDS permissions they come to.
+// ROS 2 access policies (sros2's policy.xml), and their conversion to DDS permissions.
 #pragma once
 
 #include <filesystem>
@@ -12,9 +12,9 @@
 
 namespace ddssec::governance {
 
-/// What a policy element is about.
+/// The subject of a policy element.
 enum class RosKind : std::uint8_t { topics, services, actions };
-/// Whether a way of use is allowed; `unsaid` = no attribute.
+/// Whether a use is allowed; `unsaid`: there is no attribute.
 enum class RosQualifier : std::uint8_t { unsaid, allow, deny };
 
 /// One <topics>, <services> or <actions> element.
@@ -33,7 +33,7 @@ struct RosProfile {
   std::vector<RosElement> elements = {};
 };
 
-/// One enclave; each <profiles> element is a list of its own.
+/// One enclave; each <profiles> element is a separate list.
 struct RosEnclave {
   std::string path;
   std::vector<std::vector<RosProfile>> profiles = {};
@@ -44,21 +44,20 @@ struct RosPolicy {
   std::vector<RosEnclave> enclaves = {};
 };
 
-/// Bounds of XInclude.
+/// Limits for XInclude.
 inline constexpr int kMostIncludeDepth = 8;
 inline constexpr int kMostIncludes = 256;
 
-/// How files are read; errors name the file.
+/// Reads a file; errors name the file.
 using ReadFile = std::function<Result<Bytes>(const std::filesystem::path&)>;
 
-/// Reads a policy of version 0.2.0. xi:include elements of either namespace are replaced by what
-/// they name: files below the including one's folder, by an xpointer of element names such as
-/// `xpointer(/profile/*)`.
-/// Errors: those of `read` and XmlDocument::parse, document_kind, element_*, attribute_unknown,
-/// policy_value, policy_include.
+/// Reads a policy of version 0.2.0. xi:include elements of either namespace are replaced by the
+/// content that they name: files below the including file's folder, selected by an xpointer of
+/// element names such as `xpointer(/profile/*)`. Errors: those of `read` and XmlDocument::parse,
+/// document_kind, element_*, attribute_unknown, policy_value, policy_include.
 Result<RosPolicy> read_ros_policy(const std::filesystem::path& file, const ReadFile& read);
 
-/// The DDS name of a ROS name as a node of the profile means it: absolute, `~`, or relative.
+/// The expanded name of a ROS name, as a node of the profile uses it: absolute, `~`, or relative.
 std::string expanded_ros_name(const RosProfile& profile, std::string_view name);
 
 struct RosPermissionsOptions {
@@ -67,8 +66,8 @@ struct RosPermissionsOptions {
   bool discovery_topic = true;  ///< allow ros_discovery_info, as ROS 2 needs
 };
 
-/// One grant for each enclave, its subject CN= and the path. What several <profiles> say is merged;
-/// denials come first, expressions are sorted, each there once.
+/// One grant for each enclave, with CN= and the path as subject. The contents of several <profiles>
+/// are merged. Denials come first; expressions are sorted, without duplicates.
 Permissions permissions_of(const RosPolicy& policy, const RosPermissionsOptions& options);
 
 /// The same, octet for octet as sros2 0.13 writes it: one grant for each <profiles> element, names

@@ -1,4 +1,4 @@
-// Expressions of a list tried in order that can never be the first to match.
+// Finds expressions that can never be the first match in a list that is tried in order.
 #pragma once
 
 #include <cstdint>
@@ -11,18 +11,19 @@
 
 namespace ddssec::governance {
 
-/// What earlier expressions leave to one.
+/// The result for one expression.
 struct Shadow {
-  /// It is never the first to match.
+  /// True if it is never the first match.
   bool is_dead = false;
-  /// If it is dead: positions of the earlier ones that together match all its names, ascending.
+  /// If it is dead: positions of the earlier expressions that together match all its names,
+  /// ascending.
   std::vector<std::uint32_t> by = {};
 };
 
-/// One answer for each expression. `covers(a, b)` says whether the expression at `a` stands in the
-/// way of the later one at `b` for the same names at all (as rules of other partitions do not);
-/// it is asked for some pairs only. What cannot be decided within bounds, or with what is left of
-/// the effort, counts as not dead.
+/// One result for each expression. `covers(a, b)` tells whether the expression at `a` can take
+/// names from the later one at `b` at all (rules for other partitions cannot). It is called for
+/// some pairs only. An expression that cannot be decided within the limits, or with the effort
+/// left, counts as not dead.
 std::vector<Shadow> shadows(
     std::span<const std::string_view> expressions, SetEffort& effort,
     const std::function<bool(std::uint32_t a, std::uint32_t b)>& covers = {});

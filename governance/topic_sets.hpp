@@ -1,5 +1,6 @@
-// Sets of names given by fnmatch expressions: which names differ for a list of expressions, whether
-// one set lies within another, whether two meet. Exact, with the shortest name as the example.
+// Sets of names given by fnmatch expressions: which names a list of expressions distinguishes,
+// whether one set is contained in another, whether two overlap. Exact, with the shortest name as
+// example.
 #pragma once
 
 #include <cstdint>
@@ -11,16 +12,17 @@
 
 namespace ddssec::governance {
 
-/// The work that several questions share, so that a document of many hard ones takes no longer than
-/// one.
+/// The effort that several questions share, so that a document with many hard questions takes no
+/// longer than one.
 struct SetEffort {
-  /// Left for further questions; see SetLimits::steps. Without any the answer is "unknown".
+  /// Steps left for further questions; see SetLimits::steps. If none are left, the answer is
+  /// "unknown".
   std::size_t steps;
-  /// Left for what is no question about sets: comparing single names with expressions, combining
-  /// kinds of endpoints. One to three nanoseconds each.
+  /// Steps left for other work: comparing single names with expressions, combining kinds of
+  /// endpoints. One to three nanoseconds each.
   std::size_t plain_steps = 500'000'000;
 
-  /// False, and nothing is left, if there are not so many.
+  /// Takes `wanted` steps. False, and none are left, if there are fewer.
   bool take_plain_steps(std::size_t wanted) {
     const bool is_enough = wanted <= plain_steps;
     plain_steps = is_enough ? plain_steps - wanted : 0;
@@ -28,14 +30,14 @@ struct SetEffort {
   }
 };
 
-/// Where a question about sets of names is given up. Some expressions (`*` and then many `?`) need
-/// exponentially many states; these bounds keep time and memory within a second and 200 MB.
+/// The limits of a question about sets of names. Some expressions (`*` followed by many `?`) need
+/// exponentially many states. These limits keep time and memory within one second and 200 MB.
 struct SetLimits {
   std::size_t states = 200'000;
   std::size_t atoms = 20'000;
-  /// Positions within expressions that are looked at; two to ten nanoseconds each.
+  /// Visited positions in expressions; two to ten nanoseconds each.
   std::size_t steps = 200'000'000;
-  /// Positions that are remembered; four octets each.
+  /// Stored positions; four octets each.
   std::size_t memory = 32'000'000;
   /// Not owned; its steps are used up by the question.
   SetEffort* shared = nullptr;
@@ -47,38 +49,38 @@ struct SetLimits {
   }
 };
 
-/// An expression (see Pattern) in one of several lists. Of each list only the lowest rank that
-/// matches a name counts: as with rules, where the first decides. Where every match counts, give
-/// each expression a list of its own.
+/// An expression (see Pattern) in one of several lists. In each list only the lowest rank that
+/// matches a name counts, as with rules of which the first decides. If every match must count, put
+/// each expression into its own list.
 struct RankedExpression {
   std::string_view expression;
   std::uint32_t list = 0;
   std::uint32_t rank = 0;
 };
 
-/// Names for which the first match of every list is the same.
+/// A set of names for which the first match of every list is the same.
 struct NameAtom {
   struct Match {
     std::uint32_t list;
     std::uint32_t rank;
     auto operator<=>(const Match&) const = default;
   };
-  /// Ascending by list; a list that matches no name of the atom is missing.
+  /// Ascending by list; lists that match no name of the atom are missing.
   std::vector<Match> matches = {};
-  /// The shortest of the names, of letters if it can be; empty only if no other name is in the
-  /// atom.
+  /// The shortest of the names, of letters if possible; empty only if the atom contains no other
+  /// name.
   std::string witness = {};
 
   /// The lowest rank of the list that matches, if any.
   std::optional<std::uint32_t> rank_in(std::uint32_t list) const;
 };
 
-/// All atoms that are not empty: every name (any octets but NUL, also none) is in exactly one.
-/// Shortest witness first. Nothing if a limit was reached.
+/// All atoms that are not empty: every name (any octets except NUL, including the empty name) is in
+/// exactly one. Sorted by the length of the witness. Empty if a limit was reached.
 std::optional<std::vector<NameAtom>> name_atoms(std::span<const RankedExpression> expressions,
                                                 const SetLimits& limits = {});
 
-/// The same, with what was found until a limit was reached.
+/// The same, including atoms that were found before a limit was reached.
 struct FoundAtoms {
   std::vector<NameAtom> atoms;
   bool is_complete = true;
@@ -94,12 +96,12 @@ struct SetAnswer {
     unknown  ///< a limit was reached
   };
   Kind kind = Kind::unknown;
-  /// The shortest name that shows it: of contained() with `no`, and of overlap() with `yes`.
+  /// The shortest name that proves it: for contained() with `no`, and for overlap() with `yes`.
   std::string witness = {};
 };
 
-/// Whether every name that one of `inner` matches is matched by one of `outer` too. If not, the
-/// witness is in `inner` only.
+/// Whether every name that one of `inner` matches is also matched by one of `outer`. If not, the
+/// witness is matched by `inner` only.
 SetAnswer contained(std::span<const std::string_view> inner,
                     std::span<const std::string_view> outer, const SetLimits& limits = {});
 
@@ -107,9 +109,8 @@ SetAnswer contained(std::span<const std::string_view> inner,
 SetAnswer overlap(std::span<const std::string_view> a, std::span<const std::string_view> b,
                   const SetLimits& limits = {});
 
-/// For each expression of a list that is tried in order, a name for which it is the first match;
-/// nothing for an expression that the earlier ones together have made dead. Nothing at all if a
-/// limit was reached.
+/// For each expression of a list that is tried in order: a name for which it is the first match, or
+/// empty for an expression that can never be the first. No result if a limit was reached.
 std::optional<std::vector<std::optional<std::string>>> first_matched_names(
     std::span<const std::string_view> expressions, const SetLimits& limits = {});
 

@@ -1,4 +1,4 @@
-// Remembers verdicts for names seen before, in bounded memory. For governance/ only.
+// Cache of verdicts for names, with bounded memory. For governance/ only.
 #pragma once
 
 #include <mutex>
@@ -9,14 +9,14 @@
 
 namespace ddssec::governance {
 
-/// Two generations: when the younger is full it becomes the older, and the older is forgotten.
-/// What is asked for often stays. Thread-safe.
+/// The cache has two generations. When the younger is full it becomes the older, and the older is
+/// dropped. Names that are asked for often stay. Thread-safe.
 template <class Value>
 class VerdictCache {
  public:
-  /// At most twice as many are remembered.
+  /// The size of one generation; the cache has at most twice as many entries.
   static constexpr std::size_t kMostPerGeneration = 2048;
-  /// Longer keys are not remembered.
+  /// Longer keys, in octets, are not stored.
   static constexpr std::size_t kLongestKey = 1024;
 
   std::optional<Value> find(const std::string& key) {

@@ -7,10 +7,10 @@
 
 namespace ddssec::governance {
 
-/// XML text that every product reads: both ends of every range, booleans in lower case, kinds in
-/// capitals. Elements of DDS-Security 1.2 appear only where they differ from their default.
+/// XML text that every product accepts: both ends of every range, booleans in lower case, kinds in
+/// capitals. Elements of DDS-Security 1.2 appear only if they differ from their default.
 std::string to_xml(const Governance& governance);
-/// Times in UTC with Z, every grant named, <default> always there.
+/// The same for permissions: times in UTC with Z, a name for every grant, and always a <default>.
 std::string to_xml(const Permissions& permissions);
 
 }  // namespace ddssec::governance

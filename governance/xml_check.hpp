@@ -10,21 +10,20 @@ namespace ddssec::governance {
 
 /// The largest document that is read, in octets.
 inline constexpr std::size_t kMostXmlOctets = 16 * 1024 * 1024;
-/// The most elements in one document.
+/// The largest number of elements in one document.
 inline constexpr std::size_t kMostXmlElements = 1'000'000;
 /// The deepest nesting of elements; a permissions document needs 8.
 inline constexpr int kMostXmlDepth = 32;
 
-/// The most attributes of one element; tinyxml2 compares each with all before it.
+/// The largest number of attributes of one element; tinyxml2 compares each with all before it.
 inline constexpr int kMostXmlAttributes = 64;
 
-/// Looks at the octets only and checks what tinyxml2 9 lets through or suffers from: size, depth,
-/// number of elements and of attributes, UTF-8, control characters, DOCTYPE and other declarations,
-/// processing instructions, entities, text outside the root element. It is a check, not a parser:
-/// whether names of start and end tags agree is the parser's matter. Errors (with line):
+/// Checks the octets of a document for everything that tinyxml2 9 accepts or handles badly: size,
+/// depth, number of elements and attributes, UTF-8, control characters, DOCTYPE and other
+/// declarations, processing instructions, entities, text outside the root element. It is a check,
+/// not a parser: whether start and end tags match is left to the parser. Errors (with line):
 /// xml_too_large, xml_control_character, xml_doctype, xml_entity, xml_encoding,
-/// xml_processing_instruction, xml_too_deep, xml_too_many_attributes,
-/// xml_not_well_formed.
+/// xml_processing_instruction, xml_too_deep, xml_too_many_attributes, xml_not_well_formed.
 Status check_xml(std::string_view document);
 
 }  // namespace ddssec::governance
