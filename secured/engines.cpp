@@ -31,7 +31,7 @@ Result<spi::PropertyList> folder_properties(const std::filesystem::path& path) {
   DDSSEC_TRY(add_item(property::kPermissionsCa, folder.permissions_ca));
   add(property::kGovernance, folder.governance);
   add(property::kPermissions, folder.permissions);
-  // A link to nothing stands for a file that was meant to be there.
+  // A dangling symbolic link counts as present: a file was meant to be there.
   const auto is_meant = [&](const std::filesystem::path& file) {
     return std::filesystem::symlink_status(file, error).type() >
            std::filesystem::file_type::not_found;

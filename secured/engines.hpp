@@ -1,4 +1,5 @@
-// What secures an embedded participant: the three engines, and the documents of a folder.
+// The three security plugins of an embedded participant, and the properties that name the documents
+// of its folder.
 #pragma once
 
 #include <filesystem>
@@ -10,10 +11,10 @@
 
 namespace ddssec::secured {
 
-/// The builtin plugins of DDS-Security; they outlive the participants that use them.
+/// Owns the three builtin plugins of DDS-Security. It must outlive the participants that use them.
 class Engines {
  public:
-  /// The environment's parts outlive the engines.
+  /// The clock, random source and event sink in `environment` must outlive this object.
   explicit Engines(const Environment& environment)
       : authentication_(authentication::make_authentication(environment)),
         access_control_(access_control::make_access_control(
@@ -28,12 +29,15 @@ class Engines {
   std::unique_ptr<spi::Cryptography> cryptography_;
 };
 
-/// Names the documents of a participant's folder, as `ddssec init` or a ROS 2 keystore has it; a
-/// list of revoked certificates (crl.pem) counts if it is there, and when it comes later; a file of
-/// further properties (security.properties, spi/property_file.hpp) if it is there. Errors:
-/// file_not_found, file_unreadable (no participant's folder), those of spi::read_property_file,
-/// property_without_effect (a further property that a file of the folder sets). What is in the
-/// documents is judged when a participant is made.
+/// Returns the properties that name the documents of a participant's folder, in the layout of
+/// `ddssec init` or of a ROS 2 keystore.
+/// - crl.pem, the list of revoked certificates, is optional. It also takes effect if it is created
+///   later.
+/// - security.properties, a file of further properties (spi/property_file.hpp), is optional.
+/// The contents of the documents are checked only when a participant is created.
+/// Errors: file_not_found, file_unreadable (not a participant's folder), those of
+/// spi::read_property_file, property_without_effect (security.properties sets a property that a
+/// file of the folder already sets).
 Result<spi::PropertyList> folder_properties(const std::filesystem::path& folder);
 
 }  // namespace ddssec::secured

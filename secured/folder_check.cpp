@@ -25,7 +25,8 @@ bool is_of_a_ca(const fs::path& folder) {
   return is_there(folder / "ca.key.pem") || is_there(folder / "identity/ca.pem");
 }
 
-// "it holds participants: demo/listener, demo/talker"; empty without any.
+// Returns `words` followed by the participants found, for example "it holds participants:
+// demo/listener, demo/talker". Empty if there are none.
 std::string participants_in(const fs::path& folder, std::string words) {
   constexpr int kMostLooks = 1'000;
   constexpr std::size_t kMostShown = 4;

@@ -1,4 +1,5 @@
-// Whether a folder is a participant's, and what a person may have meant if it is not.
+// Checks that a folder belongs to a participant. If it does not, the error suggests what may have
+// been meant.
 #pragma once
 
 #include <filesystem>
@@ -7,9 +8,11 @@
 
 namespace ddssec::secured {
 
-/// Success if `given` is a folder with something of a participant, or none of the others that are
-/// told apart here. Errors: file_not_found (nothing is there; it is a CA's folder, or one that
-/// holds participants), file_unreadable (no folder). They name participants nearby.
+/// Succeeds if `given` is a folder that contains a participant's certificate or CA certificate, and
+/// also for a folder that is none of the cases below.
+/// Errors: file_not_found (`given` does not exist, is the folder of a CA, or contains participants'
+/// folders), file_unreadable (`given` is not a folder). The error names participants' folders that
+/// are found nearby.
 Status check_is_participant(const std::filesystem::path& given);
 
 }  // namespace ddssec::secured

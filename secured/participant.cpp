@@ -7,7 +7,7 @@ namespace ddssec::secured {
 
 namespace {
 
-// What everybody wants to know who starts a program for the first time.
+// Events below a warning that a user who starts a program for the first time needs to see.
 bool is_good_news(Code code) {
   return code == Code::rtps_joined || code == Code::rtps_peer_authenticated;
 }

@@ -1,5 +1,5 @@
-// A secured participant in one call: for applications that want samples and not the entities of
-// DDS around them. Everything else of DDS is behind `dds()`.
+// A secured participant in one call, for applications that need samples and not the DDS entities
+// around them. `dds()` gives access to the rest of DDS.
 #pragma once
 
 #include "rtps/dcps/domain_participant.hpp"
@@ -7,41 +7,46 @@
 
 namespace ddssec::secured {
 
-/// Each a line on standard error, from warnings on, and which interfaces a participant uses and
-/// which peers it authenticated. What a call of the application returns as an error is not printed:
-/// that is for the application to do.
+/// Prints events to standard error, one line each: warnings and errors, the interfaces that a
+/// participant uses, and each peer that it authenticated. An error that a call returns to the
+/// application is not printed; the application reports it.
 class StandardErrorEvents final : public EventSink {
  public:
   void raise(const Event& event) override;
 };
 
-/// A domain participant with its clock, its random source and its engines, one publisher and one
-/// subscriber. Movable; what its calls return belongs to it and dies with it. Thread-safe.
+/// A domain participant with its clock, random source, security plugins, one publisher and one
+/// subscriber. Movable. Owns the writers and readers that its calls return; they are destroyed with
+/// it. Thread-safe.
 class Participant {
  public:
-  /// Joins a domain with the identity, permissions and governance of `folder`, as `ddssec init`
-  /// makes it. Refusals of peers go to `events`, which outlives the participant; without any, to
-  /// standard error. Errors: file_unreadable, those of the plugins, those of
-  /// rtps::DomainParticipant::create; each sentence names the document and what to do.
+  /// Joins a domain with the identity, permissions and governance in `folder`, which `ddssec init`
+  /// creates. Refusals of peers are reported to `events`, which must outlive the participant; if it
+  /// is nullptr, they are printed to standard error.
+  /// Errors: file_not_found, file_unreadable, property_without_effect, those of the security
+  /// plugins, those of rtps::DomainParticipant::create. Each message names the document and what to
+  /// do.
   static Result<Participant> join(const std::filesystem::path& folder,
                                   rtps::DomainParticipantOptions options = {},
                                   EventSink* events = nullptr);
 
-  /// Reliable, and otherwise as DDS has it by default. For a policy of your own change one of
-  /// these: in a Qos made by hand RELIABILITY is BEST_EFFORT, as DDS has it for readers.
+  /// RELIABILITY is RELIABLE; all other policies have the defaults of DDS. To change a policy,
+  /// start from one of these: in a default-constructed Qos, RELIABILITY is BEST_EFFORT, the DDS
+  /// default for readers.
   static rtps::Qos writer_qos();
   static rtps::Qos reader_qos();
 
-  /// A writer with writer_qos(), or with `qos`. Errors: those of access control (the
-  /// permissions do not allow it), rtps_bad_parameter (the topic has another type),
-  /// rtps_qos_inconsistent.
+  /// Creates a writer with `qos`, or with writer_qos() if none is given; creates the topic if
+  /// needed. The participant owns the writer. Errors: those of access control (the permissions do
+  /// not allow it), rtps_bad_parameter (the topic exists with another type), rtps_qos_inconsistent.
   template <rtps::DdsType T>
   Result<rtps::DataWriter<T>*> writer(const std::string& topic, std::optional<rtps::Qos> qos = {}) {
     const auto on = topic_of<T>(topic);
     if (!on) return std::unexpected(on.error());
     return state_->publisher->create_datawriter<T>(**on, std::move(qos).value_or(writer_qos()));
   }
-  /// A reader with reader_qos(), or with `qos`. Errors: as of writer.
+  /// Creates a reader with `qos`, or with reader_qos() if none is given. Ownership and errors as
+  /// for writer().
   template <rtps::DdsType T>
   Result<rtps::DataReader<T>*> reader(const std::string& topic, std::optional<rtps::Qos> qos = {}) {
     const auto on = topic_of<T>(topic);
@@ -49,7 +54,8 @@ class Participant {
     return state_->subscriber->create_datareader<T>(**on, std::move(qos).value_or(reader_qos()));
   }
 
-  /// Makes new keys for those who are trusted now; see rtps::DomainParticipant::revise_keys.
+  /// Creates new keys and gives them to the peers that are trusted now; see
+  /// rtps::DomainParticipant::revise_keys.
   Status revise_keys() { return dds().revise_keys(); }
 
   rtps::DomainParticipant& dds() { return *state_->participant; }
@@ -78,10 +84,11 @@ class Participant {
   std::unique_ptr<State> state_;
 };
 
-/// Writes the error's sentence to standard error and ends the process with status 1.
+/// Prints the error's message to standard error and exits the process with status 1.
 [[noreturn]] void exit_with(const Error& error);
 
-/// The value; for programs that cannot go on without it (see exit_with).
+/// Returns the value, or exits as exit_with does. For programs that cannot continue without the
+/// value.
 template <class T>
 T or_exit(Result<T> result) {
   if (!result) exit_with(result.error());
