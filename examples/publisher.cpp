@@ -1,4 +1,5 @@
-// Publishes a temperature ten times a second, in domain 0 or another, on all interfaces or one.
+// Publishes a temperature ten times a second. The domain is 0 unless DOMAIN is given. All
+// interfaces are used unless INTERFACE is given.
 // Usage: publisher FOLDER [DOMAIN [INTERFACE]]
 #include <cmath>
 #include <cstdlib>
@@ -13,7 +14,7 @@ using ddssec::secured::Participant;
 int main(int argc, char** argv) {
   const char* folder = argc > 1 ? argv[1] : "demo/talker";
   const int domain = argc > 2 ? std::atoi(argv[2]) : 0;
-  std::vector<std::string> interfaces;  // none: every one that is up and does multicast
+  std::vector<std::string> interfaces;  // empty: every interface that is up and does multicast
   if (argc > 3) interfaces = {argv[3]};
 
   auto participant =

@@ -1,4 +1,5 @@
-// Prints temperatures as they come, in domain 0 or another; ends when none comes for ten seconds.
+// Prints temperatures as they arrive, and ends when none arrives for ten seconds. The domain is 0
+// unless DOMAIN is given. All interfaces are used unless INTERFACE is given.
 // Usage: subscriber FOLDER [DOMAIN [INTERFACE]]
 #include <cstdio>
 #include <cstdlib>
@@ -10,10 +11,10 @@ using ddssec::secured::or_exit;
 using ddssec::secured::Participant;
 
 int main(int argc, char** argv) {
-  std::setvbuf(stdout, nullptr, _IOLBF, 0);  // each line at once, also into a pipe
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);  // flush each line, even into a pipe
   const char* folder = argc > 1 ? argv[1] : "demo/listener";
   const int domain = argc > 2 ? std::atoi(argv[2]) : 0;
-  std::vector<std::string> interfaces;  // none: every one that is up and does multicast
+  std::vector<std::string> interfaces;  // empty: every interface that is up and does multicast
   if (argc > 3) interfaces = {argv[3]};
 
   auto participant =
