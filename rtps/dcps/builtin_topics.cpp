@@ -28,7 +28,7 @@ Result<EndpointData> read_endpoint(BytesView payload) {
   return data ? data : read_subscription_data(payload);
 }
 
-// All that is left of a disposed one is its GUID.
+// A disposed instance is reduced to its GUID.
 Result<Guid> key_of(BytesView octets) {
   if (octets.size() != 16) return fail(Code::truncated);
   return Guid{GuidPrefix::from(octets.first(12)), EntityId::from(octets.subspan(12))};
@@ -80,7 +80,8 @@ BuiltinTopics::BuiltinTopics(DomainParticipant& participant, ParticipantContext&
   GroupQos qos;
   qos.presentation.scope = PresentationScope::topic;
   subscriber_.reset(new Subscriber(participant_, context_, qos));
-  [[maybe_unused]] const auto enabled = subscriber_->enable();  // or with the participant
+  // Fails before the participant is enabled, which then enables it.
+  [[maybe_unused]] const auto enabled = subscriber_->enable();
 }
 
 BuiltinTopics& BuiltinTopics::of(std::unique_ptr<BuiltinTopics>& made,
@@ -94,7 +95,7 @@ BuiltinTopics::~BuiltinTopics() {
   context_.protocol().listen(nullptr);
 }
 
-// The caller sees to it that only one thread makes any.
+// The caller ensures that only one thread creates readers.
 template <class T>
 void BuiltinTopics::make() {
   {
@@ -117,7 +118,7 @@ template <class T>
 void BuiltinTopics::create() {
   const std::string name(BuiltinTopicOf<T>::topic);
   TypeSupport type{.name = name + "BuiltinTopicData"};
-  // What a topic was can only be told by all of it.
+  // A topic has no GUID, so its whole data is its key.
   type.serialized_key = [](const Change& change) {
     const auto payload = change.payload.view();
     if constexpr (std::is_same_v<T, TopicBuiltinTopicData>)
@@ -148,7 +149,7 @@ void BuiltinTopics::deliver(const News& news, Payload payload) {
   give(*reader, news, std::move(change));
 }
 
-// It may be that its reader had no room for it: then its end is no news.
+// If the reader had no room for the entity, there is no end to report.
 void BuiltinTopics::deliver_end(const News& news, const GuidPrefix& by) {
   auto* reader = reader_of(news.topic);
   if (reader == nullptr || reader->reception_.cache().lookup(news.key).is_nil()) return;
@@ -160,7 +161,7 @@ void BuiltinTopics::deliver_end(const News& news, const GuidPrefix& by) {
   reader->reception_.forget_ended(told_[news.topic].ended.add(news.key, identity_of(by), octets));
 }
 
-// What has ended gives way to what is there.
+// If there is no room, instances that have ended are removed for those that exist.
 void BuiltinTopics::give(AnyDataReader& reader, const News& news, Change change) {
   change.writer = news.of;
   change.key_hash = news.key;
@@ -182,7 +183,7 @@ void BuiltinTopics::give(AnyDataReader& reader, const News& news, Change change)
                                         cache.instances(), cache.octets())})));
 }
 
-// What goes is told when its keys are gone.
+// A participant's identity is remembered, because its removal is reported after its keys are gone.
 GuidPrefix BuiltinTopics::identity_of(const GuidPrefix& participant) const {
   const auto known = identities_.find(participant);
   return known == identities_.end() ? participant : known->second;
@@ -211,7 +212,7 @@ void BuiltinTopics::on_endpoint_gone(const EndpointData& data) {
   count_topic(data, -1);
 }
 
-// A topic exists while a participant has an endpoint on it.
+// A topic exists while a remote participant has an endpoint on it.
 void BuiltinTopics::count_topic(const EndpointData& data, int by) {
   constexpr std::string_view kTopic = "DCPSTopic";
   if (!told_.contains(kTopic)) return;

@@ -1,4 +1,5 @@
-// The builtin topics and their subscriber (DDS 1.4, 2.2.5): what discovery found, as samples.
+// The builtin topics and their subscriber (DDS 1.4, 2.2.5), which deliver what discovery found as
+// samples.
 #pragma once
 
 #include "rtps/dcps/ended_instances.hpp"
@@ -7,19 +8,21 @@
 
 namespace ddssec::rtps {
 
-// The keys are the GUIDs; what a disposed one was is told by its key alone.
+// The keys are GUIDs. For a disposed instance only the key is available.
 struct ParticipantBuiltinTopicData : ParticipantData {};
 struct PublicationBuiltinTopicData : EndpointData {};
 struct SubscriptionBuiltinTopicData : EndpointData {};
-/// A topic of which a remote writer or reader was found; not one's own.
+/// A topic on which a remote writer or reader was found. The participant's own topics are not
+/// reported.
 struct TopicBuiltinTopicData {
   std::string name = {};
   std::string type_name = {};
-  Qos qos = {};  ///< as the first endpoint that was found has it
+  Qos qos = {};  ///< those of the first endpoint that was found
   bool with_key = true;
 };
 
-/// How each of them is told: its topic, its reader, its payload.
+/// Describes each builtin topic: its name, its reader's entity id and how its payload is
+/// deserialized.
 template <class T>
 struct BuiltinTopicOf;
 template <>
@@ -53,7 +56,8 @@ struct BuiltinSample {
   SampleInfo info;
 };
 
-/// A reader of a builtin topic: reliable, transient-local, KEEP_LAST 1. Lives with its participant.
+/// A reader of a builtin topic: RELIABLE, TRANSIENT_LOCAL, KEEP_LAST 1. Deleted with its
+/// participant.
 template <class T>
 class BuiltinDataReader final
     : public AnyDataReader,
@@ -82,18 +86,19 @@ class BuiltinDataReader final
   }
 };
 
-/// Each reader is made when it is first asked for, and costs nothing before: what no application
-/// takes from it stays. Of what has ended, a bounded part stays (EndedInstances).
+/// Each reader is created when it is first requested; before that it costs nothing. Samples that no
+/// application takes stay in the reader. For entities that have ended, their number is limited
+/// (EndedInstances).
 class BuiltinTopics final : private DiscoveryListener {
  public:
   BuiltinTopics(DomainParticipant& participant, ParticipantContext& context);
-  /// Made if it was not yet; with the lock of callbacks.
+  /// Returns the object, and creates it if needed. The caller holds the callback lock.
   static BuiltinTopics& of(std::unique_ptr<BuiltinTopics>& made, DomainParticipant& participant,
                            ParticipantContext& context);
   ~BuiltinTopics() override;
 
   Subscriber& subscriber() { return *subscriber_; }
-  /// Makes that reader, once, and tells it what is known.
+  /// Creates the reader of T once, and delivers what is already known.
   template <class T>
   void make();
 
@@ -105,9 +110,9 @@ class BuiltinTopics final : private DiscoveryListener {
 
   struct Told {
     EndedInstances ended = {};
-    bool refused = false;  ///< it has no room, and an event said so
+    bool refused = false;  ///< the reader had no room, and an event reported it
   };
-  /// What a reader is told. `of`: of no endpoint, if it is a topic.
+  /// What is delivered to a reader. `of`: the endpoint or participant; zero for a topic.
   struct News {
     std::string_view topic;
     KeyHash key;
@@ -115,11 +120,12 @@ class BuiltinTopics final : private DiscoveryListener {
   };
   template <class T>
   void create();
-  /// nullptr: no application asked for it, it is not meant, or it is deleted.
+  /// Returns nullptr if no application requested the reader, if only another reader is to receive
+  /// what is known, or if the reader is deleted.
   AnyDataReader* reader_of(std::string_view topic) const;
   void deliver(const News& news, Payload payload);
   void deliver_end(const News& news, const GuidPrefix& by);
-  /// Says so if it has no room.
+  /// Raises an event if the reader has no room.
   void give(AnyDataReader& reader, const News& news, Change change);
   void count_topic(const EndpointData& data, int by);
   GuidPrefix identity_of(const GuidPrefix& participant) const;
@@ -128,9 +134,10 @@ class BuiltinTopics final : private DiscoveryListener {
   ParticipantContext& context_;
   std::vector<std::unique_ptr<Topic>> topics_;
   std::unique_ptr<Subscriber> subscriber_;
-  std::map<std::string_view, Told> told_;        ///< by topic
-  std::string_view only_;                        ///< while this one is told what is known
-  std::map<GuidPrefix, GuidPrefix> identities_;  ///< of participants, also while they go
+  std::map<std::string_view, Told> told_;  ///< by topic
+  std::string_view only_;  ///< the only topic that receives data while what is known is delivered
+  /// Of participants, kept until their removal is delivered.
+  std::map<GuidPrefix, GuidPrefix> identities_;
   std::map<Guid, KeyHash> topic_of_;
   std::map<KeyHash, int> endpoints_of_;
 };

@@ -15,16 +15,16 @@ class AnyDataReader;
 class Entity;
 struct WaitSetState;
 
-/// What a condition shares with the wait sets it is attached to. It outlives both sides, so that
-/// they may end at the same time in different threads.
+/// The state that a condition shares with the wait sets it is attached to. It outlives both, so
+/// that a condition and a wait set may be destroyed at the same time in different threads.
 struct ConditionState {
   std::atomic<bool> trigger = false;
   std::mutex mutex;
   std::vector<std::shared_ptr<WaitSetState>> sets;
 };
 
-/// Has a trigger value. Leaves the wait sets it is attached to when it dies. Thread-safe; it may
-/// die while a wait set does, but not while it is being attached or detached.
+/// An object with a trigger value. Its destructor detaches it from all wait sets. Thread-safe. It
+/// may be destroyed while a wait set is destroyed, but not while it is being attached or detached.
 class Condition {
  public:
   Condition() = default;
@@ -48,7 +48,8 @@ class GuardCondition final : public Condition {
   void set_trigger_value(bool value) { trigger(value); }
 };
 
-/// Triggered by any of the enabled communication statuses of its entity; all are enabled at first.
+/// Triggered while one of the enabled communication statuses of its entity has changed and has not
+/// been read. All statuses are enabled at first.
 class StatusCondition final : public Condition {
  public:
   explicit StatusCondition(Entity& entity) : entity_(entity) {}
@@ -65,14 +66,15 @@ class StatusCondition final : public Condition {
   std::atomic<std::uint32_t> enabled_ = kAnyStatus.bits;
 };
 
-/// Triggered while its reader holds samples in these states. The reader makes and deletes it.
+/// Triggered while its reader holds samples in these states. Created and deleted by the reader.
 class ReadCondition : public Condition {
  public:
   AnyDataReader& datareader() const { return reader_; }
   const States& states() const { return states_; }
-  /// nullptr if it is no QueryCondition, or one whose expression is empty. Only for the reader.
+  /// nullptr if this is not a QueryCondition, or if its expression is empty. To be used only by the
+  /// reader.
   BoundFilter* query() const { return query_.get(); }
-  /// Errors: rtps_precondition_not_met (it is another reader's).
+  /// Errors: rtps_precondition_not_met (the condition belongs to another reader).
   Status check_reader(const AnyDataReader& reader) const;
 
  protected:
@@ -84,13 +86,13 @@ class ReadCondition : public Condition {
   std::unique_ptr<BoundFilter> query_;
 };
 
-/// Triggered while its reader holds samples in these states that a query finds; samples without
-/// data are found by none (DDS 1.4, 2.2.2.5.9).
+/// Triggered while its reader holds samples in these states that match a query. Samples without
+/// data match no query (DDS 1.4, 2.2.2.5.9).
 class QueryCondition final : public ReadCondition {
  public:
   const std::string& query_expression() const { return text_.expression; }
   std::vector<std::string> query_parameters() const;
-  /// Errors: rtps_filter_invalid; then all is as before.
+  /// Errors: rtps_filter_invalid; then nothing has changed.
   Status set_query_parameters(std::vector<std::string> parameters);
 
  private:

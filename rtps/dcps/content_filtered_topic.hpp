@@ -9,8 +9,8 @@ namespace ddssec::rtps {
 
 class ReaderFilter;
 
-/// A topic of which readers get only what passes a filter. Made and deleted by its participant. Any
-/// thread may call.
+/// A topic whose readers receive only the samples that pass a filter. Created and deleted by its
+/// participant. Thread-safe.
 class ContentFilteredTopic {
  public:
   ~ContentFilteredTopic();
@@ -21,8 +21,8 @@ class ContentFilteredTopic {
   Topic& related_topic() const { return related_; }
   const std::string& filter_expression() const { return text_.expression; }
   std::vector<std::string> expression_parameters() const;
-  /// For all its readers, from the next sample on. Errors: rtps_filter_invalid; then all is as
-  /// before.
+  /// Applies to all its readers, from the next sample on. Errors: rtps_filter_invalid; then nothing
+  /// has changed.
   Status set_expression_parameters(std::vector<std::string> parameters);
 
  private:

@@ -123,7 +123,8 @@ Status QueryCondition::set_query_parameters(std::vector<std::string> parameters)
   const auto held = reader_.lock();
   FilterText text{text_.expression, std::move(parameters)};
   auto compiled = DDSSEC_TRY(reader_.conditions_.compile(text));
-  if (compiled) *query_ = std::move(*compiled);  // concurrent readers hold its address
+  // In place, because concurrent readers hold its address.
+  if (compiled) *query_ = std::move(*compiled);
   text_.parameters = std::move(text.parameters);
   reader_.reception_.update_conditions();
   return {};
@@ -143,7 +144,7 @@ Status AnyDataReader::wait_for_historical_data(std::chrono::nanoseconds most) {
   auto held = lock();
   DDSSEC_TRY(check_enabled(topic_.name()));
   if (qos_.durability == DurabilityKind::volatile_) return {};
-  // A heartbeat alone can complete it, and raises no event.
+  // A HEARTBEAT alone can complete the history, and does not notify the context. So check in steps.
   constexpr std::chrono::nanoseconds kStep = std::chrono::milliseconds(10);
   const auto complete = [&] {
     const auto* reader = context_.protocol().local_endpoints().reader(guid_);

@@ -1,4 +1,4 @@
-// DataReader of DDS 1.4, 2.2.2.5.3, on octets.
+// DataReader of DDS 1.4, 2.2.2.5.3, for serialized and for typed samples.
 #pragma once
 
 #include "rtps/dcps/content_filtered_topic.hpp"
@@ -12,40 +12,42 @@ namespace ddssec::rtps {
 
 class Subscriber;
 
-/// A reader of octets; what DataReader<T> stands on. Made and deleted by its subscriber. Any thread
-/// may call.
+/// A reader of serialized samples; the base class of DataReader<T>. Created and deleted by its
+/// subscriber. Thread-safe.
 class AnyDataReader : public Endpoint {
  public:
   ~AnyDataReader() override;
 
   Subscriber& subscriber() const;
-  /// nullptr if it gets everything.
+  /// Returns nullptr if the reader receives all samples of its topic.
   ContentFilteredTopic* content_filtered_topic() const { return filter_.topic(); }
   void set_listener(DataReaderListener* listener, StatusMask mask = kAnyStatus);
 
-  /// Appends what the query asks for to `out` and says how much that is. Errors: rtps_not_enabled,
-  /// rtps_bad_parameter (no such instance), rtps_precondition_not_met (with coherent or ordered
-  /// access of GROUP scope: outside of begin_access and end_access).
+  /// Appends the samples that match the query to `out` and returns their number. Errors:
+  /// rtps_not_enabled, rtps_bad_parameter (no such instance), rtps_precondition_not_met (coherent
+  /// or ordered access of GROUP scope, and the call is not between begin_access and end_access).
   Result<std::size_t> access(const Query& query, std::vector<OctetSample>& out);
-  /// HANDLE_NIL if the instance is not known.
+  /// Returns HANDLE_NIL if the instance is not known.
   InstanceHandle lookup_key(const KeyHash& key) const;
-  /// The serialized key. Errors: rtps_bad_parameter (no such instance).
+  /// Returns the serialized key of an instance. Errors: rtps_bad_parameter (no such instance).
   Result<Payload> octets_of_key(InstanceHandle instance) const;
 
-  /// Triggered while samples in these states are held.
+  /// Creates a condition that is triggered while the reader holds samples in these states. The
+  /// reader owns it.
   ReadCondition& create_readcondition(const States& states);
-  /// Triggered while samples in these states that the query finds are held; an empty expression
-  /// finds all. Errors: rtps_filter_invalid.
+  /// Creates a condition that is triggered while the reader holds samples in these states that
+  /// match the query; an empty expression matches all. The reader owns it. Errors:
+  /// rtps_filter_invalid.
   Result<QueryCondition*> create_querycondition(const States& states, FilterText query);
-  /// Errors: rtps_precondition_not_met (another reader's).
+  /// Errors: rtps_precondition_not_met (the condition belongs to another reader).
   Status delete_readcondition(ReadCondition& condition);
-  /// Its conditions.
+  /// Deletes its conditions.
   void delete_contained_entities();
 
-  /// What the matched reliable writers held when they matched has come; at once if DURABILITY is
-  /// volatile. Errors: rtps_timeout, rtps_not_enabled.
+  /// Waits until the samples that the matched reliable writers held when they matched have arrived.
+  /// Returns at once if DURABILITY is VOLATILE. Errors: rtps_timeout, rtps_not_enabled.
   Status wait_for_historical_data(std::chrono::nanoseconds most);
-  /// Samples that have not been read are there, or come in time.
+  /// Waits until the reader holds unread samples. Returns false if there are none after `most`.
   bool wait_for_unread(std::chrono::nanoseconds most);
 
   DeadlineMissedStatus requested_deadline_missed_status() { return read_deadline_status(); }
@@ -55,11 +57,12 @@ class AnyDataReader : public Endpoint {
   SampleRejectedStatus sample_rejected_status();
   MatchedStatus subscription_matched_status() { return read_matched_status(); }
   std::vector<Guid> matched_publications() const { return matched_remotes(); }
-  /// What a matched writer announced. Errors: rtps_bad_parameter (it is not matched).
+  /// Returns what a matched writer announced. Errors: rtps_bad_parameter (the writer is not
+  /// matched).
   Result<EndpointData> matched_publication_data(const Guid& writer) const {
     return matched_data(writer);
   }
-  /// Samples that could not be read; never reset.
+  /// Number of samples that could not be deserialized; never reset.
   std::uint64_t malformed() const { return reception_.samples().malformed(); }
 
  protected:
@@ -67,7 +70,7 @@ class AnyDataReader : public Endpoint {
   friend class Group;
   friend class Subscriber;
   AnyDataReader(Group& subscriber, ParticipantContext& context, Topic& topic, Qos qos);
-  /// A sample that turned out not to be one of the type.
+  /// Counts a sample that could not be deserialized as the type.
   void count_malformed() { reception_.samples().count_malformed(); }
 
  private:
@@ -100,7 +103,7 @@ class AnyDataReader : public Endpoint {
   RequestedLiveliness liveliness_;
 };
 
-/// Octets in, octets out.
+/// A reader of serialized samples.
 class OctetDataReader final : public AnyDataReader,
                               public SampleAccess<OctetDataReader, std::vector<OctetSample>> {
  private:
@@ -113,11 +116,12 @@ class OctetDataReader final : public AnyDataReader,
   }
 };
 
-/// Typed samples; the objects of a collection that is used again keep their memory.
+/// A reader of T. If the same collection is passed again, its objects keep their memory.
 template <DdsType T>
 class DataReader final : public AnyDataReader, public SampleAccess<DataReader<T>, Samples<T>> {
  public:
-  /// The oldest sample that was not read. Errors: rtps_not_enabled.
+  /// Return the oldest unread sample. Empty if there is none, or if the reader is not enabled or
+  /// may not be accessed now.
   std::optional<Sample<T>> take_next_sample() { return next(true); }
   std::optional<Sample<T>> read_next_sample() { return next(false); }
   InstanceHandle lookup_instance(const T& sample) const {
@@ -125,7 +129,7 @@ class DataReader final : public AnyDataReader, public SampleAccess<DataReader<T>
     return lookup_key(has_key<T>() ? key_hash(sample, scratch, keys_.hidden, version_of(qos()))
                                    : KeyHash{});
   }
-  /// A sample with its key alone. Errors: rtps_bad_parameter.
+  /// Returns a sample in which only the key is set. Errors: rtps_bad_parameter (no such instance).
   Result<T> key_value(InstanceHandle instance) const {
     const auto octets = octets_of_key(instance);
     if (!octets) return std::unexpected(octets.error());
@@ -149,7 +153,7 @@ class DataReader final : public AnyDataReader, public SampleAccess<DataReader<T>
   std::optional<Sample<T>> next(bool take) {
     Samples<T> one;
     Query query{.states = {.sample = SampleState::not_read}, .most = 1, .take = take};
-    // Unreadable ones are counted and passed over.
+    // Samples that cannot be deserialized are counted and skipped.
     for (auto before = malformed(); fill(query, one); before = malformed()) {
       if (one.size() > 0) return std::move(one[0]);
       if (malformed() == before) break;

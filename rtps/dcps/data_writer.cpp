@@ -83,7 +83,7 @@ void AnyDataWriter::on_time(MonotonicTime now) {
   instances_->check_deadlines(now, [&](InstanceHandle instance) { miss_deadline(instance); });
   lifespan_.expire(now, [&](SequenceNumber change) { protocol().discard(change); });
   call_at(std::min(instances_->next_deadline(), lifespan_.next_tick()));
-  context_.notify();  // what was discarded made room
+  context_.notify();  // discarded changes may have made room
 }
 
 void AnyDataWriter::on_own_qos(const Qos& before) {
@@ -95,11 +95,12 @@ void AnyDataWriter::on_own_qos(const Qos& before) {
   call_at(instances_->next_deadline());
 }
 
-// DDS 1.4, 2.2.3.21: deleting a writer unregisters its instances, which readers see by its leaving;
-// that they are disposed as well must be said.
+// DDS 1.4, 2.2.3.21: deleting a writer unregisters its instances. Readers notice this when the
+// writer disappears, but a dispose must be sent explicitly.
 void AnyDataWriter::conclude() {
   const auto held = lock();
-  const bool outlived = qos_.durability >= DurabilityKind::transient;  // by what is stored
+  // Stored samples outlive the writer.
+  const bool outlived = qos_.durability >= DurabilityKind::transient;
   if (!enabled() || !qos_.autodispose_unregistered_instances || matched_none() || outlived) return;
   const auto moment = context_.moment();
   for (const auto& [key, octets] : instances_->keys()) {
@@ -147,14 +148,15 @@ Status AnyDataWriter::wait_for_room(std::unique_lock<std::mutex>& lock, const Oc
   const auto room = [&] { return protocol().has_room(change.payload.size(), key); };
   if (!context_.wait(lock, most, room))
     return fail(Code::rtps_history_full, {.document = "writer " + guid_.to_string()});
-  // A gentle brake: what does not fit the receiver's buffers would be sent twice.
+  // Slow down gently: samples that do not fit in the receiver's buffers would have to be sent
+  // twice.
   if (protocol().is_ahead())
     context_.wait(lock, std::min(most, kBrake), [&] { return !protocol().is_ahead(); });
   return {};
 }
 
 Status AnyDataWriter::submit(const OctetWrite& request, StatusInfo status) {
-  // Readers give up what is larger, and a writer that sends it would hear that all is well.
+  // Readers give up larger samples, and the writer would not notice.
   if (request.payload.size() > StatefulReader::kLargestSample)
     return fail(Code::rtps_sample_too_large,
                 {.document = "writer of topic " + topic_.name(),
@@ -196,7 +198,8 @@ void AnyDataWriter::after_write(const KeyHash& key, StatusInfo status, SequenceN
   liveliness_.assert_at(now, false);
 }
 
-// The numbers of a set are over; a group's marker comes from all writers (RTPS 8.7.6).
+// Ends the sequence numbers of the set. For a group, the marker must come from all writers (RTPS
+// 8.7.6).
 void AnyDataWriter::end_set(Coherence marker, MonotonicTime now) {
   const bool wrote = std::exchange(set_begin_, {}).value > 0;
   if (!enabled() || (!wrote && marker.group_set.value == 0)) return;

@@ -13,17 +13,17 @@ namespace ddssec::rtps {
 
 class Publisher;
 
-/// A change of an instance, serialized already.
+/// A change of an instance, already serialized.
 struct OctetWrite {
   BytesView payload = {};                           ///< with its encapsulation
-  std::optional<KeyHash> key = {};                  ///< for types with keys
-  std::function<Bytes()> serialized_key = nullptr;  ///< called for a new instance only
-  InstanceHandle handle = {};                       ///< HANDLE_NIL: whichever the key names
-  std::optional<Time> source_timestamp = {};        ///< nothing: now
+  std::optional<KeyHash> key = {};                  ///< required for types with keys
+  std::function<Bytes()> serialized_key = nullptr;  ///< called only for a new instance
+  InstanceHandle handle = {};                       ///< HANDLE_NIL: the instance that the key names
+  std::optional<Time> source_timestamp = {};        ///< empty: now
 };
 
-/// A writer of octets; what DataWriter<T> stands on. Made and deleted by its publisher. Any thread
-/// may call.
+/// A writer of serialized samples; the base class of DataWriter<T>. Created and deleted by its
+/// publisher. Thread-safe.
 class AnyDataWriter : public Endpoint, private Timed {
  public:
   ~AnyDataWriter() override;
@@ -31,20 +31,23 @@ class AnyDataWriter : public Endpoint, private Timed {
   Publisher& publisher() const;
   void set_listener(DataWriterListener* listener, StatusMask mask = kAnyStatus);
 
-  // All: errors rtps_not_enabled, rtps_bad_parameter (a key is missing, the handle names another
-  // instance, a source time before the last one with BY_SOURCE_TIMESTAMP), rtps_out_of_resources
-  // (max_instances), rtps_history_full (after RELIABILITY.max_blocking_time).
+  // Errors of all of them: rtps_not_enabled, rtps_bad_parameter (the key is missing, the handle
+  // names another instance, or with BY_SOURCE_TIMESTAMP the source time is before the previous
+  // one), rtps_out_of_resources (max_instances). Those that write: also rtps_sample_too_large,
+  // rtps_history_full (no room within RELIABILITY.max_blocking_time), and with DURABILITY TRANSIENT
+  // or PERSISTENT those of WriterDurability::wait_for_room.
   Status write_octets(const OctetWrite& change);
   Status dispose_octets(const OctetWrite& change);
-  /// Errors besides: rtps_precondition_not_met (the instance is not registered).
+  /// Further errors: rtps_precondition_not_met (the instance is not registered).
   Status unregister_octets(const OctetWrite& change);
   Result<InstanceHandle> register_octets(const OctetWrite& change);
-  /// HANDLE_NIL if the instance is not registered.
+  /// Returns HANDLE_NIL if the instance is not registered.
   InstanceHandle lookup_key(const KeyHash& key) const;
-  /// The serialized key. Errors: rtps_bad_parameter (no such instance).
+  /// Returns the serialized key of an instance. Errors: rtps_bad_parameter (no such instance).
   Result<Bytes> octets_of_key(InstanceHandle instance) const;
 
-  /// With DURABILITY PERSISTENT also that all is stored. Errors: rtps_timeout, rtps_not_enabled,
+  /// Waits until all matched reliable readers have acknowledged everything. With DURABILITY
+  /// PERSISTENT also waits until everything is stored. Errors: rtps_timeout, rtps_not_enabled,
   /// rtps_store_failed.
   Status wait_for_acknowledgments(std::chrono::nanoseconds most);
   /// Errors: rtps_not_enabled.
@@ -55,7 +58,8 @@ class AnyDataWriter : public Endpoint, private Timed {
   LivelinessLostStatus liveliness_lost_status();
   MatchedStatus publication_matched_status() { return read_matched_status(); }
   std::vector<Guid> matched_subscriptions() const { return matched_remotes(); }
-  /// What a matched reader announced. Errors: rtps_bad_parameter (it is not matched).
+  /// Returns what a matched reader announced. Errors: rtps_bad_parameter (the reader is not
+  /// matched).
   Result<EndpointData> matched_subscription_data(const Guid& reader) const {
     return matched_data(reader);
   }
@@ -72,7 +76,7 @@ class AnyDataWriter : public Endpoint, private Timed {
   void on_time(MonotonicTime now) override;
 
   Result<Guid> create(EndpointRequest request) override;
-  /// What a writer before it left in the store becomes its history.
+  /// Loads the samples that an earlier writer left in the store into the history of the new writer.
   Status restore(EndpointRequest& request);
   void on_own_qos(const Qos& before) override;
   void conclude() override;
@@ -95,12 +99,13 @@ class AnyDataWriter : public Endpoint, private Timed {
   WriterDurability durability_;
   OfferedLiveliness liveliness_;
   WriterLifespan lifespan_;
-  SequenceNumber set_begin_;  ///< of the open coherent set; 0: wrote nothing in it
-  bool concluded_ = false;    ///< there was something to say
+  /// Sequence number at which the open coherent set begins; 0: wrote nothing in it.
+  SequenceNumber set_begin_;
+  bool concluded_ = false;  ///< conclude() sent at least one dispose
   LivelinessLostStatus liveliness_lost_;
 };
 
-/// One thread at a time: what a sample is serialized into belongs to the writer.
+/// A writer of T. Not thread-safe: the calls serialize into buffers that belong to the writer.
 template <DdsType T>
 class DataWriter final : public AnyDataWriter {
  public:
@@ -111,15 +116,15 @@ class DataWriter final : public AnyDataWriter {
   Status write_w_timestamp(const T& sample, InstanceHandle handle, Time source_timestamp) {
     return write_octets(with_payload(sample, handle, source_timestamp));
   }
-  /// The instance is over.
+  /// Disposes the instance.
   Status dispose(const T& sample, InstanceHandle handle = {}) {
     return dispose_octets(with_key(sample, handle, std::nullopt));
   }
   Status dispose_w_timestamp(const T& sample, InstanceHandle handle, Time source_timestamp) {
     return dispose_octets(with_key(sample, handle, source_timestamp));
   }
-  /// This writer has no more to say about the instance; with
-  /// autodispose_unregistered_instances (the default) it is over as well.
+  /// The writer will not write this instance any more. With autodispose_unregistered_instances (the
+  /// default) the instance is disposed as well.
   Status unregister_instance(const T& sample, InstanceHandle handle = {}) {
     return unregister_octets(with_key(sample, handle, std::nullopt));
   }
@@ -133,7 +138,7 @@ class DataWriter final : public AnyDataWriter {
   InstanceHandle lookup_instance(const T& sample) {
     return lookup_key(key_of(sample).value_or(KeyHash{}));
   }
-  /// A sample with its key alone. Errors: rtps_bad_parameter.
+  /// Returns a sample in which only the key is set. Errors: rtps_bad_parameter (no such instance).
   Result<T> key_value(InstanceHandle instance) const {
     const auto octets = octets_of_key(instance);
     if (!octets) return std::unexpected(octets.error());

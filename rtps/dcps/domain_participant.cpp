@@ -5,7 +5,7 @@
 namespace ddssec::rtps {
 namespace {
 
-constexpr DomainId kGreatestDomain = 232;  // its ports still fit 16 bits
+constexpr DomainId kGreatestDomain = 232;  // the largest for which the ports fit into 16 bits
 
 std::unexpected<Error> bad_option(std::string field, std::string expected, std::string found) {
   return fail(Code::invalid_property, {.document = "participant options",
@@ -39,7 +39,7 @@ Status announce_by_multicast(ParticipantSockets& sockets, ParticipantConfig& con
   for (const auto& interface : sockets.interfaces()) {
     const auto joined = sockets.join(group, interface);
     if (joined) continue;
-    // With peers to announce to, others are still found.
+    // With peers to announce to, other participants can still be found.
     if (sockets.interfaces().size() == 1 && config.announce_to.empty()) return joined;
     events.raise(Event(joined.error().in(to_string({&interface, 1}))));
   }
@@ -207,7 +207,7 @@ Status DomainParticipant::delete_contained_entities() {
   groups_.conclude_writers();
   const std::lock_guard members(context_.callbacks());
   const auto topics = topics_.release();
-  groups_.release();  // they go before the topics
+  groups_.release();  // before the topics, to which their members refer
   return {};
 }
 

@@ -1,5 +1,5 @@
-// DomainParticipant of DDS 1.4, 2.2.2.2.1, with its sockets and its thread: where applications
-// begin.
+// DomainParticipant of DDS 1.4, 2.2.2.2.1, with its sockets and its thread. An application starts
+// here.
 #pragma once
 
 #include "rtps/dcps/discovered_entities.hpp"
@@ -15,34 +15,38 @@ struct DomainParticipantOptions {
   std::string domain_tag = {};
   std::string entity_name = {};
   Bytes user_data = {};
-  /// Names or addresses of the interfaces to use, {"lo"} to stay on this machine. Without any:
-  /// every IPv4 interface that is up and does multicast, or the loopback if there is none.
+  /// Names or addresses of the network interfaces to use; {"lo"} stays on this machine. Empty:
+  /// every IPv4 interface that is up and supports multicast, or the loopback interface if there is
+  /// none.
   std::vector<std::string> interfaces = {};
-  bool multicast = true;  ///< announce to and listen at 239.255.0.1 on each of them
-  /// Addresses that are announced to by unicast, at the ports of participant indexes 0 to 9: by
-  /// default those participants of this machine that use its loopback alone.
+  bool multicast = true;  ///< join 239.255.0.1 on each interface and announce to it
+  /// IP addresses to which the participant announces itself by unicast, at the ports of participant
+  /// indexes 0 to 9. The default reaches participants on this machine that use only the loopback
+  /// interface.
   std::vector<std::string> peers = {"127.0.0.1"};
   Duration lease_duration{{10, 0}};
-  /// Between announcements of the participant, after the first few; 0: as the lease wants it.
+  /// Time between announcements of the participant, after the first few. 0: derived from the lease
+  /// duration.
   std::chrono::nanoseconds announcement_period{};
-  /// Samples above this many octets go in fragments of it; 14336 at most.
+  /// Samples with a larger payload are sent in fragments of this size. In octets, at most 14336.
   std::uint32_t fragment_size = MessageSender::kLargestFragment;
-  /// TypeInformation of types made from IDL is announced. Cyclone DDS then matches no endpoint
-  /// whose type is another one, be it in a bound alone.
+  /// Announces the TypeInformation of types generated from IDL. Cyclone DDS then does not match an
+  /// endpoint whose type differs, even if only a bound differs.
   bool announce_types = true;
-  /// Octets to ask the system for, for each socket; a warning if it grants less than large samples
-  /// need.
+  /// Receive buffer to request from the operating system for each socket, in octets. If less is
+  /// granted than large samples need, a warning event is raised.
   std::size_t receive_buffer = UdpSocket::kWantedBuffer;
   bool own_thread = true;  ///< false: the application calls poll()
-  /// Samples for participants of this process go there directly, in the writer's thread, unless
-  /// the topic is protected; false: always by the network.
+  /// Delivers samples to participants of the same process directly, in the writer's thread, unless
+  /// the topic is protected. false: always over the network.
   bool in_process = true;
-  bool enabled = true;  ///< false: silent until enable()
-  /// The file in which samples of writers with DURABILITY PERSISTENT are kept; made if it is
-  /// missing, and for one participant at a time. Empty: they last as long as the participant.
+  bool enabled = true;  ///< false: sends nothing until enable()
+  /// Path of the file that stores the samples of writers with DURABILITY PERSISTENT. It is created
+  /// if it does not exist. Only one participant at a time can use it. Empty: the samples last as
+  /// long as the participant.
   std::string durability_store = {};
   std::size_t durability_store_octets = SampleStore::kDefaultOctets;
-  /// Nothing: not a secured participant.
+  /// Empty: the participant is not secured.
   std::optional<SecurityOptions> security = {};
 };
 
@@ -52,7 +56,8 @@ struct DomainParticipantQos {
   bool operator==(const DomainParticipantQos&) const = default;
 };
 
-/// What its protocol has counted, never reset, and how many others there are.
+/// Counters of the participant's protocol, which are never reset, and the number of remote
+/// participants.
 struct DomainParticipantCounters : ParticipantCounters {
   ProtectionCounters protection;          ///< what was dropped; all zero without security
   AuthenticationCounters authentication;  ///< all zero without security
@@ -60,7 +65,8 @@ struct DomainParticipantCounters : ParticipantCounters {
 };
 
 namespace detail {
-/// Stands before Entity, which needs the context in it.
+/// A base class of its own, because it must be constructed before Entity, which needs the context
+/// in it.
 struct ServiceHolder {
   ServiceHolder(const Environment& environment, const DomainParticipantOptions& options)
       : service_(environment, options.own_thread,
@@ -70,16 +76,18 @@ struct ServiceHolder {
 };
 }  // namespace detail
 
-/// Makes and deletes its topics, publishers and subscribers; what is left of them dies with it. All
-/// calls are thread-safe. Listeners are called by the participant's thread (or by poll).
+/// Creates and deletes its topics, publishers and subscribers; those that remain are deleted with
+/// it. All calls are thread-safe. Listeners are called by the participant's thread, or by poll().
 class DomainParticipant final : private detail::ServiceHolder, public Entity {
  public:
   static constexpr int kAnnouncedIndexes = 10;
 
-  /// Raises rtps_joined, which names the interfaces. Errors: invalid_property (no such domain or
-  /// address), rtps_address_not_here (no such interface), rtps_port_taken (all indexes),
-  /// rtps_no_multicast (and no peers), rtps_socket_failed, random_failed, rtps_store_unusable,
-  /// rtps_store_failed.
+  /// Creates a participant and raises the event rtps_joined, which names the interfaces. The clock,
+  /// random source and event sink in `environment` must outlive the participant.
+  /// Errors: invalid_property (invalid domain or peer address), rtps_address_not_here (no such
+  /// interface), rtps_port_taken (all participant indexes are in use), rtps_no_multicast (multicast
+  /// fails and there are no peers), rtps_socket_failed, random_failed, rtps_store_unusable,
+  /// rtps_store_failed; with security also those of the plugins.
   static Result<std::unique_ptr<DomainParticipant>> create(DomainParticipantOptions options,
                                                            const Environment& environment);
   ~DomainParticipant() override;
@@ -95,8 +103,9 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
   Status enable() override;
   void set_listener(DomainParticipantListener* listener, StatusMask mask = kAnyStatus);
 
-  /// Errors: rtps_precondition_not_met (there is a topic of this name), rtps_qos_inconsistent,
-  /// rtps_bad_parameter (a name that is empty or longer than 256).
+  /// Creates a topic, which the participant owns. Errors: rtps_precondition_not_met (the name is
+  /// already in use), rtps_qos_inconsistent, rtps_bad_parameter (the name of the topic or type is
+  /// empty or longer than 256 characters).
   template <DdsType T>
   Result<Topic*> create_topic(std::string name, std::optional<Qos> qos = {},
                               TopicListener* listener = nullptr, StatusMask mask = kAnyStatus) {
@@ -104,21 +113,25 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
   }
   Result<Topic*> create_topic(std::string name, TypeSupport type, std::optional<Qos> qos = {},
                               TopicListener* listener = nullptr, StatusMask mask = kAnyStatus);
-  /// nullptr if there is none.
+  /// Returns nullptr if there is no topic with this name.
   Topic* lookup_topicdescription(std::string_view name) const { return topics_.lookup(name); }
-  /// For readers of `related` that want only what passes the filter. Errors: rtps_filter_invalid,
-  /// and those of create_topic.
+  /// Creates a topic for readers that receive only the samples of `related` that pass the filter.
+  /// Errors: rtps_filter_invalid, rtps_precondition_not_met (the name is already in use, or
+  /// `related` belongs to another participant), rtps_bad_parameter (the name is empty or longer
+  /// than 256 characters).
   Result<ContentFilteredTopic*> create_contentfilteredtopic(std::string name, Topic& related,
                                                             FilterText filter) {
     return topics_.create_filtered(std::move(name), related, std::move(filter));
   }
-  /// nullptr if there is none.
+  /// Returns nullptr if there is no content-filtered topic with this name.
   ContentFilteredTopic* lookup_contentfilteredtopic(std::string_view name) const {
     return topics_.lookup_filtered(name);
   }
-  /// Errors: rtps_precondition_not_met (it has readers, or is another participant's).
+  /// Errors: rtps_precondition_not_met (the topic has readers or belongs to another participant, or
+  /// the call is made from within a callback).
   Status delete_contentfilteredtopic(ContentFilteredTopic& topic) { return topics_.remove(topic); }
-  /// Errors: rtps_qos_inconsistent.
+  /// The participant owns what these calls create. The policies are checked when the first writer
+  /// or reader is created. Errors: those of Group::enable.
   Result<Publisher*> create_publisher(GroupQos qos = {}, PublisherListener* listener = nullptr,
                                       StatusMask mask = kAnyStatus) {
     return groups_.create_publisher(std::move(qos), listener, mask);
@@ -127,25 +140,26 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
                                         StatusMask mask = kAnyStatus) {
     return groups_.create_subscriber(std::move(qos), listener, mask);
   }
-  // Errors: rtps_precondition_not_met (another participant's, one that is used or not empty, or
-  // from within a callback).
+  // Errors: rtps_precondition_not_met (the entity belongs to another participant, is in use or is
+  // not empty, or the call is made from within a callback).
   Status delete_topic(Topic& topic) { return topics_.remove(topic); }
   Status delete_publisher(Publisher& publisher) { return groups_.remove(publisher); }
   Status delete_subscriber(Subscriber& subscriber) { return groups_.remove(subscriber); }
   Status delete_contained_entities();
   bool contains_entities() const;
   Qos default_topic_qos() const;
-  /// Errors: rtps_qos_inconsistent.
+  /// Sets the policies of topics that are created without any. Errors: rtps_qos_inconsistent.
   Status set_default_topic_qos(const Qos& qos);
 
-  /// What discovery found, as samples: readers of DCPSParticipant, DCPSTopic, DCPSPublication and
-  /// DCPSSubscription. This call makes all four, and they cannot be deleted. The samples of
-  /// entities that have ended stay until they are taken, within a bound for each identity
-  /// (EndedInstances).
+  /// Returns the subscriber whose readers deliver what discovery found as samples: DCPSParticipant,
+  /// DCPSTopic, DCPSPublication and DCPSSubscription. This call creates all four readers, which
+  /// cannot be deleted. Samples of entities that have ended stay until they are taken, within a
+  /// limit for each identity (EndedInstances).
   Subscriber& builtin_subscriber();
-  /// Its reader of ParticipantBuiltinTopicData, TopicBuiltinTopicData, PublicationBuiltinTopicData
-  /// or SubscriptionBuiltinTopicData, which alone is made now, if it was not before; nullptr once
-  /// the application has deleted it with the rest.
+  /// Returns the builtin reader of T: ParticipantBuiltinTopicData, TopicBuiltinTopicData,
+  /// PublicationBuiltinTopicData or SubscriptionBuiltinTopicData. Creates this reader alone, if it
+  /// does not exist yet. Returns nullptr once the application has deleted the subscriber's
+  /// contained entities.
   template <class T>
   BuiltinDataReader<T>* builtin_datareader() {
     const std::lock_guard members(context_.callbacks());
@@ -154,38 +168,43 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
     return static_cast<BuiltinDataReader<T>*>(
         topics.subscriber().lookup_datareader(BuiltinTopicOf<T>::topic));
   }
-  /// Those that were accepted: if this participant is secured, authenticated or admitted without.
+  /// The remote participants that were accepted. For a secured participant: those that are
+  /// authenticated, or admitted without authentication.
   std::vector<Guid> discovered_participants() const { return discovered_.participants(); }
-  /// Errors: rtps_bad_parameter (none of them).
+  /// Errors: rtps_bad_parameter (no such participant).
   Result<ParticipantBuiltinTopicData> discovered_participant_data(const Guid& participant) const {
     return discovered_.participant_data(participant);
   }
-  /// Topics of which a remote endpoint is known.
+  /// The topics on which at least one remote endpoint is known.
   std::vector<TopicBuiltinTopicData> discovered_topics() const { return discovered_.topics(); }
-  /// Secured participants of a domain whose governance enables it: makes new keys and puts them to
-  /// use once all trusted peers have them, after 5 s at the latest. Happens by itself when a peer's
-  /// identity or permissions end and when one is ignored (DDS-Security 1.2 9.8.10.4); this is for
-  /// what only the application knows. Errors: rtps_not_enabled, rtps_key_revision_disabled.
+  /// Creates new keys and switches to them when all trusted peers have received them, after 5 s at
+  /// the latest. Only for secured participants whose governance enables key revision. Key revision
+  /// also happens automatically when a peer's identity or permissions end and when a peer is
+  /// ignored (DDS-Security 1.2, 9.8.10.4). Call this for reasons that only the application knows.
+  /// Errors: rtps_not_enabled, rtps_key_revision_disabled.
   Status revise_keys();
-  // For good, and as if it had never been found. Errors: rtps_not_enabled.
-  /// Our own GUID: our writers and readers do not match each other.
+  // Ignores the entity permanently, as if it had never been found. Errors: rtps_not_enabled.
+  /// With the participant's own GUID: its writers and readers do not match each other.
   Status ignore_participant(const Guid& participant) {
     return discovered_.ignore_participant(participant);
   }
   Status ignore_topic(const std::string& name) { return discovered_.ignore_topic(name); }
   Status ignore_publication(const Guid& writer) { return discovered_.ignore_endpoint(writer); }
   Status ignore_subscription(const Guid& reader) { return discovered_.ignore_endpoint(reader); }
-  /// A topic of this participant, or a new one of octets with the type that others announce for
-  /// that name, as soon as there is one. To be deleted as often as it was created or found.
-  /// Errors: rtps_timeout, those of create_topic.
+  /// Returns a topic of this participant. Otherwise waits up to `most` until a remote endpoint uses
+  /// the name, and creates a topic of octets with the type that this endpoint announces. A topic
+  /// must be deleted as often as it was created or found. Errors: rtps_timeout, those of
+  /// create_topic.
   Result<Topic*> find_topic(const std::string& name, std::chrono::nanoseconds most) {
     return topics_.find(name, most);
   }
 
-  /// Asserts its writers with LIVELINESS MANUAL_BY_PARTICIPANT. Errors: rtps_not_enabled.
+  /// Asserts the liveliness of its writers with LIVELINESS MANUAL_BY_PARTICIPANT. Errors:
+  /// rtps_not_enabled.
   Status assert_liveliness();
 
-  /// Serves sockets, timers and listeners for at most `timeout`; only without a thread of its own.
+  /// Serves sockets, timers and listeners for at most `timeout`. Only for a participant without a
+  /// thread of its own (own_thread = false).
   void poll(std::chrono::nanoseconds timeout) { service_.serve(timeout); }
 
  private:
@@ -204,7 +223,7 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
   ManualLiveliness manual_liveliness_;
   DiscoveredEntities discovered_;
   TopicDescriptions topics_;
-  Groups groups_;  // refer to topics
+  Groups groups_;  // its members refer to topics
   std::unique_ptr<BuiltinTopics> builtin_topics_;
 };
 

@@ -7,7 +7,7 @@ namespace ddssec::rtps {
 Result<DomainParticipant*> DomainParticipantFactory::create_participant(
     DomainParticipantOptions options, DomainParticipantListener* listener, StatusMask mask) {
   const bool enabled = options.enabled && autoenable_;
-  options.enabled = false;  // the listener hears everything from the beginning
+  options.enabled = false;  // so that the listener receives everything from the beginning
   auto participant = DDSSEC_TRY(DomainParticipant::create(std::move(options), environment_));
   participant->set_listener(listener, mask);
   if (enabled) DDSSEC_TRY(participant->enable());

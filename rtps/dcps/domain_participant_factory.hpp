@@ -1,27 +1,29 @@
-// DomainParticipantFactory of DDS 1.4, 2.2.2.2.2: not a singleton, as clock, random source and
-// events are given to it.
+// DomainParticipantFactory of DDS 1.4, 2.2.2.2.2. Not a singleton, because it receives its clock,
+// random source and event sink from the caller.
 #pragma once
 
 #include "rtps/dcps/domain_participant.hpp"
 
 namespace ddssec::rtps {
 
-/// Its participants die with it. Thread-safe.
+/// Owns its participants, which are deleted with it. Thread-safe.
 class DomainParticipantFactory {
  public:
-  /// The environment's parts outlive the factory.
+  /// The clock, random source and event sink in `environment` must outlive the factory.
   explicit DomainParticipantFactory(const Environment& environment) : environment_(environment) {}
 
-  /// Whether participants are enabled when they are made (ENTITY_FACTORY); true at first.
+  /// Sets whether new participants are enabled when they are created (ENTITY_FACTORY). The default
+  /// is true.
   void set_autoenable_created_entities(bool autoenable) { autoenable_ = autoenable; }
 
   /// Errors: those of DomainParticipant::create.
   Result<DomainParticipant*> create_participant(DomainParticipantOptions options,
                                                 DomainParticipantListener* listener = nullptr,
                                                 StatusMask mask = kAnyStatus);
-  /// Errors: rtps_precondition_not_met (another factory's, or one that contains entities).
+  /// Errors: rtps_precondition_not_met (the participant belongs to another factory or contains
+  /// entities).
   Status delete_participant(DomainParticipant& participant);
-  /// Any participant in that domain; nullptr if there is none.
+  /// Returns any participant in that domain, or nullptr if there is none.
   DomainParticipant* lookup_participant(DomainId domain) const;
 
  private:

@@ -2,7 +2,7 @@
 
 namespace ddssec::rtps {
 
-// A thread that deletes an entity holds the lock of callbacks.
+// The thread that deletes an entity holds the callback lock.
 Entity::~Entity() {
   const auto held = lock();
   changes_.leave_queue();

@@ -1,4 +1,4 @@
-// What all entities have in common (DDS 1.4, 2.2.2.1.1).
+// The common base class of all entities (DDS 1.4, 2.2.2.1.1).
 #pragma once
 
 #include "rtps/dcps/listener.hpp"
@@ -13,11 +13,12 @@ class Entity {
   Entity& operator=(const Entity&) = delete;
 
   StatusCondition& status_condition() { return changes_.condition(); }
-  /// Statuses that changed since they were last read, or a listener was told.
+  /// The statuses that changed since the application read them or a listener was called for them.
   StatusMask status_changes() const;
   bool is_enabled() const;
-  /// Makes the entity take part; a second time does nothing. Entities are born enabled unless
-  /// their container is not, or says so with autoenable_created_entities.
+  /// Enables the entity, so that it takes part in communication. Has no effect on an enabled
+  /// entity. Entities are created enabled, unless their container is not enabled or has
+  /// autoenable_created_entities set to false.
   /// Errors: rtps_precondition_not_met (the container is not enabled), those of the entity.
   virtual Status enable() = 0;
 
@@ -26,14 +27,14 @@ class Entity {
 
   std::unique_lock<std::mutex> lock() const { return std::unique_lock(context_.mutex()); }
 
-  // With the lock held:
+  // The caller holds the lock:
   void mark_enabled() { enabled_ = true; }
   bool enabled() const { return enabled_; }
   Status check_enabled(std::string_view what) const;
-  /// By default none: the entities that it contains call its listener.
+  /// False by default: the listener is called for the entities that it contains.
   virtual bool has_listener(StatusKind) const { return false; }
 
-  /// Calls the listeners for what changed; without the lock.
+  /// Calls the listeners for the statuses that changed. The caller does not hold the lock.
   virtual void tell_listeners() {}
 
   ParticipantContext& context_;
@@ -47,10 +48,11 @@ class Entity {
   bool enabled_ = false;
 };
 
-/// Deleting and other calls that a listener must not make. Errors: rtps_precondition_not_met.
+/// Refuses deletions and other calls that a listener must not make. Errors:
+/// rtps_precondition_not_met.
 Status check_not_in_callback(const ParticipantContext& context);
 
-/// What an entity may not do as things are.
+/// The error for a call that is not allowed in the entity's current state.
 inline std::unexpected<Error> precondition_not_met(std::string document, std::string expected,
                                                    std::string found) {
   return fail(Code::rtps_precondition_not_met, {.document = std::move(document),

@@ -1,7 +1,9 @@
-// Listeners of DDS 1.4 (2.2.2.1.5 and 2.2.4.3). They are called by the participant's thread, or
-// by poll(), without any lock: they may read, take and write, but wait for nothing (calls that
-// would wait time out at once) and delete no entity. A listener outlives its entity, or is taken
-// away before with set_listener(nullptr).
+// Listeners of DDS 1.4 (2.2.2.1.5 and 2.2.4.3).
+// - They are called by the participant's thread, or by poll(), without any lock.
+// - They may read, take and write.
+// - They must not wait: calls that would wait time out at once.
+// - They must not delete entities.
+// - A listener must outlive its entity, or be removed before with set_listener(nullptr).
 #pragma once
 
 #include "rtps/dcps/status.hpp"
@@ -42,7 +44,8 @@ class DataReaderListener {
   virtual void on_sample_lost(AnyDataReader&, const SampleLostStatus&) {}
 };
 
-/// A listener with data_on_readers here hides on_data_available of that subscriber's readers.
+/// While a listener for DATA_ON_READERS is installed here, on_data_available of that subscriber's
+/// readers is not called.
 class SubscriberListener : public virtual DataReaderListener {
  public:
   virtual void on_data_on_readers(Subscriber&) {}
@@ -52,7 +55,8 @@ class DomainParticipantListener : public virtual TopicListener,
                                   public virtual PublisherListener,
                                   public virtual SubscriberListener {};
 
-/// A listener and the statuses that it is for; a status without a listener goes to the container.
+/// A listener and the statuses that it handles. A status without a listener is passed to the
+/// containing entity.
 template <class L>
 struct Listening {
   L* listener = nullptr;

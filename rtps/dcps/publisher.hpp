@@ -6,46 +6,51 @@
 
 namespace ddssec::rtps {
 
-/// Made and deleted by its participant.
+/// Created and deleted by its participant.
 class Publisher final : public Group {
  public:
-  ~Publisher() override { members_.clear(); }  // they know parts of this
+  ~Publisher() override { members_.clear(); }  // they refer to members of this class
 
   void set_listener(PublisherListener* listener, StatusMask mask = kAnyStatus);
 
   Qos default_datawriter_qos() const { return default_endpoint_qos(); }
-  /// Errors: rtps_qos_inconsistent.
+  /// Sets the policies of writers that are created without any. Errors: rtps_qos_inconsistent.
   Status set_default_datawriter_qos(const Qos& qos) { return set_default_endpoint_qos(qos); }
 
-  /// A writer of T on a topic of that type. Errors: rtps_bad_parameter (another type),
-  /// rtps_precondition_not_met (another participant's topic), rtps_qos_inconsistent.
+  /// Creates a writer of T, which the publisher owns, on a topic of that type. Errors:
+  /// rtps_bad_parameter (the topic has another type), rtps_precondition_not_met (the topic belongs
+  /// to another participant), rtps_qos_inconsistent.
   template <DdsType T>
   Result<DataWriter<T>*> create_datawriter(Topic& topic, std::optional<Qos> qos = {},
                                            DataWriterListener* listener = nullptr,
                                            StatusMask mask = kAnyStatus) {
     return create<DataWriter<T>>(topic, TypeTraits<T>::type_name, std::move(qos), listener, mask);
   }
-  /// A writer of octets.
+  /// Creates a writer of serialized samples. Errors: as above.
   Result<AnyDataWriter*> create_datawriter(Topic& topic, std::optional<Qos> qos = {},
                                            DataWriterListener* listener = nullptr,
                                            StatusMask mask = kAnyStatus) {
     return create<AnyDataWriter>(topic, topic.type_name(), std::move(qos), listener, mask);
   }
-  /// Errors: rtps_precondition_not_met (another publisher's, or from within a callback).
+  /// Errors: rtps_precondition_not_met (the writer belongs to another publisher, or the call is
+  /// made from within a callback).
   Status delete_datawriter(AnyDataWriter& writer) { return delete_member(writer); }
-  /// Any of its writers on that topic; nullptr if there is none.
+  /// Returns any of its writers on that topic, or nullptr if there is none.
   AnyDataWriter* lookup_datawriter(std::string_view topic_name) const;
-  /// With PRESENTATION.coherent_access: what its writers write from here to end_coherent_changes
-  /// readers that ask for it see all at once or not at all. May be nested; the outermost pair
-  /// counts. Errors: rtps_not_enabled.
+  /// Begins a coherent set, if PRESENTATION.coherent_access is set. Readers that request coherent
+  /// access see what the publisher's writers write until end_coherent_changes either completely or
+  /// not at all. Calls may be nested; only the outermost pair has an effect. Errors:
+  /// rtps_not_enabled.
   Status begin_coherent_changes();
-  /// Errors: rtps_not_enabled, rtps_precondition_not_met (none was begun).
+  /// Errors: rtps_not_enabled, rtps_precondition_not_met (no begin_coherent_changes before).
   Status end_coherent_changes();
-  /// What its writers write is not sent before resume_publications. Errors: rtps_not_enabled.
+  /// What its writers write from now on is sent only after resume_publications. Errors:
+  /// rtps_not_enabled.
   Status suspend_publications();
-  /// Errors: rtps_not_enabled, rtps_precondition_not_met (not suspended).
+  /// Errors: rtps_not_enabled, rtps_precondition_not_met (publications are not suspended).
   Status resume_publications();
-  /// Of all its writers. Errors: rtps_timeout.
+  /// Waits until the samples of all its writers are acknowledged. Errors: rtps_timeout,
+  /// rtps_not_enabled (one of the writers), rtps_store_failed.
   Status wait_for_acknowledgments(std::chrono::nanoseconds most);
 
  private:
@@ -57,13 +62,14 @@ class Publisher final : public Group {
     return static_cast<AnyDataWriter&>(*member);  // a publisher creates nothing else
   }
 
-  // With the lock held:
-  /// With GROUP access: its name.
+  // The caller holds the lock:
+  /// With coherent or ordered access of GROUP scope: the GUID of this publisher in its writers'
+  /// announcements. Otherwise empty.
   std::optional<Guid> group_guid();
-  /// A writer is new.
+  /// Prepares a new writer.
   void admit(StatefulWriter& writer, MonotonicTime now);
   void count_writers();
-  /// For a writer's next change, which has that number.
+  /// Returns the coherence fields of a writer's next change, which has this sequence number.
   Coherence stamp(SequenceNumber& set_begin, SequenceNumber number);
 
   Listening<PublisherListener> listening_;
@@ -71,8 +77,8 @@ class Publisher final : public Group {
   bool by_group_ = false;
   std::optional<Guid> guid_;
   WriterGroup group_;
-  SequenceNumber set_begin_;  ///< group sequence number of the open set; 0 none
-  int depth_ = 0;             ///< of begin_coherent_changes
+  SequenceNumber set_begin_;  ///< group sequence number of the open set; 0: none
+  int depth_ = 0;             ///< nesting depth of begin_coherent_changes
   bool suspended_ = false;
 };
 

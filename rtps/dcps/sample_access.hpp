@@ -1,4 +1,4 @@
-// The calls by which samples are read and taken (DDS 1.4, 2.2.2.5.3), for any collection of them.
+// The calls that read and take samples (DDS 1.4, 2.2.2.5.3), for any type of collection.
 #pragma once
 
 #include "rtps/dcps/condition.hpp"
@@ -13,7 +13,7 @@ struct Sample {
   SampleInfo info;
 };
 
-/// What a read or take found. Keeps the memory of its objects for the next time.
+/// The result of a read or take. If it is passed again, its objects keep their memory.
 template <DdsType T>
 class Samples {
  public:
@@ -30,7 +30,7 @@ class Samples {
   template <DdsType>
   friend class DataReader;
 
-  // False: the octets are no T.
+  // Returns false if the payload cannot be deserialized as T.
   bool append(const OctetSample& raw) {
     if (size_ == held_.size()) held_.emplace_back();
     auto& sample = held_[size_];
@@ -47,9 +47,10 @@ class Samples {
   std::vector<OctetSample> raw_;
 };
 
-/// `Reader` has fill(query, samples), which replaces what the collection held. All: how many were
-/// found, 0 for none (NO_DATA); errors rtps_not_enabled, rtps_bad_parameter (no such instance),
-/// rtps_precondition_not_met (another reader's condition).
+/// `Reader` provides fill(query, samples), which replaces the contents of the collection. All calls
+/// return the number of samples found, 0 if there are none (NO_DATA). Errors: rtps_not_enabled,
+/// rtps_bad_parameter (no such instance), rtps_precondition_not_met (the condition belongs to
+/// another reader, or GROUP access without begin_access).
 template <class Reader, class Collection>
 class SampleAccess {
  public:
@@ -78,7 +79,8 @@ class SampleAccess {
     return find(out, most,
                 {.states = states, .take = true, .scope = Scope::instance, .instance = instance});
   }
-  /// The instance that follows `previous` and has such samples; HANDLE_NIL begins with the first.
+  /// Selects the next instance after `previous` that has such samples; HANDLE_NIL selects the first
+  /// one.
   Count read_next_instance(Collection& out, InstanceHandle previous,
                            std::int32_t most = kLengthUnlimited, const States& states = {}) {
     return find(out, most, {.states = states, .scope = Scope::next_instance, .instance = previous});

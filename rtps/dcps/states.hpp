@@ -1,5 +1,4 @@
-// Sample, view and instance states and what comes with each sample (DDS 1.4, 2.2.2.5.1
-// and 2.2.2.5.4).
+// Sample, view and instance states, and SampleInfo (DDS 1.4, 2.2.2.5.1 and 2.2.2.5.4).
 #pragma once
 
 #include <optional>
@@ -43,14 +42,14 @@ constexpr Mask<InstanceState> operator|(InstanceState a, InstanceState b) { retu
 inline constexpr Mask<InstanceState> kNotAlive =
     InstanceState::not_alive_disposed | InstanceState::not_alive_no_writers;
 
-/// Which samples a read, a take or a ReadCondition is about; all of them by default.
+/// Selects the samples for a read, a take or a ReadCondition; all of them by default.
 struct States {
   Mask<SampleState> sample = Mask<SampleState>::any();
   Mask<ViewState> view = Mask<ViewState>::any();
   Mask<InstanceState> instance = Mask<InstanceState>::any();
 };
 
-/// Names an instance at one writer or reader; 0 (HANDLE_NIL) names none.
+/// Identifies an instance at one writer or reader; 0 is HANDLE_NIL.
 struct InstanceHandle {
   std::uint64_t value = 0;
   auto operator<=>(const InstanceHandle&) const = default;
@@ -64,22 +63,22 @@ struct SampleInfo {
   InstanceState instance_state = InstanceState::alive;
   std::int32_t disposed_generation_count = 0;
   std::int32_t no_writers_generation_count = 0;
-  /// Samples of the same instance that follow in the same collection.
+  /// Number of samples of the same instance that follow in the same collection.
   std::int32_t sample_rank = 0;
-  /// Generations between this sample and the last of its instance in the collection ...
+  /// Number of generations between this sample and the last one of its instance in the collection.
   std::int32_t generation_rank = 0;
-  /// ... and the last of its instance in the reader.
+  /// Number of generations between this sample and the last one of its instance in the reader.
   std::int32_t absolute_generation_rank = 0;
   std::optional<Time> source_timestamp;
   InstanceHandle instance_handle;
   Guid publication_handle;  ///< the writer
-  bool valid_data = true;   ///< false: only the key and the instance's state are meaningful
+  bool valid_data = true;   ///< false: only the key and the instance state are meaningful
 };
 
-/// A sample as octets that are shared and never changed: there is no loan to return.
+/// A serialized sample. Its payload is shared and never changed, so there is no loan to return.
 struct OctetSample {
   Payload payload;        ///< with its encapsulation
-  bool key_only = false;  ///< the payload is a serialized key; without data it may be empty
+  bool key_only = false;  ///< the payload is a serialized key; empty if the key was not sent
   SampleInfo info;
 };
 

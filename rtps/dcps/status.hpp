@@ -1,4 +1,4 @@
-// Communication statuses of DDS 1.4, 2.2.4.1, with what a person needs beside the counts.
+// Communication statuses of DDS 1.4, 2.2.4.1, with additional information for diagnosis.
 #pragma once
 
 #include <map>
@@ -29,7 +29,8 @@ using StatusMask = Mask<StatusKind>;
 constexpr StatusMask operator|(StatusKind a, StatusKind b) { return StatusMask(a) | b; }
 inline constexpr StatusMask kAnyStatus = StatusMask::any();
 
-/// Counts since the beginning, and since the status was last read or a listener was told.
+/// Total count, and the count since the application read the status or a listener was called for
+/// it.
 struct CountStatus {
   std::int32_t total_count = 0;
   std::int32_t total_count_change = 0;
@@ -60,7 +61,7 @@ struct DeadlineMissedStatus : CountStatus {
 struct IncompatibleQosStatus : CountStatus {
   QosPolicyId last_policy_id = QosPolicyId::invalid;
   std::map<QosPolicyId, std::int32_t> policies;  ///< how often each policy was the reason
-  QosMismatch last;                              ///< policy and both values, in words
+  QosMismatch last;                              ///< the policy and both values, as text
   Guid last_remote;
 };
 

@@ -6,32 +6,34 @@
 
 namespace ddssec::rtps {
 
-/// Made and deleted by its participant.
+/// Created and deleted by its participant.
 class Subscriber final : public Group {
  public:
-  ~Subscriber() override { members_.clear(); }  // they know parts of this
+  ~Subscriber() override { members_.clear(); }  // they refer to members of this class
 
   void set_listener(SubscriberListener* listener, StatusMask mask = kAnyStatus);
 
   Qos default_datareader_qos() const { return default_endpoint_qos(); }
-  /// Errors: rtps_qos_inconsistent.
+  /// Sets the policies of readers that are created without any. Errors: rtps_qos_inconsistent.
   Status set_default_datareader_qos(const Qos& qos) { return set_default_endpoint_qos(qos); }
 
-  /// A reader of T on a topic of that type. Errors: rtps_bad_parameter (another type),
-  /// rtps_precondition_not_met (another participant's topic), rtps_qos_inconsistent.
+  /// Creates a reader of T, which the subscriber owns, on a topic of that type. Errors:
+  /// rtps_bad_parameter (the topic has another type), rtps_precondition_not_met (the topic belongs
+  /// to another participant), rtps_qos_inconsistent.
   template <DdsType T>
   Result<DataReader<T>*> create_datareader(Topic& topic, std::optional<Qos> qos = {},
                                            DataReaderListener* listener = nullptr,
                                            StatusMask mask = kAnyStatus) {
     return create<DataReader<T>>(topic, TypeTraits<T>::type_name, std::move(qos), listener, mask);
   }
-  /// A reader of octets.
+  /// Creates a reader of serialized samples. Errors: as above.
   Result<OctetDataReader*> create_datareader(Topic& topic, std::optional<Qos> qos = {},
                                              DataReaderListener* listener = nullptr,
                                              StatusMask mask = kAnyStatus) {
     return create<OctetDataReader>(topic, topic.type_name(), std::move(qos), listener, mask);
   }
-  /// Readers of what passes the filter.
+  /// Creates a reader that receives only the samples that pass the topic's filter. Errors: as
+  /// above, and rtps_filter_invalid.
   template <DdsType T>
   Result<DataReader<T>*> create_datareader(ContentFilteredTopic& topic, std::optional<Qos> qos = {},
                                            DataReaderListener* listener = nullptr,
@@ -46,22 +48,23 @@ class Subscriber final : public Group {
     return create_filtered<OctetDataReader>(topic, topic.related_topic().type_name(),
                                             std::move(qos), listener, mask);
   }
-  /// Errors: rtps_precondition_not_met (another subscriber's, one with read conditions, or from
-  /// within a callback).
+  /// Errors: rtps_precondition_not_met (the reader belongs to another subscriber or has read
+  /// conditions, or the call is made from within a callback).
   Status delete_datareader(AnyDataReader& reader) { return delete_member(reader); }
-  /// Any of its readers on that topic; nullptr if there is none.
+  /// Returns any of its readers on that topic, or nullptr if there is none.
   AnyDataReader* lookup_datareader(std::string_view topic_name) const;
-  /// Until end_access nothing new is seen of coherent sets, whatever the scope, and of the ordered
-  /// samples of a group: all readers show what was there when it began. May be nested. Errors:
-  /// rtps_not_enabled.
+  /// Until end_access, the readers show no new coherent sets, whatever the scope, and no new
+  /// samples of a group with ordered access. All readers show what they held when the access began.
+  /// Calls may be nested. Errors: rtps_not_enabled.
   Status begin_access();
-  /// Errors: rtps_not_enabled, rtps_precondition_not_met (none was begun).
+  /// Errors: rtps_not_enabled, rtps_precondition_not_met (no begin_access before).
   Status end_access();
-  /// Those that hold samples in these states; with ordered access of GROUP scope one for each
-  /// sample, in the order in which they should be read or taken one by one.
+  /// The readers that hold samples in these states. With ordered access of GROUP scope the list has
+  /// one entry for each sample, in the order in which the samples should be read or taken one by
+  /// one.
   std::vector<AnyDataReader*> datareaders(const States& states = {}) const;
-  /// Calls on_data_available of the readers that have data, as if nothing listened for
-  /// DATA_ON_READERS.
+  /// Calls on_data_available for the readers that have unread data, as if there were no listener
+  /// for DATA_ON_READERS.
   void notify_datareaders();
 
  private:
@@ -81,8 +84,9 @@ class Subscriber final : public Group {
     });
   }
 
-  // With the lock held:
-  /// For its readers, if its PRESENTATION has GROUP scope and needs one.
+  // The caller holds the lock:
+  /// Returns the Presenter that its readers share. nullptr unless PRESENTATION has GROUP scope and
+  /// needs one.
   Presenter* presenter(const Presentation& presentation);
   bool is_accessing() const { return accesses_ > 0; }
   Status check_access() const;

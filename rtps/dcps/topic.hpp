@@ -8,7 +8,7 @@ namespace ddssec::rtps {
 
 class DomainParticipant;
 
-/// Made and deleted by its participant.
+/// Created and deleted by its participant. Thread-safe.
 class Topic final : public Entity {
  public:
   ~Topic() override;
@@ -44,7 +44,7 @@ class Topic final : public Entity {
   Qos qos_;
   Listening<TopicListener> listening_;
   InconsistentTopicStatus inconsistent_;
-  int users_ = 0;       ///< writers and readers of it
+  int users_ = 0;       ///< number of writers and readers on the topic
   int references_ = 1;  ///< how often it was created or found
 };
 

@@ -1,4 +1,4 @@
-// What a topic knows of its type besides the name (DDS 1.4, TypeSupport).
+// The functions that a topic needs for its type (DDS 1.4, TypeSupport).
 #pragma once
 
 #include <functional>
@@ -14,25 +14,28 @@
 
 namespace ddssec::rtps {
 
-/// For octets, name and with_key alone will do; then samples of types with keys must come with
-/// their key hash, and instances cannot be shown by their key.
+/// For a topic of octets, `name` and `with_key` are sufficient. Then samples of types with keys
+/// must arrive with their key hash, and the serialized key of an instance is not available.
 struct TypeSupport {
   std::string name;
   bool with_key = true;
-  /// Which instance a change belongs to; nothing if its payload cannot be read. Keeps what it reads
-  /// into: one caller at a time.
+  /// Returns the key hash of a change's instance; empty if the payload cannot be deserialized. Not
+  /// thread-safe: it deserializes into an object of its own.
   std::function<std::optional<KeyHash>(const Change&, bool always_md5)> key_hash = nullptr;
-  /// Its serialized key, with an encapsulation.
+  /// Returns the serialized key of a change, with its encapsulation.
   std::function<Bytes(const Change&)> serialized_key = nullptr;
-  /// The same serialized key without any DHEADER (see KeyLayout); empty if it cannot be read.
+  /// Removes the DHEADERs from a serialized key (see KeyLayout). Returns empty if the key cannot be
+  /// deserialized.
   KeyRewriter bare_key = nullptr;
-  /// What filters see samples through; they need names in the traits.
+  /// Creates the view through which filters access samples. Filters need member names in the type's
+  /// traits.
   std::function<std::unique_ptr<SampleView>()> view = nullptr;
-  /// What peers are told of the type besides its name; too long ones are not told.
+  /// The type description that is announced to peers besides the name. Descriptions that are too
+  /// long are not announced.
   TypeDescription description = {};
 };
 
-/// The encoding of a writer's samples, and the one that a reader asks for first.
+/// The encoding of a writer's samples, and the one that a reader requests first.
 inline XcdrVersion version_of(const Qos& qos) {
   const auto& list = qos.data_representation;
   return list.empty() || list.front() != DataRepresentation::xcdr2 ? XcdrVersion::xcdr1

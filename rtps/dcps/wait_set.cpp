@@ -9,8 +9,8 @@ constexpr std::chrono::nanoseconds kLongestWait = std::chrono::hours(24 * 365);
 
 }  // namespace
 
-// No thread holds both mutexes but trigger(), which takes the condition's first. Each side empties
-// its own list before it leaves those of the others.
+// Only trigger() holds both mutexes, and locks the condition's first. Every other function empties
+// its own list before it removes itself from the lists of the others.
 Condition::~Condition() {
   std::vector<std::shared_ptr<WaitSetState>> sets;
   {
@@ -23,7 +23,7 @@ Condition::~Condition() {
   }
 }
 
-// The value is set before the wait set's lock is taken, so that no waiter misses it.
+// The value is set before the wait set's mutex is locked, so that no waiting thread misses it.
 void Condition::trigger(bool value) {
   const bool was = state_->trigger.exchange(value);
   if (was || !value) return;

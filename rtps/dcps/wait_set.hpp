@@ -9,24 +9,24 @@
 
 namespace ddssec::rtps {
 
-/// A condition and what it shares with the wait set.
+/// A condition and the state that it shares with the wait set.
 struct AttachedCondition {
   Condition* condition;
   std::shared_ptr<ConditionState> state;
 };
 
-/// What a wait set shares with the conditions attached to it.
+/// The state that a wait set shares with the conditions attached to it.
 struct WaitSetState {
   std::mutex mutex;
   std::condition_variable changed;
-  /// A condition that died is not in it: only its state is used without this mutex.
+  /// Never contains a destroyed condition. Without this mutex only a condition's state may be used.
   std::vector<AttachedCondition> conditions;
   bool waiting = false;
 };
 
-/// Waits until any of the attached conditions is triggered. A condition may be attached to several,
-/// and while a thread waits. Participants without a thread of their own must be polled by another
-/// thread meanwhile.
+/// Waits until any of the attached conditions is triggered. A condition may be attached to several
+/// wait sets, and while a thread waits. Participants without a thread of their own must be polled
+/// by another thread meanwhile. Thread-safe, but only one thread may wait.
 class WaitSet {
  public:
   WaitSet();
@@ -34,15 +34,15 @@ class WaitSet {
   WaitSet(const WaitSet&) = delete;
   WaitSet& operator=(const WaitSet&) = delete;
 
-  /// Attaching twice is the same as once.
+  /// Attaching a condition a second time has no effect.
   void attach_condition(Condition& condition);
-  /// Errors: rtps_precondition_not_met (it is not attached).
+  /// Errors: rtps_precondition_not_met (the condition is not attached).
   Status detach_condition(Condition& condition);
   std::vector<Condition*> conditions() const;
 
-  /// The conditions that are triggered, at least one. Whether one of them is deleted meanwhile is
-  /// the application's business, as it is with conditions(). Errors: rtps_timeout,
-  /// rtps_precondition_not_met (another thread waits already).
+  /// Returns the triggered conditions, at least one. The application must not use a returned
+  /// pointer after it has deleted the condition; the same holds for conditions(). Errors:
+  /// rtps_timeout, rtps_precondition_not_met (another thread is already waiting).
   Result<std::vector<Condition*>> wait(std::chrono::nanoseconds most);
 
  private:
