@@ -7,23 +7,23 @@
 
 namespace ddssec::rtps {
 
-/// Makes and deletes none by itself. Those that are left die with it.
+/// Owns the contained entities; those that remain are deleted with it. Creates none itself.
 template <class Child>
 class ContainedEntities {
  public:
   using All = std::vector<std::unique_ptr<Child>>;
 
-  /// `context` outlives it.
+  /// `context` must outlive this object.
   explicit ContainedEntities(ParticipantContext& context) : context_(context) {}
 
-  // Without the participant's lock, with that of callbacks:
+  // The caller holds the callback lock, but not the participant's lock:
   Child* add(std::unique_ptr<Child> child) {
     const std::lock_guard held(context_.mutex());
     children_.push_back(std::move(child));
     return children_.back().get();
   }
-  /// Deletes it. Errors: rtps_precondition_not_met (from within a callback, another container's, or
-  /// not `unused`).
+  /// Deletes the entity. Errors: rtps_precondition_not_met (called from within a callback, the
+  /// entity is in another container, or `unused` is false).
   Status remove(const Child& child, bool unused) {
     DDSSEC_TRY(check_not_in_callback(context_));
     std::unique_ptr<Child> dying;
@@ -35,17 +35,17 @@ class ContainedEntities {
       return precondition_not_met("entity", "one that is empty and unused", "a used one");
     dying = std::move(*at);
     children_.erase(at);
-    return {};  // the lock ends before the entity does
+    return {};  // the lock is released before the entity is destroyed
   }
-  /// All of them leave.
+  /// Removes all entities and returns them.
   All release() {
     const std::lock_guard held(context_.mutex());
     return std::exchange(children_, {});
   }
 
-  // With the participant's lock or that of callbacks:
+  // The caller holds the participant's lock or the callback lock:
   const All& all() const { return children_; }
-  /// Any of that name; nullptr if there is none.
+  /// Returns any entity with that name, or nullptr if there is none.
   Child* named(std::string_view name) const requires requires(const Child& child) { child.name(); }
   {
     const auto at = std::ranges::find(

@@ -1,4 +1,4 @@
-// Which listener hears of a DataReader's statuses (DDS 1.4, 2.2.4.3).
+// Selects the listener for each status of a DataReader (DDS 1.4, 2.2.4.3).
 #pragma once
 
 #include "rtps/dcps/listener.hpp"
@@ -6,32 +6,35 @@
 
 namespace ddssec::rtps {
 
-/// A DataReader's own listener; what it is not for goes to the subscriber's, then to the
-/// participant's.
+/// Holds a DataReader's own listener. A status that it does not handle goes to the subscriber's
+/// listener, then to the participant's.
 class DataReaderListeners {
  public:
-  /// Both outlive it.
+  /// Both must outlive this object.
   DataReaderListeners(const Listening<SubscriberListener>& of_subscriber,
                       const Listening<DomainParticipantListener>& of_participant)
       : of_subscriber_(of_subscriber), of_participant_(of_participant) {}
 
-  // With the participant's lock held:
+  // The caller holds the participant's lock:
   void set(DataReaderListener* listener, StatusMask mask) { own_ = {listener, mask}; }
-  /// nullptr if there is none.
+  /// Returns nullptr if there is none.
   DataReaderListener* for_status(StatusKind kind) const;
-  /// The one that hears of DATA_ON_READERS, and so instead of DATA_AVAILABLE (2.2.4.2.6).
+  /// Returns the listener for DATA_ON_READERS, which is called instead of those for DATA_AVAILABLE
+  /// (2.2.4.2.6).
   SubscriberListener* for_data_on_readers() const;
   bool has(StatusKind kind) const;
 
-  /// The changed statuses of a reader and of its subscriber, with the participant's lock.
+  /// The changed statuses of a reader and of its subscriber, and the mutex of the participant's
+  /// lock.
   struct Changes {
     StatusChanges& of_reader;
     StatusChanges& of_subscriber;
     std::mutex& mutex;
   };
-  /// Without the lock: calls the listeners for what changed, which becomes read by that.
+  /// Calls the listeners for the statuses that changed, which marks them as read. The caller does
+  /// not hold the lock.
   void tell(AnyDataReader& reader, const Changes& changes) const;
-  /// Without the lock: calls on_data_available, if there is a listener for it.
+  /// Calls on_data_available, if there is a listener for it. The caller does not hold the lock.
   void tell_of_data_available(AnyDataReader& reader, const Changes& changes) const;
 
  private:

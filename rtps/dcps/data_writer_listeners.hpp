@@ -1,4 +1,4 @@
-// Which listener hears of a DataWriter's statuses (DDS 1.4, 2.2.4.3).
+// Selects the listener for each status of a DataWriter (DDS 1.4, 2.2.4.3).
 #pragma once
 
 #include "rtps/dcps/listener.hpp"
@@ -6,22 +6,22 @@
 
 namespace ddssec::rtps {
 
-/// A DataWriter's own listener; what it is not for goes to the publisher's, then to the
-/// participant's.
+/// Holds a DataWriter's own listener. A status that it does not handle goes to the publisher's
+/// listener, then to the participant's.
 class DataWriterListeners {
  public:
-  /// Both outlive it.
+  /// Both must outlive this object.
   DataWriterListeners(const Listening<PublisherListener>& of_publisher,
                       const Listening<DomainParticipantListener>& of_participant)
       : of_publisher_(of_publisher), of_participant_(of_participant) {}
 
-  // With the participant's lock held:
+  // The caller holds the participant's lock:
   void set(DataWriterListener* listener, StatusMask mask) { own_ = {listener, mask}; }
-  /// nullptr if there is none.
+  /// Returns nullptr if there is none.
   DataWriterListener* for_status(StatusKind kind) const;
 
-  /// Without the lock, which is `mutex`: calls the listeners for the statuses in `changes`, which
-  /// become read by that.
+  /// Calls the listeners for the statuses in `changes`, which marks them as read. The caller does
+  /// not hold the lock, which is `mutex`.
   void tell(AnyDataWriter& writer, const StatusChanges& changes, std::mutex& mutex) const;
 
  private:

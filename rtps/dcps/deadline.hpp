@@ -1,4 +1,4 @@
-// DEADLINE as the two caches of instances count it.
+// The DEADLINE period that the instance caches of writers and readers use.
 #pragma once
 
 #include "base/clock.hpp"
@@ -6,8 +6,8 @@
 
 namespace ddssec::rtps {
 
-/// kNever without a deadline. A request for less than a millisecond gets that, not a loop that
-/// never rests.
+/// Returns kNever if there is no deadline. A period below one millisecond is raised to one
+/// millisecond, to avoid a busy loop.
 inline MonotonicTime deadline_period(Duration period) {
   constexpr MonotonicTime kShortest = std::chrono::milliseconds(1);
   return period.is_infinite() ? kNever : std::max(period.to_nanoseconds(), kShortest);

@@ -1,5 +1,5 @@
-// What a participant has discovered, and what of it is to be ignored (DDS 1.4, 2.2.2.2.1.14 to
-// 2.2.2.2.1.17 and 2.2.2.2.1.27 to 2.2.2.2.1.30).
+// The entities that a participant has discovered, and those that it ignores (DDS 1.4, 2.2.2.2.1.14
+// to 2.2.2.2.1.17 and 2.2.2.2.1.27 to 2.2.2.2.1.30).
 #pragma once
 
 #include "rtps/dcps/builtin_topics.hpp"
@@ -9,21 +9,21 @@ namespace ddssec::rtps {
 /// Thread-safe. The calls are those of DomainParticipant.
 class DiscoveredEntities {
  public:
-  /// `check` says with the lock held whether the participant may ignore anything yet. `context`
-  /// outlives this.
+  /// `check`, which is called with the lock held, returns an error if the participant may not
+  /// ignore anything yet. `context` must outlive this object.
   DiscoveredEntities(ParticipantContext& context, std::function<Status()> check)
       : context_(context), check_(std::move(check)) {}
 
   std::vector<Guid> participants() const;
-  /// Errors: rtps_bad_parameter (none of them).
+  /// Errors: rtps_bad_parameter (no such participant).
   Result<ParticipantBuiltinTopicData> participant_data(const Guid& participant) const;
-  /// Topics of which a remote endpoint is known, by name and type.
+  /// The topics on which at least one remote endpoint is known; each pair of name and type once.
   std::vector<TopicBuiltinTopicData> topics() const;
 
-  // For good. Errors: those of `check`.
+  // Ignores the entity permanently. Errors: those of `check`.
   Status ignore_participant(const Guid& participant);
   Status ignore_topic(const std::string& name);
-  /// A writer or a reader.
+  /// `endpoint` is a writer or a reader.
   Status ignore_endpoint(const Guid& endpoint);
 
  private:

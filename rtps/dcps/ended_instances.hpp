@@ -1,4 +1,5 @@
-// Which instances of a builtin reader have ended and wait to be taken, and which of them give way.
+// The instances of a builtin reader that have ended but were not taken yet, and the order in which
+// they are forgotten.
 #pragma once
 
 #include <list>
@@ -11,20 +12,21 @@
 
 namespace ddssec::rtps {
 
-/// What an identity announced and withdrew takes a bounded place, whether or not the application
-/// takes it from the reader; the oldest of the identity is forgotten first. It knows keys only: one
-/// whose instance was taken gives way in its turn without effect.
+/// Limits the memory of entities that an identity announced and withdrew, whether or not the
+/// application takes them from the reader. If an identity exceeds its limit, its oldest instance is
+/// forgotten first. The class stores only keys: an instance that was taken still occupies its place
+/// until its turn, and forgetting it has no effect.
 class EndedInstances {
  public:
-  static constexpr std::size_t kOctetsOfOne = std::size_t{256} << 10;  ///< of an identity
+  static constexpr std::size_t kOctetsOfOne = std::size_t{256} << 10;  ///< limit for one identity
   static constexpr std::size_t kOctetsOfAll = std::size_t{8} << 20;
-  static constexpr std::size_t kPrice = 512;  ///< of each instance besides its octets
+  static constexpr std::size_t kPrice = 512;  ///< added to the octets of each instance
 
-  /// The instance has ended. Returns those that must be forgotten.
+  /// Adds an instance that has ended. Returns the instances that the reader must forget.
   std::vector<KeyHash> add(const KeyHash& key, const GuidPrefix& identity, std::size_t octets);
-  /// It is there again.
+  /// The instance exists again.
   void remove(const KeyHash& key);
-  /// All of them must be forgotten.
+  /// Removes all instances and returns them; the reader must forget them.
   std::vector<KeyHash> take_all();
   std::size_t octets() const { return octets_; }
 

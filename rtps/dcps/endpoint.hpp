@@ -1,4 +1,4 @@
-// What writers and readers have in common.
+// The common base class of writers and readers.
 #pragma once
 
 #include <set>
@@ -11,13 +11,13 @@ namespace ddssec::rtps {
 class Group;
 struct GroupQos;
 
-/// A writer or a reader. Made and deleted by its publisher or subscriber. Any thread may call.
+/// A writer or a reader. Created and deleted by its publisher or subscriber. Thread-safe.
 class Endpoint : public Entity, protected EndpointListener {
  public:
   ~Endpoint() override = default;
 
   Topic& topic() const { return topic_; }
-  /// Zero until it is enabled.
+  /// Zero until the endpoint is enabled.
   Guid guid() const;
   Qos qos() const;
   /// Errors: rtps_qos_inconsistent, rtps_immutable_policy.
@@ -27,25 +27,25 @@ class Endpoint : public Entity, protected EndpointListener {
  protected:
   friend class Group;
   friend class Groups;
-  /// What differs between the two ends.
+  /// What differs between writers and readers.
   struct Side {
     std::string_view name, group;
     StatusKind matched, incompatible_qos, deadline_missed;
   };
   Endpoint(Group& group, ParticipantContext& context, Topic& topic, Qos qos, const Side& side);
-  /// The first thing that the destructors of the derived ones do, with the lock held: the protocol
-  /// calls them no more.
+  /// Removes the endpoint from the protocol, which makes no further calls to it. Destructors of
+  /// derived classes must call this first, with the lock held.
   void retire();
 
-  // With the lock held:
+  // The caller holds the lock:
   virtual Result<Guid> create(EndpointRequest request) = 0;
-  /// After its own policies changed.
+  /// Called after the endpoint's own policies changed.
   virtual void on_own_qos(const Qos& before) = 0;
-  /// Before it is deleted: says what its end means to others ...
+  /// Called before the endpoint is deleted: sends what its end means to peers.
   virtual void conclude() {}
-  /// ... and waits until they know, or until `deadline`.
+  /// Called after conclude(): waits until peers have acknowledged it, or until `deadline`.
   virtual void linger(std::chrono::steady_clock::time_point deadline) { (void)deadline; }
-  /// Errors: rtps_precondition_not_met (it must not be deleted now).
+  /// Errors: rtps_precondition_not_met (the endpoint must not be deleted now).
   virtual Status check_unused() const { return {}; }
 
   void on_matched(const EndpointData& remote) override;
@@ -57,7 +57,7 @@ class Endpoint : public Entity, protected EndpointListener {
   void miss_deadline(InstanceHandle instance);
   bool matched_none() const { return remotes_.empty(); }
 
-  // Without the lock:
+  // The caller does not hold the lock:
   template <class Status>
   Status read_status(StatusKind kind, Status& status);
   MatchedStatus read_matched_status();
@@ -68,10 +68,10 @@ class Endpoint : public Entity, protected EndpointListener {
     return read_status(side_.deadline_missed, deadline_missed_);
   }
   std::vector<Guid> matched_remotes() const;
-  /// Errors: rtps_bad_parameter (it is not matched).
+  /// Errors: rtps_bad_parameter (the remote endpoint is not matched).
   Result<EndpointData> matched_data(const Guid& remote) const;
 
-  /// The policies of its group are others now.
+  /// Announces the endpoint with the changed policies of its group.
   Status regroup(const GroupQos& group);
 
   Group& group_;

@@ -67,7 +67,7 @@ GroupQos Group::qos() const {
 }
 
 Status Group::set_qos(const GroupQos& qos) {
-  const std::lock_guard members(context_.callbacks());  // none comes or goes meanwhile
+  const std::lock_guard members(context_.callbacks());  // no member is added or removed meanwhile
   if (is_enabled()) DDSSEC_TRY(check_mutable(this->qos(), qos));
   for (auto& member : members_) DDSSEC_TRY(announced_qos(member->qos(), qos, member->topic()));
   for (auto& member : members_) DDSSEC_TRY(member->regroup(qos));

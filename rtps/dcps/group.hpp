@@ -1,4 +1,5 @@
-// What publishers and subscribers have in common: members, and the policies that these share.
+// The common base class of publishers and subscribers: their members and the policies that apply to
+// all of them.
 #pragma once
 
 #include "rtps/dcps/endpoint.hpp"
@@ -14,18 +15,20 @@ struct GroupQos {
   bool operator==(const GroupQos&) const = default;
 };
 
-/// An endpoint's policies with those of its group and topic: what discovery announces.
-/// Errors: rtps_qos_inconsistent (the endpoint's own Qos has policies that belong to the group or
-/// the topic).
+/// Returns an endpoint's policies combined with those of its group and topic, as discovery
+/// announces them.
+/// Errors: rtps_qos_inconsistent (the policies contradict each other, or the endpoint's own Qos
+/// sets policies that belong to the group or the topic).
 Result<Qos> announced_qos(Qos endpoint, const GroupQos& group, const Topic& topic);
 
 /// Refuses a change of PRESENTATION. Errors: rtps_immutable_policy.
 Status check_mutable(const GroupQos& from, const GroupQos& to);
 
-/// The endpoint's policies with those of the topic that both have (copy_from_topic_qos).
+/// Copies to the endpoint the policies that topics and endpoints both have (copy_from_topic_qos of
+/// DDS 1.4).
 void copy_from_topic_qos(Qos& endpoint, const Qos& topic);
 
-/// A publisher or a subscriber. Made and deleted by its participant.
+/// A publisher or a subscriber. Created and deleted by its participant.
 class Group : public Entity {
  public:
   ~Group() override;
@@ -35,7 +38,7 @@ class Group : public Entity {
   /// Errors: rtps_immutable_policy, rtps_qos_inconsistent.
   Status set_qos(const GroupQos& qos);
   Status enable() override;
-  /// Errors: rtps_precondition_not_met (from within a callback).
+  /// Errors: rtps_precondition_not_met (called from within a callback).
   Status delete_contained_entities();
 
  protected:
@@ -44,13 +47,14 @@ class Group : public Entity {
   Group(DomainParticipant& participant, ParticipantContext& context, GroupQos qos,
         const Qos& default_endpoint_qos, std::string_view name);
 
-  /// With the lock held.
+  /// The caller holds the lock.
   const Presentation& presentation_of_members() const { return qos_.presentation; }
   Qos default_endpoint_qos() const;
   Status set_default_endpoint_qos(const Qos& qos);
 
-  /// A member of class E on a topic of that type. Errors: rtps_bad_parameter (another type),
-  /// rtps_precondition_not_met (another participant's topic), rtps_qos_inconsistent.
+  /// Creates a member of class E on a topic of that type. Errors: rtps_bad_parameter (the topic has
+  /// another type), rtps_precondition_not_met (the topic belongs to another participant),
+  /// rtps_qos_inconsistent.
   template <class E, class L>
   Result<E*> create(Topic& topic, std::string_view type, std::optional<Qos> qos, L* listener,
                     StatusMask mask) {
@@ -59,7 +63,8 @@ class Group : public Entity {
       return {};
     });
   }
-  /// The same; `prepare` it before it may be enabled.
+  /// The same, and calls `prepare` with the member before the member can be enabled. Errors: also
+  /// those of `prepare`.
   template <class E, class Prepare>
   Result<E*> create(Topic& topic, std::string_view type, std::optional<Qos> qos, Prepare prepare) {
     if (auto fits = check_topic(topic, type); !fits) return std::unexpected(fits.error());
@@ -70,12 +75,14 @@ class Group : public Entity {
     if (auto adopted = adopt(std::move(member)); !adopted) return std::unexpected(adopted.error());
     return out;
   }
-  /// Errors: rtps_precondition_not_met (another group's, one in use, or from within a callback).
+  /// Errors: rtps_precondition_not_met (the member belongs to another group or is in use, or the
+  /// call is made from within a callback).
   Status delete_member(Endpoint& member);
-  /// Any of them on that topic; nullptr if there is none.
+  /// Returns any member on that topic, or nullptr if there is none.
   Endpoint* lookup(std::string_view topic_name) const;
 
-  /// The members will be deleted. Waits kLongestLinger at most.
+  /// Sends what the end of these members means to peers, before the members are deleted. Waits for
+  /// acknowledgments for at most kLongestLinger.
   static void conclude(std::span<const std::unique_ptr<Endpoint>> members);
   static constexpr std::chrono::milliseconds kLongestLinger{100};
 

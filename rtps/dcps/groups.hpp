@@ -1,4 +1,4 @@
-// The Publishers and Subscribers of a participant (DDS 1.4, 2.2.2.2.1).
+// The publishers and subscribers of a participant (DDS 1.4, 2.2.2.2.1).
 #pragma once
 
 #include "rtps/dcps/contained_entities.hpp"
@@ -10,7 +10,7 @@ namespace ddssec::rtps {
 /// Thread-safe. The calls are those of DomainParticipant.
 class Groups {
  public:
-  /// Both outlive it.
+  /// Both must outlive this object.
   Groups(DomainParticipant& participant, ParticipantContext& context)
       : participant_(participant), context_(context), publishers_(context), subscribers_(context) {}
 
@@ -18,21 +18,21 @@ class Groups {
   Result<Publisher*> create_publisher(GroupQos qos, PublisherListener* listener, StatusMask mask);
   Result<Subscriber*> create_subscriber(GroupQos qos, SubscriberListener* listener,
                                         StatusMask mask);
-  /// Errors: rtps_precondition_not_met (it is not empty, another participant's, or from within a
-  /// callback).
+  /// Errors: rtps_precondition_not_met (the group is not empty or belongs to another participant,
+  /// or the call is made from within a callback).
   Status remove(Publisher& publisher);
   Status remove(Subscriber& subscriber);
 
-  /// With the lock of callbacks held. Errors: those of Group::enable.
+  /// The caller holds the callback lock. Errors: those of Group::enable.
   Status enable();
-  /// The policies of a topic changed that others learn of with its endpoints (2.2.3.2). Errors:
+  /// Announces the endpoints on `topic` again, after its TOPIC_DATA changed (2.2.3.2). Errors:
   /// those of Endpoint::regroup.
   Status announce_again(const Topic& topic);
-  /// All writers end, and say so; waits as Group::conclude.
+  /// Removes all writers and reports their end to peers; waits as Group::conclude does.
   void conclude_writers();
-  /// With the lock held.
+  /// The caller holds the lock.
   bool empty() const { return publishers_.all().empty() && subscribers_.all().empty(); }
-  /// All leave.
+  /// All groups, released from the participant.
   struct Released {
     ContainedEntities<Publisher>::All publishers;
     ContainedEntities<Subscriber>::All subscribers;

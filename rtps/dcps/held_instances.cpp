@@ -11,7 +11,7 @@ std::size_t limit_of(std::int32_t value, std::size_t otherwise) {
   return value == kLengthUnlimited ? otherwise : static_cast<std::size_t>(value);
 }
 
-// Where the samples of an instance in these states are counted.
+// Index of the counter for an instance's samples in these states.
 std::size_t index_of(bool is_read, ViewState view, InstanceState state) {
   const std::size_t instance = state == InstanceState::alive                ? 0
                                : state == InstanceState::not_alive_disposed ? 1
@@ -171,7 +171,7 @@ HeldSamples::iterator HeldInstances::erase(HeldInstance& instance, HeldSamples::
   octets_ -= at->change.payload.size();
   --(at->valid ? samples_ : instance.invalid);
   if (at->expires != kNever) expiring_.erase({at->expires, at->expiry});
-  const auto next = instance.held.erase(at, at);  // the same place, to be changed
+  const auto next = instance.held.erase(at, at);  // converts the const_iterator to an iterator
   if (spare_.size() >= kMaxSpare) return instance.held.erase(next);
   next->change.payload = {};
   const auto after = std::next(next);

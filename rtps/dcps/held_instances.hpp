@@ -1,6 +1,6 @@
 // The instances that a reader knows, with their samples and states (DDS 1.4, 2.2.2.5.1), within
-// RESOURCE_LIMITS. Which change may enter and when it ends is ReaderCache's business. No I/O, clock
-// or lock.
+// RESOURCE_LIMITS. ReaderCache decides which changes are stored and when they end. No I/O, clock or
+// lock.
 #pragma once
 
 #include <array>
@@ -17,15 +17,15 @@
 
 namespace ddssec::rtps {
 
-/// A sample that a reader holds, or the news that its instance has ended.
+/// A sample that a reader holds, or a sample without data that reports the end of its instance.
 struct HeldSample {
   Change change;
   bool is_read = false;
   bool valid = true;  ///< has data
   std::int32_t disposed_generations = 0, no_writers_generations = 0;
   MonotonicTime expires = kNever;
-  std::uint64_t expiry = 0;   ///< tells it from others that expire at the same moment
-  std::uint64_t arrival = 0;  ///< if ordered
+  std::uint64_t expiry = 0;   ///< distinguishes samples that expire at the same time
+  std::uint64_t arrival = 0;  ///< position in the order of arrival, if that order is kept
   std::int32_t generations() const { return disposed_generations + no_writers_generations; }
 };
 using HeldSamples = std::list<HeldSample>;
@@ -33,14 +33,14 @@ using HeldSamples = std::list<HeldSample>;
 struct HeldInstance;
 using InstanceTimes = std::multimap<MonotonicTime, HeldInstance*>;
 
-/// An instance's place in a table of times, which it leaves when it ends.
+/// An instance's entry in a table of times. The destructor removes the entry.
 class InstanceTime {
  public:
   InstanceTime() = default;
   ~InstanceTime() { leave(); }
   InstanceTime(const InstanceTime&) = delete;
   InstanceTime& operator=(const InstanceTime&) = delete;
-  /// `times` outlives the place.
+  /// `times` must outlive the entry.
   void enter(InstanceTimes& times, MonotonicTime when, HeldInstance& instance);
   void leave();
 
@@ -58,89 +58,94 @@ struct HeldInstance {
   std::int32_t disposed_generations = 0, no_writers_generations = 0;
   HeldSamples held;
   std::size_t unread = 0, invalid = 0;
-  std::optional<GuidPrefix> identity;  ///< whose sample was the first: see ReaderCache::set_writer
-  std::vector<Guid> writers;           ///< alive, and have not unregistered it
-  std::optional<Guid> owner;           ///< EXCLUSIVE only
-  std::optional<Time> seen_until;      ///< source time of the newest sample that was handed out
+  /// Of the first sample's writer; see ReaderCache::set_writer.
+  std::optional<GuidPrefix> identity;
+  std::vector<Guid> writers;       ///< those that are alive and have not unregistered the instance
+  std::optional<Guid> owner;       ///< only with OWNERSHIP EXCLUSIVE
+  std::optional<Time> seen_until;  ///< source time of the newest sample that was read or taken
   MonotonicTime deadline = kNever;
   MonotonicTime quiet_until{};      ///< TIME_BASED_FILTER
-  std::optional<Change> held_back;  ///< until then
-  Link<HeldInstance> ready{this};   ///< has samples
-  Link<HeldInstance> idle{this};    ///< has none and is not alive: the first to go
-  Link<HeldInstance> due{this};     ///< in the order of deadlines
-  Link<HeldInstance> quiet{this};   ///< in the order of quiet_until
-  InstanceTime purge;               ///< READER_DATA_LIFECYCLE
+  std::optional<Change> held_back;  ///< kept until quiet_until
+  Link<HeldInstance> ready{this};   ///< list of the instances that have samples
+  /// List of the instances without samples that are not alive: the first to be removed.
+  Link<HeldInstance> idle{this};
+  Link<HeldInstance> due{this};    ///< list in the order of deadlines
+  Link<HeldInstance> quiet{this};  ///< list in the order of quiet_until
+  InstanceTime purge;              ///< READER_DATA_LIFECYCLE
   std::size_t valid() const { return held.size() - invalid; }
   HeldSamples::const_iterator oldest() const;
   HeldSamples::const_iterator invalid_sample() const;
 };
 
-/// For samples that are to be stored together.
+/// Whether samples that belong together can be stored.
 enum class Room : std::uint8_t {
   now,
-  later,  ///< when the reader has taken others
-  never,  ///< not even if it held no others
+  later,  ///< when samples that the reader holds have been taken
+  never,  ///< not even if the reader held no other samples
 };
 
 class HeldInstances {
  public:
-  /// Where RESOURCE_LIMITS says "unlimited", memory is still bounded.
+  /// The limit where RESOURCE_LIMITS says "unlimited", so that memory stays bounded.
   static constexpr std::size_t kMaxSamples = 65536;
-  /// The same, and no identity has the first sample of more instances than are free: there is
-  /// always room for another one.
+  /// The same for instances. In addition, no identity may have the first sample of more instances
+  /// than are still free, so that there is always room for another identity.
   static constexpr std::size_t kMaxInstances = 131072;
   static constexpr std::size_t kMaxOctets = std::size_t{256} << 20;
 
   explicit HeldInstances(const Qos& qos);
 
-  /// nullptr: not known.
+  /// Returns nullptr if the instance is not known.
   HeldInstance* find(const KeyHash& key) const;
   HeldInstance* find(InstanceHandle handle);
   const std::map<InstanceHandle, HeldInstance>& all() const { return instances_; }
   std::map<InstanceHandle, HeldInstance>& all() { return instances_; }
-  /// Those with samples. An instance may leave while the list is walked.
+  /// The instances with samples. An instance may be removed while the list is iterated.
   const LinkedList<HeldInstance>& ready() const { return ready_; }
 
-  /// Why the change has no room. `instance`: the one that it is of; nullptr: a new one of
-  /// `identity`.
+  /// Returns the limit that leaves no room for the change, or not_rejected. `instance`: the
+  /// instance of the change; nullptr: a new instance of `identity`.
   SampleRejectedReason rejects(const HeldInstance* instance, const Change& change,
                                const std::optional<GuidPrefix>& identity = {}) const;
-  /// KEEP_LAST: the next sample replaces the oldest.
+  /// With KEEP_LAST: the next sample replaces the oldest one.
   bool is_full(const HeldInstance& instance) const;
-  /// Whether so many more samples can be stored, of whatever instance.
+  /// Whether this many more samples can be stored, of any instances.
   Room room_for(std::size_t samples, std::size_t octets) const;
-  /// Only if `rejects` found room, which the oldest idle instance may have to make.
+  /// Must be called only if `rejects` found room. May remove the oldest idle instance to make room.
   HeldInstance& create(const KeyHash& key, Payload key_value,
                        const std::optional<GuidPrefix>& identity = {});
-  /// To be called after a change to the instance: it goes where it belongs, or is forgotten.
+  /// Must be called after a change to the instance. Moves it to the lists where it belongs, or
+  /// forgets it.
   void settle(HeldInstance& instance);
-  /// It must have no samples.
+  /// The instance must not have samples.
   void forget(HeldInstance& instance);
 
   void insert(HeldInstance& instance, HeldSample held);
-  /// Says that the instance has ended; one sample says it for the instance, and says the latest.
+  /// Inserts a sample without data that reports the end of the instance. There is at most one for
+  /// each instance, and it reports the latest state.
   void insert_invalid(HeldInstance& instance, const Guid& writer, const std::optional<Time>& time);
   HeldSamples::iterator erase(HeldInstance& instance, HeldSamples::const_iterator at);
   struct Expiring {
     HeldInstance* instance;
     HeldSamples::const_iterator sample;
   };
-  /// The first whose time is over.
+  /// Returns the first sample that has expired.
   std::optional<Expiring> expired(MonotonicTime now) const;
-  /// kNever: none expires.
+  /// Returns kNever if no sample expires.
   MonotonicTime next_expiry() const;
   void erase_all(HeldInstance& instance);
-  /// Keeps a change for later in place of the one that is kept, if there is room for it.
+  /// Keeps a change for later, instead of the one kept before. Keeps none if there is no room.
   void hold_back(HeldInstance& instance, std::optional<Change> change);
   std::optional<Change> take_held_back(HeldInstance& instance);
 
   void join(HeldInstance& instance, const Guid& writer);
-  /// False: it was none of the instance's writers.
+  /// Returns false if the writer was not one of the instance's writers.
   bool leave(HeldInstance& instance, const Guid& writer);
   /// The instances that the writer has joined.
   std::vector<InstanceHandle> joined_by(const Guid& writer) const;
 
-  /// Samples are numbered as they come in; `arrivals` counts them, also those of other readers.
+  /// Numbers samples in the order of their arrival. `arrivals` is the counter, which other readers
+  /// may share.
   void order_by_arrival(std::uint64_t& arrivals) { arrivals_ = &arrivals; }
   bool is_ordered() const { return arrivals_ != nullptr; }
   /// True if any sample is in these states.
@@ -149,7 +154,8 @@ class HeldInstances {
   std::size_t max_samples() const { return max_samples_; }
   std::size_t octets() const { return octets_; }
 
-  /// Keeps the counts by state right over whatever happens to an instance while it lives.
+  /// Keeps the counts by state correct across any change to an instance. The instance must outlive
+  /// this object.
   class Recount {
    public:
     Recount(HeldInstances& all, HeldInstance& instance) : all_(all), instance_(instance) {
@@ -172,17 +178,17 @@ class HeldInstances {
   const std::size_t max_samples_, max_instances_, max_per_instance_;
   const bool by_source_, shares_;
   std::uint64_t* arrivals_ = nullptr;
-  LinkedList<HeldInstance> ready_, idle_;  ///< outlive the instances that are in them
+  LinkedList<HeldInstance> ready_, idle_;  ///< must outlive the instances that are in them
   std::map<InstanceHandle, HeldInstance> instances_;
   std::map<KeyHash, HeldInstance*> by_key_;
-  std::map<GuidPrefix, std::size_t> of_identity_;  ///< instances; only if they are shared
-  /// Which writer is among those of which instance, so that one that goes costs only its own.
+  std::map<GuidPrefix, std::size_t> of_identity_;  ///< number of instances; only if they are shared
+  /// The instances of each writer, so that removing a writer costs time only for its own instances.
   std::set<std::pair<Guid, InstanceHandle>> joined_;
   std::map<std::pair<MonotonicTime, std::uint64_t>, Expiring> expiring_;
   std::uint64_t expiries_ = 0;
-  HeldSamples spare_;  ///< nodes of the past: a sample that comes allocates none
+  HeldSamples spare_;  ///< nodes for reuse, so that storing a sample allocates none
   std::size_t samples_ = 0, octets_ = 0;
-  std::array<std::size_t, 12> counts_{};  ///< of samples, by their three states
+  std::array<std::size_t, 12> counts_{};  ///< number of samples, by their three states
   std::uint64_t next_handle_ = 1;
 };
 

@@ -1,14 +1,16 @@
-// What the protection of an endpoint's payloads means for its keys (DDS-Security 1.2, 7.4.4).
+// How the protection of an endpoint's payloads affects its keys (DDS-Security 1.2, 7.4.4).
 #pragma once
 
 #include <atomic>
 
 namespace ddssec::rtps {
 
-/// Both are decided when the endpoint is enabled. Any thread may read.
+/// Both values are set when the endpoint is enabled. Any thread may read them.
 struct KeyProtection {
-  std::atomic<bool> hidden = false;  ///< payloads are encrypted: hashes must not show short keys
-  std::atomic<bool> proven = false;  ///< payloads are protected, and the hash beside them is not
+  /// Payloads are encrypted: key hashes must not reveal short keys.
+  std::atomic<bool> hidden = false;
+  /// Payloads are protected, but the key hash next to them is not.
+  std::atomic<bool> proven = false;
 };
 
 }  // namespace ddssec::rtps

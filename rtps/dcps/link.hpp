@@ -1,4 +1,4 @@
-// A list of objects that know their place in it.
+// A list of objects that know their position in it.
 #pragma once
 
 #include <list>
@@ -8,7 +8,7 @@ namespace ddssec::rtps {
 template <class T>
 using LinkedList = std::list<T*>;
 
-/// An object's place in at most one list; entering and leaving allocate nothing.
+/// An object's membership in at most one list. Entering and leaving a list allocates nothing.
 template <class T>
 class Link {
  public:
@@ -18,7 +18,7 @@ class Link {
   Link& operator=(const Link&) = delete;
 
   bool linked() const { return in_ != nullptr; }
-  /// Leaves the list it is in, if any, and goes to the end of `list`.
+  /// Leaves the current list, if any, and moves to the end of `list`.
   void append_to(LinkedList<T>& list) {
     leave();
     list.splice(list.end(), own_);

@@ -85,7 +85,7 @@ void LivelinessMonitor::alive(const Guid& writer, MonotonicTime now) {
   count(writer, 1, -1);
 }
 
-// Assertions do not move the noted end: each lease is looked at once in its length.
+// An assertion does not move the noted end, so each lease is checked once per lease duration.
 void LivelinessMonitor::check(MonotonicTime now, const Ended& ended) {
   while (next_tick() <= now) {
     const auto guid = ends_.begin()->second;

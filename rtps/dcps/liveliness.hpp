@@ -1,5 +1,5 @@
-// LIVELINESS on both sides (DDS 1.4, 2.2.3.11): a writer's own lease, and the leases of the writers
-// that a reader matched. No I/O, clock or lock.
+// LIVELINESS on both sides (DDS 1.4, 2.2.3.11): a writer's own lease, and the leases of a reader's
+// matched writers. No I/O, clock or lock.
 #pragma once
 
 #include <functional>
@@ -14,13 +14,14 @@
 
 namespace ddssec::rtps {
 
-/// A local writer must assert itself before its lease ends; an AUTOMATIC one always does.
+/// The lease of a local writer, which must assert its liveliness before the lease ends. With
+/// AUTOMATIC liveliness it never ends.
 class WriterLease {
  public:
   WriterLease(const Liveliness& liveliness, MonotonicTime now);
 
   void assert_at(MonotonicTime now);
-  /// True once for each time that the lease ran out.
+  /// Returns true once for each time that the lease ran out.
   bool check(MonotonicTime now);
   MonotonicTime next_tick() const {
     return lost_ || lease_ == kNever ? kNever : asserted_ + lease_;
@@ -32,30 +33,31 @@ class WriterLease {
   bool lost_ = false;
 };
 
-/// Which of a reader's writers live. What an assertion or a tick costs does not grow with their
-/// number: a lease is looked at again only when it would have ended.
+/// Tracks which of a reader's writers are alive. The cost of an assertion or a tick does not grow
+/// with the number of writers: a lease is checked only when it would have ended.
 class LivelinessMonitor {
  public:
-  /// Shorter leases count as this one, as each end of a lease and each return is work.
+  /// Shorter leases are treated as this one, because each end of a lease and each return causes
+  /// work.
   static constexpr MonotonicTime kLeastLease = std::chrono::milliseconds(1);
 
   /// A matched writer is alive at first.
   void add(const Guid& writer, Duration lease, MonotonicTime now);
-  /// The writer is asserted by this signal, too; nullptr: by no signal.
+  /// From now on this signal also asserts the writer; nullptr: no signal does.
   void follow(const Guid& writer, std::shared_ptr<LivelinessSignal> signal);
   void remove(const Guid& writer);
-  /// It asserted itself.
+  /// The writer asserted its liveliness.
   void alive(const Guid& writer, MonotonicTime now);
-  /// Calls `ended` for each writer whose lease ran out, with its signal, if it has one.
+  /// Calls `ended` for each writer whose lease ran out, with its signal, or nullptr if it has none.
   using Ended = std::function<void(const Guid&, LivelinessSignal*)>;
   void check(MonotonicTime now, const Ended& ended);
-  /// No lease ends before.
+  /// No lease ends before this time.
   MonotonicTime next_tick() const { return ends_.empty() ? kNever : ends_.begin()->first; }
 
   bool is_alive(const Guid& writer) const;
   const LivelinessChangedStatus& status() const { return status_; }
   void reset_changes();
-  /// True if the status changed since this was last asked.
+  /// Returns true if the status changed since the last call.
   bool take_changed() { return std::exchange(changed_, false); }
 
  private:
@@ -64,16 +66,17 @@ class LivelinessMonitor {
     MonotonicTime asserted{};
     bool alive = true;
     std::shared_ptr<LivelinessSignal> signal = {};
-    MonotonicTime noted_end = kNever;  ///< in ends_; never: not there
+    MonotonicTime noted_end = kNever;  ///< its time in ends_; kNever: not in ends_
     MonotonicTime end() const;
   };
-  /// Has it looked at when its lease ends, as far as is known now.
+  /// Schedules a check at the time when its lease ends, as far as is known now.
   void schedule(const Guid& guid, Writer& writer);
   void unschedule(const Guid& guid, Writer& writer);
   void count(const Guid& writer, int alive, int not_alive);
 
   std::map<Guid, Writer> writers_;
-  std::set<std::pair<MonotonicTime, Guid>> ends_;  ///< or earlier than that: they are alive
+  /// The times at which leases end, or earlier: only writers that are alive.
+  std::set<std::pair<MonotonicTime, Guid>> ends_;
   LivelinessChangedStatus status_;
   bool changed_ = false;
 };

@@ -1,4 +1,4 @@
-// LIVELINESS that the DataWriters of a participant offer (DDS 1.4, 2.2.3.11). The caller holds the
+// LIVELINESS offered by the DataWriters of a participant (DDS 1.4, 2.2.3.11). The caller holds the
 // participant's lock.
 #pragma once
 
@@ -12,41 +12,43 @@ namespace ddssec::rtps {
 
 class OfferedLiveliness;
 
-/// The writers of a participant with LIVELINESS MANUAL_BY_PARTICIPANT: what asserts one of them
+/// The writers of a participant with LIVELINESS MANUAL_BY_PARTICIPANT. Asserting one of them
 /// asserts all.
 class ManualLiveliness {
  public:
-  /// `announce` tells the other participants.
+  /// `announce` sends the assertion to the other participants.
   explicit ManualLiveliness(std::function<void(MonotonicTime now)> announce)
       : announce_(std::move(announce)) {}
 
   void add(OfferedLiveliness& writer) { writers_.insert(&writer); }
   void remove(OfferedLiveliness& writer) { writers_.erase(&writer); }
-  /// One of them wrote, or the application said `explicitly` that they live. Nothing without
-  /// writers. Samples assert the participant to the readers that they reach; the others must hear
-  /// it too, but not with every sample: they are told at most three times in the shortest lease.
+  /// Called when one of the writers wrote, or when the application asserted them `explicitly`. Does
+  /// nothing if there are no writers. A sample asserts the participant to the readers that it
+  /// reaches. The other participants need an announcement, but not with every sample: they get at
+  /// most three in the shortest lease.
   void assert_all(MonotonicTime now, bool explicitly);
 
  private:
   std::function<void(MonotonicTime now)> announce_;
   std::set<OfferedLiveliness*> writers_;
-  MonotonicTime next_announcement_{};  ///< unless it is explicit
+  /// The earliest time for the next announcement that is not explicit.
+  MonotonicTime next_announcement_{};
 };
 
-/// The lease of one writer, with a timer of its own.
+/// The lease of one writer, with its own timer.
 class OfferedLiveliness final : private Timed {
  public:
   /// `lost` is called once for each time that the lease runs out. `timers` and `of_participant`
-  /// outlive this.
+  /// must outlive this object.
   OfferedLiveliness(TimerQueue& timers, ManualLiveliness& of_participant,
                     std::function<void()> lost)
       : Timed(timers), of_participant_(of_participant), lost_(std::move(lost)) {}
 
   /// The writer is enabled: its lease begins.
   void start(const Liveliness& liveliness, MonotonicTime now);
-  /// Before it dies.
+  /// Must be called before destruction.
   void stop();
-  /// The writer wrote, or the application said `explicitly` that it lives.
+  /// The writer wrote, or the application asserted it `explicitly`.
   void assert_at(MonotonicTime now, bool explicitly);
   MonotonicTime lease_duration() const { return policy_.lease_duration.to_nanoseconds(); }
 
@@ -58,7 +60,7 @@ class OfferedLiveliness final : private Timed {
   ManualLiveliness& of_participant_;
   std::function<void()> lost_;
   Liveliness policy_;
-  std::optional<WriterLease> lease_;  ///< nothing: not enabled
+  std::optional<WriterLease> lease_;  ///< empty: not enabled
 };
 
 }  // namespace ddssec::rtps

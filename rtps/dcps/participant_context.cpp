@@ -18,8 +18,9 @@ MonotonicTime ParticipantContext::tick(std::chrono::nanoseconds most) {
   const auto time = now();
   if (protocol_->next_tick() <= time) protocol_->tick(time);
   timers_.run(time);
-  // A time that was wanted once is kept: one wait that ends early costs less than a call of wake
-  // with every sample that wants a heartbeat later, and needs none once it is acknowledged.
+  // An earlier wake-up time is kept even if it is no longer needed. One wait that ends early costs
+  // less than a call of wake for every sample, whose HEARTBEAT is due later and is not needed once
+  // the sample is acknowledged.
   const auto kept = waiting_until_ > time ? waiting_until_ : kNever;
   waiting_until_ = std::min(time + most, kept);
   return next();
@@ -29,7 +30,7 @@ MonotonicTime ParticipantContext::next() {
   return waiting_until_ = std::min({waiting_until_, protocol_->next_tick(), timers_.next()});
 }
 
-// Who serves looks at next() after the callbacks.
+// After callbacks, the serving thread checks next() itself.
 void ParticipantContext::reschedule() {
   if (!in_callback()) wake_if(protocol_->next_tick());
 }

@@ -1,5 +1,5 @@
-// What the entities of one participant share: its lock (which is its neighbours' too), protocol,
-// timers and callbacks.
+// What the entities of one participant share: its lock (shared with the other participants of its
+// neighbourhood), protocol, timers and callbacks.
 #pragma once
 
 #include <condition_variable>
@@ -18,11 +18,11 @@ class Entity;
 /// The lock is never held while a listener is called.
 class ParticipantContext {
  public:
-  /// Who serves sockets and timers.
+  /// Serves sockets and timers.
   class Server {
    public:
     virtual ~Server() = default;
-    /// Ends a wait of serve(), from any thread.
+    /// Ends a wait in serve(). May be called from any thread.
     virtual void wake() = 0;
     virtual void serve(std::chrono::nanoseconds most) = 0;
   };
@@ -41,39 +41,42 @@ class ParticipantContext {
   MonotonicTime now() const { return environment_.clock.monotonic(); }
   Moment moment() const { return {now(), Time::from(environment_.clock.wall())}; }
 
-  // With the lock held:
+  // The caller holds the lock:
   Participant& protocol() const { return *protocol_; }
   void adopt(std::unique_ptr<Participant> protocol);
-  /// It is no longer called from outside.
+  /// From now on nothing outside calls the protocol.
   void leave();
   bool has_protocol() const { return protocol_ != nullptr; }
   TimerQueue& timers() { return timers_; }
-  /// Does what is due and says until when there is nothing to do, `most` from now at the latest.
+  /// Does what is due. Returns the time of the next work, at most `most` from now.
   MonotonicTime tick(std::chrono::nanoseconds most);
-  /// Until when there is nothing to do, after callbacks that may have changed it.
+  /// Returns the time of the next work, after callbacks that may have changed it.
   MonotonicTime next();
-  /// After something that changes when tick wants to be called, or what listeners must be told.
+  /// Must be called after something that changes when tick() must run, or that listeners must be
+  /// called for.
   void reschedule();
-  /// The same after something that a neighbour did, which concerns timers and listeners only.
+  /// The same after an action of another participant in the neighbourhood, which can affect only
+  /// timers and listeners.
   void attend() {
     if (!serving_) wake_if(kNever);
   }
-  /// Waiting calls look again: at once, or when `serve` is done.
+  /// Makes waiting calls check their condition again: at once, or when `serve` ends.
   void notify() {
     if (serving_)
       changed_while_serving_ = true;
     else
       changed_.notify_all();
   }
-  /// False: `ready` did not become true in time. Without a thread of its own the participant is
-  /// served meanwhile; in a callback no other thread could change anything: no wait.
+  /// Returns false if `ready` did not become true in time. A participant without a thread of its
+  /// own is served meanwhile. Does not wait in a callback, because no other thread could change
+  /// anything.
   template <class Ready>
   bool wait(std::unique_lock<std::mutex>& lock, std::chrono::nanoseconds most, Ready ready);
-  /// Its listeners have something to hear.
+  /// The entity has a status for which its listeners must be called.
   void enqueue(Link<Entity>& entity) { entity.append_to(pending_); }
 
-  // Without the lock:
-  /// Calls `f` with the lock held. Waiting threads are woken once, when the lock is free again.
+  // The caller does not hold the lock:
+  /// Calls `f` with the lock held. Wakes waiting threads once, after the lock is released.
   template <class F>
   void serve(F&& f) {
     bool changed = false;
@@ -86,14 +89,16 @@ class ParticipantContext {
     }
     if (changed) changed_.notify_all();
   }
-  /// Calls the listeners of the entities that were enqueued; true if there were any.
+  /// Calls the listeners of the enqueued entities. Returns true if there were any.
   bool dispatch();
   bool in_callback() const { return dispatching_ == this; }
-  /// Held while listeners are called, and while entities die and listeners are replaced.
+  /// The callback lock. Held while listeners are called, while entities are destroyed and while
+  /// listeners are replaced.
   std::recursive_mutex& callbacks() const { return callbacks_; }
 
  private:
-  /// Unless it has been woken already, if listeners, timers or `other` cannot wait.
+  /// Wakes the server if listeners, timers or work at time `other` cannot wait, unless it has
+  /// already been woken.
   void wake_if(MonotonicTime other);
 
   const Environment environment_;
@@ -108,9 +113,10 @@ class ParticipantContext {
   TimerQueue timers_;
   LinkedList<Entity> pending_;
   MonotonicTime waiting_until_ = kNever;
-  bool woken_ = false;  ///< and did not look yet
+  bool woken_ = false;  ///< woken, but has not called tick() since
   mutable std::recursive_mutex callbacks_;
-  static thread_local const ParticipantContext* dispatching_;  ///< whose listeners it calls
+  /// The context whose listeners this thread is calling.
+  static thread_local const ParticipantContext* dispatching_;
 };
 
 template <class Ready>

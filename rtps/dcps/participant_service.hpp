@@ -9,7 +9,8 @@
 
 namespace ddssec::rtps {
 
-/// In a thread of its own, or whenever serve is called. Owns what the participant's entities share.
+/// Runs in a thread of its own, or whenever serve is called. Owns what the participant's entities
+/// share.
 class ParticipantService final : private ParticipantContext::Server {
  public:
   ParticipantService(const Environment& environment, bool own_thread,
@@ -20,15 +21,15 @@ class ParticipantService final : private ParticipantContext::Server {
 
   ParticipantContext& context() { return context_; }
 
-  /// First of all.
+  /// Must be called before all others.
   void use(std::unique_ptr<ParticipantSockets> sockets) { sockets_ = std::move(sockets); }
   ParticipantSockets& sockets() const { return *sockets_; }
-  /// The protocol gets what the sockets receive from now on. Errors: those of
+  /// From now on passes what the sockets receive to the protocol. Errors: those of
   /// ParticipantSockets::listen.
   Status adopt(std::unique_ptr<Participant> protocol);
-  /// Timers and listeners are served from now on, if wanted by a thread.
+  /// From now on serves timers and listeners; starts the thread, if there is to be one.
   void start();
-  /// Ends the thread; what is due from here on stays undone.
+  /// Ends the thread. Work that is due after that is not done.
   void stop();
 
   /// Serves for at most `most`.
@@ -39,9 +40,9 @@ class ParticipantService final : private ParticipantContext::Server {
   void receive(UdpSocket& socket);
 
   const bool own_thread_;
-  std::unique_ptr<ParticipantSockets> sockets_;  // the protocol sends by them
+  std::unique_ptr<ParticipantSockets> sockets_;  // the protocol sends through them
   ParticipantContext context_;
-  bool started_ = false;  ///< with the lock
+  bool started_ = false;  ///< protected by the lock
   std::atomic<bool> stopping_ = false;
   std::thread thread_;
 };

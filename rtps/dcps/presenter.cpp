@@ -65,7 +65,7 @@ Presenter::Source* Presenter::find(PresentedReader& reader, const Guid& writer) 
 
 bool Presenter::on_change(PresentedReader& reader, Change& change, MonotonicTime now) {
   auto* source = find(reader, change.writer);
-  if (source == nullptr) return true;  // not matched any more
+  if (source == nullptr) return true;  // no longer matched
   if (!make_room(*source)) return false;
   gather(*source, {&reader, change.writer}, change, now);
   release(*source, now);
@@ -103,7 +103,7 @@ void Presenter::forget_empty(std::map<GuidPrefix, Held>::iterator held) {
   if (held->second.octets() == 0) held_.erase(held);
 }
 
-// What waits for a reader will be taken; a set that grows without end would not.
+// Complete sets that wait for a reader will be taken. A set that grows without end never would be.
 bool Presenter::make_room(const Source& source) {
   const auto held = held_.find(source.identity);
   if (held == held_.end()) return octets_ < kMostOctets;
@@ -113,7 +113,8 @@ bool Presenter::make_room(const Source& source) {
   return true;
 }
 
-// An eighth of what it has at once, so that many small sets are not looked through for each change.
+// Frees one eighth of the identity's octets at once, so that a large number of small sets is not
+// searched for each change.
 void Presenter::give_up_largest(const GuidPrefix& identity) {
   struct Open {
     Source* source;
@@ -149,15 +150,15 @@ void Presenter::give_up(Batch& batch, const Source& source, const WantedByReader
   }
 }
 
-// What else comes of it does not begin with its first change, so it cannot become whole.
+// Later changes of the set do not begin with its first change, so the set cannot become complete.
 void Presenter::forget(Source& source, std::map<SequenceNumber, Set>::iterator at) {
   for (auto& [key, stream] : source.streams)
     if (stream.set == at->first) stream.set = {};
   erase(source, at);
 }
 
-// RTPS 8.7.6: a set ends with a change that is of another set, of none, or has no data; its numbers
-// have no holes.
+// RTPS 8.7.6: a set ends with a change that belongs to another set, to no set, or has no data. A
+// set has no gaps in its sequence numbers.
 void Presenter::gather(Source& source, const StreamKey& key, Change& change, MonotonicTime now) {
   auto& stream = source.streams[key];
   const auto& in = change.coherence;
@@ -171,7 +172,7 @@ void Presenter::gather(Source& source, const StreamKey& key, Change& change, Mon
   const auto before = std::exchange(stream.last, number);
   if (stream.set.value > 0 && (ends || id != stream.set))
     end_set(source, key, std::exchange(stream.set, {}), follows, now);
-  else if (change.is_marker() && id.value > 0)  // wrote nothing in it
+  else if (change.is_marker() && id.value > 0)  // wrote nothing in the set
     end_set(source, key, id, follows || before.value == 0, now);
   if (change.is_marker()) return;
   if (id.value == 0) {
@@ -187,7 +188,7 @@ void Presenter::gather(Source& source, const StreamKey& key, Change& change, Mon
   hold(source, set, {key.first, std::move(change)});
 }
 
-// Of a set that cannot become whole nothing is kept.
+// Samples of a set that cannot become complete are not kept.
 void Presenter::hold(Source& source, Set& set, Item item) {
   if (set.broken) return item.reader->lose(1);
   charge(source, set, price_of(item));
@@ -202,7 +203,7 @@ void Presenter::end_set(Source& source, const StreamKey& key, SequenceNumber id,
   settle(source, id, now);
 }
 
-// One that is given up cannot become whole any more: who ended it does not end it again.
+// A set that is given up cannot become complete: a writer that has ended it does not end it again.
 Presenter::Set& Presenter::set_of(Source& source, SequenceNumber id) {
   if (source.sets.size() >= kMostSets && !source.sets.contains(id))
     forget(source, source.sets.begin());
@@ -241,16 +242,16 @@ void Presenter::drop(const Source& source, Set& set, std::optional<PresentedRead
     limit ? reader->give_up(its.writer, its.samples, *limit) : reader->lose(its.samples);
 }
 
-// What a reader could never hold is not waited for: nothing behind it would come, and no sample of
-// a set is seen without the others.
+// The Presenter does not wait for a reader that could never hold the batch. Nothing after it would
+// be presented, and no sample of a set may be seen without the others.
 void Presenter::enqueue(Source& source, SequenceNumber at, Batch batch) {
   charge(source, batch);
   if (const auto wanted = wanted_of(batch); room_for(wanted) == Room::never)
     return give_up(batch, source, wanted, PresentedReader::Limit::samples);
-  source.ready.emplace(at, std::move(batch));  // of equal numbers the first to come is first
+  source.ready.emplace(at, std::move(batch));  // equal keys stay in the order of insertion
 }
 
-// RTPS 8.7.5: nothing before it can come any more, or has been waited for.
+// RTPS 8.7.5: nothing can arrive before it any more, or the wait has ended.
 bool Presenter::may_present(const Source& source, SequenceNumber first, const Batch& batch,
                             MonotonicTime now) const {
   if (!by_group_ || batch.last.value == 0) return true;
@@ -294,7 +295,7 @@ void Presenter::release(Source& source, MonotonicTime now) {
   }
 }
 
-// All of a set or nothing, also at the end.
+// Presents a complete set or nothing of it, also at the end.
 void Presenter::flush(Source& source) {
   for (auto& [id, batch] : source.ready)
     if (const auto wanted = wanted_of(batch); room_for(wanted) == Room::now)

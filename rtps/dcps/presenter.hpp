@@ -1,6 +1,6 @@
-// PRESENTATION on the reading side (DDS 1.4, 2.2.3.6; RTPS 8.7.5 and 8.7.6): samples of a coherent
-// set are held until all of it is there, samples of a group until those before them are. No I/O,
-// clock or lock.
+// PRESENTATION on the reading side (DDS 1.4, 2.2.3.6; RTPS 8.7.5 and 8.7.6). Samples of a coherent
+// set are held until the set is complete. Samples of a group are held until the samples before them
+// have arrived. No I/O, clock or lock.
 #pragma once
 
 #include <map>
@@ -17,56 +17,61 @@ class PresentedReader {
  public:
   /// Why a set is given up.
   enum class Limit : std::uint8_t {
-    samples,     ///< the reader cannot hold so many samples, or octets, at once
-    share,       ///< its identity has more in open sets than it may
-    writer_end,  ///< its writer ended before the reader had room for it
+    samples,     ///< the reader cannot hold so many samples or octets at once
+    share,       ///< its identity exceeds its share for open sets
+    writer_end,  ///< its writer ended before the reader had room for the set
   };
 
   virtual ~PresentedReader() = default;
-  /// Whether so many samples with so many octets of payload can be stored.
+  /// Whether this many samples with this many octets of payload can be stored.
   virtual Room room_for(std::size_t samples, std::size_t octets) const = 0;
   virtual void present(Change& change) = 0;
-  /// Samples of a set that will never be whole.
+  /// Reports samples of a set that will never be complete.
   virtual void lose(std::size_t samples) = 0;
-  /// Samples of a set of that writer that a limit ends.
+  /// Reports samples of a set of that writer that is given up because of a limit.
   virtual void give_up(const Guid& writer, std::size_t samples, Limit limit) = 0;
 };
 
-/// Of one reader, or with GROUP scope of all readers of a subscriber.
+/// Serves one reader, or with GROUP scope all readers of a subscriber.
 class Presenter {
  public:
-  /// What is held back of all writers together. No identity has more than is free, so that there
-  /// is always room for another one. Of an identity that wants more, changes are refused for now
-  /// while whole sets wait for the reader; otherwise its largest open sets are given up.
+  /// Limit for everything that is held, of all writers together. No identity may hold more than is
+  /// still free, so that there is always room for another identity. If an identity exceeds its
+  /// share, its changes are refused for now while complete sets wait for the reader. Otherwise its
+  /// largest open sets are given up.
   static constexpr std::size_t kMostOctets = std::size_t{128} << 20;
-  /// What each sample and each open set counts beside its payload.
+  /// Counted for each sample and each open set, in addition to its payload.
   static constexpr std::size_t kPricePerItem = 1024;
-  /// Sets of one publisher that not all of its writers ended; beyond, the oldest is given up.
+  /// Limit for the sets of one publisher that not all of its writers have ended. Beyond it, the
+  /// oldest set is given up.
   static constexpr std::size_t kMostSets = 1024;
-  /// How long a hole among a group's numbers holds up what is behind it.
+  /// How long a gap in a group's sequence numbers delays the samples after it.
   static constexpr MonotonicTime kPatience = std::chrono::milliseconds(200);
 
   Presenter(bool by_group, bool coherent, bool ordered)
       : by_group_(by_group), coherent_(coherent), ordered_(ordered) {}
 
-  /// `group`: the writer's publisher, if it said so. `identity`: whose share it takes.
+  /// `group`: the writer's publisher, if it was announced. `identity`: the identity whose share the
+  /// writer uses.
   void add(PresentedReader& reader, const Guid& writer, const std::optional<Guid>& group,
            const GuidPrefix& identity);
-  /// What is held of it and not whole, or finds no room, is lost.
+  /// Samples that are held of this writer or reader are lost if their set is incomplete or finds no
+  /// room.
   void remove(PresentedReader& reader, const Guid& writer, MonotonicTime now);
   void remove(PresentedReader& reader, MonotonicTime now);
 
-  /// A reader's next change of a writer. False: refused for now.
+  /// Takes the next change of a writer for a reader. Returns false if the change is refused for
+  /// now.
   bool on_change(PresentedReader& reader, Change& change, MonotonicTime now);
-  /// The writer has nothing up to this group sequence number that it has not delivered.
+  /// The writer has delivered everything that it has up to this group sequence number.
   void on_progress(PresentedReader& reader, const Guid& writer, SequenceNumber group,
                    MonotonicTime now);
-  /// While paused nothing is presented (begin_access).
+  /// While paused, nothing is presented (begin_access).
   void pause(bool paused, MonotonicTime now);
-  /// Readers may have room again, or a hole was waited for long enough.
+  /// Must be called when readers may have room again, or when the wait for a gap has ended.
   void release(MonotonicTime now);
   MonotonicTime next_tick() const;
-  /// The price of everything that is held back.
+  /// The price of everything that is held.
   std::size_t octets() const { return octets_; }
 
  private:
@@ -77,20 +82,20 @@ class Presenter {
   };
   /// What one writer sends to one reader.
   struct Stream {
-    SequenceNumber last;      ///< change; 0 none yet
-    SequenceNumber set;       ///< that is open; 0 none
+    SequenceNumber last;      ///< last change; 0: none yet
+    SequenceNumber set;       ///< the open set; 0: none
     SequenceNumber progress;  ///< group sequence number
   };
   struct Set {
     std::vector<Item> items;
     std::set<StreamKey> ended;
     bool broken = false;
-    std::size_t octets = 0;  ///< the price of its items and of itself
+    std::size_t octets = 0;  ///< the price of its items and of the set itself
   };
-  /// Ready to be presented as soon as what is before it was.
+  /// Samples that can be presented as soon as everything before them has been presented.
   struct Batch {
     std::vector<Item> items;
-    SequenceNumber last;  ///< group sequence number behind it
+    SequenceNumber last;  ///< last group sequence number in the batch
     MonotonicTime since{};
   };
   /// A publisher, or one writer of one reader.
@@ -99,10 +104,10 @@ class Presenter {
     std::map<StreamKey, Stream> streams;
     std::map<SequenceNumber, Set> sets;
     std::multimap<SequenceNumber, Batch> ready;
-    SequenceNumber presented;  ///< group sequence number; 0 none yet
+    SequenceNumber presented;  ///< group sequence number; 0: none yet
   };
   using SourceKey = std::pair<PresentedReader*, Guid>;
-  /// What is held back of one identity.
+  /// What is held of one identity.
   struct Held {
     std::size_t open = 0, ready = 0;
     std::size_t octets() const { return open + ready; }
@@ -110,7 +115,7 @@ class Presenter {
   /// What one reader gets of a batch.
   struct Wanted {
     std::size_t samples = 0, octets = 0;
-    Guid writer;  ///< one of them
+    Guid writer;  ///< one of the writers
   };
   using WantedByReader = std::map<PresentedReader*, Wanted>;
 
@@ -118,14 +123,14 @@ class Presenter {
   static std::size_t price_of(const Item& item) {
     return kPricePerItem + item.change.payload.size();
   }
-  /// It has its share: as much as is free.
+  /// True if the identity has used its share, which is as much as is still free.
   bool is_over(const Held& held) const { return octets_ + held.octets() >= kMostOctets; }
   void charge(const Source& source, Set& set, std::size_t price);
   void refund(const Source& source, Set& set, std::size_t price);
   void charge(const Source& source, const Batch& batch);
   void refund(const Source& source, std::size_t price);
   void forget_empty(std::map<GuidPrefix, Held>::iterator held);
-  /// False: changes of that source are refused for now.
+  /// Returns false if changes of that source are refused for now.
   bool make_room(const Source& source);
   void give_up_largest(const GuidPrefix& identity);
   void give_up(Batch& batch, const Source& source, const WantedByReader& wanted,
@@ -152,7 +157,7 @@ class Presenter {
 
   const bool by_group_, coherent_, ordered_;
   bool paused_ = false;
-  std::size_t octets_ = 0;  ///< of everything that is held back
+  std::size_t octets_ = 0;  ///< of everything that is held
   std::map<GuidPrefix, Held> held_;
   std::map<SourceKey, Source> sources_;
   std::map<StreamKey, SourceKey> source_of_;

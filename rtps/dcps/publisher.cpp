@@ -35,7 +35,8 @@ Status Publisher::wait_for_acknowledgments(std::chrono::nanoseconds most) {
   return {};
 }
 
-// PRESENTATION cannot change once the publisher, and so the writer, is enabled.
+// PRESENTATION cannot change once the publisher is enabled, and a writer is enabled after its
+// publisher.
 std::optional<Guid> Publisher::group_guid() {
   const auto& presentation = presentation_of_members();
   presents_ = presentation.coherent_access || presentation.ordered_access;
@@ -50,7 +51,7 @@ void Publisher::admit(StatefulWriter& writer, MonotonicTime now) {
   if (by_group_) writer.join(group_);
 }
 
-// RTPS 9.3.2.5: the leading octets of the MD5 of the sorted entity ids in big-endian CDR.
+// RTPS 9.3.2.5: the first octets of the MD5 of the sorted entity ids in big-endian CDR.
 void Publisher::count_writers() {
   std::vector<EntityId> ids;
   for (const auto& member : members_)
@@ -106,7 +107,7 @@ Status Publisher::end_coherent_changes() {
   }
   const auto now = context_.now();
   {
-    // One message, and so one moment, for readers of several topics.
+    // One message, so that readers of several topics see the end at the same time.
     const auto gathering = context_.protocol().gather();
     for (const auto& member : members_) writer_of(member).end_set(marker, now);
   }

@@ -42,15 +42,16 @@ const Payload* ReaderCache::key_value(InstanceHandle instance) const {
   return at == held_.all().end() ? nullptr : &at->second.key_value;
 }
 
-// DDS 1.4, 2.2.3.9.2; equally strong writers: the lower GUID, the same one for every reader.
+// DDS 1.4, 2.2.3.9.2. Of equally strong writers, the one with the lower GUID owns the instance, so
+// that every reader chooses the same.
 bool ReaderCache::may_own(const Instance& instance, const Guid& writer) const {
   if (!exclusive_ || !instance.owner || *instance.owner == writer) return true;
   const auto ours = strength_of(writer), theirs = strength_of(*instance.owner);
   return ours > theirs || (ours == theirs && writer < *instance.owner);
 }
 
-// Older than what was handed out already, an end that is older than a later sample, or the sample
-// that a full history would drop first.
+// True if the change is older than what was already read or taken, if it ends the instance but is
+// older than a later sample, or if it is the sample that a full history would drop first.
 bool ReaderCache::is_too_old(const Instance& instance, const Change& change) const {
   if (!by_source_ || !change.source_time) return false;
   if (instance.seen_until && *change.source_time < *instance.seen_until) return true;
@@ -59,8 +60,8 @@ bool ReaderCache::is_too_old(const Instance& instance, const Change& change) con
   return held_.is_full(instance) && change.source_time < instance.oldest()->change.source_time;
 }
 
-// LIFESPAN counts from the source time; a writer whose clock is ahead of ours gets no more than its
-// span.
+// LIFESPAN counts from the source time. If the writer's clock is ahead of the local one, its
+// samples still get no more than the lifespan.
 MonotonicTime ReaderCache::expiry_of(const Change& change, const Moment& at) const {
   const auto writer = writers_.find(change.writer);
   if (writer == writers_.end() || writer->second.lifespan.is_infinite()) return kNever;
@@ -111,7 +112,7 @@ void ReaderCache::store_alive(Instance& instance, Change& change, MonotonicTime 
   revive(instance);
   held_.join(instance, change.writer);
   if (exclusive_) instance.owner = change.writer;
-  // The news of the instance's end is over once it has been read.
+  // The sample that reports the instance's end is obsolete once it has been read.
   if (instance.invalid > 0 && instance.invalid_sample()->is_read)
     held_.erase(instance, instance.invalid_sample());
   if (held_.is_full(instance)) held_.erase(instance, instance.oldest());
@@ -123,7 +124,7 @@ void ReaderCache::store_alive(Instance& instance, Change& change, MonotonicTime 
   if (separation_.count() > 0) begin_quiet(instance, now);
 }
 
-// A dispose, an unregister, or both at once.
+// Handles a dispose, an unregister, or both at once.
 void ReaderCache::store_end(Instance& instance, const Change& change, MonotonicTime now) {
   const Recount recount(held_, instance);
   held_.hold_back(instance, std::nullopt);
@@ -189,7 +190,8 @@ void ReaderCache::forget_ended(const KeyHash& key) {
   held_.forget(*instance);
 }
 
-// DDS 1.4, 2.2.2.5.1.5: an instance that comes back is a new generation, and new to be seen.
+// DDS 1.4, 2.2.2.5.1.5: an instance that returns starts a new generation and has the view state
+// NEW.
 void ReaderCache::revive(Instance& instance) {
   if (instance.state == InstanceState::alive) return;
   ++(instance.state == InstanceState::not_alive_disposed ? instance.disposed_generations
@@ -254,7 +256,7 @@ void ReaderCache::set_deadline(Duration period, MonotonicTime now) {
   }
 }
 
-// All periods are the same, so that the list is in the order of deadlines.
+// All periods are equal, so appending keeps the list in the order of deadlines.
 void ReaderCache::check_deadlines(MonotonicTime now,
                                   const std::function<void(InstanceHandle)>& missed) {
   while (!due_.empty() && due_.front()->deadline <= now) {

@@ -1,6 +1,6 @@
-// What a DataReader holds: which changes enter (HeldInstances has them then), who owns an instance
-// (DDS 1.4, 2.2.3.9), and when samples expire or miss their deadline. No I/O, clock or lock: the
-// caller brings times and serializes calls.
+// The samples of a DataReader. ReaderCache decides which changes are stored (HeldInstances holds
+// them), which writer owns an instance (DDS 1.4, 2.2.3.9), and when samples expire or miss their
+// deadline. No I/O, clock or lock: the caller passes times and serializes calls.
 #pragma once
 
 #include <functional>
@@ -9,7 +9,7 @@
 
 namespace ddssec::rtps {
 
-/// The same moment by both clocks.
+/// The same moment on both clocks.
 struct Moment {
   MonotonicTime now{};
   Time wall{};
@@ -17,15 +17,17 @@ struct Moment {
 
 class ReaderCache {
  public:
-  /// The serialized key of a change, to show it when there is no data any more.
+  /// Returns the serialized key of a change, which identifies the instance when there is no data
+  /// any more.
   using KeyOf = std::function<Bytes(const Change&)>;
   explicit ReaderCache(const Qos& qos, KeyOf key_of = nullptr);
 
-  /// A matched writer, or its changed OWNERSHIP_STRENGTH. `identity`: whose share of the instances
-  /// its new ones take (ParticipantCore::identity_of); nothing: they are not counted.
+  /// Adds a matched writer, or changes its OWNERSHIP_STRENGTH. `identity`: the identity whose share
+  /// its new instances count for (ParticipantCore::identity_of); empty: they are not counted.
   void set_writer(const Guid& writer, std::int32_t strength, Duration lifespan,
                   const std::optional<GuidPrefix>& identity = {});
-  /// Is gone, or not alive any more: it leaves all its instances. True if any state changed.
+  /// The writer was unmatched or is no longer alive: it leaves all its instances. Returns true if
+  /// any state changed.
   bool lose_writer(const Guid& writer, bool unmatched, MonotonicTime now);
 
   enum class Outcome : std::uint8_t { stored, dropped, rejected };
@@ -34,56 +36,57 @@ class ReaderCache {
     SampleRejectedReason reason = SampleRejectedReason::not_rejected;
     InstanceHandle instance;
   };
-  /// Takes the change, unless rejected: then nothing has changed, and it may be offered again.
-  /// Dropped is what a reader must not see: another owner's, too late, expired.
+  /// Stores the change, unless it is rejected: then nothing has changed, and it may be offered
+  /// again. A change is dropped if readers must not see it: its writer is not the owner, or it is
+  /// too late or expired.
   Stored store(Change& change, const Moment& at);
 
-  /// Samples come out in the order in which they came in, whatever their instance (ordered access
-  /// with TOPIC or GROUP scope). `arrivals` counts them, also those of other readers.
+  /// Samples are read in the order of their arrival, whatever their instance (ordered access with
+  /// TOPIC or GROUP scope). `arrivals` is the counter, which other readers may share.
   void order_by_arrival(std::uint64_t& arrivals) { held_.order_by_arrival(arrivals); }
-  /// When the samples in these states arrived.
+  /// The arrival numbers of the samples in these states.
   std::vector<std::uint64_t> arrivals(const States& states) const {
     return rtps::arrivals(held_, states);
   }
-  /// Whether so many more samples can be stored, of whatever instance.
+  /// Whether this many more samples can be stored, of any instances.
   Room room_for(std::size_t samples, std::size_t octets) const {
     return held_.room_for(samples, octets);
   }
-  /// As many samples as it can hold.
+  /// The largest number of samples that it can hold.
   std::size_t max_samples() const { return held_.max_samples(); }
-  /// Appends what is asked for to `out`, samples of one instance together.
+  /// Appends the samples that match the query to `out`; samples of one instance are adjacent.
   void select(const Query& query, const Moment& at, std::vector<OctetSample>& out);
   /// True if a select with these states would find something.
   bool any(const States& states) const { return held_.any(states); }
-  /// The same of a query; looks at the samples one by one if there is one.
+  /// The same for a query. If there is one, the samples are checked one by one.
   bool any(const States& states, BoundFilter* matching) const {
     return rtps::any(held_, states, matching);
   }
 
-  /// Removes what LIFESPAN or READER_DATA_LIFECYCLE ended; true if there was any.
+  /// Removes what LIFESPAN or READER_DATA_LIFECYCLE ended. Returns true if there was anything.
   bool expire(MonotonicTime now);
-  /// Calls `missed` for each instance whose DEADLINE passed, and takes it from its owner.
+  /// Calls `missed` for each instance whose DEADLINE passed, and removes its owner.
   void check_deadlines(MonotonicTime now, const std::function<void(InstanceHandle)>& missed);
-  /// The next moment at which expire or check_deadlines has something to do.
+  /// The next time at which expire or check_deadlines has work.
   MonotonicTime next_tick() const;
   void set_deadline(Duration period, MonotonicTime now);
-  /// For instances that end from now on.
+  /// Applies to instances that end from now on.
   void set_lifecycle(const ReaderDataLifecycle& lifecycle) { lifecycle_ = lifecycle; }
 
-  /// TIME_BASED_FILTER: samples of an instance that come sooner than this after the last are
-  /// dropped; a reliable reader gets the latest of them when the time is over.
+  /// TIME_BASED_FILTER: a sample of an instance that arrives sooner than this after the previous
+  /// one is dropped. A reliable reader gets the latest of them when the time has passed.
   void set_minimum_separation(Duration separation);
-  /// Stores what was held back until now; true if there was any.
+  /// Stores the samples that were kept until now. Returns true if there were any.
   bool release(const Moment& at);
 
-  /// HANDLE_NIL if the instance is not known.
+  /// Returns HANDLE_NIL if the instance is not known.
   InstanceHandle lookup(const KeyHash& key) const;
-  /// The serialized key; nullptr for an unknown instance.
+  /// Returns the serialized key, or nullptr if the instance is not known.
   const Payload* key_value(InstanceHandle instance) const;
 
-  /// Of one instance.
+  /// The octets of one instance.
   std::size_t octets_of(const KeyHash& key) const;
-  /// As if the instance had never been, if it has ended.
+  /// Removes all trace of the instance, if it has ended.
   void forget_ended(const KeyHash& key);
 
   std::size_t samples() const { return held_.samples(); }
@@ -121,7 +124,7 @@ class ReaderCache {
   std::map<Guid, Writer> writers_;
   InstanceTimes purges_;
   LinkedList<Instance> due_, quiet_;
-  HeldInstances held_;  ///< its instances leave the lists above
+  HeldInstances held_;  ///< declared last, because its instances leave the lists above
 };
 
 }  // namespace ddssec::rtps

@@ -1,4 +1,4 @@
-// The ContentFilteredTopic of a DataReader, as the reader applies it (DDS 1.4, 2.2.2.3.3).
+// The ContentFilteredTopic of a DataReader, as applied by the reader (DDS 1.4, 2.2.2.3.3).
 #pragma once
 
 #include "rtps/discovery/content_filter_property.hpp"
@@ -9,27 +9,28 @@ namespace ddssec::rtps {
 
 class ContentFilteredTopic;
 
-/// Empty at first: then everything passes. The caller holds the participant's lock.
+/// Without a topic, all samples pass. The caller holds the participant's lock.
 class ReaderFilter {
  public:
   ReaderFilter() = default;
   ReaderFilter(const ReaderFilter&) = delete;
   ReaderFilter& operator=(const ReaderFilter&) = delete;
 
-  /// What passes the topic's filter passes from now on; the topic says when it changes. Errors:
-  /// rtps_filter_invalid.
+  /// From now on only samples that pass the topic's filter pass. The topic calls update() when its
+  /// filter changes. Errors: rtps_filter_invalid.
   Status attach(ContentFilteredTopic& topic);
-  /// Before it dies.
+  /// Must be called before destruction.
   void detach();
-  /// The topic has other parameters. Errors: rtps_filter_invalid.
+  /// The topic's parameters have changed. Errors: rtps_filter_invalid.
   Status update();
 
-  /// nullptr: everything passes.
+  /// nullptr: all samples pass.
   ContentFilteredTopic* topic() const { return topic_; }
   BoundFilter* filter() { return filter_ ? &*filter_ : nullptr; }
-  /// What discovery announces of it.
+  /// The filter as discovery announces it.
   std::optional<ContentFilterProperty> property() const;
-  /// The reader, once it is enabled: then other parameters must be announced, too.
+  /// The reader's GUID, once it is enabled. From then on, changed parameters must also be
+  /// announced.
   const std::optional<Guid>& reader() const { return reader_; }
   void announce_for(const Guid& reader) { reader_ = reader; }
 

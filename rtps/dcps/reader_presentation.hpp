@@ -1,5 +1,5 @@
-// PRESENTATION of one DataReader (DDS 1.4, 2.2.3.6): what stands between the protocol and its
-// samples. No I/O, clock or lock.
+// PRESENTATION of one DataReader (DDS 1.4, 2.2.3.6), between the protocol and the reader's samples.
+// No I/O, clock or lock.
 #pragma once
 
 #include "rtps/dcps/presenter.hpp"
@@ -7,32 +7,32 @@
 
 namespace ddssec::rtps {
 
-/// Nothing stands between them unless access is coherent or has GROUP scope: then a Presenter, of
-/// the reader alone or of its subscriber.
+/// Passes changes through directly, unless access is coherent or has GROUP scope. Then a Presenter
+/// holds them back: the reader's own, or that of its subscriber.
 class ReaderPresentation {
  public:
-  /// `reader` gets what is presented, and outlives this.
+  /// `reader` receives what is presented, and must outlive this object.
   explicit ReaderPresentation(PresentedReader& reader) : reader_(reader) {}
 
-  /// The reader is enabled. `of_group`: the subscriber's, for GROUP scope; nullptr: not needed.
-  /// `paused`: the subscriber is between begin_access and end_access.
+  /// The reader is enabled. `of_group`: the subscriber's Presenter for GROUP scope; nullptr: not
+  /// needed. `paused`: the subscriber is between begin_access and end_access.
   void start(const Presentation& policy, Presenter* of_group, bool paused, MonotonicTime now);
-  /// Nothing that is held of this reader is presented any more.
+  /// Samples of this reader that are still held are not presented any more.
   void stop(MonotonicTime now);
-  /// False: changes go to the reader's samples at once.
+  /// false: changes go to the reader's samples at once.
   bool holds_back() const { return presenter_ != nullptr; }
 
-  // Nothing unless it holds back:
+  // These do nothing unless holds_back():
   void add_writer(const Guid& writer, const std::optional<Guid>& group, const GuidPrefix& identity);
   void remove_writer(const Guid& writer, MonotonicTime now);
   void on_group(const Guid& writer, SequenceNumber group, MonotonicTime now);
   void release(MonotonicTime now);
-  /// Of the reader's own Presenter; the subscriber's is paused by the subscriber.
+  /// Pauses the reader's own Presenter. The subscriber pauses its own.
   void pause(bool paused, MonotonicTime now);
-  /// kNever unless it holds back.
+  /// Returns kNever unless holds_back().
   MonotonicTime next_tick() const;
 
-  /// Only if it holds back. False: refused for now.
+  /// Only if holds_back(). Returns false if the change is refused for now.
   bool on_change(Change& change, MonotonicTime now) {
     return presenter_->on_change(reader_, change, now);
   }

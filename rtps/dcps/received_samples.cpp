@@ -17,7 +17,8 @@ bool ReceivedSamples::passes(const Change& change, BoundFilter& filter) {
   return passes.value_or(false);
 }
 
-// What was protected is what its writer said; the hash beside it is not protected.
+// If the payload is protected, its key comes from the writer. The key hash next to it is not
+// protected, so the key is computed from the payload.
 bool ReceivedSamples::name_instance(Change& change, const KeyProtection& keys) const {
   if (!type_.with_key) return true;
   const bool from_payload = keys.proven && change.payload.size() > 0;
@@ -34,13 +35,13 @@ ReceivedSamples::Received ReceivedSamples::take(Change& change, BoundFilter* fil
     return {change.is_alive() ? Outcome::unseen : Outcome::unreadable_key};
   }
   if (seen_ && seen_->contains(change)) return {};
-  // The end of an instance of which nothing passed the filter is not news.
+  // The end of an instance is not reported if none of its samples passed the filter.
   const auto key = change.key_hash.value_or(KeyHash{});
   if (filter != nullptr && !change.is_alive() && cache_->lookup(key).is_nil()) return {};
   const auto sighting = seen_ ? SeenOriginals::of(change) : SeenOriginals::Sighting{};
   const auto stored = cache_->store(change, at);
   if (stored.outcome == ReaderCache::Outcome::rejected) return {Outcome::rejected, stored};
-  // What a reader does not see takes no place.
+  // Samples that the reader does not see do not take a place.
   const bool is_seen = stored.outcome == ReaderCache::Outcome::stored;
   if (seen_ && (is_seen || !sighting.claim)) seen_->add(sighting);
   return {is_seen ? Outcome::stored : Outcome::unseen, stored};

@@ -1,5 +1,5 @@
-// Which received changes become samples of a DataReader. No I/O, clock or lock: the caller brings
-// times and serializes calls.
+// Decides which received changes become samples of a DataReader. No I/O, clock or lock: the caller
+// passes times and serializes calls.
 #pragma once
 
 #include <atomic>
@@ -11,40 +11,40 @@
 
 namespace ddssec::rtps {
 
-/// Changes that pass the content filter, belong to an instance and came from no writer before
-/// (DURABILITY), in a ReaderCache.
+/// Stores changes in a ReaderCache if they pass the content filter, if their instance is known, and
+/// if no other writer has delivered them before (DURABILITY).
 class ReceivedSamples {
  public:
-  /// `type` outlives it.
+  /// `type` must outlive this object.
   ReceivedSamples(const Qos& qos, const TypeSupport& type);
 
-  /// Other policies of a reader that is not enabled yet.
+  /// Applies changed policies of a reader that is not enabled yet.
   void reset(const Qos& qos);
-  /// A reader that asks for history: a sample that several writers hold is taken once.
+  /// For a reader that requests history: a sample that several writers hold is taken only once.
   void expect_history() { seen_.emplace(); }
 
   enum class Outcome : std::uint8_t {
     stored,
-    unseen,          ///< taken, and a reader does not see it
-    rejected,        ///< nothing has changed; it may be offered again
-    unreadable_key,  ///< taken: the end of an instance that cannot be named
+    unseen,          ///< taken, but the reader does not see it
+    rejected,        ///< nothing has changed; the change may be offered again
+    unreadable_key,  ///< taken: the end of an instance whose key cannot be read
   };
   struct Received {
     Outcome outcome = Outcome::unseen;
-    ReaderCache::Stored stored = {};  ///< of `stored` and `rejected`
+    ReaderCache::Stored stored = {};  ///< set if the outcome is `stored` or `rejected`
   };
   /// `filter`: the reader's content filter; nullptr: none.
   Received take(Change& change, BoundFilter* filter, const KeyProtection& keys, const Moment& at);
 
   ReaderCache& cache() { return *cache_; }
   const ReaderCache& cache() const { return *cache_; }
-  /// Samples that could not be read; never reset. Any thread may ask and count.
+  /// Number of samples that could not be deserialized; never reset. Any thread may read and count.
   std::uint64_t malformed() const { return malformed_; }
   void count_malformed() { ++malformed_; }
 
  private:
   bool passes(const Change& change, BoundFilter& filter);
-  /// False: it has a key that cannot be read.
+  /// Returns false if the type has a key that cannot be read.
   bool name_instance(Change& change, const KeyProtection& keys) const;
 
   const TypeSupport& type_;

@@ -1,4 +1,4 @@
-// LIVELINESS that a DataReader requests (DDS 1.4, 2.2.3.11): the leases of its writers. The caller
+// LIVELINESS requested by a DataReader (DDS 1.4, 2.2.3.11): the leases of its writers. The caller
 // holds the participant's lock.
 #pragma once
 
@@ -11,12 +11,13 @@
 
 namespace ddssec::rtps {
 
-/// A LivelinessMonitor with a timer of its own, and the LIVELINESS_CHANGED status.
+/// A LivelinessMonitor with its own timer, and the LIVELINESS_CHANGED status.
 class RequestedLiveliness final : private Timed {
  public:
-  /// Called with the writers whose lease ended.
+  /// Called with the writers whose leases ended.
   using Lost = std::function<void(std::span<const Guid> writers, MonotonicTime now)>;
-  /// `reader` is called with the next assertion of a writer that is not alive. All outlive this.
+  /// `reader` is called with the next assertion of a writer that is not alive. All arguments must
+  /// outlive this object.
   RequestedLiveliness(TimerQueue& timers, EndpointListener& reader, StatusChanges& changes,
                       Lost lost)
       : Timed(timers), reader_(reader), changes_(changes), lost_(std::move(lost)) {}
@@ -26,10 +27,10 @@ class RequestedLiveliness final : private Timed {
   /// See EndpointListener.
   void on_signal(const Guid& writer, std::shared_ptr<LivelinessSignal> signal);
   void on_alive(const Guid& writer, MonotonicTime now);
-  /// Before it dies.
+  /// Must be called before destruction.
   void stop() { cancel(); }
 
-  /// Resets its changes.
+  /// Returns the status and resets its change counts.
   LivelinessChangedStatus read_status();
 
  private:

@@ -63,7 +63,7 @@ void SampleReception::lose_writers(std::span<const Guid> writers, MonotonicTime 
   call_at(cache().next_tick());
 }
 
-// Without coherent or ordered access nothing stands between protocol and samples.
+// Without coherent access or GROUP scope, changes go directly to the samples.
 bool SampleReception::on_change(Change& change) {
   if (!presentation_.holds_back()) return change.is_marker() || store(change);
   const bool taken = presentation_.on_change(change, context_.now());
@@ -100,7 +100,7 @@ bool SampleReception::store(Change& change) {
   return true;
 }
 
-// A reliable writer keeps it, and it is offered again; it is counted once.
+// A reliable writer keeps the change and offers it again. The change is counted only once.
 void SampleReception::reject(const Change& change, const ReaderCache::Stored& stored) {
   refused_ = true;
   const std::pair which(change.writer, change.sequence_number);
@@ -112,7 +112,8 @@ void SampleReception::reject(const Change& change, const ReaderCache::Stored& st
   if (stored.reason == SampleRejectedReason::by_instances_limit) report_crowded(change.writer);
 }
 
-/// Seldom: a writer that takes all places offers more than this reader can tell.
+/// Reported rarely (on the 1st, 2nd, 4th, 8th ... time), because a writer that takes all places
+/// offers more changes than the reader can report.
 void SampleReception::report_crowded(const Guid& writer) {
   if (!std::has_single_bit(++crowded_)) return;
   context_.protocol().remote_participants().raise_about(
@@ -126,7 +127,8 @@ void SampleReception::report_crowded(const Guid& writer) {
       reader_.entity, writer);
 }
 
-/// Seldom: a writer that keeps its sets open makes more of them than this reader can tell.
+/// Reported rarely (on the 1st, 2nd, 4th, 8th ... time), because a writer that keeps its sets open
+/// creates more of them than the reader can report.
 void SampleReception::give_up(const Guid& writer, std::size_t samples, Limit limit) {
   on_lost(static_cast<std::int64_t>(samples));
   if (!std::has_single_bit(++given_up_)) return;
@@ -183,7 +185,7 @@ void SampleReception::on_dropped(const Guid& writer, std::uint32_t octets) {
       reader_.entity, writer);
 }
 
-// Reading is what resets DATA_AVAILABLE and DATA_ON_READERS (DDS 1.4, 2.2.4.2.2).
+// Reading resets DATA_AVAILABLE and DATA_ON_READERS (DDS 1.4, 2.2.4.2.2).
 bool SampleReception::select(const Query& query, std::vector<OctetSample>& out) {
   samples_.cache().select(query, context_.moment(), out);
   reports_.of_reader.clear(StatusKind::data_available);

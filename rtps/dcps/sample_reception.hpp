@@ -1,4 +1,4 @@
-// What becomes of the changes that a DataReader receives (DDS 1.4, 2.2.2.5.1 and 2.2.4.1).
+// Processes the changes that a DataReader receives (DDS 1.4, 2.2.2.5.1 and 2.2.4.1).
 #pragma once
 
 #include "rtps/dcps/participant_context.hpp"
@@ -11,44 +11,44 @@
 
 namespace ddssec::rtps {
 
-/// From the protocol by way of PRESENTATION to the samples, and what statuses and conditions say of
-/// them. Has a timer of its own. The caller holds the participant's lock.
+/// Passes changes from the protocol through PRESENTATION to the samples, and updates statuses and
+/// conditions. Has its own timer. The caller holds the participant's lock.
 class SampleReception final : private PresentedReader, private Timed {
  public:
-  /// What it reports to; all outlive it.
+  /// The objects that it reports to. All must outlive it.
   struct Reports {
     StatusChanges& of_reader;
     StatusChanges& of_subscriber;
     ReadConditions& conditions;
     std::function<void(InstanceHandle)> deadline_missed;
   };
-  /// What it is told about the reader; all outlive it.
+  /// What it needs to know about the reader. All must outlive it.
   struct Reader {
     ParticipantContext& context;
     const Topic& topic;
     const Qos& qos;
     const KeyProtection& keys;
     ReaderFilter& filter;
-    const Guid& guid;  ///< once it is enabled
+    const Guid& guid;  ///< valid once the reader is enabled
   };
   SampleReception(const Reader& reader, Reports reports);
 
   /// The reader is enabled. `of_group` and `paused`: see ReaderPresentation. `arrivals` counts the
-  /// samples of the subscriber's readers.
+  /// samples of all readers of the subscriber.
   struct Subscription {
     Presenter* of_group;
     std::uint64_t& arrivals;
     bool paused;
   };
   void start(const Qos& announced, const Subscription& subscription);
-  /// Before it dies.
+  /// Must be called before destruction.
   void stop();
-  /// Other policies; all may change before it is started.
+  /// Applies changed policies. Before the start all of them may change.
   void change_qos(const Qos& before, const Qos& now, bool started);
 
   void add_writer(const EndpointData& writer);
   void remove_writer(const Guid& writer);
-  /// They are not alive any more.
+  /// These writers are no longer alive.
   void lose_writers(std::span<const Guid> writers, MonotonicTime now);
   /// See EndpointListener.
   bool on_change(Change& change);
@@ -56,13 +56,14 @@ class SampleReception final : private PresentedReader, private Timed {
   void on_lost(std::int64_t count);
   void on_dropped(const Guid& writer, std::uint32_t octets);
 
-  /// Appends what the query asks for; the statuses of data are read by that. True: a change that
-  /// was refused for want of room may be offered again. Call `after_access` when it was.
+  /// Appends the samples that match the query and marks the data statuses as read. Returns true if
+  /// a change that was refused for lack of room may be offered again. Call `after_access`
+  /// afterwards.
   bool select(const Query& query, std::vector<OctetSample>& out);
   void after_access(bool taken);
   /// See ReaderPresentation::pause.
   void pause(bool paused, MonotonicTime now);
-  /// Calls the Presenter when it wants to be called.
+  /// Schedules a call of the Presenter at the time that it asks for.
   void schedule_presenter() { call_at(presentation_.next_tick()); }
   /// See ReaderCache.
   void forget_ended(std::span<const KeyHash> keys);
@@ -101,8 +102,8 @@ class SampleReception final : private PresentedReader, private Timed {
   std::pair<Guid, SequenceNumber> last_rejected_;
   SampleLostStatus lost_;
   SampleRejectedStatus rejected_;
-  std::uint64_t crowded_ = 0;   ///< rejected by the limit of instances
-  std::uint64_t given_up_ = 0;  ///< sets
+  std::uint64_t crowded_ = 0;   ///< changes rejected by the limit on instances
+  std::uint64_t given_up_ = 0;  ///< sets that were given up
 };
 
 }  // namespace ddssec::rtps

@@ -20,7 +20,7 @@ bool is_asked_for(const HeldInstance& instance, const HeldSample& held, const Qu
   return held.valid && query.matching->passes(held.change.payload.view()).value_or(false);
 }
 
-// The ranks are for the caller, which knows the whole collection.
+// The caller sets the ranks, because it knows the whole collection.
 SampleInfo info_of(const HeldInstance& instance, const HeldSample& held) {
   return {.sample_state = state_of(held.is_read),
           .view_state = instance.view,
@@ -34,7 +34,7 @@ SampleInfo info_of(const HeldInstance& instance, const HeldSample& held) {
           .valid_data = held.valid};
 }
 
-// The place after `at`.
+// Returns the position after `at`.
 HeldSamples::iterator hand_out(HeldInstances& instances, HeldInstance& instance,
                                HeldSamples::iterator at, bool take, std::vector<OctetSample>& out) {
   auto& held = *at;
@@ -77,7 +77,7 @@ struct Found {
   HeldSamples::iterator at;
 };
 
-// The first samples that are asked for, by arrival.
+// Returns the first samples that match, by arrival.
 std::vector<Found> find_ordered(const HeldInstances& instances, const Query& query) {
   std::vector<Found> found;
   for (auto* instance : instances.ready())
@@ -102,7 +102,8 @@ void select_ordered(HeldInstances& instances, const Query& query, std::vector<Oc
     for (const auto& [handle, generations] : newest)
       instances.find(handle)->view = ViewState::not_new;
   }
-  std::map<InstanceHandle, std::pair<std::int32_t, std::int32_t>> later;  // samples, generations
+  // Number of samples, generations.
+  std::map<InstanceHandle, std::pair<std::int32_t, std::int32_t>> later;
   for (auto i = out.size(); i-- > begin;) {
     auto& info = out[i].info;
     const auto known = later.try_emplace(info.instance_handle, 0, generations_of(info)).first;

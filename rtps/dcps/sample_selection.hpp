@@ -1,4 +1,5 @@
-// What a read or take finds among the samples that a reader holds (DDS 1.4, 2.2.2.5.1, 2.2.2.5.3).
+// Selects samples for a read or take among those that a reader holds (DDS 1.4, 2.2.2.5.1 and
+// 2.2.2.5.3).
 #pragma once
 
 #include "rtps/dcps/held_instances.hpp"
@@ -6,25 +7,27 @@
 
 namespace ddssec::rtps {
 
-/// What one read or take asks for.
+/// The arguments of one read or take.
 struct Query {
   States states = {};
   std::size_t most = ~std::size_t{0};
   bool take = false;
   enum class Scope : std::uint8_t { all, instance, next_instance } scope = Scope::all;
-  InstanceHandle instance = {};     ///< of `instance`; or the one after which the next is wanted
-  BoundFilter* matching = nullptr;  ///< only samples with data that pass it; nullptr: all
+  /// For `instance`; for `next_instance` the instance before the wanted one.
+  InstanceHandle instance = {};
+  BoundFilter* matching = nullptr;  ///< only samples with data that pass this filter; nullptr: all
 };
 
-/// Appends what is asked for to `out`, samples of one instance together, or in the order of their
-/// arrival if `instances` keeps that. What is found counts as read, or is taken.
+/// Appends the samples that match to `out`. Samples of one instance are adjacent, unless
+/// `instances` keeps the order of arrival: then they are in that order. The samples found are
+/// marked as read, or taken.
 void select(HeldInstances& instances, const Query& query, std::vector<OctetSample>& out);
 
-/// True if a select with these states, and this filter if not nullptr, would find something. Looks
-/// at the samples one by one if there is a filter.
+/// True if a select with these states, and with this filter if it is not nullptr, would find
+/// something. With a filter, the samples are checked one by one.
 bool any(const HeldInstances& instances, const States& states, BoundFilter* matching);
 
-/// When the samples in these states arrived.
+/// The arrival numbers of the samples in these states.
 std::vector<std::uint64_t> arrivals(const HeldInstances& instances, const States& states);
 
 }  // namespace ddssec::rtps

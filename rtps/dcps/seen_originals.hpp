@@ -1,5 +1,5 @@
-// What a reader already has, by any path: from writers, those that were restarted and those that
-// keep samples for others may all send the same sample to a late joiner (ORIGINAL_WRITER_INFO).
+// The samples that a reader already has from any writer. Writers, restarted writers and durability
+// services may all send the same sample to a late joiner (ORIGINAL_WRITER_INFO).
 #pragma once
 
 #include <deque>
@@ -11,20 +11,22 @@
 
 namespace ddssec::rtps {
 
-/// Ranges of numbers for each writer that was heard itself. What only others said of a writer is a
-/// claim: it takes the place of what the writer says, or another claims, only if that is the same,
-/// so that no writer of a topic keeps others' samples away. Where the bounds are exceeded
-/// the oldest is forgotten: then a sample may come twice, but none is missed.
+/// Stores ranges of sequence numbers for each writer whose own samples were received. If only other
+/// writers sent a sample of a writer, it is stored as a claim. A claim counts as already received
+/// only for a sample with the same contents, so that no writer of a topic can suppress samples of
+/// others. If a limit is exceeded, the oldest entry is forgotten: then a sample may arrive twice,
+/// but none is missed.
 class SeenOriginals {
  public:
   static constexpr std::size_t kMostWriters = 1024;
-  static constexpr std::size_t kMostRanges = 256;  ///< of a writer
+  static constexpr std::size_t kMostRanges = 256;  ///< for each writer
   static constexpr std::size_t kMostClaims = 65536;
 
-  /// What is to be known of a change when it has been given away.
+  /// What must be remembered of a change after it has been passed on.
   struct Sighting {
     Original origin;
-    std::optional<Sha256Digest> claim;  ///< what it says, if not its own writer does
+    /// Digest of the contents, if the change does not come from its own writer.
+    std::optional<Sha256Digest> claim;
   };
   static Sighting of(const Change& change);
 
@@ -49,7 +51,7 @@ class SeenOriginals {
   std::map<Guid, Writer> writers_;
   std::uint64_t uses_ = 0;
   std::map<std::pair<Guid, SequenceNumber>, Sha256Digest> claims_;
-  std::deque<std::pair<Guid, SequenceNumber>> order_;  ///< of claims, the oldest first
+  std::deque<std::pair<Guid, SequenceNumber>> order_;  ///< of claims, oldest first
 };
 
 }  // namespace ddssec::rtps

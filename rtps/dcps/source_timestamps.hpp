@@ -9,14 +9,14 @@
 
 namespace ddssec::rtps {
 
-/// With DESTINATION_ORDER BY_SOURCE_TIMESTAMP they never go back.
+/// With DESTINATION_ORDER BY_SOURCE_TIMESTAMP, timestamps never decrease.
 class SourceTimestamps {
  public:
-  /// Of the next change: `wanted`, or `now` if the application names none. A calendar that was set
-  /// back repeats the last one. Errors: rtps_bad_parameter (`wanted` is before the last one with
-  /// BY_SOURCE_TIMESTAMP).
+  /// Returns the timestamp of the next change: `wanted`, or `now` if the application passes none.
+  /// If the system clock was set back, the last timestamp is repeated. Errors: rtps_bad_parameter
+  /// (BY_SOURCE_TIMESTAMP, and `wanted` is before the last timestamp).
   Result<Time> next(const std::optional<Time>& wanted, Time now, DestinationOrderKind order);
-  /// Of a change that the application did not ask for.
+  /// Returns the timestamp of a change that the application did not request.
   Time not_before_last(Time now) const { return std::max(now, last_); }
 
  private:

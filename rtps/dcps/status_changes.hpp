@@ -1,4 +1,4 @@
-// Which communication statuses of an entity have changed (DDS 1.4, 2.2.2.1.1.4).
+// The communication statuses of an entity that have changed (DDS 1.4, 2.2.2.1.1.4).
 #pragma once
 
 #include "rtps/dcps/condition.hpp"
@@ -6,21 +6,22 @@
 
 namespace ddssec::rtps {
 
-/// The statuses that changed since they were last read, or a listener was told. They trigger the
-/// entity's StatusCondition. The caller holds the participant's lock.
+/// The statuses that changed since the application read them or a listener was called for them.
+/// They trigger the entity's StatusCondition. The caller holds the participant's lock.
 class StatusChanges {
  public:
-  /// `entity` and `context` outlive it.
+  /// `entity` and `context` must outlive this object.
   StatusChanges(Entity& entity, ParticipantContext& context)
       : entity_(entity), context_(context), condition_(entity), pending_(&entity) {}
 
-  /// The status changed: waiting calls look again, and its listener, if there is one, will hear it.
+  /// The status changed. Waiting calls check their condition again, and the status's listener, if
+  /// there is one, will be called.
   void note(StatusKind kind);
   /// The status was read.
   void clear(StatusKind kind);
   bool contains(StatusKind kind) const { return changed_.contains(kind); }
   StatusMask all() const { return changed_; }
-  /// No listener has to hear anything for now.
+  /// Removes the entity from the queue of entities whose listeners must be called.
   void leave_queue() { pending_.leave(); }
 
   StatusCondition& condition() { return condition_; }

@@ -41,7 +41,7 @@ Result<Topic*> TopicDescriptions::create(std::string name, TypeSupport type, con
     DDSSEC_TRY(topic->enable());
   auto* out = topics_.add(std::move(topic));
   const std::lock_guard held(context_.mutex());
-  context_.notify();  // a thread may be waiting for it
+  context_.notify();  // another thread may be waiting for this topic
   return out;
 }
 
@@ -69,7 +69,8 @@ ContentFilteredTopic* TopicDescriptions::lookup_filtered(std::string_view name) 
   return filtered_.named(name);
 }
 
-// DDS 1.4, 2.2.2.2.1.11: a topic of our own, or one of octets of the type that others use.
+// DDS 1.4, 2.2.2.2.1.11: returns a topic of this participant, or creates one of octets with the
+// type that remote endpoints use.
 Result<Topic*> TopicDescriptions::find(const std::string& name, std::chrono::nanoseconds most) {
   std::optional<EndpointData> remote;
   {

@@ -6,10 +6,10 @@
 
 namespace ddssec::rtps {
 
-/// No two of them have the same name. Thread-safe. The calls are those of DomainParticipant.
+/// All names are different. Thread-safe. The calls are those of DomainParticipant.
 class TopicDescriptions {
  public:
-  /// `announce_types`: see DomainParticipantOptions. The others outlive it.
+  /// `announce_types`: see DomainParticipantOptions. The other arguments must outlive this object.
   TopicDescriptions(DomainParticipant& participant, ParticipantContext& context,
                     bool announce_types)
       : participant_(participant),
@@ -18,28 +18,30 @@ class TopicDescriptions {
         topics_(context),
         filtered_(context) {}
 
-  /// Errors: rtps_precondition_not_met (the name is taken), rtps_qos_inconsistent,
-  /// rtps_bad_parameter (a name that is empty or longer than 256).
+  /// Errors: rtps_precondition_not_met (the name is already in use), rtps_qos_inconsistent,
+  /// rtps_bad_parameter (the name of the topic or type is empty or longer than 256 characters).
   Result<Topic*> create(std::string name, TypeSupport type, const Qos& qos, TopicListener* listener,
                         StatusMask mask);
-  /// Errors: rtps_filter_invalid, rtps_precondition_not_met (the name is taken, or the topic is
-  /// another participant's), rtps_bad_parameter (the name).
+  /// Errors: rtps_filter_invalid, rtps_precondition_not_met (the name is already in use, or the
+  /// topic belongs to another participant), rtps_bad_parameter (the name).
   Result<ContentFilteredTopic*> create_filtered(std::string name, Topic& related,
                                                 FilterText filter);
-  /// nullptr if there is none.
+  /// Return nullptr if there is none.
   Topic* lookup(std::string_view name) const;
   ContentFilteredTopic* lookup_filtered(std::string_view name) const;
   /// See DomainParticipant::find_topic. Errors: rtps_timeout, those of create.
   Result<Topic*> find(const std::string& name, std::chrono::nanoseconds most);
-  /// Errors: rtps_precondition_not_met (it is used, or another participant's).
+  /// Errors: rtps_precondition_not_met (the topic is in use or belongs to another participant, or
+  /// the call is made from within a callback).
   Status remove(Topic& topic);
   Status remove(ContentFilteredTopic& topic);
 
-  /// With the lock of callbacks held. Errors: those of Topic::enable.
+  /// The caller holds the callback lock. Errors: those of Topic::enable.
   Status enable();
-  /// With the lock held.
+  /// The caller holds the lock.
   bool empty() const { return topics_.all().empty() && filtered_.all().empty(); }
-  /// All leave; those that are filtered refer to the others, and die first.
+  /// All topics, released from the participant. Content-filtered topics refer to the others and are
+  /// destroyed first.
   struct Released {
     ContainedEntities<Topic>::All topics;
     ContainedEntities<ContentFilteredTopic>::All filtered;

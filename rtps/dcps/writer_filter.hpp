@@ -1,4 +1,4 @@
-// Content filters of readers, applied by the writer (RTPS 2.5, 8.7.3).
+// Readers' content filters, applied by the writer (RTPS 2.5, 8.7.3).
 #pragma once
 
 #include "rtps/discovery/endpoint_data.hpp"
@@ -8,18 +8,20 @@
 
 namespace ddssec::rtps {
 
-/// The filter that one matched reader announced. What it cannot read, or not within kMaxSteps, is
-/// the reader's to judge.
+/// The filter that one matched reader announced. If the writer cannot deserialize a sample, or
+/// cannot evaluate the filter within kMaxSteps, the reader decides.
 class WriterFilter final : public ChangeFilter {
  public:
-  /// The expressions are those of remote readers. An honest one with a few comparisons takes some
-  /// tens of steps; 32 filters that take all of it cost a write about 0.2 ms.
+  /// Limits the cost of expressions, which come from remote readers. An honest expression with a
+  /// few comparisons takes some tens of steps. 32 filters that use all steps cost a write about 0.2
+  /// ms.
   static constexpr std::size_t kMaxSteps = 2048;
 
-  /// What `reader`, which announced a filter, need not be sent of that topic. nullptr if it gets
-  /// everything: a filter that we cannot apply is no reason to refuse its reader (8.7.3.4), and a
-  /// reader of coherent sets must see that none of their changes is missing. `view`: of samples of
-  /// the topic's type, may be nullptr.
+  /// Creates the filter for samples on that topic that need not be sent to `reader`, which
+  /// announced it. Returns nullptr if the reader gets all samples: if the writer cannot apply the
+  /// filter, which is no reason to refuse the reader (8.7.3.4), or if the reader reads coherent
+  /// sets and must see that none of their changes is missing. `view`: a view of samples of the
+  /// topic's type, may be nullptr.
   static std::shared_ptr<ChangeFilter> of(const EndpointData& reader, std::string_view topic_name,
                                           std::unique_ptr<SampleView> view);
 

@@ -1,5 +1,5 @@
-// The instances a DataWriter registered, and when each must be written again (DDS 1.4, 2.2.2.4.2).
-// No I/O, clock or lock.
+// The instances that a DataWriter registered, and the deadline of each (DDS 1.4, 2.2.2.4.2). No
+// I/O, clock or lock.
 #pragma once
 
 #include <functional>
@@ -14,25 +14,26 @@ namespace ddssec::rtps {
 
 class WriterInstances {
  public:
-  /// Where RESOURCE_LIMITS.max_instances says "unlimited".
+  /// The limit where RESOURCE_LIMITS.max_instances says "unlimited".
   static constexpr std::size_t kMostInstances = 65536;
 
   explicit WriterInstances(const Qos& qos);
 
-  /// The instance's handle; registered if it was not. HANDLE_NIL: there are too many.
+  /// Returns the instance's handle; registers the instance if needed. HANDLE_NIL: the limit is
+  /// reached.
   InstanceHandle enter(const KeyHash& key, const std::function<Bytes()>& serialized_key);
-  /// HANDLE_NIL if it is not registered.
+  /// Returns HANDLE_NIL if the instance is not registered.
   InstanceHandle lookup(const KeyHash& key) const;
-  /// nullptr for an unknown instance.
+  /// Returns nullptr if the instance is not known.
   const Bytes* key_value(InstanceHandle instance) const;
   void remove(const KeyHash& key);
   std::size_t size() const { return by_key_.size(); }
-  /// Of all: the key hash and the serialized key.
+  /// The key hash and the serialized key of each instance.
   std::vector<std::pair<KeyHash, Bytes>> keys() const;
 
-  /// The instance was written at `now`: its DEADLINE starts again.
+  /// The instance was written at `now`: its DEADLINE period starts again.
   void written(const KeyHash& key, MonotonicTime now);
-  /// Nothing is expected of it until it is written again.
+  /// The instance has no deadline until it is written again.
   void disposed(const KeyHash& key);
   void check_deadlines(MonotonicTime now, const std::function<void(InstanceHandle)>& missed);
   MonotonicTime next_deadline() const;
@@ -48,7 +49,7 @@ class WriterInstances {
 
   const std::size_t most_;
   MonotonicTime deadline_ = kNever;  ///< period
-  LinkedList<Instance> due_;         ///< in the order of deadlines; outlives the instances
+  LinkedList<Instance> due_;         ///< in the order of deadlines; must outlive the instances
   std::map<KeyHash, Instance> by_key_;
   std::map<InstanceHandle, const Instance*> by_handle_;
   std::uint64_t next_handle_ = 1;

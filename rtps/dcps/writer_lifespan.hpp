@@ -1,4 +1,4 @@
-// LIFESPAN as a DataWriter counts it (DDS 1.4, 2.2.3.16). No I/O, clock or lock.
+// LIFESPAN on the writer's side (DDS 1.4, 2.2.3.16). No I/O, clock or lock.
 #pragma once
 
 #include <functional>
@@ -10,19 +10,20 @@
 
 namespace ddssec::rtps {
 
-/// When each change of a writer expires.
+/// Tracks when each change of a writer expires.
 class WriterLifespan {
  public:
-  /// True: a sample of that age is too old already.
+  /// True if a sample of that age has already expired.
   static bool is_over(Duration lifespan, std::chrono::nanoseconds age) {
     return !lifespan.is_infinite() && age >= lifespan.to_nanoseconds();
   }
-  /// A change that is `age` old at `now`. Changes come in the order in which they expire.
+  /// Adds a change that is `age` old at `now`. Changes must be added in the order in which they
+  /// expire.
   void add(SequenceNumber change, Duration lifespan, MonotonicTime now,
            std::chrono::nanoseconds age = {});
-  /// Calls `expired` for each change whose time is over, once.
+  /// Calls `expired` once for each change that has expired.
   void expire(MonotonicTime now, const std::function<void(SequenceNumber)>& expired);
-  /// kNever: none expires.
+  /// Returns kNever if no change expires.
   MonotonicTime next_tick() const { return expiring_.empty() ? kNever : expiring_.front().first; }
 
  private:
