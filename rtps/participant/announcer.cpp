@@ -25,7 +25,7 @@ ParticipantData Announcer::own_data() const {
   own.metatraffic_unicast = config.metatraffic_unicast;
   own.metatraffic_multicast = config.metatraffic_multicast;
   own.default_unicast = config.default_unicast;
-  // Where discovery is protected the rest is for DCPSParticipantsSecure alone.
+  // If discovery is protected, the rest is sent only by DCPSParticipantsSecure.
   if (!core_.attributes().is_discovery_protected()) {
     own.entity_name = config.entity_name;
     own.user_data = config.user_data;
@@ -48,7 +48,7 @@ void Announcer::tick() {
   next_ = core_.now + (++announcements_ < kFastAnnouncements ? kFastPeriod : period());
 }
 
-// Several in each lease, so that lost ones do not end it.
+// Several announcements in each lease, so that losing some does not end it.
 MonotonicTime Announcer::period() const {
   constexpr int kInALease = 6;
   const auto share = core_.config.lease_duration.to_nanoseconds() / kInALease;
@@ -57,8 +57,8 @@ MonotonicTime Announcer::period() const {
   return std::clamp<MonotonicTime>(share, kFastPeriod, kAnnouncementPeriod);
 }
 
-// If there are too many to answer, the next announcement to all comes sooner. Otherwise it is
-// repeated soon: a participant may announce itself before it listens (Fast DDS 2.9).
+// If there is no budget for an answer, the next announcement to all is sent sooner. Otherwise it is
+// repeated soon, because a participant may announce itself before it listens (Fast DDS 2.9).
 void Announcer::answer(const GuidPrefix& participant, std::span<const Locator> metatraffic) {
   const bool room = answers_.take(core_.now);
   if (room) announce(metatraffic, participant);
@@ -71,8 +71,8 @@ void Announcer::announce_again() {
   announce_securely();
 }
 
-// A participant may send to the first address that is announced, whether it leads to us or not
-// (Cyclone DDS 0.10): in each network it hears of our address there alone.
+// A participant may send to the first announced address whether it can reach it or not (Cyclone DDS
+// 0.10). So each network receives only the local address in that network.
 void Announcer::announce(std::span<const Locator> to, const GuidPrefix& charged) {
   const auto own = own_data();
   const auto& interfaces = core_.config.interfaces;
@@ -130,7 +130,7 @@ void Announcer::leave(const RemoteParticipants& remotes) {
   SpanWriter payload(buffer);
   const Guid guid{core_.config.prefix, kEntityIdParticipant};
   write_participant_key(payload, guid);
-  // Fast DDS takes the instance from the key hash alone.
+  // Fast DDS reads the instance only from the key hash.
   const Data data{kSpdpReader,      kSpdpWriter,   {2}, {guid.octets(), {true, true}},
                   PayloadKind::key, payload.view()};
   core_.sender.add({{}, core_.config.announce_to}, data);

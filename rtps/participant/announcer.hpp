@@ -1,5 +1,5 @@
-// Announces this participant: by SPDP (RTPS 8.5.3) and, if it is secured, to those that
-// authenticated by DCPSParticipantsSecure.
+// Announces the local participant by SPDP (RTPS 8.5.3). If it is secured, also announces it by
+// DCPSParticipantsSecure to authenticated peers.
 #pragma once
 
 #include "rtps/participant/builtin_endpoints.hpp"
@@ -9,26 +9,29 @@ namespace ddssec::rtps {
 
 class Announcer {
  public:
-  /// Announcements that are answered at once. The addresses in them are not proven.
+  /// Limit for announcements that are answered at once, in each kAnswerPeriod. The addresses in
+  /// them are not proven.
   static constexpr int kMostAnswers = 100;
   static constexpr MonotonicTime kAnswerPeriod = std::chrono::milliseconds(10);
-  /// Between two announcements to all, when there are more announcements to answer.
+  /// The shortest time between two announcements to all, when there are more announcements to
+  /// answer.
   static constexpr MonotonicTime kShortestPeriod = std::chrono::milliseconds(250);
 
   Announcer(ParticipantCore& core, BuiltinEndpoints& builtin);
 
-  /// What SPDP announces of us.
+  /// The data that SPDP announces of the local participant.
   ParticipantData own_data() const;
-  /// Announces us to a participant that was heard for the first time, as far as it may be sent
-  /// anything (AmplificationLimit).
+  /// Announces the local participant to a participant that was heard for the first time, as far as
+  /// AmplificationLimit allows sending to it.
   void answer(const GuidPrefix& participant, std::span<const Locator> metatraffic);
-  /// After what is announced changed.
+  /// Must be called after the announced data changed.
   void announce_again();
-  /// Tells authenticated participants what must not be sent in the clear, or that we leave.
+  /// Sends to authenticated participants the data that must not be sent unprotected, or a dispose
+  /// if `leaving`.
   void announce_securely(bool leaving = false);
-  /// Disposes our participant, by which the others know that it leaves.
+  /// Disposes the local participant, so that peers know that it leaves.
   void leave(const RemoteParticipants& remotes);
-  /// Announces us if it is time.
+  /// Announces the local participant if an announcement is due.
   void tick();
   MonotonicTime next_tick() const { return next_; }
 

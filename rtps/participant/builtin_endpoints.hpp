@@ -1,5 +1,5 @@
 // The stateful builtin endpoints of a participant: SEDP, participant messages and, if it is
-// secured, their secure doubles (RTPS 8.5.4, DDS-Security 7.4.5).
+// secured, their secure counterparts (RTPS 8.5.4, DDS-Security 7.4.5).
 #pragma once
 
 #include <array>
@@ -11,7 +11,8 @@
 
 namespace ddssec::rtps {
 
-/// Of what discovery keeps of announcements that came too early or in part, of all participants.
+/// Limits for announcements that discovery keeps because they arrived early or incomplete, of all
+/// participants together.
 inline constexpr StatefulReader::Limits kBuiltinLimits{.largest_sample = 256 << 10,
                                                        .held_octets = std::size_t{16} << 20};
 
@@ -25,7 +26,7 @@ enum class BuiltinTopic : std::uint8_t {
   participant_message_secure,
 };
 
-/// One row: a topic, its two entities and their bits in BuiltinEndpointSet_t.
+/// One row: a topic, its writer and reader, and their bits in BuiltinEndpointSet_t.
 struct BuiltinTopicInfo {
   BuiltinTopic topic;
   EntityId writer, reader;
@@ -57,16 +58,17 @@ class BuiltinEndpoints {
   BuiltinEndpoints(const GuidPrefix& prefix, MessageSender& sender, TimerQueue& timers,
                    Deliver deliver);
 
-  /// Adds the secure doubles.
+  /// Adds the secure endpoints.
   void secure();
 
   StatefulWriter& writer(BuiltinTopic topic) { return *endpoints_[index(topic)].writer; }
-  /// nullptr: not one of them.
+  /// Return nullptr if `id` is not one of the builtin endpoints.
   StatefulWriter* find_writer(const EntityId& id);
   StatefulReader* find_reader(const EntityId& id);
-  /// The one reader of the writer's topic, if there is one.
+  /// The one reader of the writer's topic; empty if there is none.
   std::span<StatefulReader* const> readers_of(const EntityId& writer) const;
-  /// `f(const BuiltinTopicInfo&, StatefulWriter&, StatefulReader&)` for each that there is.
+  /// Calls `f(const BuiltinTopicInfo&, StatefulWriter&, StatefulReader&)` for each topic whose
+  /// endpoints exist.
   template <class F>
   void each(F&& f) {
     for (const auto& info : kBuiltinTopics)
@@ -93,7 +95,8 @@ class BuiltinEndpoints {
   TimerQueue& timers_;
   Deliver deliver_;
   std::array<Endpoint, kBuiltinTopics.size()> endpoints_;
-  std::array<StatefulReader*, kBuiltinTopics.size()> readers_ = {};  ///< the same
+  /// The same readers, for readers_of().
+  std::array<StatefulReader*, kBuiltinTopics.size()> readers_ = {};
 };
 
 }  // namespace ddssec::rtps

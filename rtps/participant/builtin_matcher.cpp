@@ -22,7 +22,7 @@ void BuiltinMatcher::match(const BuiltinTopicInfo& info, RemoteParticipant& remo
   if (info.topic == BuiltinTopic::participants_secure && remote.data.vendor == kVendorFastDds &&
       !remote.heard_participants_secure)
     return;
-  // The reader of a pair is the bit above its writer.
+  // In each pair of bits, the reader's bit is the one above the writer's.
   const auto mask = with_writer ? 0xaaaaaaaau : 0x55555555u;
   if ((remote.data.builtin_endpoints & info.bits & mask) == 0) return;
   const EntityId own = with_writer ? info.writer : info.reader;
@@ -42,8 +42,9 @@ void BuiltinMatcher::unmatch(const RemoteParticipant& remote) {
   });
 }
 
-// Fast DDS announces DCPSParticipantsSecure. Up to 2.9 it does not have it; later it has, and takes
-// part in nothing else until it has our data from there. So it is matched once it is heard there.
+// Fast DDS announces DCPSParticipantsSecure in all versions. Up to 2.9 it does not implement it.
+// Later versions do, and take part in nothing else until they have received the peer's data on it.
+// So it is matched when the first message from it arrives.
 void BuiltinMatcher::note_participants_secure(RemoteParticipant& remote) {
   if (std::exchange(remote.heard_participants_secure, true)) return;
   if (remote.accepted && remote.data.vendor == kVendorFastDds) {

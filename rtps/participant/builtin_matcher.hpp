@@ -1,4 +1,5 @@
-// Which builtin endpoints of a remote participant match ours (RTPS 8.5.5, DDS-Security 7.4.5).
+// Matches the builtin endpoints of remote participants with the local ones (RTPS 8.5.5,
+// DDS-Security 7.4.5).
 #pragma once
 
 #include "rtps/participant/builtin_endpoints.hpp"
@@ -10,12 +11,12 @@ class BuiltinMatcher {
  public:
   BuiltinMatcher(ParticipantCore& core, BuiltinEndpoints& builtin);
 
-  /// All that the participant has.
+  /// Matches all builtin endpoints of the participant.
   void match(RemoteParticipant& remote);
-  /// The keys of one of ours for that participant are here.
+  /// Called when the keys for that participant and the local endpoint have arrived.
   void match(const EntityId& local, RemoteParticipant& remote);
   void unmatch(const RemoteParticipant& remote);
-  /// Something came from its endpoints of DCPSParticipantsSecure.
+  /// Called when a message from the participant's endpoints of DCPSParticipantsSecure has arrived.
   void note_participants_secure(RemoteParticipant& remote);
 
  private:

@@ -1,4 +1,4 @@
-// What a listener asks for from within a call, and what is only safe when that call is over.
+// Defers what a listener requests from within a call, but what is safe only after that call.
 #pragma once
 
 #include <functional>
@@ -9,8 +9,8 @@ namespace ddssec::rtps {
 
 class DeferredCalls {
  public:
-  /// A call from outside, in which listeners may be called. At the end of the outermost one what
-  /// was deferred is done.
+  /// A call from outside, in which listeners may be called. The deferred functions run at the end
+  /// of the outermost one.
   class Scope {
    public:
     explicit Scope(DeferredCalls& calls) : calls_(calls) { ++calls_.depth_; }
@@ -26,14 +26,14 @@ class DeferredCalls {
   };
 
   Scope enter() { return Scope(*this); }
-  /// Now, or when the outermost call is over.
+  /// Runs `f` now, or at the end of the outermost call.
   void after_call(std::function<void()> f) {
     const Scope scope(*this);
     later_.push_back(std::move(f));
   }
 
  private:
-  /// Each of them may add another one.
+  /// Each function may defer further ones.
   void run() {
     while (!later_.empty())
       for (const auto& f : std::exchange(later_, {})) f();

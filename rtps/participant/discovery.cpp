@@ -5,8 +5,9 @@
 namespace ddssec::rtps {
 namespace {
 
-/// Where the locator stands that gives way to one more of `newcomer`: among those of the source
-/// with most of them, in the middle, so that its first few stay, and of the others the latest.
+/// Returns the index of the locator that is replaced when `newcomer` adds one more. It is chosen
+/// from the source with the most locators: the one in the middle, so that the first locators of
+/// that source and the latest of the others stay.
 std::size_t superfluous(const std::vector<SourceAddress>& sources, const SourceAddress& newcomer) {
   const auto held = [&](const SourceAddress& source) {
     return std::pair(std::ranges::count(sources, source), source == newcomer);
@@ -18,7 +19,8 @@ std::size_t superfluous(const std::vector<SourceAddress>& sources, const SourceA
   return at;
 }
 
-/// What one source announces takes no room from what others announced. True: some of it is new.
+/// The locators that one source announces do not displace those that other sources announced.
+/// Returns true if any of them is new.
 bool add_locators(LocatorList& known, std::vector<SourceAddress>& sources, const LocatorList& more,
                   const SourceAddress& source) {
   constexpr std::size_t kMax = 8;
@@ -37,8 +39,8 @@ bool add_locators(LocatorList& known, std::vector<SourceAddress>& sources, const
   return any;
 }
 
-/// A peer that has not proven its identity may name the addresses of others: it is answered
-/// where it announced itself from, or at one address.
+/// A peer that has not proven its identity may announce addresses of other hosts. So the answer
+/// goes to the address that it announced itself from, or to one address.
 LocatorList where_to_answer(const LocatorList& metatraffic, const SourceAddress& source) {
   LocatorList out;
   for (const auto& locator : metatraffic)
@@ -47,8 +49,8 @@ LocatorList where_to_answer(const LocatorList& metatraffic, const SourceAddress&
   return out;
 }
 
-/// For what came securely: the clear announcement of the same endpoint, and if there is no room
-/// otherwise all of them. Any host may have sent those.
+/// Makes room for a securely announced endpoint: removes the unprotected announcement of the same
+/// endpoint and, if there is still no room, all unprotected ones. Any host may have sent those.
 void remove_clear(const Discovery::Parts& parts, RemoteParticipant& remote,
                   const EndpointData& secure) {
   const auto id = secure.guid.entity;
@@ -62,9 +64,10 @@ void remove_clear(const Discovery::Parts& parts, RemoteParticipant& remote,
   for (const auto& other : clear) parts.matcher.remove(remote, other);
 }
 
-/// Of what the peer signed, what no handshake needs. Of Cyclone DDS that is its version, which says
-/// how it lays out keys. Ours sign their name and user
-/// data, too, unless DCPSParticipantsSecure says them; of other vendors these stay as announced.
+/// Takes over the data that the peer signed but that no handshake needs. For Cyclone DDS this is
+/// its version, which determines how it lays out keys. ddssec also signs its name and user data,
+/// unless DCPSParticipantsSecure carries them. For other vendors, name and user data stay as
+/// announced.
 void adopt_names(ParticipantData& known, const ParticipantData& proven) {
   known.vendor = proven.vendor;
   const bool is_cyclone = proven.vendor == kVendorCyclone;
@@ -74,7 +77,8 @@ void adopt_names(ParticipantData& known, const ParticipantData& proven) {
   known.user_data = proven.user_data;
 }
 
-/// The endpoint cannot be read; that it is a writer or a reader is known by the topic.
+/// Reports an endpoint announcement that cannot be read. The topic still shows whether it is a
+/// writer or a reader.
 void raise_unreadable(ParticipantCore& core, const Error& error, const GuidPrefix& source,
                       bool publications, bool secure) {
   const Guid some{source, publications ? kPublicationsWriter : kPublicationsReader};
@@ -82,7 +86,8 @@ void raise_unreadable(ParticipantCore& core, const Error& error, const GuidPrefi
              core.origin_of_announcement(some, secure));
 }
 
-/// The datagram came in that name: more may be sent to it, if it is limited.
+/// A datagram arrived in this participant's name. If sending to it is limited, more may now be
+/// sent.
 void note_earned(ParticipantCore& core, const GuidPrefix& source) {
   const auto octets = core.sender.limit().credit(source);
   if (octets > 0 && core.security) core.security->note_earned(source, octets);
@@ -93,7 +98,7 @@ void note_earned(ParticipantCore& core, const GuidPrefix& source) {
 Discovery::Discovery(ParticipantCore& core, const Parts& parts)
     : core_(core), parts_(parts), builtin_(core, parts.local.builtin()) {}
 
-// ---- participants that come
+// ---- participants that are found
 
 Status Discovery::on_announcement(const GuidPrefix& source, const Data& data) {
   if (data.inline_qos.status != StatusInfo{} || data.kind == PayloadKind::key) {
@@ -152,11 +157,11 @@ bool Discovery::make_room(std::size_t octets) {
   return true;
 }
 
-// An announcement changes nothing of an authenticated participant and renews no lease of it: an
-// attacker can send announcements in its name, and may have been the first to do so. As long as
-// nothing is proven, every announcement counts, and no lease becomes shorter. The first one counts
-// again when it is repeated: its addresses may have given way to forged ones. Addresses that the
-// handshake has signed stay, though keys are still under way.
+// An announcement changes nothing of an authenticated participant and does not renew its lease: an
+// attacker can send announcements in its name, and may have sent the first one. As long as nothing
+// is proven, every announcement counts, and no lease becomes shorter. When the first announcement
+// is repeated, it counts again, because its addresses may have been replaced by forged ones.
+// Addresses that the handshake has signed stay, even while keys are still being exchanged.
 void Discovery::on_announced_again(RemoteParticipant& remote, ParticipantData data,
                                    std::size_t octets) {
   const auto prefix = data.guid.prefix;
@@ -194,11 +199,12 @@ void Discovery::accept(RemoteParticipant& remote) {
   builtin_.match(remote);
 }
 
-// A participant that sends anything lives. In the name of an authenticated one, only what was not
-// said before is a sign of life, as an attacker can repeat its messages, and only what its own keys
-// protected, as an attacker can invent the rest. Its writers need less where the governance
-// protects neither messages nor liveliness. Whatever the governance leaves unprotected, it answers
-// when it is asked by the volatile secure channel (tick).
+// Any message shows that a participant is alive, as long as it is not authenticated. In the name of
+// an authenticated participant, an attacker can repeat old messages and invent new ones. So only a
+// message that is new and protected by the participant's own keys counts. For its writers, less is
+// sufficient if the governance protects neither messages nor liveliness. Whatever the governance
+// leaves unprotected, the participant answers when it is queried on the volatile secure channel
+// (tick).
 void Discovery::on_message(const GuidPrefix& source, const SignsOfLife& signs) {
   auto* remote = parts_.remotes.find(source);
   if (remote == nullptr) return;
@@ -213,10 +219,11 @@ void Discovery::on_message(const GuidPrefix& source, const SignsOfLife& signs) {
     parts_.liveliness.note_alive(*remote, LivelinessKind::automatic);
 }
 
-// ---- participants that go
+// ---- participants that leave
 
-// Only itself can say that a participant is gone; once it is authenticated only by the secure
-// topic. Fast DDS does not have that, so it is taken at its word if it does not answer now.
+// Only a participant itself can report that it leaves; once authenticated, only by the secure
+// topic. Fast DDS does not implement that topic. So its unprotected report counts if it does not
+// answer a query now.
 void Discovery::on_dispose(const GuidPrefix& prefix) {
   auto* remote = parts_.remotes.find(prefix);
   if (remote == nullptr) return;
@@ -250,12 +257,12 @@ void Discovery::remove(const GuidPrefix& prefix) {
   if (remote == nullptr) return;
   unmatch(*remote);
   if (core_.security) core_.security->lost(prefix);
-  core_.sender.flush_now();  // what waits is charged to it
+  core_.sender.flush_now();  // before the limit is lifted, because waiting messages count for it
   core_.sender.limit().lift(prefix);
   parts_.remotes.remove(prefix);
 }
 
-// ---- what builtin readers bring
+// ---- changes for builtin readers
 
 void Discovery::on_builtin(BuiltinTopic topic, const Change& change) {
   switch (topic) {
@@ -274,8 +281,8 @@ void Discovery::on_builtin(BuiltinTopic topic, const Change& change) {
   }
 }
 
-// A participant speaks for its own endpoints only. Nothing that was said securely is unsaid
-// otherwise, and it takes the place of what an attacker may have said before.
+// A participant may announce only its own endpoints. An unprotected message cannot change what was
+// announced securely. A secure announcement replaces what an attacker may have announced before.
 void Discovery::on_endpoint(const Change& change, bool publications, bool secure) {
   auto* remote = parts_.remotes.find(change.writer.prefix);
   if (remote == nullptr) return;
@@ -308,7 +315,7 @@ void Discovery::on_endpoint(const Change& change, bool publications, bool secure
   parts_.matcher.add(*remote, std::move(*data));
 }
 
-// Only a participant itself, and by its own keys, says what it is and that it leaves.
+// Only the participant itself, using its own keys, can announce its data or report that it leaves.
 void Discovery::on_secure_participant(const Change& change) {
   auto* remote = parts_.remotes.find(change.writer.prefix);
   if (remote == nullptr) return;
@@ -363,7 +370,7 @@ void Discovery::on_authenticated(const GuidPrefix& peer) {
   if (auto* remote = parts_.remotes.find(peer)) accept(*remote);
 }
 
-// DDS-Security 8.8.2.1: then it may be one of those that need not authenticate.
+// DDS-Security 8.8.2.1: the participant may then be admitted without authentication.
 void Discovery::on_refused(const GuidPrefix& peer) {
   auto* remote = parts_.remotes.find(peer);
   if (remote != nullptr && core_.security->admits_unauthenticated()) accept(*remote);
@@ -377,7 +384,7 @@ LocatorList Discovery::on_proven(const GuidPrefix& peer, const ParticipantData& 
   remote->data.builtin_endpoints = proven.builtin_endpoints;
   remote->user = usable(proven.default_unicast, remote->user);
   remote->user_sources.assign(remote->user.size(), remote->source);
-  // Cyclone DDS leaves it to DCPSParticipantsSecure.
+  // Cyclone DDS announces the lease duration only by DCPSParticipantsSecure.
   if (proven.vendor != kVendorCyclone) remote->data.lease_duration = proven.lease_duration;
   if (!metatraffic.empty()) remote->metatraffic = metatraffic;
   remote->has_signed_addresses = !metatraffic.empty();

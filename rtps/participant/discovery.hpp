@@ -1,5 +1,5 @@
-// Finds other participants and loses them (RTPS 8.5.3), hears of their endpoints (RTPS 8.5.4), and
-// does what security says of them (DDS-Security 7.4, 8.8).
+// Finds other participants and removes them (RTPS 8.5.3), receives announcements of their endpoints
+// (RTPS 8.5.4), and applies the decisions of security to them (DDS-Security 7.4, 8.8).
 #pragma once
 
 #include "rtps/participant/announcer.hpp"
@@ -10,14 +10,15 @@
 
 namespace ddssec::rtps {
 
-/// Decides what to believe, and calls the other parts to act on it. They do not know it.
+/// Decides which messages to trust, and calls the other parts to act on them. The other parts do
+/// not know this class.
 class Discovery final : public MessageListener, public SecurityHost {
  public:
-  /// How long a peer that only a clear message says has left must keep silent to be believed gone:
-  /// longer than Fast DDS between two announcements.
+  /// How long an authenticated peer whose departure only an unprotected message reports must be
+  /// silent before it is removed. Longer than the time between two announcements of Fast DDS.
   static constexpr MonotonicTime kDoubt = std::chrono::seconds(4);
 
-  /// Borrowed.
+  /// The caller owns the parts; they must outlive this object.
   struct Parts {
     LocalEndpoints& local;
     RemoteParticipants& remotes;
@@ -27,16 +28,16 @@ class Discovery final : public MessageListener, public SecurityHost {
   };
   Discovery(ParticipantCore& core, const Parts& parts);
 
-  /// What arrives for a builtin reader.
+  /// Called with each change that arrives for a builtin reader.
   void on_builtin(BuiltinTopic topic, const Change& change);
-  /// Forgets a participant, as if it had never been found.
+  /// Removes a participant, as if it had never been found.
   void remove(const GuidPrefix& prefix);
-  /// Forgets those that left, once nothing of theirs is being read any more.
+  /// Removes participants that left, when none of their data is being processed any more.
   void remove_gone();
-  /// Also forgets those whose leases have ended, and asks those whose leases end soon.
+  /// Also removes participants whose leases have ended, and queries those whose leases end soon.
   void tick();
 
-  // MessageListener
+  // MessageListener:
   Status on_announcement(const GuidPrefix& source, const Data& data) override;
   void on_stateless(const GuidPrefix& source, BytesView payload) override;
   void on_stateless_frag(const GuidPrefix& source, const DataFrag& frag) override;
@@ -46,7 +47,7 @@ class Discovery final : public MessageListener, public SecurityHost {
   void on_key_exchange(const GuidPrefix& source) override;
   void on_message(const GuidPrefix& source, const SignsOfLife& signs) override;
 
-  // SecurityHost
+  // SecurityHost:
   void on_authenticated(const GuidPrefix& peer) override;
   void on_refused(const GuidPrefix& peer) override;
   LocatorList on_proven(const GuidPrefix& peer, const ParticipantData& proven) override;
@@ -56,12 +57,13 @@ class Discovery final : public MessageListener, public SecurityHost {
   void on_ended(const GuidPrefix& peer) override { gone_.push_back(peer); }
 
  private:
-  /// `octets`: of the announcement.
+  /// `octets`: size of the announcement.
   void add(ParticipantData data, std::size_t octets);
   void on_announced_again(RemoteParticipant& remote, ParticipantData data, std::size_t octets);
   void on_dispose(const GuidPrefix& prefix);
   bool make_room(std::size_t octets);
-  /// It authenticated, or is admitted without: its builtin endpoints may match.
+  /// The participant authenticated, or is admitted without authentication. From now on its builtin
+  /// endpoints may match.
   void accept(RemoteParticipant& remote);
   void unmatch(RemoteParticipant& remote);
   void on_endpoint(const Change& change, bool publications, bool secure);
@@ -70,7 +72,8 @@ class Discovery final : public MessageListener, public SecurityHost {
     leave_out_loopback(announced);
     return usable_locators(announced, fallback, core_.config.interfaces);
   }
-  /// Another machine that names our loopback would have us send to services of our own.
+  /// Leaves out loopback addresses that another machine announced. Otherwise it could make this
+  /// participant send to services on the local machine.
   void leave_out_loopback(LocatorList& announced) const {
     if (core_.is_from_elsewhere)
       std::erase_if(announced, [](const Locator& locator) { return locator.is_loopback(); });

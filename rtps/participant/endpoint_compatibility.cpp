@@ -8,7 +8,8 @@
 namespace ddssec::rtps {
 namespace {
 
-// XTypes calls the topic inconsistent then; as the reader's policy is the reason, it is named.
+// XTypes calls this an inconsistent topic. The reader's policy is the reason, so the policy is
+// named.
 std::optional<QosMismatch> refusal(const TypeJudgement& types, const EndpointData& writer,
                                    const EndpointData& reader) {
   return QosMismatch{

@@ -5,9 +5,9 @@
 
 namespace ddssec::rtps {
 
-/// Whether a local and a remote endpoint may match by their topics, types and policies: one of them
-/// writes and the other reads. If their topics have the same name but they may not, `listener` and
-/// an event say why.
+/// Returns whether a local and a remote endpoint, one of them a writer and the other a reader, may
+/// match by their topics, types and policies. If they have the same topic name but may not match,
+/// `listener` and an event report why.
 bool is_compatible(const EndpointData& local, const EndpointData& remote,
                    EndpointListener& listener, ParticipantCore& core);
 

@@ -1,4 +1,4 @@
-// Finds our endpoints for the messages that arrive.
+// Finds the local endpoints for arriving messages.
 #pragma once
 
 #include "rtps/participant/endpoint_lookup.hpp"

@@ -1,4 +1,5 @@
-// What the owner of an endpoint asks for, and what it is told.
+// The interface between a local endpoint and its owner: what the owner requests, and what it is
+// notified of.
 #pragma once
 
 #include "rtps/discovery/endpoint_data.hpp"
@@ -8,55 +9,59 @@
 
 namespace ddssec::rtps {
 
-/// What a local endpoint's owner is told. Called from within receive, tick, create and remove.
+/// Receives notifications for one local endpoint. Called from within receive, tick, create and
+/// remove.
 class EndpointListener {
  public:
   virtual ~EndpointListener() = default;
-  /// Again for a remote that is matched already, when it announced changed policies.
+  /// Called again for a remote endpoint that is already matched when it announces changed policies.
   virtual void on_matched(const EndpointData& remote) = 0;
   virtual void on_unmatched(const Guid& remote) = 0;
   virtual void on_incompatible_qos(const Guid& remote, const QosMismatch& mismatch) = 0;
-  /// The same topic name with another type, or with keys on one side only.
+  /// The remote endpoint has the same topic name but another type, or only one side has keys.
   virtual void on_inconsistent_topic(const EndpointData& remote) = 0;
-  /// A reader's: takes the change or refuses it for now (see StatefulReader::Deliver).
+  /// Readers only: takes the change or refuses it for now (see StatefulReader::Deliver).
   virtual bool on_change(Change&) { return true; }
-  /// A reader's: so many changes of a writer will never come.
+  /// Readers only: this many changes of a writer will never arrive.
   virtual void on_sample_lost(std::int64_t) {}
-  /// A reader's: a change of so many octets was given up, as it is larger than readers take.
+  /// Readers only: a change of this many octets was given up, because it is larger than readers
+  /// accept.
   virtual void on_sample_dropped(const Guid&, std::uint32_t) { on_sample_lost(1); }
-  /// A reader's: the matched writer, which offers a finite lease_duration, is asserted together
-  /// with others, by this signal. nullptr: by on_alive alone (MANUAL_BY_TOPIC). After on_matched.
+  /// Readers only: the matched writer offers a finite lease_duration and is asserted by this
+  /// signal, together with others. nullptr: only by on_alive (MANUAL_BY_TOPIC). Called after
+  /// on_matched.
   virtual void on_signal(const Guid&, std::shared_ptr<LivelinessSignal>) {}
-  /// A reader's: the matched writer, of MANUAL_BY_TOPIC and a finite lease_duration, asserted
-  /// itself; or the reader asked LivelinessSignal::notify for it.
+  /// Readers only: the matched writer asserted its liveliness. Called for a MANUAL_BY_TOPIC writer
+  /// with a finite lease_duration, or if the reader requested it with LivelinessSignal::notify.
   virtual void on_alive(const Guid&) {}
-  /// A reader's: the writer has nothing undelivered up to that group sequence number.
+  /// Readers only: the writer has delivered everything up to this group sequence number.
   virtual void on_group(const Guid&, SequenceNumber) {}
-  /// A writer's: there may be room again.
+  /// Writers only: there may be room again.
   virtual void on_acknowledged() {}
-  /// Its payloads are encrypted, and with them its keys (DDS-Security 7.4.4). Said before anything
-  /// else.
+  /// The payloads are encrypted, and with them the keys (DDS-Security 7.4.4). Called before any
+  /// other notification.
   virtual void on_key_protected() {}
-  /// Its payloads are protected: what they say is proven, and the key hash beside them is not. Said
-  /// before anything else.
+  /// The payloads are protected, so their contents are proven, but the key hash next to them is
+  /// not. Called before any other notification.
   virtual void on_payload_protected() {}
-  /// A writer's: what keeps a matching reader's samples from being sent to it; nullptr: nothing.
-  /// Asked before on_matched, and again whenever the reader announces itself anew.
+  /// Writers only: returns the filter for the samples that are sent to a matching reader; nullptr:
+  /// none. Called before on_matched, and again whenever the reader announces itself again.
   virtual std::shared_ptr<ChangeFilter> filter_for(const EndpointData&) { return nullptr; }
 };
 
-/// What is announced of a new endpoint.
+/// The data that is announced of a new endpoint.
 struct EndpointRequest {
   std::string topic_name;
   std::string type_name;
   Qos qos;
   bool with_key = true;
   TypeDescription type = {};
-  std::optional<ContentFilterProperty> content_filter = {};  ///< a reader's
-  std::vector<Change> history = {};  ///< a writer's, from before: only for readers that want it
-  bool history_only = false;         ///< a writer's: see StatefulWriter::serve_history_only
-  std::optional<Guid> group = {};    ///< of a publisher with GROUP access
-  KeyRewriter bare_key = {};         ///< a writer's: see StatefulWriter::rewrite_keys_with
+  std::optional<ContentFilterProperty> content_filter = {};  ///< readers only
+  /// Writers only: earlier changes, for readers that request history.
+  std::vector<Change> history = {};
+  bool history_only = false;       ///< writers only: see StatefulWriter::serve_history_only
+  std::optional<Guid> group = {};  ///< the GUID of a publisher with GROUP access
+  KeyRewriter bare_key = {};       ///< writers only: see StatefulWriter::rewrite_keys_with
 };
 
 }  // namespace ddssec::rtps

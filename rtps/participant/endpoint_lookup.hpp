@@ -1,5 +1,5 @@
-// The two interfaces by which MessageReceiver knows its participant: one finds endpoints, the other
-// takes what is not for an endpoint.
+// The two interfaces through which MessageReceiver uses its participant: one finds endpoints, the
+// other takes what is not for an endpoint.
 #pragma once
 
 #include <span>
@@ -8,33 +8,35 @@
 
 namespace ddssec::rtps {
 
-/// Finds the local endpoints that a submessage is for.
+/// Finds the local endpoints that a submessage is addressed to.
 class EndpointLookup {
  public:
   virtual ~EndpointLookup() = default;
   /// The local readers that this remote writer may have matched. Valid until endpoints change.
   virtual std::span<StatefulReader* const> readers_of(const Guid& writer) = 0;
-  /// The local writer with that id, for a reader of that participant; nullptr: there is none.
+  /// Returns the local writer with this id, for a reader of that participant, or nullptr if there
+  /// is none.
   virtual StatefulWriter* writer_for(const EntityId& writer, const GuidPrefix& reader) = 0;
-  /// Its writers send the key of an instance that they dispose or unregister, and where INFO_TS is
-  /// not protected the time of a sample beside it, as ours do. Other vendors' may do neither.
+  /// True if the participant's writers, like those of ddssec, send the key of an instance that they
+  /// dispose or unregister and, if INFO_TS is not protected, also send the source time next to the
+  /// sample. Other vendors may do neither.
   virtual bool sends_keys(const GuidPrefix& participant) = 0;
 };
 
-/// What a message says of its sender, whatever it says otherwise.
+/// What a message shows about its sender, whatever its contents.
 struct SignsOfLife {
-  bool is_news = false;      ///< one of our endpoints had not heard it before
-  bool is_directed = false;  ///< it named us as its receiver
-  bool is_proof = false;     ///< what was news was protected by a key of the sender
+  bool is_news = false;      ///< a local endpoint received something new
+  bool is_directed = false;  ///< the message named the local participant as its receiver
+  bool is_proof = false;     ///< the new part was protected by a key of the sender
 };
 
-/// Takes what messages bring that is not for a matched reader or writer.
+/// Takes what messages contain that is not for a matched reader or writer.
 class MessageListener {
  public:
   virtual ~MessageListener() = default;
   /// A DATA of the SPDP writer (RTPS 8.5.3). Errors: those of reading it.
   virtual Status on_announcement(const GuidPrefix& source, const Data& data) = 0;
-  /// Sent to the stateless endpoint, before authentication (DDS-Security 7.4.3): not proven.
+  /// A message to the stateless endpoint, before authentication (DDS-Security 7.4.3). Not proven.
   virtual void on_stateless(const GuidPrefix& source, BytesView payload) = 0;
   virtual void on_stateless_frag(const GuidPrefix& source, const DataFrag& frag) = 0;
   /// A HEARTBEAT of a builtin writer, whether it matched a local reader or not.
@@ -44,9 +46,9 @@ class MessageListener {
   virtual void on_alive(const Guid& writer) = 0;
   /// An ACKNACK of a reader that matched this local writer.
   virtual void on_acknack(const EntityId& writer, const Guid& reader) = 0;
-  /// A submessage that only the peer can have protected came over the volatile secure channel.
+  /// A submessage that only the peer can have protected arrived on the volatile secure channel.
   virtual void on_key_exchange(const GuidPrefix& source) = 0;
-  /// After the last submessage of each source.
+  /// Called after the last submessage of each source.
   virtual void on_message(const GuidPrefix& source, const SignsOfLife& signs) = 0;
 };
 

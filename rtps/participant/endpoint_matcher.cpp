@@ -25,7 +25,7 @@ EndpointMatcher::EndpointMatcher(ParticipantCore& core, LocalEndpoints& local,
                                  RemoteParticipants& remotes)
     : core_(core), local_(local), remotes_(remotes) {}
 
-// ---- ours
+// ---- local endpoints
 
 void EndpointMatcher::add(LocalWriter& writer) {
   topics_[writer.data.topic_name].writers.push_back(&writer);
@@ -104,7 +104,7 @@ void EndpointMatcher::forget_if_empty(const std::string& topic_name) {
     topics_.erase(at);
 }
 
-// ---- theirs
+// ---- remote endpoints
 
 void EndpointMatcher::add(RemoteParticipant& remote, EndpointData data) {
   if (core_.ignored.contains(data)) return;
@@ -206,7 +206,7 @@ void EndpointMatcher::match(LocalWriter& writer, RemoteParticipant& remote,
   const auto verdict = judge(writer.data, *writer.listener, data);
   if (verdict == Verdict::refused) return forget(writer, data.guid);
   if (verdict == Verdict::awaits_keys) return;
-  // A reader that is fed in this process sees each sample, and filters itself.
+  // A reader in this process gets each sample directly and filters by itself.
   const auto* near = neighbour(writer.data.guid.entity, data.guid);
   const bool in_process = near != nullptr;
   auto filter = data.content_filter && !in_process ? writer.listener->filter_for(data) : nullptr;
@@ -288,7 +288,8 @@ void EndpointMatcher::forget(LocalReader& reader, const Guid& remote) {
 
 // ---- readiness
 
-// It says so by its first ACKNACK. A late joiner of a durable writer misses nothing.
+// The reader shows that it is ready by its first ACKNACK. With a durable writer, a late joiner
+// misses nothing, so there is no need to wait.
 bool EndpointMatcher::shows_readiness(const LocalWriter& writer, const EndpointData& reader) const {
   return reader.guid.prefix != local_.prefix() && core_.attributes().is_rtps_protected() &&
          core_.is_authenticated(reader.guid.prefix) && reader.qos.is_reliable() &&

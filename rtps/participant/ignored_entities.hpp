@@ -1,4 +1,4 @@
-// What the application ignores, for good (DDS 1.4, 2.2.2.2.1.14 to 2.2.2.2.1.17).
+// The entities that the application ignores permanently (DDS 1.4, 2.2.2.2.1.14 to 2.2.2.2.1.17).
 #pragma once
 
 #include <set>
@@ -10,13 +10,13 @@ namespace ddssec::rtps {
 
 class IgnoredEntities {
  public:
-  // Each: false if it was ignored already.
+  // All return false if the entity was already ignored.
   bool add_participant(const GuidPrefix& prefix) { return participants_.insert(prefix).second; }
   bool add_endpoint(const Guid& guid) { return endpoints_.insert(guid).second; }
   bool add_topic(const std::string& name) { return topics_.insert(name).second; }
 
   bool contains(const GuidPrefix& participant) const { return participants_.contains(participant); }
-  /// It, its participant or its topic.
+  /// True if the endpoint, its participant or its topic is ignored.
   bool contains(const EndpointData& data) const {
     return participants_.contains(data.guid.prefix) || endpoints_.contains(data.guid) ||
            topics_.contains(data.topic_name);

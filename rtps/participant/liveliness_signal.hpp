@@ -1,4 +1,4 @@
-// When the writers of one remote participant with one LIVELINESS kind were asserted last.
+// The time of the last assertion of one remote participant's writers of one LIVELINESS kind.
 #pragma once
 
 #include <set>
@@ -11,17 +11,17 @@ namespace ddssec::rtps {
 
 class EndpointListener;
 
-/// An assertion costs the same however many writers there are: it is one time that all of their
-/// readers look at when a lease seems to end. A reader is called only for a writer whose lease did
-/// end, with the next assertion.
+/// An assertion costs the same for any number of writers: it stores one time, which all of their
+/// readers check when a lease seems to end. A reader is called only for a writer whose lease did
+/// end, at the next assertion.
 class LivelinessSignal {
  public:
   explicit LivelinessSignal(MonotonicTime now) : latest_(now) {}
 
   MonotonicTime latest() const { return latest_; }
-  /// Calls EndpointListener::on_alive for all that wait.
+  /// Calls EndpointListener::on_alive for all readers that wait.
   void assert_at(MonotonicTime now);
-  /// `reader` is called with the next assertion, once for each writer that it names.
+  /// Registers `reader` to be called at the next assertion, once for each writer that it registers.
   void notify(EndpointListener& reader, const Guid& writer) { waiting_.insert({&reader, writer}); }
   void forget(EndpointListener& reader, const Guid& writer) { waiting_.erase({&reader, writer}); }
 

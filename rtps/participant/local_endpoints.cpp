@@ -3,7 +3,7 @@
 namespace ddssec::rtps {
 namespace {
 
-// Above whatever the bounds of its parameters allow.
+// Larger than any announcement whose parameters are within their limits.
 constexpr std::size_t kLargestAnnouncement = 128 << 10;
 
 }  // namespace
@@ -95,7 +95,7 @@ void LocalEndpoints::remove(const Guid& endpoint) {
 }
 
 void LocalEndpoints::publish(const EndpointData& data) {
-  // Of so many octets few are written, and only those are to cost anything.
+  // Not initialized, because an announcement uses only a few of these octets.
   const auto buffer = std::make_unique_for_overwrite<std::uint8_t[]>(kLargestAnnouncement);
   SpanWriter payload({buffer.get(), kLargestAnnouncement});
   if (data.qos.data_tags.empty() || is_announced_securely(data.guid.entity)) {
@@ -123,8 +123,8 @@ void LocalEndpoints::unpublish(const Guid& endpoint) {
   sedp_writer(endpoint.entity).write(std::move(change), core_.now);
 }
 
-// DDS-Security 7.4.1.8: the governance says which topics are announced where only authenticated
-// participants can read it.
+// DDS-Security 7.4.1.8: the governance selects the topics whose endpoints are announced only to
+// authenticated participants.
 bool LocalEndpoints::is_announced_securely(const EntityId& endpoint) const {
   const auto* attributes =
       core_.security ? core_.security->keyring().attributes(endpoint) : nullptr;

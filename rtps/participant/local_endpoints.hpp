@@ -1,5 +1,5 @@
-// The writers and readers of this participant, its builtin ones included, and how the others hear
-// of them by SEDP (RTPS 8.5.4).
+// The writers and readers of the local participant, including its builtin ones, and their
+// announcement by SEDP (RTPS 8.5.4).
 #pragma once
 
 #include <map>
@@ -17,7 +17,7 @@ struct LocalWriter {
   EndpointListener* listener = nullptr;
   std::unique_ptr<StatefulWriter> protocol;
   MatchTable matched = {};
-  std::set<Guid> unready = {};  ///< matched, and its owner does not know yet (ReadinessQueue)
+  std::set<Guid> unready = {};  ///< matched, but not yet reported to the owner (ReadinessQueue)
 };
 
 struct LocalReader {
@@ -27,34 +27,34 @@ struct LocalReader {
   MatchTable matched = {};
 };
 
-/// Knows remote endpoints only as the GUIDs that EndpointMatcher matched.
+/// Knows remote endpoints only by GUID, as EndpointMatcher matched them.
 class LocalEndpoints final : public Neighbour {
  public:
-  /// `deliver` is called with what arrives for the builtin readers.
+  /// `deliver` is called with the changes that arrive for the builtin readers.
   LocalEndpoints(ParticipantCore& core, BuiltinEndpoints::Deliver deliver);
 
-  /// The endpoint is not published yet. It lives until it is removed; the listener must live as
-  /// long. Errors: rtps_qos_inconsistent, and if the participant is secured those of access
-  /// control.
+  /// Creates an endpoint, which is not announced yet. It exists until it is removed; the listener
+  /// must live as long. Errors: rtps_qos_inconsistent, and for a secured participant those of
+  /// access control.
   Result<LocalWriter*> create_writer(EndpointRequest request, EndpointListener& listener);
   Result<LocalReader*> create_reader(EndpointRequest request, EndpointListener& listener);
-  /// Announces an endpoint of ours, or what changed.
+  /// Announces a local endpoint, or its changes.
   void publish(const EndpointData& data);
-  /// Also unpublishes it. It must not be matched any more.
+  /// Removes the endpoint and its announcement. It must not be matched any more.
   void remove(const Guid& endpoint);
-  /// A name for a publisher.
+  /// Creates a GUID for a publisher.
   Guid create_group();
 
-  /// nullptr: not one of ours.
+  /// Return nullptr if it is not a local endpoint.
   LocalWriter* find_writer(const EntityId& id);
   LocalReader* find_reader(const EntityId& id);
   std::map<EntityId, LocalWriter>& writers() { return writers_; }
   std::map<EntityId, LocalReader>& readers() { return readers_; }
   BuiltinEndpoints& builtin() { return builtin_; }
-  /// Remote endpoints that match one of ours.
+  /// The remote endpoints that match a local one.
   std::vector<Guid> matched(const Guid& endpoint) const;
 
-  // Neighbour
+  // Neighbour:
   const GuidPrefix& prefix() const override { return core_.config.prefix; }
   bool is_secured() const override { return core_.security != nullptr; }
   bool is_open(const EntityId& endpoint) const override;
@@ -64,7 +64,7 @@ class LocalEndpoints final : public Neighbour {
  private:
   EntityId next_id(std::uint8_t kind);
   EndpointData data_of(EndpointRequest request, EndpointKind kind);
-  /// Asks access control, and announces what it says.
+  /// Asks access control for permission, and announces the resulting attributes.
   Status secure(EndpointData& data, EndpointListener& listener);
   void unpublish(const Guid& endpoint);
   bool is_announced_securely(const EntityId& endpoint) const;

@@ -1,4 +1,4 @@
-// The remote endpoints that matched one of ours.
+// The remote endpoints that matched one local endpoint.
 #pragma once
 
 #include <map>
@@ -8,10 +8,11 @@
 
 namespace ddssec::rtps {
 
-/// Each with the identity that it belonged to when it matched (ParticipantCore::identity_of).
+/// Each entry includes the identity that the endpoint belonged to when it matched
+/// (ParticipantCore::identity_of).
 class MatchTable {
  public:
-  /// Endpoints of one identity.
+  /// Limit for the endpoints of one identity.
   static constexpr std::size_t kMaxOfOne = 1024;
 
   bool contains(const Guid& remote) const { return matched_.contains(remote); }
@@ -22,7 +23,7 @@ class MatchTable {
   void add(const Guid& remote, const GuidPrefix& identity) {
     if (matched_.try_emplace(remote, identity).second) ++counts_[identity];
   }
-  /// False: it was not there.
+  /// Returns false if the endpoint was not in the table.
   bool remove(const Guid& remote) {
     const auto at = matched_.find(remote);
     if (at == matched_.end()) return false;

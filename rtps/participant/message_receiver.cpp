@@ -16,7 +16,7 @@ MessageReceiver::MessageReceiver(const GuidPrefix& own, EndpointLookup& endpoint
       report_(std::move(report)) {}
 
 void MessageReceiver::open_with(Keyring& keyring) {
-  constexpr std::size_t kScratch = 65536;  // the largest datagram, whatever was protected in it
+  constexpr std::size_t kScratch = 65536;  // the largest datagram, whatever part of it is protected
   keyring_ = &keyring;
   for (auto* scratch : {&message_scratch_, &submessage_scratch_, &payload_scratch_})
     scratch->resize(kScratch);
@@ -35,7 +35,7 @@ void MessageReceiver::read(const Header& header, BytesView datagram, MonotonicTi
   Context context{header.prefix, true, {}, now, datagram.size()};
   if (keyring_ != nullptr) {
     const auto opened = keyring_->open_message(header, datagram, message_scratch_, now);
-    if (!opened) return;  // counted, and said where it is worth an event
+    if (!opened) return;  // counted, and reported if it deserves an event
     datagram = opened->plain;
     context.shield.message = opened->by_participant;
   }
@@ -65,8 +65,8 @@ Status MessageReceiver::walk(BytesView octets, Context& context) {
   return {};
 }
 
-// Prefix, one submessage and postfix (DDS-Security 7.4.6.2). What cannot be opened is dropped, what
-// follows it counts.
+// Prefix, one submessage and postfix (DDS-Security 7.4.6.2). If they cannot be opened, they are
+// dropped; the submessages after them still count.
 Status MessageReceiver::open_group(const SubmessageView& prefix, MessageReader& message,
                                    Context& context) {
   auto size = prefix.whole.size();
@@ -83,9 +83,9 @@ Status MessageReceiver::open_group(const SubmessageView& prefix, MessageReader& 
   const auto inner = DDSSEC_TRY(MessageReader::over_submessages({}, opened->plain).next());
   if (!inner) return fail(Code::truncated);
   const auto status = process(*inner, context);
-  if (status) context.shield.submessage = {};  // otherwise the message ends with it
+  if (status) context.shield.submessage = {};  // otherwise the message ends with this submessage
   if (opened->by.entity == kVolatileMessageWriter)
-    wipe(MutableBytes(submessage_scratch_).first(opened->plain.size()));  // there were keys in it
+    wipe(MutableBytes(submessage_scratch_).first(opened->plain.size()));  // it contained keys
   return status;
 }
 
@@ -100,7 +100,7 @@ Status MessageReceiver::process(const SubmessageView& view, Context& context) {
     case SubmessageId::gap:
       return on_gap(view, context);
     case SubmessageId::heartbeat_frag: {
-      DDSSEC_TRY(read_heartbeat_frag(view));  // the plain heartbeat after it says enough
+      DDSSEC_TRY(read_heartbeat_frag(view));  // the HEARTBEAT after it carries enough information
       return {};
     }
     case SubmessageId::acknack:
@@ -118,8 +118,8 @@ Status MessageReceiver::process_info(const SubmessageView& view, Context& contex
       context.time = DDSSEC_TRY(read_info_timestamp(view)).time;
       return {};
     case SubmessageId::info_source: {
-      // A participant whose key protected the message has spoken for itself only, and what it said
-      // so far is no sign of life of another.
+      // A key that protected the message proves only its owner as source. And what the message
+      // contained so far does not show that another participant is alive.
       const auto source = DDSSEC_TRY(read_info_source(view)).source.prefix;
       if (source != context.source) report(context);
       context.shield.message = context.shield.message && source == context.source;
@@ -137,7 +137,7 @@ Status MessageReceiver::process_info(const SubmessageView& view, Context& contex
       DDSSEC_TRY(read_header_extension(view, context.message_size));
       return {};
     default:
-      return {};  // INFO_REPLY, padding, vendors' own, protected ones we have no key for
+      return {};  // INFO_REPLY, padding, vendor-specific, or protected without a key for it
   }
 }
 
@@ -175,7 +175,7 @@ bool MessageReceiver::is_refused(const EntityId& reader, const Guid& writer,
          !keyring_->accepts_without_payload(reader, writer, context.shield);
 }
 
-// The protection of submessages does not cover INFO_TS, which an attacker can change then.
+// Submessage protection does not cover INFO_TS, so an attacker can change it.
 std::optional<Time> MessageReceiver::source_time(const Context& context,
                                                  const InlineQos& inline_qos) const {
   const auto& [by_message, by_writer] = context.shield;
@@ -204,7 +204,7 @@ Status MessageReceiver::on_data(const SubmessageView& view, Context& context) {
   }
   each_reader(data.reader, data.writer, context, [&](StatefulReader& reader) {
     auto plain = data;
-    // The end of a coherent set has no payload; a GAP could say no less.
+    // The end of a coherent set has no payload, and is no more than a GAP could report.
     const bool marker = data.payload.empty() && data.inline_qos.status == StatusInfo{};
     const bool ends_bare = data.payload.empty() && !marker;
     if (ends_bare && is_refused(reader.guid().entity, {from, data.writer}, context)) return;

@@ -1,5 +1,5 @@
-// Walks received messages (RTPS 8.3.4): opens what is protected and hands each submessage to the
-// endpoints that it is for, which EndpointLookup finds.
+// Processes received messages (RTPS 8.3.4): decrypts and verifies protected parts, and passes each
+// submessage to the endpoints that it is addressed to. EndpointLookup finds them.
 #pragma once
 
 #include <functional>
@@ -13,20 +13,21 @@ namespace ddssec::rtps {
 
 class MessageReceiver {
  public:
-  /// Of a message that cannot be read, from a participant (zero: its header cannot, either).
+  /// Reports a message that cannot be read. `source`: the participant; zero if not even the header
+  /// can be read.
   using Report = std::function<void(const GuidPrefix& source, const Error& error, Origin origin)>;
-  /// Everything is borrowed and outlives the receiver.
+  /// Everything is borrowed and must outlive the receiver.
   MessageReceiver(const GuidPrefix& own, EndpointLookup& endpoints, MessageListener& listener,
                   ParticipantCounters& counters, Report report);
 
-  /// From now on messages are opened with these keys; a submessage that is not protected as the
-  /// governance demands is dropped.
+  /// From now on messages are opened with these keys. A submessage that is not protected as the
+  /// governance requires is dropped.
   void open_with(Keyring& keyring);
-  /// One datagram from an unknown source. What cannot be read is counted and reported.
+  /// Processes one datagram from an untrusted source. What cannot be read is counted and reported.
   void receive(BytesView datagram, MonotonicTime now);
 
  private:
-  /// RTPS 8.3.4: what earlier submessages of a message say about later ones.
+  /// RTPS 8.3.4: what earlier submessages of a message specify for later ones.
   struct Context {
     GuidPrefix source;
     bool for_us = true;
@@ -36,7 +37,7 @@ class MessageReceiver {
     Shield shield = {};
     SignsOfLife signs = {};
 
-    /// An endpoint was told something; `is_new`: that it had not heard before.
+    /// An endpoint received a submessage. `is_new`: it had not received it before.
     void note_told(bool is_new) {
       signs.is_news |= is_new;
       signs.is_proof |= is_new && (shield.message || shield.submessage.prefix == source);
@@ -44,8 +45,8 @@ class MessageReceiver {
   };
 
   void read(const Header& header, BytesView datagram, MonotonicTime now);
-  /// Tells the listener what the submessages of the present source say of its life. What follows
-  /// can be of another source.
+  /// Reports to the listener what the submessages of the current source show about it. Later
+  /// submessages can belong to another source.
   void report(Context& context);
   Status walk(BytesView message, Context& context);
   Status open_group(const SubmessageView& prefix, MessageReader& message, Context& context);
@@ -58,17 +59,18 @@ class MessageReceiver {
   Status on_acknack(const SubmessageView& view, Context& context);
   Status on_nack_frag(const SubmessageView& view, Context& context);
   /// Calls `f(StatefulReader&)` for each reader that the writer matched, if the submessage is
-  /// protected as that reader demands.
+  /// protected as that reader requires.
   template <class F>
   void each_reader(const EntityId& reader, const EntityId& writer, const Context& context, F&& f);
-  /// The local writer that a reader addresses; nullptr: none, or not protected as it demands.
+  /// Returns the local writer that a reader addresses. nullptr: there is none, or the submessage is
+  /// not protected as it requires.
   StatefulWriter* addressed(const EntityId& writer, const EntityId& reader, const Context& context);
   bool accepts(const EntityId& local, const Guid& remote, const Context& context);
-  /// A dispose or unregister without a payload, which its writer would not have sent.
+  /// True for a dispose or unregister without a payload, if its writer would have sent one.
   bool is_refused(const EntityId& reader, const Guid& writer, const Context& context);
-  /// When a sample with that inline QoS was written.
+  /// The time at which a sample with this inline QoS was written.
   std::optional<Time> source_time(const Context& context, const InlineQos& inline_qos) const;
-  /// The payload as it was before it was protected; nothing if it cannot be opened.
+  /// The payload without its protection; empty if it cannot be opened.
   std::optional<BytesView> opened(const StatefulReader& reader, const Guid& writer,
                                   BytesView payload);
 
@@ -77,7 +79,7 @@ class MessageReceiver {
   MessageListener& listener_;
   ParticipantCounters& counters_;
   const Report report_;
-  Keyring* keyring_ = nullptr;  ///< of a secured participant
+  Keyring* keyring_ = nullptr;  ///< nullptr: the participant is not secured
   Bytes message_scratch_, submessage_scratch_, payload_scratch_;
 };
 

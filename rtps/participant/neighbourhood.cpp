@@ -26,7 +26,7 @@ const Neighbour* Neighbourhood::find(const GuidPrefix& prefix) const {
   return at == members_.end() ? nullptr : *at;
 }
 
-// What is protected for the wire goes by the wire, where the other side proves who it is.
+// Endpoints with protection always use the network, where the other side proves its identity.
 const Neighbour* neighbour_of(const Neighbour& own, const Neighbourhood* others,
                               const EntityId& local, const Guid& remote) {
   if (remote.prefix == own.prefix()) return &own;

@@ -5,10 +5,10 @@
 namespace ddssec::rtps {
 namespace {
 
-/// c.pdata; the plugin refuses more.
+/// Size limit of c.pdata; the plugin refuses more.
 constexpr std::size_t kMostOwnData = 16384;
 
-/// Nothing is known where the source or our own addresses are not.
+/// Returns false if the source or the local addresses are not known.
 bool is_from_elsewhere(const Locator& source, std::span<const NetworkInterface> own) {
   if (source.kind == LocatorKind::invalid || own.empty() || source.is_loopback()) return false;
   return std::ranges::none_of(own, [&](const auto& interface) {
@@ -18,7 +18,7 @@ bool is_from_elsewhere(const Locator& source, std::span<const NetworkInterface> 
 
 }  // namespace
 
-// Nothing that arrives for a builtin reader is ever refused for now.
+// A change for a builtin reader is never refused for now.
 Participant::Participant(ParticipantConfig config, Transport& transport, EventSink& events)
     : core_(std::move(config), transport, events),
       local_(core_, [this](BuiltinTopic topic, Change& change) {

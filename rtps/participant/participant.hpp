@@ -1,16 +1,18 @@
-// The protocol side of a participant (RTPS 8): it is told of datagrams and of time, and sends
-// through a transport; no socket, clock, thread or lock. Wires the parts, which do the work:
+// The protocol side of a participant (RTPS 8). Its caller passes in datagrams and times, and it
+// sends through a transport. It has no socket, clock, thread or lock. It connects these parts,
+// which do the work:
 //
-//   MessageReceiver    walks what arrives, by EndpointLookup and MessageListener
-//   Discovery          finds participants and endpoints, and believes them or not
-//   Announcer          announces this participant
-//   WriterLiveliness   says that our writers live, hears whether others do
-//   EndpointMatcher    which endpoints match, and why not; BuiltinMatcher for the builtin ones
-//   LocalEndpoints     our writers and readers, and their announcements
-//   RemoteParticipants what is known of others, and the bounds on it
+//   MessageReceiver    processes messages, through EndpointLookup and MessageListener
+//   Discovery          finds participants and endpoints, and decides whether to trust them
+//   Announcer          announces the local participant
+//   WriterLiveliness   asserts the liveliness of local writers and tracks that of remote ones
+//   EndpointMatcher    matches user endpoints; BuiltinMatcher matches builtin ones
+//   LocalEndpoints     the local writers and readers, and their announcements
+//   RemoteParticipants what is known of remote participants, and the limits on it
 //   ParticipantCore    what all of them use
 //
-// Each calls only those below it; MessageReceiver and Security call Discovery by their interfaces.
+// Each part calls only those below it. MessageReceiver and Security call Discovery through
+// interfaces.
 #pragma once
 
 #include "rtps/participant/deferred_calls.hpp"
@@ -22,13 +24,14 @@ namespace ddssec::rtps {
 
 class Participant {
  public:
-  static constexpr unsigned kMostBacklog = 16;  ///< batches that are read before anything is due
+  /// Number of batches that are read before due work is done.
+  static constexpr unsigned kMostBacklog = 16;
 
-  /// `transport` and `events` are borrowed.
+  /// `transport` and `events` are borrowed and must outlive the participant.
   Participant(ParticipantConfig config, Transport& transport, EventSink& events);
 
-  /// Makes it a secured one, before anything else happens; the prefix must be that of `own`.
-  /// Errors: those of the plugins.
+  /// Makes it a secured participant. Must be called before all others; the GUID prefix must be that
+  /// of `own`. Errors: those of the plugins.
   Status secure(std::unique_ptr<OwnSecurity> own);
 
   const GuidPrefix& prefix() const { return core_.config.prefix; }
@@ -40,56 +43,61 @@ class Participant {
   const LocalEndpoints& local_endpoints() const { return local_; }
   const RemoteParticipants& remote_participants() const { return remotes_; }
 
-  /// Samples may wait a moment for others, as tick is called whenever next_tick says so.
+  /// Allows samples to wait briefly for others, if the caller calls tick whenever next_tick
+  /// requires it.
   void allow_lingering() { core_.sender.allow_lingering(); }
-  /// While it lives, what is to be sent waits for its end and shares messages.
+  /// As long as the returned object exists, messages are collected; they are sent together when it
+  /// is destroyed.
   MessageSender::Gathering gather() { return MessageSender::Gathering(core_.sender); }
-  /// One datagram. `source`: where it came from, as room for what proves nothing is shared by it.
+  /// Processes one datagram. `source`: the address it came from, which limits how much unproven
+  /// data one address can store.
   void receive(BytesView datagram, MonotonicTime now, const Locator& source = {});
-  /// Told after each batch of datagrams: more wait to be received. The answers to what we would
-  /// repeat may be among them, so nothing is due before they are read, or many batches of them.
+  /// Must be called after each batch of datagrams. `any`: more datagrams wait to be received. Some
+  /// of them may answer what would otherwise be repeated. So no work is due before they have been
+  /// read, or before many batches have been read.
   void note_backlog(bool any) {
     backlog_ = any ? backlog_ + 1 : 0;
     reads_first_ = backlog_ % kMostBacklog != 0;
   }
-  /// Whatever is due: announcements, heartbeats, leases.
+  /// Does what is due: announcements, HEARTBEATs, leases.
   void tick(MonotonicTime now);
   MonotonicTime next_tick() const;
-  /// Disposes the participant, by which the others know that it leaves.
+  /// Disposes the participant, so that peers know that it leaves.
   void leave() { announcer_.leave(remotes_); }
 
-  /// Errors: rtps_qos_inconsistent, and if it is secured those of access control.
+  /// Errors: rtps_qos_inconsistent, and for a secured participant those of access control.
   Result<Guid> create_writer(EndpointRequest request, EndpointListener& listener,
                              MonotonicTime now);
   Result<Guid> create_reader(EndpointRequest request, EndpointListener& listener,
                              MonotonicTime now);
-  /// Also tells the others.
+  /// Removes the endpoint and its announcement.
   void remove(const Guid& endpoint, MonotonicTime now);
-  /// A name for a publisher.
+  /// Creates a GUID for a publisher.
   Guid create_group() { return local_.create_group(); }
 
-  /// Announces other policies of an endpoint of ours and matches it anew. Which ones may change is
-  /// the caller's business. Errors: rtps_qos_inconsistent.
+  /// Announces changed policies of a local endpoint and matches it again. The caller must check
+  /// which policies may change. Errors: rtps_qos_inconsistent.
   Status change_qos(const Guid& endpoint, Qos qos, MonotonicTime now);
-  /// Announces another content filter of a reader of ours.
+  /// Announces a changed content filter of a local reader.
   void change_filter(const Guid& reader, ContentFilterProperty filter, MonotonicTime now);
-  /// Announces other user data of the participant, soon.
+  /// Announces changed user data of the participant, soon.
   void change_user_data(Bytes user_data);
 
-  /// Tells all that our writers of this kind live (RTPS 8.4.13). Those of kind AUTOMATIC are
-  /// asserted by tick.
+  /// Asserts the liveliness of the local writers of this kind to all participants (RTPS 8.4.13).
+  /// tick does this for kind AUTOMATIC.
   void assert_liveliness(LivelinessKind kind, MonotonicTime now);
-  /// See Security.
+  /// See Security. Errors: rtps_key_revision_disabled, also without security.
   Status revise_keys();
 
   /// See RemoteParticipants.
   void listen(DiscoveryListener* listener);
-  /// Any remote endpoint on that topic.
+  /// Returns any remote endpoint on that topic.
   std::optional<EndpointData> endpoint_on(const std::string& topic_name) const {
     return matcher_.endpoint_on(topic_name);
   }
-  /// For good: as if it had never been found. Our own prefix: our endpoints ignore each other. From
-  /// within a callback what is known of it goes when the call that led there is over.
+  /// Ignores the entity permanently, as if it had never been found. With the local prefix: the
+  /// local endpoints ignore each other. If called from within a callback, what is known of the
+  /// entity is removed when the outermost call ends.
   void ignore_participant(const GuidPrefix& prefix);
   void ignore_endpoint(const Guid& guid);
   void ignore_topic(const std::string& name);
@@ -108,8 +116,8 @@ class Participant {
                               core_.raise(error, source, source.is_zero() ? "" : source.to_string(),
                                           origin);
                             }};
-  unsigned backlog_ = 0;      ///< batches since there was none
-  bool reads_first_ = false;  ///< before the next tick counts
+  unsigned backlog_ = 0;      ///< number of batches since there was no backlog
+  bool reads_first_ = false;  ///< true: read the backlog before tick does anything
   DeferredCalls calls_;
 };
 

@@ -7,8 +7,8 @@ namespace ddssec::rtps {
 /// Counts of what was dropped; never reset.
 struct ParticipantCounters {
   std::uint64_t messages = 0;
-  std::uint64_t malformed = 0;          ///< messages of which a part could not be read
-  std::uint64_t refused_discovery = 0;  ///< announcements that were not believed or had no room
+  std::uint64_t malformed = 0;          ///< messages with a part that could not be read
+  std::uint64_t refused_discovery = 0;  ///< announcements that were not trusted or had no room
 };
 
 }  // namespace ddssec::rtps

@@ -1,4 +1,4 @@
-// Matched readers that may not be able yet to read what our writers say.
+// Matched readers that may not be able yet to read what the local writers send.
 #pragma once
 
 #include <deque>
@@ -10,9 +10,9 @@
 
 namespace ddssec::rtps {
 
-/// Where messages are protected, another participant may be able to read what we say only some time
-/// after we can read it, and what a volatile writer sends meanwhile is lost to its reader. So a
-/// reliable reader counts as matched when it is heard, or after kPatience.
+/// Where messages are protected, another participant may receive its keys some time after the local
+/// participant. What a volatile writer sends before that is lost to the reader. So a reliable
+/// reader counts as matched when the first message from it arrives, or after kPatience.
 class ReadinessQueue {
  public:
   static constexpr MonotonicTime kPatience = std::chrono::seconds(1);
@@ -29,7 +29,7 @@ class ReadinessQueue {
     waiting_.erase({writer, reader});
     while (!pairs_.empty() && !waits(pairs_.front())) pairs_.pop_front();
   }
-  /// The next pair that has waited long enough, which leaves the queue.
+  /// Removes and returns the next pair that has waited long enough.
   std::optional<Pair> take_due(MonotonicTime now) {
     if (next() > now) return std::nullopt;
     const auto due = pairs_.front();
@@ -44,8 +44,9 @@ class ReadinessQueue {
     return at != waiting_.end() && at->second == pair.deadline;
   }
 
-  std::map<std::pair<Guid, Guid>, MonotonicTime> waiting_;  ///< until when
-  std::deque<Pair> pairs_;  ///< by their deadlines; some do not wait any more, the first one does
+  /// The deadline of each pair that waits.
+  std::map<std::pair<Guid, Guid>, MonotonicTime> waiting_;
+  std::deque<Pair> pairs_;  ///< sorted by deadline; some no longer wait, but the first one does
 };
 
 }  // namespace ddssec::rtps

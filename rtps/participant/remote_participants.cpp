@@ -13,7 +13,7 @@ std::size_t price_of(const EndpointData& data) {
 
 }  // namespace
 
-// An announcement may name any address: few are used, and only those that can be sent to.
+// An announcement may name any address. Only a few are used, and only those that can be sent to.
 LocatorList usable_locators(const LocatorList& announced, const LocatorList& fallback,
                             std::span<const NetworkInterface> own) {
   constexpr std::size_t kMostUsed = 4;
@@ -116,8 +116,8 @@ void RemoteParticipants::remove(const GuidPrefix& prefix) {
   remotes_.erase(at);
 }
 
-// Without security a participant cannot prove anything. A host can announce many participants, and
-// have them say something, but only from the addresses that they have.
+// Without security a participant cannot prove anything. One host can announce many participants and
+// send messages in their names, but only from its own addresses.
 std::optional<GuidPrefix> RemoteParticipants::next_to_give_way() {
   if (!core_.security) return std::nullopt;
   const auto source = unproven_.largest(core_.source, remotes_.size() < kMostParticipants);
@@ -145,7 +145,7 @@ void RemoteParticipants::on_changed(const RemoteParticipant& remote) {
   if (remote.accepted && discovery_ != nullptr) discovery_->on_participant(remote.data);
 }
 
-// Until a peer has authenticated, its lease is long enough for it to do so.
+// Until a peer has authenticated, its lease is long enough for the handshake.
 void RemoteParticipants::renew_lease(RemoteParticipant& remote, const ParticipantData& data) {
   const auto end = lease_end(data, core_.now);
   const bool proven = !core_.security || !core_.security->is_authenticating(data.guid.prefix);
@@ -167,7 +167,7 @@ void RemoteParticipants::shorten_lease(RemoteParticipant& remote, MonotonicTime 
   remote.next_question = next_question_ = core_.now;
 }
 
-// As with the ends of leases, the time that was noted may be too early, never too late.
+// As for the ends of leases, the noted time may be too early but never too late.
 std::vector<GuidPrefix> RemoteParticipants::to_ask() {
   std::vector<GuidPrefix> out;
   if (core_.now < next_question_) return out;
@@ -182,8 +182,7 @@ std::vector<GuidPrefix> RemoteParticipants::to_ask() {
   return out;
 }
 
-// Leases grow with everything that is heard: the time that was noted may be too early, never too
-// late.
+// Every message extends a lease, so the noted time may be too early but never too late.
 std::vector<GuidPrefix> RemoteParticipants::ended() {
   std::vector<GuidPrefix> out;
   if (core_.now < next_end_) return out;
@@ -201,7 +200,7 @@ void RemoteParticipants::raise_about(Error error, const EntityId& local, const G
   core_.raise_about(std::move(error), local, remote);
 }
 
-// A participant that announces much takes no room from those that announce little.
+// A participant that announces much does not displace those that announce little.
 bool RemoteParticipants::has_room(RemoteParticipant& remote, const EndpointData& endpoint) {
   const auto price = price_of(endpoint);
   const auto known = remote.endpoints.find(endpoint.guid.entity);

@@ -1,4 +1,4 @@
-// What is known of other participants and their endpoints, and the bounds on it.
+// What is known of remote participants and their endpoints, and the limits on it.
 #pragma once
 
 #include <array>
@@ -11,16 +11,16 @@
 
 namespace ddssec::rtps {
 
-/// At most four of the `announced` locators that can be sent to, the nearest (keep_nearest);
-/// `fallback` if there are none.
+/// Returns at most four of the `announced` locators that can be sent to, the nearest ones
+/// (keep_nearest), or `fallback` if there are none.
 LocatorList usable_locators(const LocatorList& announced, const LocatorList& fallback,
                             std::span<const NetworkInterface> own);
-/// When the lease of a participant that was heard at `now` ends.
+/// The end of the lease of a participant that was heard at `now`.
 MonotonicTime lease_end(const ParticipantData& data, MonotonicTime now);
 
 struct RemoteEndpoint {
   EndpointData data;
-  std::vector<StatefulReader*> readers = {};  ///< of ours, that a writer matched
+  std::vector<StatefulReader*> readers = {};  ///< the local readers that this writer matched
   std::size_t price = 0;
 };
 
@@ -29,132 +29,140 @@ struct RemoteParticipant {
   LocatorList metatraffic, user;
   MonotonicTime lease_end{};
   MonotonicTime since{};
-  MonotonicTime next_question = kNever;  ///< when it is asked whether it lives
+  MonotonicTime next_question = kNever;  ///< when it is next queried whether it is alive
   std::map<EntityId, RemoteEndpoint> endpoints = {};
-  /// Of its writers with a finite lease, AUTOMATIC and MANUAL_BY_PARTICIPANT, if they are matched.
+  /// For its matched writers with a finite lease, of kind AUTOMATIC and MANUAL_BY_PARTICIPANT.
   std::array<std::shared_ptr<LivelinessSignal>, 2> signals = {};
-  /// Local readers of its writers with a finite lease that are MANUAL_BY_TOPIC.
+  /// For its MANUAL_BY_TOPIC writers with a finite lease: the listeners of the local readers.
   std::map<EntityId, std::vector<EndpointListener*>> watches = {};
-  bool accepted = false;              ///< authenticated, or admitted without
-  bool has_signed_addresses = false;  ///< they come from its latest handshake
+  bool accepted = false;              ///< authenticated, or admitted without authentication
+  bool has_signed_addresses = false;  ///< its addresses come from its latest handshake
   bool heard_participants_secure = false;
-  std::size_t endpoint_octets = 0;  ///< their price
-  bool exceeds = false;             ///< it announced more, and the event was raised
-  std::vector<SourceAddress> metatraffic_sources = {}, user_sources = {};  ///< that announced them
-  SourceAddress source = {};                 ///< that announced it first
-  std::optional<std::size_t> unproven = {};  ///< octets it counts for as long as nothing is proven
-  bool exceeds_matches = false;              ///< the same of matches with one endpoint
+  std::size_t endpoint_octets = 0;  ///< sum of their prices
+  bool exceeds = false;             ///< it announced more than the limit, and the event was raised
+  /// The sources that announced these locators.
+  std::vector<SourceAddress> metatraffic_sources = {}, user_sources = {};
+  SourceAddress source = {};                 ///< the source that announced the participant first
+  std::optional<std::size_t> unproven = {};  ///< octets it counts for while nothing is proven
+  /// It exceeded the limit of matches with one endpoint, and the event was raised.
+  bool exceeds_matches = false;
 
   const GuidPrefix& prefix() const { return data.guid.prefix; }
-  /// nullptr: none of its writers with a finite lease is matched. Not for MANUAL_BY_TOPIC.
+  /// nullptr: none of its writers of this kind with a finite lease is matched. Not for
+  /// MANUAL_BY_TOPIC.
   std::shared_ptr<LivelinessSignal>& signal(LivelinessKind kind) {
     return signals[kind == LivelinessKind::automatic ? 0 : 1];
   }
-  /// Calls the reader's listener when the writer, with a finite lease, asserts itself.
+  /// Calls the reader's listener when this writer, which has a finite lease, asserts its
+  /// liveliness.
   void watch(EndpointListener& reader, const EndpointData& writer, MonotonicTime now);
   void stop_watching(EndpointListener& reader, const Guid& writer);
 };
 
-/// A table without a protocol: it calls only the DiscoveryListener, and EndpointMatcher matches.
+/// A table without protocol logic. It calls only the DiscoveryListener; EndpointMatcher does the
+/// matching.
 class RemoteParticipants {
  public:
   static constexpr std::size_t kMostParticipants = 512;
   static_assert(Handshakes::kMaxAuthenticated < kMostParticipants, "some are left for newcomers");
   static constexpr std::size_t kMostEndpointsPerParticipant = 16384;
-  static constexpr std::size_t kMostEndpoints = 65536;  ///< of all of them
-  /// What their announcements take in memory, with a price for each.
+  static constexpr std::size_t kMostEndpoints = 65536;  ///< limit for all participants together
+  /// Limits for the memory of announcements, including a fixed price for each endpoint.
   static constexpr std::size_t kMostEndpointOctetsPerParticipant = std::size_t{64} << 20;
   static constexpr std::size_t kMostEndpointOctets = std::size_t{256} << 20;
   static constexpr std::size_t kPricePerEndpoint = 1024;
-  /// So much of each participant is kept whatever the others announce.
+  /// This much of each participant is kept whatever the others announce.
   static constexpr std::size_t kEndpointOctetsOfEach = std::size_t{256} << 10;
   /// The shortest lease of a peer that is authenticating, whatever is announced in its name.
   static constexpr MonotonicTime kLeastLease = std::chrono::seconds(10);
-  /// An authenticated peer that was silent for a third of its lease is asked, and then so often in
-  /// a lease that the loss of most questions and answers does not end it.
+  /// An authenticated peer that is silent for a third of its lease is queried. The queries are so
+  /// frequent that losing most queries and answers does not end the lease.
   static constexpr int kSilentPartOfLease = 3;
   static constexpr int kQuestionsPerLease = 15;
 
   explicit RemoteParticipants(ParticipantCore& core);
 
   std::size_t size() const { return remotes_.size(); }
-  /// No participant whose announcement takes so many octets can be added.
+  /// True if no participant whose announcement has this many octets can be added.
   bool is_full(std::size_t octets) const;
   const std::map<GuidPrefix, RemoteParticipant>& all() const { return remotes_; }
-  /// nullptr: not known.
+  /// Returns nullptr if the participant is not known.
   RemoteParticipant* find(const GuidPrefix& prefix);
-  /// Ourselves, as the other end of our own endpoints.
+  /// The local participant, as the remote side of its own endpoints.
   RemoteParticipant& self() { return self_; }
-  /// Ours too; nullptr: not known.
+  /// Also finds the local participant. Returns nullptr if the participant is not known.
   RemoteParticipant* find_or_self(const GuidPrefix& prefix);
   RemoteEndpoint* find_endpoint(const Guid& guid);
-  /// Who of them authenticated, and what they may.
+  /// For checking which participants authenticated, and what they may do.
   const ParticipantCore& core() const { return core_; }
 
-  // Participants.
-  /// Adds a participant that is not known, from the source of the datagram that is being received.
-  /// Its lease begins now. `octets`: of its announcement.
+  // Participants:
+  /// Adds an unknown participant, from the source of the datagram that is being received. Its lease
+  /// begins now. `octets`: size of its announcement.
   RemoteParticipant& add(ParticipantData data, LocatorList metatraffic, LocatorList user,
                          std::size_t octets);
-  /// It is announced again, by so many octets. False: there is no room for what is more.
+  /// Its announcement has grown by this many octets. Returns false if there is no room for them.
   bool grow(RemoteParticipant& remote, std::size_t octets);
-  /// Its endpoints must have been removed.
+  /// Its endpoints must have been removed before.
   void remove(const GuidPrefix& prefix);
-  /// The participant that gives way when there is no room: among those that are not authenticated
-  /// and came from the source that holds most, the one that announced itself longest ago and sent
-  /// no handshake message, else the one that is authenticating for longest. Nothing: all stay.
+  /// Returns the participant to remove when there is no room. Candidates are not authenticated and
+  /// came from the source that holds the most. First choice: the one that announced itself longest
+  /// ago and sent no handshake message. Second choice: the one that has been authenticating for the
+  /// longest time. Empty: none is removed.
   std::optional<GuidPrefix> next_to_give_way();
-  /// It authenticated, or is admitted without: the DiscoveryListener hears of it.
+  /// The participant authenticated, or is admitted without authentication. Reports it to the
+  /// DiscoveryListener.
   void accept(RemoteParticipant& remote);
-  /// What it announces changed.
+  /// Its announced data changed.
   void on_changed(const RemoteParticipant& remote);
 
-  // Leases.
-  /// It was heard now; `data` has its lease duration.
+  // Leases:
+  /// The participant was heard now; `data` contains its lease duration.
   void renew_lease(RemoteParticipant& remote, const ParticipantData& data);
-  /// Its lease ends at `end` unless it is heard before, and it is asked at once.
+  /// Its lease ends at `end` unless it is heard before. It is queried at once.
   void shorten_lease(RemoteParticipant& remote, MonotonicTime end);
-  /// Those whose leases have ended.
+  /// The participants whose leases have ended.
   std::vector<GuidPrefix> ended();
-  /// Authenticated ones that were not heard for a good part of their lease: they are to be asked
-  /// for a sign of life. Each comes kQuestionsPerLease times in a lease, less the first part.
+  /// The authenticated participants that were silent for a third of their lease and must be
+  /// queried. Each is returned at kQuestionsPerLease per lease from then on.
   std::vector<GuidPrefix> to_ask();
-  /// No lease ends, and no question is due, before.
+  /// No lease ends, and no query is due, before this time.
   MonotonicTime next_end() const { return std::min(next_end_, next_question_); }
 
-  /// Raises an event about what one of their endpoints sent to a local one.
+  /// Raises an event about what a remote endpoint sent to a local one.
   void raise_about(Error error, const EntityId& local, const Guid& remote) const;
 
-  // Endpoints.
-  /// False: the endpoint would exceed a bound, which is counted and once raises an event.
+  // Endpoints:
+  /// Returns false if the endpoint would exceed a limit. This is counted, and an event is raised
+  /// once.
   bool has_room(RemoteParticipant& remote, const EndpointData& endpoint);
   RemoteEndpoint& store(RemoteParticipant& remote, EndpointData data);
   /// It must not be matched any more.
   void remove(RemoteParticipant& remote, const EntityId& id);
 
-  // What the application sees.
-  /// Reports to `listener`, from now on and what is known already; nullptr: to none.
+  // For the application:
+  /// Reports to `listener` what is already known and from now on; nullptr: stops reporting.
   void listen(DiscoveryListener* listener);
-  /// Those that were accepted (see DiscoveryListener).
+  /// The participants that were accepted (see DiscoveryListener).
   std::vector<ParticipantData> participants() const;
   std::vector<EndpointData> endpoints() const;
-  /// What an endpoint, remote or our own, announced; nullptr if it is not known (any more). Of our
-  /// own those are known that have a counterpart here.
+  /// What a remote or local endpoint announced; nullptr if it is not known (any more). Local
+  /// endpoints are known only if they match another local endpoint.
   const EndpointData* endpoint(const Guid& guid) const;
 
  private:
-  /// After that share of the lease; never, if it does not end.
+  /// The time after this share of the lease; kNever if the lease does not end.
   MonotonicTime next_time(const ParticipantData& data, int share) const;
-  /// From here on it does not count as unproven.
+  /// From now on the participant does not count as unproven.
   void discharge(RemoteParticipant& remote);
 
   ParticipantCore& core_;
   std::map<GuidPrefix, RemoteParticipant> remotes_;
   RemoteParticipant self_;
   DiscoveryListener* discovery_ = nullptr;
-  std::size_t endpoints_ = 0;        ///< of all of them
-  std::size_t endpoint_octets_ = 0;  ///< their price
-  UnprovenParticipants unproven_;    ///< of a secured participant
+  std::size_t endpoints_ = 0;        ///< number of all endpoints
+  std::size_t endpoint_octets_ = 0;  ///< sum of their prices
+  UnprovenParticipants unproven_;    ///< only used by a secured participant
   MonotonicTime next_end_ = kNever;
   MonotonicTime next_question_ = kNever;
 };

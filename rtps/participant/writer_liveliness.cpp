@@ -8,10 +8,10 @@ namespace {
 // ParticipantMessageData::kind (RTPS 9.6.3.1), the same octets for all vendors.
 constexpr std::uint8_t kAutomatic = 1;
 constexpr std::uint8_t kManualByParticipant = 2;
-/// Prefix and kind.
+/// GUID prefix and kind.
 constexpr std::size_t kKeySize = 16;
 
-/// Several of them fit into the shortest lease.
+/// Several assertions fit into the shortest lease.
 constexpr int kAssertionsPerLease = 3;
 
 }  // namespace
@@ -20,7 +20,8 @@ WriterLiveliness::WriterLiveliness(ParticipantCore& core, LocalEndpoints& local,
                                    RemoteParticipants& remotes)
     : core_(core), local_(local), remotes_(remotes) {}
 
-// It is asserted for those who match it later: they count from then.
+// The assertion need not be sent at once: the leases of readers that match the writer later start
+// then.
 void WriterLiveliness::expect(const Liveliness& liveliness) {
   if (liveliness.kind != LivelinessKind::automatic || liveliness.lease_duration.is_infinite())
     return;
@@ -61,8 +62,8 @@ void WriterLiveliness::assert_liveliness(LivelinessKind kind) {
   local_.builtin().writer(topic).write(std::move(change), core_.now);
 }
 
-// Fast DDS calls the same octets PL_CDR. Where liveliness is protected, only Cyclone DDS, which
-// never uses the secure topic, may assert it by the plain one.
+// Fast DDS labels the same octets PL_CDR. Where liveliness is protected, only Cyclone DDS, which
+// never uses the secure topic, may assert it by the unprotected topic.
 void WriterLiveliness::on_participant_message(const Change& change, bool secure) {
   auto* remote = remotes_.find(change.writer.prefix);
   const auto opened = open_payload(change.payload.view());
@@ -80,7 +81,7 @@ void WriterLiveliness::note_alive(RemoteParticipant& remote, LivelinessKind kind
   if (const auto signal = remote.signal(kind)) signal->assert_at(core_.now);
 }
 
-// A writer of kind AUTOMATIC lives as long as its participant does.
+// A writer of kind AUTOMATIC is alive as long as its participant is.
 void WriterLiveliness::note_alive(const Guid& writer) {
   auto* remote = remotes_.find_or_self(writer.prefix);
   if (remote == nullptr) return;

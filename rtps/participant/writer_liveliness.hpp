@@ -1,5 +1,5 @@
-// The writer liveliness protocol (RTPS 8.4.13): says that our writers live, and hears whether
-// remote ones do.
+// The writer liveliness protocol (RTPS 8.4.13): asserts the liveliness of local writers, and tracks
+// that of remote ones.
 #pragma once
 
 #include "rtps/participant/local_endpoints.hpp"
@@ -11,20 +11,20 @@ class WriterLiveliness {
  public:
   WriterLiveliness(ParticipantCore& core, LocalEndpoints& local, RemoteParticipants& remotes);
 
-  /// A writer of ours with that policy exists from now on.
+  /// A local writer with this policy exists from now on.
   void expect(const Liveliness& liveliness);
-  /// Tells all that our writers of this kind live.
+  /// Asserts the liveliness of the local writers of this kind to all participants.
   void assert_liveliness(LivelinessKind kind);
-  /// Asserts those of kind AUTOMATIC, if it is time.
+  /// Asserts the writers of kind AUTOMATIC, if that is due.
   void tick();
   MonotonicTime next_tick() const { return next_assertion_; }
 
-  /// A sample of DCPSParticipantMessage, or of its secure double.
+  /// Processes a sample of DCPSParticipantMessage, or of its secure counterpart.
   void on_participant_message(const Change& change, bool secure);
-  /// `remote` asserted the liveliness of all its writers of this kind: AUTOMATIC ones by any
-  /// message, MANUAL_BY_PARTICIPANT ones by a sample of any of them or a ParticipantMessage.
+  /// `remote` asserted the liveliness of all its writers of this kind: AUTOMATIC writers by any
+  /// message, MANUAL_BY_PARTICIPANT writers by a sample of any of them or by a ParticipantMessage.
   void note_alive(RemoteParticipant& remote, LivelinessKind kind);
-  /// This writer asserted itself, by a sample or a heartbeat that says so.
+  /// This writer asserted its liveliness, by a sample or by a HEARTBEAT with the liveliness flag.
   void note_alive(const Guid& writer);
 
  private:
