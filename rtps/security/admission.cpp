@@ -9,7 +9,7 @@ std::string hex(std::uint32_t value) {
   return to_hex(out.view());
 }
 
-/// Both masks.
+/// Returns both masks as text.
 std::string text_of(const spi::SecurityInfo& info) {
   return hex(info.mask) + " " + hex(info.plugin_mask);
 }
@@ -22,7 +22,8 @@ std::unexpected<Error> mismatch(const ParticipantData& data, const spi::Security
                .found = text_of(data.security_info.value_or(spi::SecurityInfo{}))});
 }
 
-/// Both revise their keys, or neither: who does not would lose touch with who does.
+/// Either both participants revise their keys or neither does. Otherwise the one that does not
+/// could no longer communicate with the other.
 Status check_key_revision(const ParticipantData& data, const spi::SecurityInfo& own,
                           const spi::SecurityInfo& remote) {
   constexpr auto kEnabled = spi::kMaskIsValid | spi::kKeyRevisionBit;
@@ -39,7 +40,7 @@ std::vector<std::string_view> views_of(const std::vector<std::string>& texts) {
   return {texts.begin(), texts.end()};
 }
 
-/// Nothing of it is protected or controlled.
+/// True if nothing of the endpoint is protected or subject to access control.
 bool is_open(const spi::EndpointSecurityAttributes& attributes) {
   const auto& topic = attributes.topic;
   return !topic.is_read_protected && !topic.is_write_protected && !topic.is_discovery_protected &&
@@ -48,7 +49,7 @@ bool is_open(const spi::EndpointSecurityAttributes& attributes) {
 
 }  // namespace
 
-// ---- who may try
+// ---- participants
 
 bool Admission::admits_unauthenticated() const {
   const auto& attributes = core_.own->attributes();
@@ -72,7 +73,8 @@ Admission::Verdict Admission::judge(const ParticipantData& data) {
   return Verdict::refuse;
 }
 
-/// Does it announce what lets it talk with us?
+/// Checks whether the participant announces attributes with which it can communicate with the local
+/// one.
 Status Admission::check_participant(const ParticipantData& data) const {
   const auto own_info = spi::security_info(core_.own->attributes());
   const auto info = data.security_info.value_or(spi::SecurityInfo{});
@@ -88,8 +90,8 @@ Status Admission::check_proven(const ParticipantData& proven) const {
   return check_domain(proven);
 }
 
-/// What was announced may have been changed on the way; this is signed. Other vendors leave the tag
-/// out of it.
+/// An announcement may have been changed on its way; this data is signed. Other vendors do not
+/// include the domain tag in it.
 Status Admission::check_domain(const ParticipantData& proven) const {
   const bool says_no_tag = proven.domain_tag.empty() && proven.vendor != kVendorDdssec;
   const auto& tag = says_no_tag ? proven.domain_tag : core_.own->domain_tag();
@@ -107,8 +109,8 @@ Status Admission::check_domain(const ParticipantData& proven) const {
   return std::unexpected(std::move(error));
 }
 
-// A vendor's bits mean something to that vendor only. What a peer understands of ours, cryptography
-// knows from the handshake.
+// A vendor-specific bit has a meaning only for that vendor. Which local ciphers the peer supports,
+// cryptography learns from the handshake.
 Status Admission::check_ciphers(VendorId vendor, spi::CipherMask required) const {
   auto supported = core_.own->ciphers().supported;
   if (vendor != kVendorDdssec) supported &= spi::kStandardCiphers;
@@ -150,8 +152,8 @@ Result<Admission::Announced> Admission::create_endpoint(const EntityId& id,
   DDSSEC_TRY(core_.keyring.add_local(id, attributes, {}, endpoint.properties));
   Announced out{spi::security_info(attributes), DDSSEC_TRY(core_.keyring.required_ciphers(id)),
                 attributes.is_key_protected()};
-  // An endpoint of Fast DDS without security matches one that announces masks only if these ask for
-  // access control.
+  // An endpoint of Fast DDS without security matches one that announces masks only if these masks
+  // require access control.
   if (admits_unauthenticated() && is_open(attributes)) out.info.reset();
   return out;
 }
@@ -185,13 +187,13 @@ std::optional<Admission::Permission> Admission::admit(const Local& local, const 
     return std::nullopt;
   }
   if (joined == nullptr) return Permission{};
-  // Raises its own event.
+  // check_permissions raises its own event.
   const auto permission = check_permissions(local, joined->association, remote);
   return permission ? std::optional(*permission) : std::nullopt;
 }
 
-// DDS-Security 8.8.7: unauthenticated participants get topics without access control and without
-// protection of any kind.
+// DDS-Security 8.8.7: unauthenticated participants may use topics that have no access control and
+// no protection of any kind.
 Status Admission::check_open(const spi::EndpointSecurityAttributes& attributes,
                              const Endpoint& remote) const {
   if (is_open(attributes) && admits_unauthenticated()) return {};

@@ -12,15 +12,16 @@ class Admission {
   explicit Admission(SecurityCore& core) : core_(core) {}
 
   enum class Verdict { authenticate, admit_unauthenticated, refuse };
-  /// What to do with a participant that announced itself; a refusal raises an event.
+  /// Decides what to do with a participant that announced itself. A refusal raises an event.
   Verdict judge(const ParticipantData& data);
-  /// It says that it can, in the way that our governance wants.
+  /// True if the participant announces that it can authenticate, with attributes that the local
+  /// governance accepts.
   bool may_authenticate(const ParticipantData& data) const;
-  /// Without authentication: only where nothing at all is protected.
+  /// True if participants may join without authentication: only where nothing at all is protected.
   bool admits_unauthenticated() const;
-  /// The same as `judge` says of an announcement, of what the participant signed; and its domain.
-  /// Errors: rtps_key_revision_mismatch, rtps_security_info_mismatch, rtps_cipher_unsupported,
-  /// rtps_domain_differs (which raises an event).
+  /// Checks the data that the participant signed in the way that `judge` checks announcements, and
+  /// also its domain. Errors: rtps_key_revision_mismatch, rtps_security_info_mismatch,
+  /// rtps_cipher_unsupported, rtps_domain_differs (which raises an event).
   Status check_proven(const ParticipantData& proven) const;
 
   /// A remote endpoint. `is_secure`: it was announced by secure SEDP.
@@ -32,15 +33,17 @@ class Admission {
     spi::SecurityInfo info;
     bool is_secure = false;
     std::optional<spi::CipherMask> required_ciphers = {};
-    /// As it was announced.
+    /// The endpoint as it was announced.
     static Endpoint of(const EndpointData& announced);
   };
   struct Permission {
     bool relay_only = false;
   };
-  /// May it match our one? Nothing: no, and an event says why.
+  /// Returns whether the remote endpoint may match the local one. Empty: no, and an event reports
+  /// why.
   std::optional<Permission> admit(const EntityId& local, const Endpoint& remote);
-  /// The same of a writer and a reader that we could make for it. False: no, and an event says why.
+  /// The same for a remote writer and a local reader that could be created for it. False: no, and
+  /// an event reports why.
   bool may_write(const Endpoint& writer);
 
   struct NewEndpoint {
@@ -49,20 +52,21 @@ class Admission {
     const spi::PropertyList& data_tags;
     const spi::PropertyList& properties;
   };
-  /// What discovery announces of an endpoint of ours.
+  /// What discovery announces of a local endpoint.
   struct Announced {
     std::optional<spi::SecurityInfo> info;
     std::optional<spi::CipherMask> required_ciphers;
     bool key_is_protected = false;
   };
-  /// May we create this endpoint? Registers it. Errors: those of access control and cryptography.
+  /// Checks whether the local endpoint may be created, and registers it. Errors: those of access
+  /// control and cryptography.
   Result<Announced> create_endpoint(const EntityId& id, const NewEndpoint& endpoint);
 
  private:
   Status check_ciphers(VendorId vendor, spi::CipherMask required) const;
   Status check_participant(const ParticipantData& data) const;
   Status check_domain(const ParticipantData& proven) const;
-  /// Our endpoint, made or not.
+  /// A local endpoint, whether it exists or not.
   struct Local {
     const spi::EndpointSecurityAttributes& attributes;
     bool reads;

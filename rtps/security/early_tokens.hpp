@@ -1,4 +1,4 @@
-// Key tokens of a peer's endpoints that came before discovery said which endpoints these are.
+// Key tokens for a peer's endpoints that arrived before discovery announced these endpoints.
 #pragma once
 
 #include <functional>
@@ -9,20 +9,21 @@
 
 namespace ddssec::rtps {
 
-/// Of one peer, bounded in number and octets. What has no room is refused: the channel that brought
-/// it is reliable and brings it again. The oldest message gives way once it waited for so long that
-/// discovery will hardly ever ask for it.
+/// The tokens of one peer, limited in number and octets. A message for which there is no room is
+/// refused: its channel is reliable and delivers it again. The oldest message is dropped once it
+/// has waited so long that discovery will hardly ever need it.
 class EarlyTokens {
  public:
   static constexpr std::size_t kMaxMessages = 1024;
   static constexpr std::size_t kMaxOctets = std::size_t{512} << 10;
-  /// Of one pair of endpoints: those in use and revised ones.
+  /// Limit for one pair of endpoints: the tokens in use and revised ones.
   static constexpr std::size_t kMaxOfPair = 2;
   static constexpr MonotonicTime kPatience = std::chrono::seconds(30);
 
-  /// `octets`: what the message took on the wire. False: there is no room now.
+  /// `octets`: size of the message as received. Returns false if there is no room now.
   bool keep(GenericMessage message, std::size_t octets, MonotonicTime now);
-  /// Calls `use` with each message of that pair, oldest first, and drops it. True if there was any.
+  /// Calls `use` with each message of that pair, oldest first, and removes it. Returns true if
+  /// there was any.
   bool take(const Guid& local, const Guid& remote,
             const std::function<void(const GenericMessage&)>& use);
   std::size_t size() const { return kept_.size(); }

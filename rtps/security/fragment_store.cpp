@@ -7,8 +7,8 @@
 namespace ddssec::rtps {
 namespace {
 
-/// All ways to choose a number below each limit so that they add up to `sum`, until `use` says that
-/// it has seen enough. False: it has.
+/// Enumerates all ways to choose a number below each limit so that the numbers add up to `sum`,
+/// until `use` returns false. Returns false if it did.
 class Choices {
  public:
   using Use = std::function<bool(const std::vector<std::size_t>&)>;
@@ -63,7 +63,7 @@ void FragmentStore::make_room(const SourceAddress& newcomer) {
     return std::pair(std::ranges::count(senders_, sender.source, &Sender::source),
                      sender.source == newcomer);
   };
-  // The first of them spoke longest ago.
+  // Of equal senders, the first sent its latest fragment longest ago.
   senders_.erase(std::ranges::max_element(senders_, {}, held));
 }
 
@@ -80,8 +80,8 @@ FragmentStore::Sender& FragmentStore::place_for(const GuidPrefix& prefix,
   return senders_.emplace_back(std::move(sender));
 }
 
-// What a datagram costs is bounded by its length: a fragment takes 512 octets of it, or is one of
-// few.
+// The cost of a datagram is limited by its length: each fragment takes at least 512 octets of it,
+// or there are only few.
 std::vector<Bytes> FragmentStore::add(const GuidPrefix& prefix, const DataFrag& frag,
                                       MonotonicTime now, const SourceAddress& source) {
   if (frag.sample_size > kLargestMessage) return {};
@@ -103,7 +103,7 @@ std::optional<FragmentStore::Forms> FragmentStore::forms_of(const Sender& sender
     for (auto index = run->first; index < run->first + run->count; ++index) {
       auto& of_one = forms[index];
       missing -= of_one.empty() ? 1 : 0;
-      // Messages without what has just come were made before.
+      // Messages without the new fragment were assembled before.
       const bool is_new =
           index + 1 >= frag.first.value && index + 1 < frag.first.value + frag.count;
       if (of_one.size() < (is_new ? 1 : kMostForms)) of_one.push_back(run->fragment(index));
@@ -112,8 +112,8 @@ std::optional<FragmentStore::Forms> FragmentStore::forms_of(const Sender& sender
   return missing == 0 ? std::optional(std::move(forms)) : std::nullopt;
 }
 
-// Those of one message come one right after the other. So the latest of each are tried first, then
-// those with one that was forged in between, and so on.
+// The fragments of one message arrive directly after each other. So the latest version of each
+// fragment is tried first, then the versions with one forged fragment in between, and so on.
 std::vector<Bytes> FragmentStore::messages_of(const Forms& forms, MonotonicTime now) {
   std::vector<Bytes> out;
   std::vector<std::size_t> limits;

@@ -1,6 +1,6 @@
-// Puts fragmented messages of the stateless endpoint together (Cyclone DDS sends such). An attacker
-// can send fragments in any name, so that of each fragment several are kept, and little of each
-// sender and of all.
+// Reassembles fragmented messages of the stateless endpoint (Cyclone DDS sends such messages). An
+// attacker can send fragments in any name. So several versions of each fragment are kept, with low
+// limits for each sender and for all senders.
 #pragma once
 
 #include <deque>
@@ -13,43 +13,45 @@ namespace ddssec::rtps {
 
 class FragmentStore {
  public:
-  /// Certificates, permissions and more fit.
+  /// Large enough for certificates, permissions and more.
   static constexpr std::uint32_t kLargestMessage = 256 << 10;
-  /// Smaller fragments than that are for messages of few: no product makes them.
+  /// Smaller fragments are accepted only for messages of few fragments: no product sends them
+  /// otherwise.
   static constexpr std::uint16_t kMinFragmentSize = 512;
   static constexpr std::uint32_t kMaxSmallFragments = 8;
-  /// Octets of each sender, with a price for each datagram so that small ones are few, too.
+  /// Limit for the octets of each sender, including a fixed price for each datagram, so that small
+  /// datagrams are also limited.
   static constexpr std::size_t kMostOctetsPerSender = 2 * kLargestMessage;
   static constexpr std::size_t kPricePerFragment = 512;
-  /// A sender is a participant and the address that speaks in its name. The address with most
-  /// senders gives way first.
+  /// A sender is a participant and the address that sends in its name. The address with the most
+  /// senders loses one first.
   static constexpr std::size_t kMostSenders = 16;
-  /// The fragments of a message follow each other closely.
+  /// The fragments of a message arrive close together.
   static constexpr MonotonicTime kLife = std::chrono::seconds(2);
-  /// Of one fragment that is there in several forms, so many are looked at, and so many messages
-  /// are made of one that comes: the first of what came latest.
+  /// If a fragment arrived in several versions, at most this many are considered, and at most this
+  /// many messages are assembled when a fragment arrives: the first of those that arrived latest.
   static constexpr std::size_t kMostForms = 8;
   static constexpr std::size_t kMostMessages = 8;
-  /// Messages other than the first, and large ones, of all senders.
+  /// Limits for all senders together: messages other than the first one, and large messages.
   static constexpr int kMostMore = 256;
   static constexpr MonotonicTime kMorePeriod = std::chrono::microseconds(250);
   static constexpr std::uint32_t kLarge = 16 << 10;
 
-  /// What the fragments may come to, the likeliest first: nothing as long as one is missing. It
-  /// is not known yet which of them is honest, so what they were made of stays.
+  /// Adds fragments. Returns the messages that they may form, the likeliest first; empty while a
+  /// fragment is missing. It is not known yet which message is honest, so their fragments are kept.
   std::vector<Bytes> add(const GuidPrefix& sender, const DataFrag& frag, MonotonicTime now,
                          const SourceAddress& source = {});
   void forget(const GuidPrefix& sender);
-  /// Fragments that are kept.
+  /// Number of fragments that are kept.
   std::size_t size() const;
 
  private:
-  /// The fragments of one datagram, which follow each other.
+  /// The consecutive fragments of one datagram.
   struct Run {
     SequenceNumber number;
     std::uint16_t fragment_size;
     std::uint32_t sample_size;
-    std::uint32_t first;  ///< index of the first one
+    std::uint32_t first;  ///< index of the first fragment
     std::uint32_t count;
     Bytes octets;
     MonotonicTime since;
@@ -65,14 +67,14 @@ class FragmentStore {
   struct Sender {
     GuidPrefix prefix;
     SourceAddress source;
-    std::deque<Run> runs = {};  ///< the latest last
+    std::deque<Run> runs = {};  ///< latest last
     std::size_t price = 0;
-    std::size_t fragments = 0;  ///< in all of them
+    std::size_t fragments = 0;  ///< in all runs
 
     void drop(std::deque<Run>::iterator at);
     void keep(const DataFrag& frag, MonotonicTime now);
   };
-  /// For each fragment of a message those that came, the latest first.
+  /// For each fragment of a message, the versions that arrived, latest first.
   using Forms = std::vector<std::vector<BytesView>>;
 
   Sender& place_for(const GuidPrefix& prefix, const SourceAddress& source, MonotonicTime now);
@@ -80,7 +82,7 @@ class FragmentStore {
   static std::optional<Forms> forms_of(const Sender& sender, const DataFrag& frag);
   std::vector<Bytes> messages_of(const Forms& forms, MonotonicTime now);
 
-  std::deque<Sender> senders_;  ///< who spoke latest last
+  std::deque<Sender> senders_;  ///< in the order of their latest fragment, latest last
   WorkBudget more_{kMostMore, kMorePeriod, {}};
 };
 

@@ -9,7 +9,7 @@
 namespace ddssec::rtps {
 namespace {
 
-/// Class id and two counts.
+/// The size of a class id and two counts.
 constexpr std::size_t kLeastTokenSize = 12;
 
 void write(Writer& out, const MessageIdentity& identity) {
@@ -23,7 +23,7 @@ Result<MessageIdentity> read_identity(Reader& reader) {
   return identity;
 }
 
-/// Of the name, the value and their lengths, each aligned and ended by NUL.
+/// Upper bound for the name, the value and their lengths, each aligned and terminated by NUL.
 std::size_t most_size_of(const auto& property) {
   return property.name.size() + property.value.size() + 16;
 }
@@ -41,7 +41,7 @@ std::size_t most_size_of(const GenericMessage& message) {
 }  // namespace
 
 Bytes write_generic_message(const GenericMessage& message) {
-  // Reserved at once, so that no smaller block with some of the keys is left behind unwiped.
+  // Reserved at once, so that no reallocation leaves an unwiped block with keys behind.
   Writer out(Endian::little, most_size_of(message));
   write(out, message.identity);
   write(out, message.related);
@@ -52,7 +52,7 @@ Bytes write_generic_message(const GenericMessage& message) {
   out.write_aligned(static_cast<std::uint32_t>(message.data.size()));
   for (const auto& token : message.data) spi::write_token(out, token);
   out.align(4);
-  // Alignment counts from behind the encapsulation.
+  // Alignment counts from the end of the encapsulation.
   Bytes payload(kEncapsulationSize + out.size());
   payload[1] = 1;
   std::ranges::copy(out.view(), payload.begin() + kEncapsulationSize);

@@ -1,4 +1,4 @@
-// ParticipantGenericMessage: what the stateless and the volatile secure endpoints carry
+// ParticipantGenericMessage: the messages of the stateless and of the volatile secure endpoints
 // (DDS-Security 7.4.3.5).
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace ddssec::rtps {
 
-/// Numbers a participant's generic messages; a repeated message keeps its number.
+/// Numbers a participant's generic messages. A repeated message keeps its number.
 struct MessageIdentity {
   Guid source;
   std::int64_t sequence_number = 0;
@@ -24,7 +24,7 @@ inline constexpr std::string_view kAuthentication = "dds.sec.auth";
 inline constexpr std::string_view kParticipantTokens = "dds.sec.participant_crypto_tokens";
 inline constexpr std::string_view kDatawriterTokens = "dds.sec.datawriter_crypto_tokens";
 inline constexpr std::string_view kDatareaderTokens = "dds.sec.datareader_crypto_tokens";
-/// Ours, and meaningless to others: it only has to be acknowledged.
+/// Specific to ddssec and without meaning to others: it only has to be acknowledged.
 inline constexpr std::string_view kQuestion = "org.ddssec.are_you_there";
 }  // namespace message_class
 
@@ -39,11 +39,12 @@ struct GenericMessage {
   bool operator==(const GenericMessage&) const = default;
 };
 
-/// With its encapsulation: plain XCDR1, little-endian, as both known peers write it.
+/// Returns the message with its encapsulation: plain XCDR1, little-endian, as Cyclone DDS and Fast
+/// DDS write it.
 Bytes write_generic_message(const GenericMessage& message);
 
-/// Padding behind the last token is allowed. Errors: truncated, malformed, length_out_of_range
-/// (more than spi::kMostTokensPerMessage), rtps_encapsulation_unsupported.
+/// Padding after the last token is allowed. Errors: truncated, malformed, length_out_of_range (more
+/// than spi::kMostTokensPerMessage), rtps_encapsulation_unsupported.
 Result<GenericMessage> read_generic_message(BytesView payload);
 
 }  // namespace ddssec::rtps

@@ -5,7 +5,7 @@
 namespace ddssec::rtps {
 namespace {
 
-/// Both have it, and it is the same.
+/// True if both tokens have this property with the same value.
 bool same(const spi::Token& a, const spi::Token& b, std::string_view name) {
   const auto* in_a = spi::find_binary_property(a, name);
   const auto* in_b = spi::find_binary_property(b, name);

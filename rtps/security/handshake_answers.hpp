@@ -1,4 +1,4 @@
-// Our replies to the handshake requests of one peer.
+// The local replies to the handshake requests of one peer.
 #pragma once
 
 #include "base/clock.hpp"
@@ -8,7 +8,7 @@
 
 namespace ddssec::rtps {
 
-/// A reply of ours, and what of the request is needed when its final comes.
+/// A reply, and what of the request is needed when the peer's final message arrives.
 struct HandshakeAnswer {
   spi::HandshakeHandle handle;
   GenericMessage reply;
@@ -16,31 +16,32 @@ struct HandshakeAnswer {
   Bytes challenge;  ///< challenge1 of the request
   Bytes peer_data;  ///< c.pdata of the request
   MonotonicTime since;
-  std::size_t octets = 0;  ///< of the request, which the plugin keeps for the final
+  std::size_t octets = 0;  ///< size of the request, which the plugin keeps until the final message
 
-  /// It repeats both challenges.
+  /// True if `final` repeats both challenges.
   bool is_answered_by(const spi::Token& final) const;
 };
 
-/// Answers to different requests, of which one is honest, oldest first. An attacker who recorded a
-/// certificate can make requests, so what the answers of all peers take is counted in `account`.
+/// The replies to different requests, oldest first. Only one of the requests is honest. An attacker
+/// that recorded a certificate can create requests, so the size of the replies to all peers is
+/// counted in `account`.
 class HandshakeAnswers {
  public:
   static constexpr std::size_t kMax = 32;
   static constexpr std::size_t kMaxPerChallenge = 4;
-  /// A younger answer does not give way, so that a final comes in time.
+  /// A younger answer is not removed, so that its final message can arrive in time.
   static constexpr MonotonicTime kMinAge = std::chrono::milliseconds(50);
-  /// An older one belongs to no request.
+  /// An older answer does not belong to a current request.
   static constexpr MonotonicTime kLife = std::chrono::seconds(5);
-  /// Answers that are repeated at once.
+  /// The number of answers that are repeated at once.
   static constexpr std::size_t kMaxRepeated = 4;
-  /// What an answer takes besides its request.
+  /// What an answer counts besides its request, in octets.
   static constexpr std::size_t kPrice = 4096;
 
-  /// Both are borrowed. `account`: octets of the answers to all peers.
+  /// Both are borrowed and must outlive this object. `account`: octets of the answers to all peers.
   HandshakeAnswers(spi::Authentication& plugin, std::size_t& account)
       : plugin_(plugin), account_(account) {}
-  /// The plugin forgets the handshakes with the identity.
+  /// The plugin releases the handshakes together with the identity.
   ~HandshakeAnswers() { account_ -= octets_; }
   HandshakeAnswers(const HandshakeAnswers&) = delete;
   HandshakeAnswers& operator=(const HandshakeAnswers&) = delete;
@@ -48,20 +49,21 @@ class HandshakeAnswers {
   bool empty() const { return answers_.empty(); }
   std::size_t octets() const { return octets_; }
   const std::vector<HandshakeAnswer>& all() const { return answers_; }
-  /// nullptr: there is none.
+  /// Return nullptr if there is none.
   HandshakeAnswer* to(const Sha256Digest& request);
   HandshakeAnswer* with(spi::HandshakeHandle handle);
 
-  /// For an answer to a request with that challenge. False: the others are too young to give way.
+  /// Makes room for an answer to a request with that challenge. Returns false if the others are too
+  /// young to be removed.
   bool make_room(const Bytes& challenge, MonotonicTime now);
   const HandshakeAnswer& add(HandshakeAnswer answer);
-  /// Those whose life is over go.
+  /// Removes the answers that are older than kLife.
   void expire(MonotonicTime now);
-  /// The oldest goes, if there is one.
+  /// Removes the oldest answer, if there is one.
   void give_way();
-  /// The handshake of one of them is finished, and all others go.
+  /// The handshake of this answer is finished: removes all others.
   void finish(spi::HandshakeHandle handle);
-  /// A few of them go to `out`, others each time.
+  /// Appends a few answers to `out`, different ones each time.
   void repeat(std::vector<GenericMessage>& out);
 
  private:
@@ -72,7 +74,7 @@ class HandshakeAnswers {
   std::size_t& account_;
   std::vector<HandshakeAnswer> answers_;
   std::size_t octets_ = 0;
-  std::size_t next_ = 0;  ///< to be repeated
+  std::size_t next_ = 0;  ///< index of the next one to repeat
 };
 
 }  // namespace ddssec::rtps

@@ -8,7 +8,7 @@
 namespace ddssec::rtps {
 namespace {
 
-/// Of a message: the RTPS header, INFO_DST, and DATA without its payload.
+/// The size of a message without its payload: the RTPS header, INFO_DST, and DATA.
 constexpr std::size_t kHeaders = 64;
 
 }  // namespace
@@ -28,7 +28,7 @@ std::size_t HandshakeSender::send(const Peer& peer, const GenericMessage& messag
   return 0;
 }
 
-// Each host is sent another challenge, so that it can prove its own addresses alone.
+// Each host is sent a different challenge, so that it can prove only its own addresses.
 std::size_t HandshakeSender::send_auth_request(const Peer& peer, const GenericMessage& message,
                                                LocatorList addresses) {
   std::size_t held_back = 0;
@@ -50,9 +50,9 @@ std::size_t HandshakeSender::send_auth_request(const Peer& peer, const GenericMe
   return held_back;
 }
 
-// Cyclone DDS answers questions of builtin readers before it authenticated their participant, with
-// a few octets more than they take, and these allow us to send three times as much. Count 0 leaves
-// no trace at its writers.
+// Cyclone DDS answers queries of builtin readers before it has authenticated their participant. The
+// answers have a few octets more than the queries, and allow sending three times as much. Count 0
+// leaves no trace in its writers.
 void HandshakeSender::earn(Peer& peer, const LocatorList& addresses) {
   static constexpr std::pair<EntityId, EntityId> kPairs[] = {
       {kPublicationsReader, kPublicationsWriter},

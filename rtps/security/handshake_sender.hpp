@@ -1,5 +1,5 @@
-// Sends handshake messages, as far as a peer that has not proven its addresses may be sent
-// anything.
+// Sends handshake messages, as far as AmplificationLimit allows sending to a peer that has not
+// proven its addresses.
 #pragma once
 
 #include "rtps/reliability/message_sender.hpp"
@@ -7,17 +7,19 @@
 
 namespace ddssec::rtps {
 
-/// See AmplificationLimit. Each message is sent at once and alone.
+/// Each message is sent at once, in a datagram of its own.
 class HandshakeSender {
  public:
   explicit HandshakeSender(MessageSender& sender) : sender_(sender) {}
 
-  /// 0, or the octets of the message, if so many may not be sent yet.
+  /// Returns 0 if the message was sent. Otherwise returns the message's octets, which may not be
+  /// sent yet.
   std::size_t send(const Peer& peer, const GenericMessage& message, const LocatorList& addresses);
-  /// The same, with a challenge, for one of our own peers.
+  /// The same, with a challenge, for a peer that also runs ddssec.
   std::size_t send_auth_request(const Peer& peer, const GenericMessage& message,
                                 LocatorList addresses);
-  /// Asks a Cyclone DDS what it answers, as long as Peer::held_back is more than may be sent.
+  /// Queries a Cyclone DDS peer, whose answers increase what may be sent, as long as
+  /// Peer::held_back is more than that.
   void earn(Peer& peer, const LocatorList& addresses);
 
  private:

@@ -35,8 +35,9 @@ void Handshakes::add(const ParticipantData& data, const AnnouncedAddresses& addr
   if (is_new) schedule(at->second);
 }
 
-// An attacker can announce in any name, and may have been the first. So a handshake that failed
-// is begun anew with what is announced now, and one under way is carried on at both addresses.
+// An attacker can send announcements in any name, and may have sent the first one. So a handshake
+// that failed begins again with the current announcement, and one that is running continues at both
+// addresses.
 void Handshakes::announced_again(const ParticipantData& data, const AnnouncedAddresses& addresses) {
   auto* peer = core_.find(data.guid.prefix);
   if (peer == nullptr || peer->state.association() != nullptr) return;
@@ -46,7 +47,8 @@ void Handshakes::announced_again(const ParticipantData& data, const AnnouncedAdd
   if (auto* handshake = peer->state.handshake(); handshake && data.vendor == kVendorDdssec)
     handshake->note_repeats_challenges();
   if (!peer->state.is<peer::Refused>() || !starts_.take(peer->source, core_.now)) return;
-  core_.host.on_replaced(GuidPrefix(data.guid.prefix));  // it may have been admitted without
+  // It may have been admitted without authentication.
+  core_.host.on_replaced(GuidPrefix(data.guid.prefix));
   peer->data = data;
   peer->state.announce_again(handshake_with(data));
   schedule(*peer);
@@ -54,8 +56,8 @@ void Handshakes::announced_again(const ParticipantData& data, const AnnouncedAdd
 
 // ---- messages
 
-// An attacker can announce the addresses of others. A peer that said nothing gets our messages
-// where it announced itself from, and at one of the other addresses in turns.
+// An attacker can announce addresses of other hosts. A peer that has sent nothing gets messages at
+// the addresses from which it announced itself, and at one of the other addresses in turn.
 LocatorList Handshakes::addresses_of(const Peer& peer) const {
   const auto& all = peer.metatraffic;
   if (peer.spoke || peer.state.association() != nullptr || peer.announced_by.size() != all.size())
@@ -68,8 +70,9 @@ LocatorList Handshakes::addresses_of(const Peer& peer) const {
   return out;
 }
 
-// In a flood each of them has its own chance to be among those that are looked at. What may not be
-// sent yet is held back until the peer says more; of answers it has to ask again.
+// Each message is sent separately, so that in a flood each has its own chance to be processed. A
+// message that may not be sent yet is held back until the peer sends more. An answer is not held
+// back; the peer has to request it again.
 void Handshakes::send(Peer& peer, const PeerHandshake::Messages& messages) {
   const auto& handshake = *peer.state.handshake();
   const auto addresses = addresses_of(peer);
@@ -131,8 +134,9 @@ void Handshakes::on_stateless_frag(const GuidPrefix& source, const DataFrag& fra
     on_stateless(source, whole);
 }
 
-// It waits for our request. If we are done with it, it may have lost us; or an attacker says so in
-// its name, and it still answers by the keys that it has with us.
+// The peer waits for a handshake request. If its handshake is already finished, the peer may have
+// lost its state. Or an attacker sent this in its name, and the peer still answers with its present
+// keys.
 void Handshakes::on_auth_request(Peer& peer, const GenericMessage& message) {
   auto& handshake = *peer.state.handshake();
   PeerHandshake::Messages out;
@@ -158,7 +162,7 @@ void Handshakes::on_authentication(Peer& peer, const GenericMessage& message) {
   if (handshake.started()) peer.state.begin();
   if (!taken) return request_resend(peer);
   if (handshake.refusals() > 0 && peer.state.association() == nullptr) note_failure(peer);
-  // A Final goes out when the keys are ready for what the peer sends next.
+  // A final message is sent once the keys are ready for what the peer sends next.
   const bool is_new = advance(peer);
   if (!peer.state.is<peer::Refused>()) send(peer, out);
   if (is_new) open_channel(peer);
@@ -176,9 +180,9 @@ void Handshakes::make_room_for_answer() {
   }
 }
 
-// Before anything is known to be true, public-key work is limited. A flood leaves a share to those
-// who send little; in a flood that is in the name of an honest peer, its messages are taken as
-// often as any other.
+// Public-key work is limited before anything is proven. In a flood, peers that send little have a
+// share of their own. In a flood in the name of an honest peer, its messages are processed as often
+// as any other.
 bool Handshakes::may_spend(Peer& peer, Effort effort) {
   if (effort == Effort::memory) return repetitions_.take(core_.now);
   auto& limits = effort == Effort::echo ? echoes_ : requests_;
@@ -186,12 +190,12 @@ bool Handshakes::may_spend(Peer& peer, Effort effort) {
   return (few ? limits.few : limits.loud).take(core_.now);
 }
 
-// Its next message may be the lucky one: it gets a reason to send it soon.
+// The peer's next message may be processed, so it is made to send it soon.
 void Handshakes::request_resend(const Peer& peer) {
   if (resend_requests_.take(core_.now)) peer.state.handshake()->hasten(core_.now);
 }
 
-// ---- edges
+// ---- state transitions
 
 bool Handshakes::advance(Peer& peer) {
   auto& handshake = *peer.state.handshake();
@@ -213,7 +217,7 @@ bool Handshakes::advance(Peer& peer) {
       refuse(peer);
     return false;
   }
-  // It is back, with keys of before: from here on it is watched as any other.
+  // The peer has returned and knows earlier keys: from here on it is watched like any other.
   revision_.drop_absent(peer.prefix());
   fragments_.forget(peer.prefix());
   core_.sender.limit().lift(peer.prefix());
@@ -240,7 +244,7 @@ bool Handshakes::has_place(const Peer& peer) const {
   return peer.state.association() != nullptr || subjects_.has_place(peer.prefix());
 }
 
-// Raised before the peer counts as one with failures, so once for each.
+// Raised before the peer counts as failed, so once for each peer.
 Error Handshakes::no_place_for(const Peer& peer) {
   Error error(Code::too_many_identities_of_subject,
               {.document = "the certificate of participant " + peer.name(),
@@ -282,7 +286,7 @@ Status Handshakes::register_keys(const Peer& peer, Association& association) {
       keyring.add_remote(prefix, {handshake.identity()->handle(), association.permissions.handle,
                                   std::move(secret), peer.data.vendor != kVendorCyclone}));
   association.keys = Cleanup([&sender = core_.sender, &keyring, prefix] {
-    sender.flush_now();  // what waits needs its keys
+    sender.flush_now();  // waiting messages need its keys
     keyring.remove_remote(prefix);
   });
   DDSSEC_TRY(keyring.introduce(kVolatileMessageWriter, {prefix, kVolatileMessageReader}));
@@ -290,11 +294,11 @@ Status Handshakes::register_keys(const Peer& peer, Association& association) {
   return {};
 }
 
-// What was announced in the clear can be forged; this both sides have signed.
+// Unprotected announcements can be forged; both sides have signed this data.
 Status Handshakes::adopt_proven_data(Peer& peer) {
   const auto proven = read_participant_list(peer.state.handshake()->peer_data(), Endian::big);
   if (!proven || proven->guid != peer.data.guid)
-    return {};  // without it, what was announced counts
+    return {};  // without it, the announced data counts
   DDSSEC_TRY(admission_.check_proven(*proven));
   if (proven->vendor != VendorId{}) peer.data.vendor = proven->vendor;
   if (proven->permissions_token) peer.data.permissions_token = proven->permissions_token;
@@ -325,7 +329,7 @@ void Handshakes::note_key_exchange(Peer& peer) {
 
 // ---- time
 
-// A peer may go meanwhile.
+// A peer may be removed meanwhile.
 void Handshakes::tick() {
   if (core_.now < next_) return;
   next_ = kNever;
@@ -349,7 +353,7 @@ void Handshakes::tick(Peer& peer) {
   advance(peer);
 }
 
-// Announcements cost their sender nothing, and words little; keys cost us something.
+// Announcements cost their sender nothing, and messages little, but keys cost local work.
 bool Handshakes::may_tick(Peer& peer) {
   auto& handshake = *peer.state.handshake();
   if (!handshake.started() && !has_place(peer)) {
@@ -365,7 +369,7 @@ bool Handshakes::may_tick(Peer& peer) {
   }
   if (std::exchange(peer.may_go_on, false)) return true;
   const bool is_silent = handshake.started() && !peer.spoke;
-  // One announcement is not answered again and again: its sender may not exist.
+  // One announcement is not answered again and again, because its sender may not exist.
   const bool was_heard =
       !is_silent || handshake.repetitions() < kMessagesUnasked || peer.was_announced;
   if (!was_heard || (is_silent && !silent_.take(peer.source, core_.now))) {
@@ -401,7 +405,7 @@ void Handshakes::end_probe(Peer& peer) {
     peer.state.handshake()->begin_again(core_.now);
 }
 
-// No end: an attacker can hold messages back, or forge them.
+// The handshake does not end here: an attacker can hold messages back, or forge them.
 void Handshakes::note_overdue(Peer& peer) {
   if (!peer.state.handshake()->is_overdue() || !peer.state.time_out()) return;
   note_failure(peer);
@@ -413,9 +417,9 @@ void Handshakes::note_overdue(Peer& peer) {
               peer, Origin::anyone);
 }
 
-// DDS-Security 1.2, 9.8.3.1: a participant that could authenticate, and fails to, is matched as one
-// that cannot. No single message is a failure: it can be sent in the peer's name. And a peer
-// that does not accept our certificate does not say so.
+// DDS-Security 1.2, 9.8.3.1: a participant that could authenticate but fails to is matched like one
+// that cannot. No single message counts as failure, because it can be sent in the peer's name. And
+// a peer that does not accept the local certificate does not report it.
 MonotonicTime Handshakes::next_admission(const Peer& peer) const {
   const auto* unproven = peer.state.unproven();
   if (unproven == nullptr || unproven->admitted) return kNever;

@@ -68,8 +68,9 @@ void KeyExchange::send(Peer& peer, GenericMessage message) {
   association->volatile_writer->write(std::move(change), core_.now);
 }
 
-// No acknowledgement was ever for it: so a recorded one does not answer it. What is under way to
-// the peer already is as good, and leaves no more behind.
+// The peer has never acknowledged this message before, so a recorded acknowledgment does not answer
+// it. If other messages to the peer are still unacknowledged, a query is as good and leaves nothing
+// stored.
 void KeyExchange::probe(Peer& peer) {
   if (!is_up_to_date(peer)) return ask_for_sign_of_life(peer);
   GenericMessage message;
@@ -129,7 +130,7 @@ void KeyExchange::send_revised(Peer& peer) {
   send_waiting(peer);
 }
 
-// ---- what waits
+// ---- waiting messages
 
 bool KeyExchange::may_send(const Association& association) const {
   return association.volatile_writer &&
@@ -148,7 +149,7 @@ void KeyExchange::add_waiting(Association& association, const EntityId& local, c
   });
 }
 
-// Tokens are made when they are sent.
+// Tokens are created when they are sent.
 void KeyExchange::send_waiting(Peer& peer) {
   auto& association = *peer.state.association();
   auto& keyring = core_.keyring;
@@ -165,7 +166,7 @@ void KeyExchange::send_waiting(Peer& peer) {
   }
 }
 
-// A message that was refused would wait for the peer's next HEARTBEAT otherwise.
+// Otherwise a refused message would wait for the peer's next HEARTBEAT.
 void KeyExchange::tick() {
   for (const auto& prefix : std::exchange(have_room_, {}))
     if (auto* reader = volatile_reader(prefix)) reader->offer_again();
@@ -203,20 +204,21 @@ bool KeyExchange::on_message(const GuidPrefix& prefix, const Change& change) {
 void KeyExchange::on_participant_tokens(Peer& peer, const GenericMessage& message) {
   const auto status = core_.keyring.set_participant_tokens(peer.prefix(), message.data);
   if (!status) return core_.raise(status.error(), peer, Origin::its_keys);
-  // It can read ours by now: what it could not read before is offered again at once.
+  // The peer can read the local messages now: what it could not read before is offered again at
+  // once.
   if (auto* association = peer.state.association(); association->volatile_writer)
     association->volatile_writer->ask_for_acknowledgments();
   join(peer);
 }
 
-// Discovery and keys come in any order.
+// Discovery and keys may arrive in any order.
 bool KeyExchange::on_endpoint_tokens(Peer& peer, GenericMessage message, std::size_t octets) {
   const Guid local = message.destination_endpoint;
   const Guid remote = message.source_endpoint;
   const bool to_reader = message.message_class == message_class::kDatawriterTokens;
   const bool fits = local.prefix == core_.own->guid().prefix && remote.prefix == peer.prefix() &&
                     is_reader(local.entity) == to_reader && is_writer(remote.entity) == to_reader;
-  // Our endpoints exist before others hear of them.
+  // Local endpoints exist before they are announced to others.
   if (!fits || core_.keyring.attributes(local.entity) == nullptr) return true;
   if (core_.keyring.is_introduced(local.entity, remote)) {
     if (apply_tokens(peer, message)) core_.host.on_keys(local.entity, remote);

@@ -1,5 +1,5 @@
-// Sends and receives key tokens by the volatile secure endpoints (DDS-Security 8.8.7, 8.8.8), which
-// exist once for each peer.
+// Sends and receives key tokens through the volatile secure endpoints (DDS-Security 8.8.7, 8.8.8).
+// There is one pair of these endpoints for each peer.
 #pragma once
 
 #include "rtps/security/security_core.hpp"
@@ -8,47 +8,47 @@ namespace ddssec::rtps {
 
 class KeyExchange {
  public:
-  /// Of one message with tokens: many times what keys take.
+  /// Size limit for one message with tokens, several times what keys need.
   static constexpr std::size_t kMaxTokenOctets = 4096;
-  /// Of the messages of one peer that came before others of it.
+  /// Limits for the messages of one peer that arrived out of order.
   static constexpr StatefulReader::Limits kVolatileLimits{.largest_sample = 64 << 10,
                                                           .held_octets = std::size_t{1} << 20};
 
-  /// What a peer did not acknowledge of our messages; further ones are made when it did.
+  /// Limit for messages that a peer has not acknowledged. Further ones are created when it has.
   static constexpr std::size_t kMaxUnacknowledgedOctets = std::size_t{256} << 10;
 
   explicit KeyExchange(SecurityCore& core) : core_(core) {}
 
-  /// Opens the channel to a peer that has just authenticated, and sends our participant key. Error:
-  /// those of making its tokens.
+  /// Opens the channel to a peer that has just authenticated, and sends the local participant key.
+  /// Errors: those of creating its tokens.
   Status open(Peer& peer);
-  /// The endpoints for a peer; nullptr before it authenticated.
+  /// The endpoints for a peer; nullptr before it has authenticated.
   StatefulWriter* volatile_writer(const GuidPrefix& prefix);
   StatefulReader* volatile_reader(const GuidPrefix& prefix);
-  /// It has all keys that it needs of us, and we of it.
+  /// Both sides have all keys that they need of the other.
   void join(Peer& peer);
-  /// A message that only the peer itself can acknowledge.
+  /// Sends a message that only the peer itself can acknowledge.
   void probe(Peer& peer);
-  /// A question that leaves nothing behind: a HEARTBEAT that every reader must answer.
+  /// Sends a query that leaves nothing stored: a HEARTBEAT that every reader must answer.
   void ask_for_sign_of_life(Peer& peer);
 
-  /// The peer acknowledged something: what waits for that goes out.
+  /// The peer acknowledged something: sends messages that waited for that.
   void note_acknowledged(Peer& peer);
-  /// What had no room among the early tokens is offered again.
+  /// Offers again the messages for which there was no room among the early tokens.
   void tick();
   MonotonicTime next_tick() const { return have_room_.empty() ? kNever : core_.now; }
 
-  /// Brings a local and a remote endpoint together; true: they can be matched now, else on_keys
-  /// says when.
+  /// Registers a local and a remote endpoint as a pair. Returns true if they can be matched now.
+  /// Otherwise on_keys is called when they can.
   bool introduce(const EntityId& local, const Guid& remote, bool relay_only);
 
-  // Key revision.
-  /// While it is under way, new peers and endpoints get the revised keys, too.
+  // Key revision:
+  /// While a revision is under way, new peers and endpoints also get the revised keys.
   void set_revising(bool revising);
   void send_revised(Peer& peer);
-  /// It has our keys, and gets the next ones.
+  /// True if the peer has the local keys and gets the next ones.
   static bool is_trusted(const Peer& peer);
-  /// It has acknowledged all keys that were sent to it, or is not trusted.
+  /// True if the peer has acknowledged all keys that were sent to it, or is not trusted.
   static bool is_up_to_date(const Peer& peer);
 
  private:
@@ -61,17 +61,18 @@ class KeyExchange {
                    spi::KeyStage stage);
   void send_waiting(Peer& peer);
   bool may_send(const Association& association) const;
-  /// False: there is no room for it now, and it is to come again.
+  /// Returns false if there is no room for the message now and it must be delivered again.
   bool on_message(const GuidPrefix& prefix, const Change& change);
   void on_participant_tokens(Peer& peer, const GenericMessage& message);
   bool on_endpoint_tokens(Peer& peer, GenericMessage message, std::size_t octets);
-  /// True: the pair has become ready.
+  /// Returns true if the pair has become ready.
   bool apply_tokens(Peer& peer, const GenericMessage& message);
 
   SecurityCore& core_;
   std::int64_t last_number_ = 0;
   bool revising_ = false;
-  std::vector<GuidPrefix> have_room_;  ///< peers of which early tokens were taken since tick()
+  /// Peers of which early tokens were taken since the last tick.
+  std::vector<GuidPrefix> have_room_;
 };
 
 }  // namespace ddssec::rtps

@@ -4,8 +4,8 @@
 
 namespace ddssec::rtps {
 
-// A peer that loses its trust meanwhile may have the keys that are on their way. Then these are put
-// to use for the others, and the next ones follow, for all that went until then.
+// A peer that loses its trust meanwhile may have the keys that are being sent. Then these are still
+// put to use, and another revision follows, which excludes all peers that lost trust until then.
 void KeyRevision::tick() {
   if (under_way_ && (core_.now >= under_way_->deadline || all_are_up_to_date())) finish();
   if (!under_way_ && is_due_ && core_.now >= retry_) begin();

@@ -1,41 +1,43 @@
-// Shuts out participants that lost their trust: new keys for all others (DDS-Security 1.2
-// 9.8.10.4), in use once they have them.
+// Excludes participants that lost their trust: creates new keys for all others (DDS-Security 1.2,
+// 9.8.10.4), and uses them once the others have them.
 #pragma once
 
 #include "rtps/security/key_exchange.hpp"
 
 namespace ddssec::rtps {
 
-/// One revision at a time. Without `enable_key_revision` in the governance nothing happens.
+/// One revision runs at a time. Without `enable_key_revision` in the governance nothing happens.
 class KeyRevision {
  public:
-  /// Revised keys are in use so long after they were sent at the latest. Receivers let the former
-  /// ones count twice as long.
+  /// Revised keys are used this long after they were sent, at the latest. Receivers accept the
+  /// former keys for twice as long.
   static constexpr MonotonicTime kPatience = std::chrono::seconds(5);
-  /// When making revised keys failed.
+  /// Time until the next attempt after creating revised keys failed.
   static constexpr MonotonicTime kRetry = std::chrono::seconds(1);
-  /// Peers that left with our keys and whose trust is still watched; one more, and keys are
-  /// revised.
+  /// Limit for peers that left with the local keys and whose trust is still watched. If there is
+  /// one more, keys are revised.
   static constexpr std::size_t kMaxAbsent = 256;
 
   KeyRevision(SecurityCore& core, KeyExchange& exchange) : core_(core), exchange_(exchange) {}
 
   bool is_enabled() const { return core_.own->attributes().is_key_revision_enabled; }
-  /// New keys as soon as possible.
+  /// Requests new keys as soon as possible.
   void request() { is_due_ = is_enabled(); }
   void tick();
   MonotonicTime next_tick() const;
-  /// Once a second: do the keys' lives end?
+  /// Must be called once a second: checks whether the lifetime of the keys has ended.
   void check_key_life();
 
-  // Peers that left in good standing. What they know of our keys is good as long as their trust.
+  // Peers that left while they were trusted. Their knowledge of the local keys is acceptable as
+  // long as they are trusted.
   /// Takes over the identity and the permissions of a peer that leaves.
   void note_absent(Peer& peer);
-  /// nullptr: it did not leave, or is forgotten.
+  /// Returns nullptr if the peer did not leave, or is forgotten.
   std::shared_ptr<const PeerIdentity> identity_of_absent(const GuidPrefix& prefix) const;
-  /// This participant is not watched from here on, so its keys must not count any longer.
+  /// This participant is no longer watched from here on, so a key revision must make its keys
+  /// useless.
   void drop_absent(const GuidPrefix& prefix);
-  /// Requests a revision if `ended(identity, permissions)` for any of them.
+  /// Requests a revision if `ended(identity, permissions)` is true for any of them.
   template <class F>
   void check_absent(F&& ended) {
     for (const auto& absent : absent_)
@@ -48,7 +50,7 @@ class KeyRevision {
     PeerPermissions permissions;
     std::shared_ptr<const PeerIdentity> identity;
   };
-  /// Revised keys on their way to the peers that are trusted.
+  /// Revised keys that are being sent to the trusted peers.
   struct UnderWay {
     spi::KeyRevision number;
     MonotonicTime deadline;

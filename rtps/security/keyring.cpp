@@ -11,8 +11,8 @@ bool needs_keys(const spi::EndpointSecurityAttributes& attributes) {
   return attributes.is_submessage_protected() || attributes.is_payload_protected();
 }
 
-// A writer needs nothing of a reader that only ever opens payloads (Cyclone DDS sends no tokens
-// then); a reader needs the writer's keys for either level.
+// A writer needs no tokens of a reader that only opens payloads (Cyclone DDS sends none then). A
+// reader needs the writer's keys for either kind of protection.
 bool waits_for_tokens(const EntityId& local, const spi::EndpointSecurityAttributes& attributes) {
   return is_writer(local) ? attributes.is_submessage_protected() : needs_keys(attributes);
 }
@@ -66,7 +66,7 @@ Result<std::optional<spi::CipherMask>> Keyring::required_ciphers(const EntityId&
   if (local == nullptr || local->handle == 0) return std::nullopt;
   if (is_writer(id))
     return DDSSEC_TRY(factory().required_ciphers(spi::DatawriterCryptoHandle{local->handle}));
-  // A reader sends nothing under a payload key.
+  // A reader sends nothing with a payload key.
   if (!local->attributes.is_submessage_protected()) return std::nullopt;
   return DDSSEC_TRY(factory().required_ciphers(spi::DatareaderCryptoHandle{local->handle}));
 }
@@ -193,7 +193,7 @@ bool Keyring::is_introduced(const EntityId& id, const Guid& remote) const {
   return local != nullptr && local->pairs.contains(remote);
 }
 
-// Where only payloads are protected, an attacker can give them another number.
+// If only payloads are protected, an attacker can change their sequence numbers.
 std::optional<Sha256Digest> Keyring::keys_of(const EntityId& id, const Guid& remote) const {
   const auto* local = find(id);
   const auto peer = remotes_.find(remote.prefix);
@@ -217,7 +217,7 @@ void Keyring::Local::list(const EntityId& id, Pair& pair) {
     writers.push_back({pair.handle});
 }
 
-// The last one takes its place.
+// The last pair moves to the free place.
 void Keyring::Local::unlist(const EntityId& id, Pair& pair) {
   if (!pair.place) return;
   const auto place = *pair.place;

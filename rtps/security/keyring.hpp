@@ -1,5 +1,5 @@
-// Which crypto handles stand for which participants, endpoints and matched pairs, and what they do
-// to octets on their way out and in.
+// The crypto handles of participants, endpoints and matched pairs, and the protection of messages
+// with them in both directions.
 #pragma once
 
 #include <map>
@@ -14,38 +14,39 @@
 
 namespace ddssec::rtps {
 
-/// What a received submessage was protected by.
+/// What protected a received submessage.
 struct Shield {
-  bool message = false;  ///< came inside a protected message of its sender
+  bool message = false;  ///< it arrived inside a protected message of its sender
   Guid submessage = {};  ///< the endpoint whose key protected it; zero: none
 };
 
-/// Of plain SEDP or liveliness. Cyclone DDS sends these outside of protected messages, Fast DDS
-/// inside.
+/// True for the plain SEDP and liveliness endpoints. Cyclone DDS sends their data outside of
+/// protected messages, Fast DDS inside.
 bool is_plain_builtin(const EntityId& id);
 
-/// No I/O, clock or lock. Of the message path nothing allocates.
+/// No I/O, clock or lock. The functions that protect and open messages allocate nothing.
 class Keyring final : public SendProtection {
  public:
   Keyring(OwnSecurity& own, EventSink& events) : own_(own), events_(events) {}
   ~Keyring() override;
 
-  // Local endpoints.
-  /// `properties`: the endpoint's own; the volatile secure ones are marked by `builtin_name`.
+  // Local endpoints:
+  /// `properties`: those of the endpoint. `builtin_name` marks the volatile secure endpoints.
   Status add_local(const EntityId& id, const spi::EndpointSecurityAttributes& attributes,
                    std::string_view builtin_name = {}, spi::PropertyList properties = {});
   void remove_local(const EntityId& id);
-  /// What one must understand to hear it; nothing if it protects nothing itself.
+  /// Returns the ciphers that a peer must support to receive from the endpoint; empty if it
+  /// protects nothing itself.
   Result<std::optional<spi::CipherMask>> required_ciphers(const EntityId& id);
-  /// nullptr: never added.
+  /// Returns nullptr if the endpoint was never added.
   const spi::EndpointSecurityAttributes* attributes(const EntityId& id) const;
 
-  // Remote participants.
+  // Remote participants:
   struct RemoteParticipant {
     spi::IdentityHandle identity;
     spi::PermissionsHandle permissions;
     std::shared_ptr<const spi::SharedSecret> secret;
-    /// Plain SEDP and liveliness come inside protected messages too; not so from Cyclone DDS.
+    /// Plain SEDP and liveliness also arrive inside protected messages. false for Cyclone DDS.
     bool wraps_plain_builtin = true;
   };
   Status add_remote(const GuidPrefix& prefix, RemoteParticipant remote);
@@ -54,42 +55,44 @@ class Keyring final : public SendProtection {
                                                      spi::KeyStage stage = spi::KeyStage::in_use);
   Status set_participant_tokens(const GuidPrefix& prefix, std::span<const spi::Token> tokens);
 
-  // Pairs of a local and a remote endpoint.
+  // Pairs of a local and a remote endpoint:
   struct Introduction {
-    bool ready = false;  ///< keys are there, or none are needed
+    bool ready = false;  ///< the keys have arrived, or none are needed
     bool is_new = false;
-    std::vector<spi::Token> tokens = {};  ///< to be sent to the remote endpoint, if new
+    std::vector<spi::Token> tokens = {};  ///< to be sent to the remote endpoint, if the pair is new
   };
   /// Registers a pair, or finds it.
   Result<Introduction> introduce(const EntityId& local, const Guid& remote,
                                  bool relay_only = false);
   void part(const EntityId& local, const Guid& remote);
   bool is_introduced(const EntityId& local, const Guid& remote) const;
-  /// Stands for the keys that protect what the remote endpoint says to the local one: the same as
-  /// long as they are. Nothing: the content is not authenticated.
+  /// A digest of the keys that protect messages from the remote to the local endpoint. It stays the
+  /// same as long as the keys do. Empty: the content is not authenticated.
   std::optional<Sha256Digest> keys_of(const EntityId& local, const Guid& remote) const;
-  /// True: the pair has become ready.
+  /// Returns true if the pair has become ready.
   Result<bool> set_endpoint_tokens(const EntityId& local, const Guid& remote,
                                    std::span<const spi::Token> tokens);
 
-  // Key revision (DDS-Security 1.2 9.8.10.4); see spi::CryptoKeyFactory.
+  // Key revision (DDS-Security 1.2, 9.8.10.4); see spi::CryptoKeyFactory:
   Result<spi::KeyRevision> revise();
   Status activate(spi::KeyRevision revision);
   bool is_revision_due() { return factory().is_key_revision_due(own_.crypto()); }
   void forget_former_keys() { factory().forget_former_keys(); }
-  /// Those of our endpoints with those of a peer that have keys of their own.
+  /// The pairs of local endpoints with endpoints of that peer that have keys of their own.
   std::vector<std::pair<EntityId, Guid>> pairs_with_keys(const GuidPrefix& prefix) const;
-  /// What the remote endpoint of such a pair needs, now or of the revision under way.
+  /// The tokens that the remote endpoint of such a pair needs: those in use, or those of the
+  /// revision under way.
   Result<std::vector<spi::Token>> endpoint_tokens(const EntityId& local, const Guid& remote,
                                                   spi::KeyStage stage);
 
-  // Receiving. Each writes to `scratch`, which needs as many octets as the input has.
-  /// A whole message; one that is not protected, and need not be, as it is. Errors: those of the
-  /// plugin, rtps_protection_missing (no pre-shared key where one is due), secure_flags_unsupported
-  /// (one where none is); counted, and an event where it is worth one.
+  // Receiving. Each call writes to `scratch`, which must have at least the size of the input.
+  /// Opens a whole message. An unprotected message is returned unchanged, if it need not be
+  /// protected. Errors: those of the plugin, rtps_protection_missing (a pre-shared key is required
+  /// but was not used), secure_flags_unsupported (a pre-shared key was used where there is none).
+  /// Errors are counted, and raise an event if they deserve one.
   struct OpenMessage {
     BytesView plain;
-    bool by_participant = false;  ///< by its sender's own key
+    bool by_participant = false;  ///< protected by its sender's own key
   };
   Result<OpenMessage> open_message(const Header& header, BytesView message, MutableBytes scratch,
                                    MonotonicTime now);
@@ -99,17 +102,18 @@ class Keyring final : public SendProtection {
   };
   Result<OpenSubmessage> open_submessage(const GuidPrefix& sender, BytesView group,
                                          MutableBytes scratch);
-  /// `reader` and `writer` must be a ready pair. An unprotected payload passes through.
+  /// `reader` and `writer` must be a ready pair. An unprotected payload is returned unchanged.
   Result<BytesView> open_payload(const EntityId& reader, const Guid& writer, BytesView payload,
                                  MutableBytes scratch);
-  /// Was it protected as the governance demands? What is refused is counted.
+  /// True if the submessage was protected as the governance requires. Refused submessages are
+  /// counted.
   bool accepts(const EntityId& local, const Guid& remote, const Shield& shield);
-  /// The same of a dispose or unregister without a payload, where payloads are all that is
-  /// protected and the writer is one that sends the key in them.
+  /// The same for a dispose or unregister without a payload, if only payloads are protected and the
+  /// writer sends keys in payloads.
   bool accepts_without_payload(const EntityId& local, const Guid& remote, const Shield& shield);
   const ProtectionCounters& counters() const { return counters_; }
 
-  // SendProtection
+  // SendProtection:
   Levels levels(const EntityId& sender) const override;
   Result<std::size_t> protect_payload(const EntityId& writer, BytesView plain,
                                       MutableBytes out) override;
@@ -121,20 +125,20 @@ class Keyring final : public SendProtection {
 
  private:
   struct Pair {
-    std::int64_t handle = 0;  ///< the remote endpoint's; 0: no keys at all
+    std::int64_t handle = 0;  ///< handle of the remote endpoint; 0: no keys at all
     bool ready = false;
-    Sha256Digest keys = {};                 ///< of its tokens, the latest
-    std::optional<std::size_t> place = {};  ///< in the lists of ready ones
+    Sha256Digest keys = {};                 ///< digest of its latest tokens
+    std::optional<std::size_t> place = {};  ///< index in the lists of ready pairs
   };
   struct Local {
     spi::EndpointSecurityAttributes attributes;
     bool is_volatile = false;
     std::int64_t handle = 0;  ///< 0: nothing to protect
     std::map<Guid, Pair> pairs = {};
-    std::vector<spi::DatareaderCryptoHandle> readers = {};  ///< a writer's ready ones
-    std::vector<spi::DatawriterCryptoHandle> writers = {};  ///< a reader's ready ones
+    std::vector<spi::DatareaderCryptoHandle> readers = {};  ///< for a writer: the ready readers
+    std::vector<spi::DatawriterCryptoHandle> writers = {};  ///< for a reader: the ready writers
     std::vector<Pair*> ready = {};                          ///< the pairs of either list
-    /// Adds a pair to the lists if it is ready, or takes it out, without a look at the others.
+    /// Adds a pair to the lists if it is ready, or removes it, without iterating over the others.
     void list(const EntityId& id, Pair& pair);
     void unlist(const EntityId& id, Pair& pair);
   };
@@ -142,7 +146,7 @@ class Keyring final : public SendProtection {
     spi::ParticipantCryptoHandle crypto;
     std::shared_ptr<const spi::SharedSecret> secret;
     bool wraps_plain_builtin = true;
-    Sha256Digest keys = {};  ///< of its tokens, the latest
+    Sha256Digest keys = {};  ///< digest of its latest tokens
   };
 
   const Local* find(const EntityId& id) const;

@@ -1,4 +1,4 @@
-// Keyring, the part that protects whole messages by participants' keys.
+// The part of Keyring that protects whole messages with participants' keys.
 #include "plugins/spi/session_reset.hpp"
 #include "rtps/security/keyring.hpp"
 #include "wire/submessage.hpp"
@@ -21,8 +21,9 @@ Result<Keyring::OpenMessage> Keyring::open_message(const Header& header, BytesVi
   }
   if (spi::has_pre_shared_key_flag(message))
     return OpenMessage{DDSSEC_TRY(pre_shared_.open(header, message, scratch, now))};
-  // From a peer on our plugins in Cyclone DDS that has ended the session: after a revocation or an
-  // expiry it answers each message so. It is no damaged message, and no cause for a warning.
+  // Sent by a peer with ddssec's plugins in Cyclone DDS that has ended the session: after a
+  // revocation or an expiry it answers every message in this way. It is not a damaged message and
+  // no reason for a warning.
   if (spi::read_reset(message)) return fail(Code::session_reset_by_peer);
   const auto remote = remotes_.find(header.prefix);
   if (remote == remotes_.end()) return undecodable(Error(Code::crypto_not_matched), header.prefix);

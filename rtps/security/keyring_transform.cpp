@@ -1,4 +1,4 @@
-// Keyring, the half that turns octets into protected ones and back.
+// The part of Keyring that protects and opens submessages and payloads.
 #include <algorithm>
 
 #include "rtps/security/keyring.hpp"
@@ -6,7 +6,7 @@
 namespace ddssec::rtps {
 namespace {
 
-// What comes too early or is meant for others is no event.
+// A message that arrives too early or is meant for others raises no event.
 bool is_expected(Code code) {
   return code == Code::key_material_not_received || code == Code::unknown_key_id ||
          code == Code::key_revision_unknown || code == Code::receiver_specific_mac_missing ||

@@ -1,4 +1,4 @@
-// What a secured participant is to the three plugins: its identity, permissions and keys.
+// The local participant's handles at the three plugins: its identity, permissions and keys.
 #pragma once
 
 #include <memory>
@@ -11,24 +11,24 @@
 
 namespace ddssec::rtps {
 
-/// The engines, made by the application; they outlive every participant that uses them.
+/// The plugins, created by the application. They must outlive every participant that uses them.
 struct SecurityPlugins {
   spi::Authentication& authentication;
   spi::AccessControl& access_control;
   spi::Cryptography& cryptography;
 };
 
-/// What makes a participant a secured one.
+/// The options that make a participant a secured one.
 struct SecurityOptions {
   SecurityPlugins plugins;
-  /// Names as in plugins/spi/property_names.hpp.
+  /// Their names are those in plugins/spi/property_names.hpp.
   spi::PropertyList properties;
 };
 
-/// A local participant that is allowed to be there. Gives its handles back when it dies.
+/// A local participant that was authenticated and authorized. Its destructor returns the handles.
 class OwnSecurity {
  public:
-  /// Errors: those of the plugins (each has raised its event already).
+  /// Errors: those of the plugins, which have already raised their events.
   static Result<std::unique_ptr<OwnSecurity>> create(const SecurityOptions& options,
                                                      DomainId domain_id,
                                                      const GuidPrefix& candidate,
@@ -48,12 +48,12 @@ class OwnSecurity {
   spi::ParticipantCryptoHandle crypto() const { return crypto_; }
   const spi::ParticipantSecurityAttributes& attributes() const { return attributes_; }
   const spi::SymmetricCipherInfo& ciphers() const { return ciphers_; }
-  /// nullptr: the governance asks for none.
+  /// nullptr: the governance requires none.
   spi::PreSharedKeys* pre_shared_keys() const { return pre_shared_keys_.get(); }
   const spi::Token& identity_token() const { return identity_token_; }
   const spi::Token& permissions_token() const { return permissions_token_; }
 
-  /// What the governance says of one of the builtin topics of DDS-Security 7.4.8.
+  /// The governance's attributes for one of the builtin topics of DDS-Security 7.4.8.
   Result<spi::EndpointSecurityAttributes> builtin_attributes(std::string_view topic);
 
  private:

@@ -1,4 +1,4 @@
-// Legal edges; everything else is refused and changes nothing.
+// The legal transitions. All others are refused and change nothing.
 //
 //   Announced       --handshake begins------->  Authenticating
 //   Announced       --100 s------------------>  Waiting         goes on slowly, and has no end
@@ -22,9 +22,9 @@
 //   Refused         --another announcement--->  Announced
 //   any other       --expired, revoked------->  Distrusted      keys stay until it is unmatched
 //
-// No edge leaves Distrusted: the participant is removed. What proves nothing, an announcement or a
-// forged message, leads only to Authenticating, Waiting or a probe; or to Refused, if the announced
-// identity token is invalid, and another announcement leads back from there.
+// No transition leaves Distrusted: the participant is removed. Announcements and forged messages,
+// which prove nothing, lead only to Authenticating, to Waiting or to a probe. They lead to Refused
+// if the announced identity token is invalid; a different announcement leads back from there.
 #include "rtps/security/peer.hpp"
 
 namespace ddssec::rtps {
@@ -39,7 +39,7 @@ using peer::Refused;
 using peer::Unproven;
 using peer::Waiting;
 
-// What happens to a peer.
+// The events that cause transitions.
 struct HandshakeBegins {};
 struct TakesTooLong {};
 struct PatienceEnds {};
@@ -63,12 +63,12 @@ struct AnotherAnnouncement {
 };
 struct TrustEnds {};
 
-/// Of a state that stays.
+/// Result of a transition that stays in the same state.
 struct Stays {};
-/// Of an edge that does not exist.
+/// Result if there is no transition.
 struct Illegal {};
 
-/// In the same state, but for what `on` changed in it.
+/// The state object stays the same, apart from what `on` changed in it.
 constexpr Stays kStays;
 
 Authenticating on(Announced& state, const HandshakeBegins&) { return {std::move(state)}; }
@@ -131,7 +131,7 @@ Refused on(AwaitingKeys&, const Refusal&) { return {}; }
 
 Announced on(Refused&, AnotherAnnouncement& event) { return {{std::move(event.handshake)}}; }
 
-/// Nothing is sent to it, or taken from it, from here on.
+/// From now on nothing is sent to the peer, or accepted from it.
 Distrusted without_channel(Association& association) {
   association.volatile_writer.reset();
   association.volatile_reader.reset();
@@ -145,7 +145,7 @@ Distrusted on(AwaitingKeys& state, const TrustEnds&) { return without_channel(st
 Distrusted on(Joined& state, const TrustEnds&) { return without_channel(state.association); }
 Distrusted on(Refused&, const TrustEnds&) { return {}; }
 
-// Everything else.
+// All other combinations.
 Illegal on(auto&, const auto&) { return {}; }
 
 }  // namespace
@@ -153,7 +153,7 @@ Illegal on(auto&, const auto&) { return {}; }
 PeerState::PeerState(std::unique_ptr<PeerHandshake> handshake)
     : state_(Announced{{std::move(handshake)}}) {}
 
-// What the former state owned is given back when the new one is there already.
+// The new state is entered before the former one is destroyed and releases what it owned.
 template <class Event>
 bool PeerState::take(Event&& event) {
   return std::visit(

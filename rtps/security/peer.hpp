@@ -1,5 +1,5 @@
-// One remote participant that may authenticate, as a state machine. The legal edges stand at the
-// top of peer.cpp.
+// One remote participant that may authenticate, as a state machine. The legal transitions are
+// listed at the top of peer.cpp.
 #pragma once
 
 #include <functional>
@@ -16,7 +16,7 @@
 
 namespace ddssec::rtps {
 
-/// Calls a function when its owner dies, once.
+/// Calls a function once, in its destructor.
 class Cleanup {
  public:
   Cleanup() = default;
@@ -34,19 +34,20 @@ class Cleanup {
   std::function<void()> call_;
 };
 
-/// A handle of access control, and what returns it.
+/// A handle of access control, and the cleanup that returns it.
 struct PeerPermissions {
   spi::PermissionsHandle handle = {};
   Cleanup give_back = {};
 };
 
-/// What we share with a peer that proved its identity. The members die in reverse order: the keys
-/// first, then the permissions and the identity that the keys were made for.
+/// What is shared with a peer that proved its identity. The members are destroyed in reverse order:
+/// the keys first, then the permissions and the identity that the keys were created for.
 struct Association {
-  std::unique_ptr<PeerHandshake> handshake = {};  ///< finished; another one may run beside it
+  /// Finished; another one may run at the same time.
+  std::unique_ptr<PeerHandshake> handshake = {};
   PeerPermissions permissions = {};
   std::string subject = {};  ///< of its certificate
-  Cleanup place = {};        ///< gives back its share of the places for its certificate
+  Cleanup place = {};        ///< returns its share of the places for its certificate
   EarlyTokens early = {};
   WaitingTokens waiting = {};
   std::unique_ptr<StatefulReader> volatile_reader = {};
@@ -54,57 +55,59 @@ struct Association {
   Cleanup keys = {};  ///< removes them from the keyring
 };
 
-/// Each state owns what it needs: leaving a state gives that back.
+/// Each state owns what it needs; leaving a state releases it.
 namespace peer {
 
-/// Nothing is proven. `admitted`: it takes part without authentication until it succeeds.
+/// Nothing is proven. `admitted`: the peer takes part without authentication until it succeeds.
 struct Unproven {
   std::unique_ptr<PeerHandshake> handshake;
   bool admitted = false;
 };
-/// Heard of; nothing was spent on it.
+/// The peer announced itself; no work was done for it.
 struct Announced : Unproven {};
-/// Its identity token is valid, and handshake messages come and go.
+/// Its identity token is valid, and handshake messages are exchanged.
 struct Authenticating : Unproven {};
-/// The handshake took too long. It goes on at a slow pace, as nothing proves that it is hopeless.
+/// The handshake took too long. It continues at a slow pace, because nothing proves that it cannot
+/// succeed.
 struct Waiting : Unproven {};
-/// Authenticated and permitted; its participant key is not here yet.
+/// Authenticated and permitted; its participant key has not arrived yet.
 struct AwaitingKeys {
   Association association;
-  MonotonicTime since{};        ///< of the handshake, or of the last one that was asked for
+  MonotonicTime since{};        ///< time of the handshake, or of the last request for another one
   bool exchanges_keys = false;  ///< it has shown that it has the shared secret
 };
-/// Its participant key is here, or none is needed.
+/// Its participant key has arrived, or none is needed.
 struct Joined {
   Association association;
-  MonotonicTime next_probe{};             ///< no probe before
-  MonotonicTime probe_deadline = kNever;  ///< of the probe under way
+  MonotonicTime next_probe{};             ///< earliest time for the next probe
+  MonotonicTime probe_deadline = kNever;  ///< of the running probe
 };
-/// A signed document says that it may not join, or its identity token is invalid. Only another
+/// A signed document forbids it to join, or its identity token is invalid. Only a different
 /// announcement gives it another try.
 struct Refused {};
-/// Its trust has ended. Keeps its keys registered, unused, until its endpoints are unmatched.
+/// It is no longer trusted. Its keys stay registered, but unused, until its endpoints are
+/// unmatched.
 struct Distrusted {
   std::optional<Association> former;
 };
 
 }  // namespace peer
 
-/// An edge that is not legal in the current state returns false and changes nothing.
+/// A transition that is not legal in the current state returns false and changes nothing.
 class PeerState {
  public:
   explicit PeerState(std::unique_ptr<PeerHandshake> handshake);
 
-  // Edges, in the order of the list in peer.cpp.
+  // Transitions, in the order of the list in peer.cpp:
   bool begin();
   bool time_out();
   bool admit_unauthenticated();
-  /// A handshake was finished: whatever was agreed on before ends here.
+  /// A handshake was finished: everything that was agreed on before ends here.
   bool replace();
-  /// `association`: without its handshake, which comes from the state that is left.
+  /// `association`: without its handshake, which is taken from the state that is left.
   bool associate(Association association, MonotonicTime now);
   bool note_key_exchange();
-  /// The keys did not come: another handshake was asked for.
+  /// The keys did not arrive: another handshake was requested.
   bool ask_again(MonotonicTime now);
   bool join();
   bool probe(MonotonicTime deadline, MonotonicTime next);
@@ -117,16 +120,16 @@ class PeerState {
   bool is() const {
     return std::holds_alternative<S>(state_);
   }
-  /// nullptr: it is in another state.
+  /// Return nullptr if the peer is in another state.
   const peer::AwaitingKeys* awaiting_keys() const {
     return std::get_if<peer::AwaitingKeys>(&state_);
   }
   const peer::Joined* joined() const { return std::get_if<peer::Joined>(&state_); }
   const peer::Unproven* unproven() const;
   bool is_admitted() const;
-  /// nullptr where no message of a handshake counts.
+  /// Returns nullptr in states that ignore handshake messages.
   PeerHandshake* handshake() const;
-  /// nullptr: it is not authenticated, or not trusted any more.
+  /// Return nullptr if the peer is not authenticated, or no longer trusted.
   Association* association();
   const Association* association() const;
 
@@ -139,22 +142,22 @@ class PeerState {
   State state_;
 };
 
-/// A participant that was announced as one that can authenticate.
+/// A participant that announced that it can authenticate.
 struct Peer {
   ParticipantData data;
   LocatorList metatraffic;
   PeerState state;
-  WorkBudget few;             ///< handshake messages of it that count as few
+  WorkBudget few;             ///< handshake messages within the low rate
   SourceAddress source = {};  ///< of its latest announcement
   /// The source that announced each address of `metatraffic`.
   std::vector<SourceAddress> announced_by = {};
-  bool was_announced = true;  ///< since a message was repeated to it
-  /// Octets of a message that waits until so many may be sent to it; 0: there is none.
+  bool was_announced = true;  ///< since a message was last repeated to it
+  /// Octets of a message that waits until that many may be sent to the peer; 0: none waits.
   std::size_t held_back = 0;
-  bool may_go_on = false;  ///< what was held back may be sent now
-  /// Octets that answers to our questions will allow to send for it.
+  bool may_go_on = false;  ///< the message that was held back may be sent now
+  /// Octets that the expected answers to queries will allow sending to it.
   std::size_t expected = 0;
-  bool spoke = false;   ///< sent a handshake message once
+  bool spoke = false;   ///< has sent at least one handshake message
   bool failed = false;  ///< something of it was refused, and that was counted
 
   const GuidPrefix& prefix() const { return data.guid.prefix; }

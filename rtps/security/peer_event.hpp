@@ -1,5 +1,5 @@
-// Events about remote participants. Only here is decided whether one counts as about a peer that
-// has authenticated; tests/lint/events.py holds the rest of rtps/ to it.
+// Creates events about remote participants. Only this file decides whether an event is about an
+// authenticated peer; tests/lint/events.py checks that the rest of rtps/ does not.
 #pragma once
 
 #include <optional>
@@ -8,15 +8,16 @@
 
 namespace ddssec::rtps {
 
-/// Who can have sent what an event reports.
+/// Who can have sent the data that an event reports.
 enum class Origin : std::uint8_t {
-  anyone,   ///< also a stranger, in the peer's name
-  its_keys  ///< only the peer: its keys protected it, or it follows from what they did
+  anyone,   ///< anyone who sends in the peer's name
+  its_keys  ///< only the peer: its keys protected the data, or it follows from such data
 };
 
-/// `proven_subject`: of the peer's certificate, if the peer authenticated and Origin is its_keys.
-/// Without it the event takes a place among those of all strangers (RateLimitedSink), so that no
-/// stranger uses up the places of the peer in whose name it sends.
+/// `proven_subject`: the subject of the peer's certificate, if the peer authenticated and the
+/// origin is its_keys. Without it, the event shares the places of all unauthenticated senders
+/// (RateLimitedSink). So an unauthenticated sender cannot use up the places of the peer in whose
+/// name it sends.
 Event peer_event(Error error, std::string guid, std::optional<std::string> proven_subject = {});
 
 }  // namespace ddssec::rtps

@@ -18,14 +18,14 @@ Bytes octets_of(const spi::Token& token, std::string_view name) {
   return found != nullptr ? *found : Bytes();
 }
 
-/// Both have it, and it is the same.
+/// True if both tokens have this property with the same value.
 bool repeats(const spi::Token& a, const spi::Token& b, std::string_view name) {
   const auto* in_a = spi::find_binary_property(a, name);
   const auto* in_b = spi::find_binary_property(b, name);
   return in_a != nullptr && in_b != nullptr && *in_a == *in_b;
 }
 
-/// What its values take.
+/// Sum of the sizes of its values.
 std::size_t octets_in(const spi::Token& token) {
   std::size_t out = 0;
   for (const auto& property : token.binary_properties) out += property.value.size();
@@ -75,8 +75,8 @@ void PeerHandshake::fail_with(Error error) {
 
 void PeerHandshake::start(MonotonicTime now, Messages& out) {
   if (now < refused_until_) return;
-  // The peer's own auth_request is not handed over: a forged one could otherwise shut out the
-  // honest peer, and nothing but its signatures proves anything.
+  // The peer's own auth_request is not passed to the plugin. It proves nothing, because only
+  // signatures do, and a forged one could shut out the honest peer.
   auto peer = plugin_.validate_remote_identity(sides_.own, std::nullopt, sides_.peer_identity_token,
                                                sides_.peer_guid);
   if (!peer && spi::refusal_passes(peer.error().code())) {
@@ -103,7 +103,7 @@ bool PeerHandshake::make_request(MonotonicTime until) {
     const bool passes = step.error().code() == Code::too_many_handshakes ||
                         spi::refusal_passes(step.error().code());
     if (!finished_ && !passes) fail_with(step.error());
-    return false;  // tick tries again what passes
+    return false;  // tick tries again if the refusal may pass
   }
   request_ =
       Request{step->handle,
@@ -111,7 +111,8 @@ bool PeerHandshake::make_request(MonotonicTime until) {
   return true;
 }
 
-// A silent peer is asked more and more rarely: its address may belong to another machine.
+// A silent peer is sent messages less and less often, because its address may belong to another
+// machine.
 MonotonicTime PeerHandshake::pause() {
   const auto round = repetitions_++;
   if (round == 0) return kFirstResend;
@@ -139,8 +140,8 @@ void PeerHandshake::tick(MonotonicTime now, Messages& out) {
   if (!finished_) next_ = std::min(next_, overdue_at_);
 }
 
-// Messages may have been lost all the time, or a stranger's may have stood in their place: neither
-// says anything of the peer. The plugin may have forgotten our request.
+// All messages may have been lost, or replaced by messages of a third party; neither proves
+// anything about the peer. The plugin may have dropped the local request.
 void PeerHandshake::become_overdue(MonotonicTime now) {
   overdue_ = true;
   overdue_at_ = now + kOverdue;
@@ -163,8 +164,9 @@ void PeerHandshake::begin_again(MonotonicTime now) {
 
 // ---- messages
 
-// Only the side that begins sends more than it received, and must know that the peer hears it. The
-// other side answers each challenge, whatever else the message repeats: it may be the only one.
+// Only the side that begins sends more than it received, so it must know that the peer receives its
+// messages. The other side answers each challenge, whatever else the message repeats: it may be the
+// only message that arrives.
 Bytes PeerHandshake::receive_auth_request(const GenericMessage& message, Messages& out) {
   constexpr std::size_t kMaxChallenge = 64;
   if (message.data.size() != 1) return {};
@@ -208,7 +210,7 @@ PeerHandshake::Weighed PeerHandshake::weigh_reply(const spi::Token& token) const
 
 PeerHandshake::Weighed PeerHandshake::weigh_request(const spi::Token& token) const {
   const auto digest = digest_of(token);
-  if (finished_ && finished_->last == digest) return {};  // it comes late
+  if (finished_ && finished_->last == digest) return {};  // it arrives late
   const bool known = std::ranges::count(answers_.all(), digest, &HandshakeAnswer::request) > 0;
   return {known ? Effort::memory : Effort::request, digest};
 }
@@ -232,7 +234,7 @@ bool PeerHandshake::receive(const GenericMessage& message, const Weighed& weighe
   return true;
 }
 
-// Cyclone DDS numbers its repetitions anew.
+// Cyclone DDS assigns new numbers to its repetitions.
 void PeerHandshake::repeat_known(const GenericMessage& message, const Sha256Digest& digest,
                                  Messages& out) {
   if (begins()) {
@@ -244,7 +246,7 @@ void PeerHandshake::repeat_known(const GenericMessage& message, const Sha256Dige
   out.push_back(answer->reply);
 }
 
-// One more answer beside the others.
+// Adds one more answer to the others.
 bool PeerHandshake::on_request(const GenericMessage& message, const Sha256Digest& digest,
                                MonotonicTime now, Messages& out) {
   const auto& token = message.data.front();
@@ -253,7 +255,7 @@ bool PeerHandshake::on_request(const GenericMessage& message, const Sha256Digest
   auto step = plugin_.begin_handshake_reply(token, identity_->handle(), sides_.own, *own_data_);
   refusals_ += step ? 0 : 1;
   if (!step || !step->message) return true;
-  // A request that says the same in other words has an answer already.
+  // A request with the same content in another form already has an answer.
   if (auto* known = answers_.with(step->handle)) {
     known->reply.related = message.identity;
     out.push_back(known->reply);
@@ -287,7 +289,7 @@ void PeerHandshake::on_reply(const GenericMessage& message, const Sha256Digest& 
   finish({handle, digest, std::move(final)}, octets_of(token, "c.pdata"));
 }
 
-// By whichever answer it belongs to.
+// Uses the answer that the final message belongs to.
 void PeerHandshake::on_final(const GenericMessage& message) {
   const auto& token = message.data.front();
   for (const auto& answer : answers_.all()) {

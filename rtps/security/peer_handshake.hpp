@@ -1,6 +1,6 @@
-// One remote participant's way from its announcement to its authentication (DDS-Security 8.3.2,
-// 9.3.4): what is sent, answered and sent again. No I/O, clock or lock: the caller brings messages
-// and time and sends what comes out.
+// The handshake messages with one remote participant, from its announcement to its authentication
+// (DDS-Security 8.3.2, 9.3.4): what is sent, answered and repeated. No I/O, clock or lock: the
+// caller passes in messages and times, and sends the resulting messages.
 #pragma once
 
 #include <memory>
@@ -12,14 +12,14 @@
 
 namespace ddssec::rtps {
 
-/// What the handshakes of a participant with all of its peers share.
+/// What the handshakes of a participant with all its peers share.
 struct HandshakeAccount {
-  std::int64_t last_number = 0;   ///< of our stateless messages
+  std::int64_t last_number = 0;   ///< of the local stateless messages
   std::size_t answer_octets = 0;  ///< see HandshakeAnswers
 };
 
-/// What the plugin knows of a peer. Returned when nothing refers to it any more: a handshake, or a
-/// peer that left in good standing.
+/// The plugin's handle for a peer. Returned when nothing refers to it any more: neither a handshake
+/// nor a peer that left while it was trusted.
 class PeerIdentity {
  public:
   PeerIdentity(spi::Authentication& plugin, spi::IdentityHandle handle)
@@ -34,89 +34,93 @@ class PeerIdentity {
   const spi::IdentityHandle handle_;
 };
 
-/// What a message asks for before it can be told from a forged one.
+/// The work that a message requires before it can be distinguished from a forged one.
 enum class Effort : std::uint8_t {
-  none,     ///< it fits nothing that we wait for
-  memory,   ///< what we answered before is sent again
-  request,  ///< public-key work for any sender that knows how to ask
-  echo,     ///< public-key work for a sender that received our last message
+  none,     ///< none: the message does not fit the current state
+  memory,   ///< repeating an earlier answer
+  request,  ///< public-key work for any sender that can create a request
+  echo,     ///< public-key work for a sender that received the last local message
 };
 
-/// A message that is refused changes nothing. Requests, ours or the peer's, stand beside a
-/// handshake that is finished: a side that lost the other may authenticate again, and only a new
-/// proof replaces the old one.
+/// A refused message changes nothing. Requests of either side are processed next to a finished
+/// handshake: a side that lost its state may authenticate again, and only a new proof replaces the
+/// old one.
 class PeerHandshake {
  public:
   struct Sides {
     Guid own_guid, peer_guid;
     spi::IdentityHandle own;
     spi::Token peer_identity_token;
-    /// Fast DDS knows no auth_request.
+    /// false for Fast DDS, which does not know auth_request.
     bool send_auth_request = true;
-    /// The peer says that it is one of ours: it repeats the challenge in our auth_request.
+    /// The peer claims to run ddssec: it repeats the challenge in the local auth_request.
     bool repeats_challenges = false;
-    /// The peer left and is still known: the plugin has one handle for all of its handshakes.
+    /// Set if the peer left and is still known: the plugin has one handle for all its handshakes.
     std::shared_ptr<const PeerIdentity> known_identity = {};
   };
-  /// `own_data`: c.pdata of ours, a big-endian parameter list.
+  /// `own_data`: the local c.pdata, a big-endian parameter list.
   PeerHandshake(spi::Authentication& plugin, Sides sides, std::shared_ptr<const Bytes> own_data,
                 HandshakeAccount& account, MonotonicTime now);
   PeerHandshake(const PeerHandshake&) = delete;
   PeerHandshake& operator=(const PeerHandshake&) = delete;
 
   using Messages = std::vector<GenericMessage>;
-  /// What is due goes to `out`.
+  /// Appends the messages that are due to `out`.
   void tick(MonotonicTime now, Messages& out);
-  /// What is known of a message before anything is spent on it.
+  /// What is known of a message before any work is done for it.
   struct Weighed {
     Effort effort = Effort::none;
-    Sha256Digest digest = {};  ///< of a peer's request or reply that is worth something
+    Sha256Digest digest = {};  ///< digest of the peer's request or reply, unless the effort is none
   };
-  /// A message of class dds.sec.auth that names us as its destination and the peer as its source.
-  /// No public-key work.
+  /// Checks a message of class dds.sec.auth that names the local participant as destination and the
+  /// peer as source. Does no public-key work.
   Weighed weigh(const GenericMessage& message) const;
-  /// Such a message, once its effort may be spent. False: there was no room for it.
+  /// Processes such a message; the caller has allowed its effort. Returns false if there was no
+  /// room for it.
   bool receive(const GenericMessage& message, const Weighed& weighed, MonotonicTime now,
                Messages& out);
-  /// An auth_request of the peer: the challenge that it repeats, or nothing.
+  /// Processes an auth_request of the peer. Returns the challenge that it repeats, or empty.
   Bytes receive_auth_request(const GenericMessage& message, Messages& out);
-  /// The same, if it announced itself as one of ours later: the first announcement may be forged.
+  /// Called if the peer's later announcement claims that it runs ddssec: the first announcement may
+  /// be forged.
   void note_repeats_challenges() { repeats_challenges_ = true; }
   bool repeats_challenges() const { return sides_.repeats_challenges || repeats_challenges_; }
-  /// Ours, without a challenge; nothing if there is none to send.
+  /// The local auth_request, without a challenge; empty if there is none to send.
   std::optional<GenericMessage> auth_request() const;
   MonotonicTime next_tick() const { return next_; }
   bool started() const { return started_; }
-  /// How often its messages were sent, but for answers.
+  /// How often its messages were sent, not counting answers.
   int repetitions() const { return repetitions_; }
-  /// When it did; nothing before.
+  /// The time of the start; empty before it.
   std::optional<MonotonicTime> began() const {
     return started_ ? std::optional(began_) : std::nullopt;
   }
-  /// Starts at that time instead.
+  /// Sets the time of the start or of the next repetition.
   void start_at(MonotonicTime time) { next_ = time; }
-  /// The peer said something: it is worth more than a few repetitions.
+  /// The peer sent something, so repetitions need not become rare.
   void note_heard() { heard_ = true; }
-  /// Something of the peer had to be dropped: what waits for an answer is sent again at once,
-  /// if there was time for an answer.
+  /// A message of the peer had to be dropped: repeats at once what waits for an answer, if there
+  /// was time for an answer.
   void hasten(MonotonicTime now);
-  /// A new handshake beside the finished one, if we are the side that begins.
+  /// Begins a new handshake next to the finished one, if the local side is the one that begins.
   void begin_again(MonotonicTime now);
-  /// We have the lower GUID (DDS-Security 10.3.3).
+  /// True if the local GUID is the lower one (DDS-Security 10.3.3).
   bool begins() const { return sides_.own_guid < sides_.peer_guid; }
-  /// How many messages of the peer the plugin did not take.
+  /// Number of the peer's messages that the plugin refused.
   std::uint64_t refusals() const { return refusals_; }
 
   bool finished() const { return finished_.has_value(); }
-  /// A handshake was finished since this was last asked.
+  /// Returns true if a handshake was finished since the last call.
   bool take_proof() { return std::exchange(has_new_proof_, false); }
-  /// Why it will never be, if so: nothing that a stranger sends or holds back.
+  /// The reason why the handshake can never succeed, if there is one. No message of a third party,
+  /// and no missing message, can cause it.
   const std::optional<Error>& failure() const { return failure_; }
-  /// It took too long. It goes on, at a slow pace, for as long as the peer is announced.
+  /// True if the handshake took too long. It continues at a slow pace as long as the peer is
+  /// announced.
   bool is_overdue() const { return overdue_; }
   /// Valid when finished.
   spi::HandshakeHandle handle() const;
-  /// The peer's, once it was validated; nullptr before.
+  /// The peer's identity once it was validated; nullptr before.
   const std::shared_ptr<const PeerIdentity>& identity() const { return identity_; }
   HandshakeAnswers& answers() { return answers_; }
   /// The peer's c.pdata, proven when finished; empty before.
@@ -126,12 +130,13 @@ class PeerHandshake {
   static constexpr MonotonicTime kFirstResend = std::chrono::milliseconds(300);
   static constexpr MonotonicTime kResend = std::chrono::seconds(1);
   static constexpr MonotonicTime kSlow = std::chrono::seconds(32);
-  /// After so long it is overdue, and our request is made anew; then again after as long.
+  /// The handshake is overdue after this time, and the local request is created again; then again
+  /// after the same time.
   static constexpr MonotonicTime kOverdue = std::chrono::seconds(100);
-  /// How long a new request beside a finished handshake is repeated.
+  /// How long a new request next to a finished handshake is repeated.
   static constexpr MonotonicTime kSecondTry = std::chrono::seconds(5);
-  /// Properties of our own in an AuthRequestMessageToken: what the receiver is to repeat
-  /// (AmplificationLimit::challenge), and the last one that was heard from the receiver.
+  /// Properties of ddssec in an AuthRequestMessageToken: the challenge that the receiver must
+  /// repeat (AmplificationLimit::challenge), and the last challenge that arrived from the receiver.
   static constexpr std::string_view kChallenge = "org.ddssec.challenge";
   static constexpr std::string_view kHeardChallenge = "org.ddssec.heard_challenge";
 
@@ -139,12 +144,12 @@ class PeerHandshake {
   struct Request {
     spi::HandshakeHandle handle;
     GenericMessage message;
-    MonotonicTime until;  ///< not repeated any more; kNever for the first
+    MonotonicTime until;  ///< end of repetitions; kNever for the first request
   };
   struct Finished {
     spi::HandshakeHandle handle;
-    Sha256Digest last;                    ///< the peer's message that we answer again, or request
-    std::optional<GenericMessage> final;  ///< ours, if we began
+    Sha256Digest last;  ///< digest of the peer's message that is still answered, or of its request
+    std::optional<GenericMessage> final;  ///< the local one, if the local side began
   };
 
   void start(MonotonicTime now, Messages& out);
@@ -173,7 +178,7 @@ class PeerHandshake {
   MonotonicTime refused_until_{};  ///< the plugin had no room for the peer
   std::shared_ptr<const PeerIdentity> identity_;
   std::optional<GenericMessage> auth_request_;
-  Bytes heard_challenge_;  ///< of the peer's auth_request
+  Bytes heard_challenge_;  ///< from the peer's auth_request
   bool repeats_challenges_ = false;
   bool started_ = false;
   bool heard_ = false;

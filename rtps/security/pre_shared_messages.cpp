@@ -5,8 +5,8 @@
 
 namespace ddssec::rtps {
 
-// An attacker can make us derive keys, in any number of names: an honest sender's turn comes,
-// and then it is remembered.
+// An attacker can cause key derivations in any number of names. An honest sender's turn comes
+// eventually, and then its key is remembered.
 Result<BytesView> PreSharedMessages::open(const Header& header, BytesView message,
                                           MutableBytes scratch, MonotonicTime now) {
   auto* const keys = own_.pre_shared_keys();
@@ -35,7 +35,7 @@ std::unexpected<Error> PreSharedMessages::refuse_bare(const Header& header, Mono
       now);
 }
 
-// Who sends garbage costs us no more than a look at the time.
+// After the event limit is reached, an invalid message costs no more than reading the budget.
 std::unexpected<Error> PreSharedMessages::complain(Code code, const Header& header,
                                                    std::string_view expected, MonotonicTime now) {
   if (!complaints_.take(now)) return fail(code);

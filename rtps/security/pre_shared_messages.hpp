@@ -1,4 +1,4 @@
-// Messages under the key that the domain shares (DDS-Security 1.2 10.4.1.2.5.8).
+// Messages protected with the pre-shared key of the domain (DDS-Security 1.2, 10.4.1.2.5.8).
 #pragma once
 
 #include "base/event.hpp"
@@ -9,39 +9,40 @@
 
 namespace ddssec::rtps {
 
-/// Counts of what was dropped on receipt; never reset.
+/// Counts of dropped messages; never reset.
 struct ProtectionCounters {
-  std::uint64_t unprotected = 0;  ///< protection was due and not there
-  std::uint64_t undecodable = 0;  ///< protected, but not so that it verified
-  std::uint64_t unsendable = 0;   ///< could not be protected, so was not sent
+  std::uint64_t unprotected = 0;  ///< protection was required but missing
+  std::uint64_t undecodable = 0;  ///< protected, but could not be verified
+  std::uint64_t unsendable = 0;   ///< could not be protected, and so was not sent
 };
 
-/// Does nothing where the governance has no rtps_psk_protection_kind.
+/// Does nothing if the governance has no rtps_psk_protection_kind.
 class PreSharedMessages {
  public:
-  /// Senders that were not heard before cost us keys: so many at once, then one each so long.
+  /// Limits for key derivations, which each new sender causes: a burst, then one per period.
   static constexpr int kMaxDerivations = 1000;
   static constexpr MonotonicTime kDerivationPeriod = std::chrono::microseconds(100);
-  /// Events of messages that any sender can send.
+  /// Limits for events about messages that any sender can send.
   static constexpr int kMaxComplaints = 16;
   static constexpr MonotonicTime kComplaintPeriod = std::chrono::milliseconds(250);
 
-  /// Everything is borrowed.
+  /// Everything is borrowed and must outlive this object.
   PreSharedMessages(OwnSecurity& own, EventSink& events, ProtectionCounters& counters)
       : own_(own), events_(events), counters_(counters) {}
 
   bool are_due() const { return own_.pre_shared_keys() != nullptr; }
-  /// Of what no participant's own key protects.
+  /// The protection of what no participant's own key protects.
   SendProtection::Wrap wrap() const {
     return are_due() ? SendProtection::Wrap::pre_shared_key : SendProtection::Wrap::none;
   }
-  /// A message that has the pre-shared key's flag. Errors: those of the key, and
-  /// secure_flags_unsupported where we have none.
+  /// Opens a message that has the pre-shared key's flag. Errors: those of the key, and
+  /// secure_flags_unsupported if there is no pre-shared key.
   Result<BytesView> open(const Header& header, BytesView message, MutableBytes scratch,
                          MonotonicTime now);
-  /// A message that is not protected, where it is due. Error: rtps_protection_missing.
+  /// Refuses an unprotected message where protection is required. Returns the error
+  /// rtps_protection_missing.
   std::unexpected<Error> refuse_bare(const Header& header, MonotonicTime now);
-  /// Error: not_protected where we have no key.
+  /// Errors: not_protected if there is no key.
   Result<std::size_t> protect(BytesView plain, MutableBytes out);
 
  private:

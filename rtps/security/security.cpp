@@ -11,7 +11,8 @@ struct BuiltinEndpoint {
   std::string_view writer_name = {}, reader_name = {};
 };
 
-// DDS-Security 7.4.5: all but the two that must be readable before any peer is authenticated.
+// DDS-Security 7.4.5: all builtin endpoints except the two pairs that must be readable before any
+// peer is authenticated.
 constexpr BuiltinEndpoint kBuiltin[] = {
     {kPublicationsWriter, kPublicationsReader, "DCPSPublication"},
     {kSubscriptionsWriter, kSubscriptionsReader, "DCPSSubscription"},
@@ -34,7 +35,7 @@ Security::Security(std::unique_ptr<OwnSecurity> own, MessageSender& sender, Time
                    SecurityHost& host, EventSink& events)
     : core_(std::move(own), sender, timers, host, events) {}
 
-// One after the other, as each flushes what waits for its keys.
+// One after the other, because each flushes the messages that need its keys.
 Security::~Security() {
   while (!core_.peers.empty()) core_.peers.erase(core_.peers.begin());
 }
@@ -69,7 +70,7 @@ void Security::lost(const GuidPrefix& prefix) {
   if (auto* peer = core_.find(prefix)) revision_.note_absent(*peer);
   handshakes_.remove(prefix);
   core_.peers.erase(prefix);
-  core_.keyring.remove_remote(prefix);  // pairs without keys
+  core_.keyring.remove_remote(prefix);  // removes pairs without keys
 }
 
 bool Security::is_authenticated(const GuidPrefix& prefix) const {
@@ -134,7 +135,8 @@ void Security::tick(MonotonicTime now) {
   core_.now = now;
   handshakes_.tick();
   exchange_.tick();
-  // Peers that expire() ends are gone before keys are sent.
+  // Before expire(): a revision that expire() requests begins in the next tick, when the peers that
+  // have ended are removed.
   revision_.tick();
   if (now >= next_expiry_) expire();
 }
@@ -158,7 +160,7 @@ std::vector<GuidPrefix> Security::peers_that(F&& ended) const {
   return out;
 }
 
-// The plugins know the calendar and raise the events.
+// The plugins have the calendar and raise the events.
 void Security::expire() {
   next_expiry_ = core_.now + kExpiryPeriod;
   auto& own = *core_.own;

@@ -1,14 +1,14 @@
-// The security side of a participant: which peers it authenticates, what they may do, and the keys
-// that go to and fro (DDS-Security 7.4.3, 8.8). No I/O but through the sender, no clock, no lock.
-// Wires the parts, which do the work:
+// The security side of a participant: which peers it authenticates, what they may do, and the
+// exchange of keys (DDS-Security 7.4.3, 8.8). Sends only through the sender; has no clock and no
+// lock. It connects these parts, which do the work:
 //
 //   Handshakes    authenticates the peers, and limits what that costs
-//   KeyRevision   new keys for all others when a peer loses its trust
-//   KeyExchange   key tokens by the volatile secure endpoints
-//   Admission     who may try, which endpoints may match
-//   SecurityCore  what all of them use: the peers (see peer.hpp), the keyring, our own identity
+//   KeyRevision   creates new keys for all others when a peer loses its trust
+//   KeyExchange   exchanges key tokens through the volatile secure endpoints
+//   Admission     decides who may try to authenticate, and which endpoints may match
+//   SecurityCore  what all of them use: the peers (see peer.hpp), the keyring, the local identity
 //
-// Each calls only those below it.
+// Each part calls only those below it.
 #pragma once
 
 #include "rtps/security/handshakes.hpp"
@@ -19,7 +19,7 @@ class Security {
  public:
   using Verdict = Admission::Verdict;
 
-  /// The owner runs `timers` whenever they say so, and tick whenever next_tick does.
+  /// The owner must run `timers` and call tick at the times that they ask for (next_tick).
   Security(std::unique_ptr<OwnSecurity> own, MessageSender& sender, TimerQueue& timers,
            SecurityHost& host, EventSink& events);
   ~Security();
@@ -28,7 +28,8 @@ class Security {
   Keyring& keyring() { return core_.keyring; }
   const AuthenticationCounters& authentication_counters() const { return core_.counters; }
 
-  /// Registers the builtin endpoints. `own_data`: c.pdata, a big-endian parameter list.
+  /// Registers the builtin endpoints. `own_data`: c.pdata, a big-endian parameter list. Errors:
+  /// those of the plugins.
   Status start(Bytes own_data);
 
   /// See Admission.
@@ -55,7 +56,7 @@ class Security {
   void note_announced(const GuidPrefix& prefix) {
     if (auto* peer = core_.find(prefix)) handshakes_.note_announced(*peer);
   }
-  /// So many octets more may be sent to it.
+  /// This many more octets may be sent to the peer.
   void note_earned(const GuidPrefix& prefix, std::size_t octets) {
     if (auto* peer = core_.find(prefix)) handshakes_.note_earned(*peer, octets);
   }
@@ -63,25 +64,26 @@ class Security {
   void on_stateless_frag(const GuidPrefix& source, const DataFrag& frag, const SourceAddress& from,
                          MonotonicTime now);
   void note_key_exchange(const GuidPrefix& prefix);
-  /// It acknowledged messages of the key exchange.
+  /// The peer acknowledged messages of the key exchange.
   void note_keys_acknowledged(const GuidPrefix& prefix);
 
   /// For events about peers.
   SecurityCore& core() { return core_; }
 
-  /// Forgets a participant with its keys.
+  /// Removes a participant and its keys.
   void lost(const GuidPrefix& prefix);
   bool is_authenticated(const GuidPrefix& prefix) const;
-  /// It was discovered as one that authenticates, and was not lost since.
+  /// True if the participant was discovered as one that authenticates, and was not removed since.
   bool knows(const GuidPrefix& prefix) const { return core_.peers.contains(prefix); }
-  /// A handshake with it has succeeded, though its keys may still be under way.
+  /// True if a handshake with the participant has succeeded, even if its keys have not arrived yet.
   bool has_proven_identity(const GuidPrefix& prefix) const;
-  /// Its handshake has not come to an end, good or bad, and is not overdue.
+  /// True if the handshake has neither succeeded nor failed, and is not overdue.
   bool is_authenticating(const GuidPrefix& prefix) const;
-  /// It sent a handshake message once: a participant that only announces itself gives way to it.
+  /// True if the participant has sent a handshake message. A participant that only announces itself
+  /// is removed before it.
   bool has_spoken(const GuidPrefix& prefix) const;
 
-  /// Asks an authenticated peer to say something by its keys: it does whatever else is protected.
+  /// Queries an authenticated peer. Its keys protect the answer, whatever else is protected.
   void ask_for_sign_of_life(const GuidPrefix& prefix) {
     if (auto* peer = core_.find(prefix)) exchange_.ask_for_sign_of_life(*peer);
   }
@@ -97,9 +99,9 @@ class Security {
     return exchange_.introduce(local, remote, relay_only);
   }
 
-  /// The application does not trust it any longer. Before it is lost.
+  /// The application no longer trusts the participant. Must be called before `lost`.
   void distrust(const GuidPrefix& prefix);
-  /// New keys for the peers that are trusted now. Error: rtps_key_revision_disabled.
+  /// Creates new keys for the peers that are trusted now. Errors: rtps_key_revision_disabled.
   Status revise_keys();
 
   void tick(MonotonicTime now);
@@ -107,7 +109,7 @@ class Security {
 
  private:
   void expire();
-  /// The peers for which `ended(identity, permissions)`.
+  /// The peers for which `ended(identity, permissions)` is true.
   template <class F>
   std::vector<GuidPrefix> peers_that(F&& ended) const;
 

@@ -1,5 +1,5 @@
-// What the parts of one participant's security share, and the interface by which they call the
-// participant around them.
+// What the parts of one participant's security share, and the interface through which they call the
+// participant.
 #pragma once
 
 #include <map>
@@ -9,33 +9,35 @@
 
 namespace ddssec::rtps {
 
-/// The participant around it. Called from within receive, tick and introduce.
+/// The participant. Called from within receive, tick and introduce.
 class SecurityHost {
  public:
   virtual ~SecurityHost() = default;
-  /// Its keys are here: builtin endpoints may be matched.
+  /// The peer's keys have arrived: builtin endpoints may be matched.
   virtual void on_authenticated(const GuidPrefix& peer) = 0;
-  /// It did not authenticate, or not yet, or is not allowed to join.
+  /// The peer did not authenticate, has not authenticated yet, or is not allowed to join.
   virtual void on_refused(const GuidPrefix& peer) = 0;
-  /// It authenticated, and this is what it says of itself, proven; where it can be reached.
+  /// The peer authenticated, and `proven` is the data that it signed. Returns the addresses at
+  /// which it can be reached.
   virtual LocatorList on_proven(const GuidPrefix& peer, const ParticipantData& proven) = 0;
-  /// It authenticated once more: nothing that was agreed on before holds any longer.
+  /// The peer authenticated again: everything that was agreed on before has ended.
   virtual void on_replaced(const GuidPrefix& peer) = 0;
-  /// The keys of a pair that was introduced are here.
+  /// The keys of a pair that was introduced have arrived.
   virtual void on_keys(const EntityId& local, const Guid& remote) = 0;
-  /// Keys of its endpoint came, and are kept, for a pair that was not introduced.
+  /// Keys of the remote endpoint arrived, and are kept, for a pair that was not introduced.
   virtual void on_early_keys(const Guid& remote) = 0;
-  /// The peer's identity or permissions, or ours, expired or were revoked.
+  /// The peer's identity or permissions, or the local ones, expired or were revoked.
   virtual void on_ended(const GuidPrefix& peer) = 0;
 };
 
-/// Peers that authenticated, and peers with at least one refused message or announcement.
+/// The number of peers that authenticated, and of peers with at least one refused message or
+/// announcement.
 struct AuthenticationCounters {
   std::uint64_t authenticated = 0;
   std::uint64_t failed = 0;
 };
 
-/// Each part borrows it; it knows no part.
+/// All parts borrow it; it knows none of them.
 struct SecurityCore {
   SecurityCore(std::unique_ptr<OwnSecurity> identity, MessageSender& message_sender,
                TimerQueue& timer_queue, SecurityHost& security_host, EventSink& sink)
@@ -46,7 +48,7 @@ struct SecurityCore {
         events(sink),
         keyring(*own, sink) {}
 
-  /// nullptr: not known, or not one that can authenticate.
+  /// Returns nullptr if the participant is not known, or cannot authenticate.
   Peer* find(const GuidPrefix& prefix) {
     const auto at = peers.find(prefix);
     return at == peers.end() ? nullptr : &at->second;
@@ -55,7 +57,7 @@ struct SecurityCore {
     const auto at = peers.find(prefix);
     return at == peers.end() ? nullptr : &at->second;
   }
-  /// Who can have sent what a local endpoint accepts as the remote one's.
+  /// Who can have sent a message that a local endpoint accepts as one of the remote endpoint.
   Origin origin(const EntityId& local, const Guid& remote) const {
     const auto* attributes = keyring.attributes(local);
     if (attributes == nullptr) return Origin::anyone;
@@ -76,7 +78,8 @@ struct SecurityCore {
   void raise(Error error, const Peer& peer, Origin origin) {
     raise(std::move(error), peer.prefix(), peer.name(), origin);
   }
-  /// The same about a participant that may be unknown, or one of its endpoints. `guid`: whose.
+  /// The same about a participant that may be unknown, or about one of its endpoints. `guid`: of
+  /// the participant or endpoint.
   void raise(Error error, const Guid& guid, Origin origin) {
     raise(std::move(error), guid.prefix, guid.to_string(), origin);
   }
@@ -85,7 +88,7 @@ struct SecurityCore {
     auto subject = peer == nullptr ? std::nullopt : proven_subject(*peer);
     events.raise(peer_event(std::move(error), std::move(guid), std::move(subject)));
   }
-  /// Nothing: it has not authenticated, or is not trusted any more.
+  /// Empty: the peer has not authenticated, or is no longer trusted.
   std::optional<std::string> proven_subject(const Peer& peer) const {
     if (const auto* association = peer.state.association()) return association->subject;
     const auto* handshake = peer.state.handshake();
@@ -99,9 +102,9 @@ struct SecurityCore {
   SecurityHost& host;
   EventSink& events;
   Keyring keyring;
-  std::map<GuidPrefix, Peer> peers;  ///< dies before the keyring that its keys are in
+  std::map<GuidPrefix, Peer> peers;  ///< destroyed before the keyring, which contains its keys
   AuthenticationCounters counters;
-  MonotonicTime now{};  ///< of the call that security is in
+  MonotonicTime now{};  ///< time of the current call
 };
 
 }  // namespace ddssec::rtps

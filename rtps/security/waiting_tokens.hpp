@@ -10,8 +10,8 @@
 
 namespace ddssec::rtps {
 
-/// Of one peer: names only, each pair once, so that a peer that acknowledges nothing costs little
-/// for each pair that it has with us, and nothing for pairs that came and went.
+/// The pairs of one peer, without their tokens and each pair once. So a peer that acknowledges
+/// nothing costs little memory for each pair, and none for pairs that no longer exist.
 class WaitingTokens {
  public:
   struct Next {
@@ -26,7 +26,7 @@ class WaitingTokens {
     auto& due = pairs_[{local, remote}];
     (stage == spi::KeyStage::revised ? due.revised : due.in_use) = true;
   }
-  /// The tokens that are due first; those in use come before those of a revision.
+  /// Returns the next tokens to send; those in use come before those of a revision.
   std::optional<Next> take() {
     if (pairs_.empty()) return std::nullopt;
     const auto at = pairs_.begin();
@@ -36,12 +36,12 @@ class WaitingTokens {
     pairs_.erase(at);
     return out;
   }
-  /// What was made for the revision is in use from here on.
+  /// The revision's keys are in use from now on.
   void end_revision() {
     for (auto& [pair, due] : pairs_)
       if (std::exchange(due.revised, false)) due.in_use = true;
   }
-  /// Looks at all of them only when there are twice as many as were kept the last time.
+  /// Checks all pairs only if there are twice as many as remained after the last check.
   template <class F>
   void forget_unless(F&& is_kept) {
     if (pairs_.size() < look_at_) return;
