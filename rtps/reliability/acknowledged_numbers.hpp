@@ -1,4 +1,4 @@
-// How far the reliable readers of a writer have acknowledged.
+// The sequence numbers that the reliable readers of a writer have acknowledged.
 #pragma once
 
 #include <optional>
@@ -8,18 +8,18 @@
 
 namespace ddssec::rtps {
 
-/// The lowest is known without a search. Nothing is allocated when a reader acknowledges.
+/// The lowest number is available without a search. Acknowledging allocates nothing.
 class AcknowledgedNumbers {
   using Numbers = std::multiset<SequenceNumber>;
 
  public:
-  /// One reader's place. It is removed before it ends.
+  /// The entry of one reader. It must be removed before it is destroyed.
   class Place {
     friend class AcknowledgedNumbers;
     std::optional<Numbers::iterator> at_;
   };
 
-  /// The reader has everything up to here.
+  /// The reader has received everything up to `through`.
   void set(Place& place, SequenceNumber through) {
     if (!place.at_) {
       place.at_ = numbers_.insert(through);
@@ -33,11 +33,11 @@ class AcknowledgedNumbers {
     if (place.at_) numbers_.erase(*place.at_);
     place.at_.reset();
   }
-  /// Nothing if there is no reader.
+  /// Empty if there is no reader.
   std::optional<SequenceNumber> lowest() const {
     return numbers_.empty() ? std::nullopt : std::optional(*numbers_.begin());
   }
-  /// Every reader has everything up to `last`.
+  /// True if every reader has received everything up to `last`.
   bool reach(SequenceNumber last) const { return numbers_.empty() || *numbers_.begin() >= last; }
 
  private:

@@ -1,4 +1,4 @@
-// A change of an instance: what histories hold and messages carry.
+// A change of an instance, as stored in histories and sent in messages.
 #pragma once
 
 #include <optional>
@@ -14,7 +14,7 @@ namespace ddssec::rtps {
 struct Change {
   Guid writer;
   SequenceNumber sequence_number;
-  StatusInfo status;  ///< neither: alive
+  StatusInfo status;  ///< no flag set: alive
   std::optional<KeyHash> key_hash;
   std::optional<Time> source_time;
   bool key_only = false;  ///< the payload is a serialized key
@@ -22,13 +22,13 @@ struct Change {
   Coherence coherence = {};
   Original original = {};
 
-  /// The original writer and its number, whichever writer sent it.
+  /// The original writer and its sequence number, even if another writer sent the change.
   Original origin() const {
     return original.number.value > 0 ? original : Original{writer, sequence_number};
   }
 
   bool is_alive() const { return status == StatusInfo{}; }
-  /// Ends a coherent set, and is nothing else.
+  /// True if the change only marks the end of a coherent set.
   bool is_marker() const { return is_alive() && payload.size() == 0; }
 };
 

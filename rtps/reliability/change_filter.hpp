@@ -1,4 +1,4 @@
-// What a writer knows of a reader's content filter.
+// A reader's content filter, as applied by a writer.
 #pragma once
 
 #include "rtps/reliability/change.hpp"
@@ -9,8 +9,8 @@ namespace ddssec::rtps {
 class ChangeFilter {
  public:
   virtual ~ChangeFilter() = default;
-  /// Of a change that is alive and carries data. Always the same for the same change. Nothing: the
-  /// reader must judge itself, so it gets the change without a result.
+  /// Returns whether a change passes that is alive and has data. The result is always the same for
+  /// the same change. Empty: the reader must decide, so it gets the change without a result.
   virtual std::optional<bool> passes(const Change& change) = 0;
 
   FilterSignature signature{};

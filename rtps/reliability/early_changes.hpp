@@ -1,4 +1,4 @@
-// Changes of one writer that came before those that precede them.
+// Changes of one writer that arrived before their predecessors.
 #pragma once
 
 #include <optional>
@@ -9,7 +9,7 @@
 
 namespace ddssec::rtps {
 
-/// In the order of their numbers, each once. How many there may be is its owner's business.
+/// Sorted by sequence number, each once. The owner limits their number.
 class EarlyChanges {
   struct Entry {
     std::optional<Change> change;
@@ -18,26 +18,26 @@ class EarlyChanges {
   using Map = std::map<SequenceNumber, Entry>;
 
  public:
-  /// Memory of the past, which several writers share.
+  /// Nodes for reuse, which several writers share.
   using Spare = SpareNodes<Map>;
-  /// What each counts beside its octets.
+  /// What each change counts besides its octets.
   static constexpr std::size_t kPrice = 256;
 
-  /// Both outlive it.
+  /// Both must outlive this object.
   EarlyChanges(HeldOctets::Account& account, Spare& spare) : account_(account), spare_(spare) {}
 
   bool empty() const { return changes_.empty(); }
   std::size_t size() const { return changes_.size(); }
   bool contains(SequenceNumber number) const { return changes_.contains(number); }
-  /// How many have lower numbers.
+  /// Number of changes with lower sequence numbers.
   std::int64_t count_below(SequenceNumber number) const;
 
-  /// `change`: nothing if it is irrelevant. False: there is one with that number.
+  /// `change`: empty if it is irrelevant. Returns false if the number already exists.
   bool insert(SequenceNumber number, std::optional<Change> change);
-  /// Of the lowest, and of the highest; not if there is none.
+  /// The lowest and the highest sequence number. Must not be called if there is none.
   SequenceNumber first() const { return changes_.begin()->first; }
   SequenceNumber last() const { return changes_.rbegin()->first; }
-  /// The change with the lowest number, unless it is irrelevant.
+  /// The change with the lowest sequence number; empty if it is irrelevant.
   std::optional<Change>& front() { return changes_.begin()->second.change; }
   void erase_first() { erase(changes_.begin()); }
   void erase_last() { erase(std::prev(changes_.end())); }

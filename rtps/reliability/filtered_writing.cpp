@@ -5,8 +5,8 @@
 
 namespace ddssec::rtps {
 
-// Disposed and unregistered instances concern all: 8.7.4 asks for less, and a reader knows best
-// whether it ever saw the instance.
+// Disposes and unregistrations are sent to all readers. 8.7.4 requires less, but only the reader
+// knows whether it ever saw the instance.
 bool FilteredWriting::judge(const Change& change) {
   results_.clear();
   wanted_.clear();
@@ -26,8 +26,8 @@ bool FilteredWriting::judge(const Change& change) {
   return all;
 }
 
-// Readers that share a locator with one that wants the sample get it too, and drop it: it says that
-// it did not pass, and their own filter says so as well.
+// A reader that shares a locator with a reader that gets the sample receives it too, and drops it:
+// the sample carries the filter result, and the reader's own filter rejects it as well.
 void FilteredWriting::send(const Change& change) {
   const bool all = judge(change);
   for (auto& [guid, proxy] : readers_.all())

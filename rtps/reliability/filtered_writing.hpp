@@ -1,4 +1,4 @@
-// Changes for readers whose content filters the writer applies (RTPS 8.7.3.3).
+// Sends changes to readers whose content filters the writer applies (RTPS 8.7.3.3).
 #pragma once
 
 #include <vector>
@@ -8,8 +8,8 @@
 
 namespace ddssec::rtps {
 
-/// A reader that does not get a change is told so by a GAP, at the latest before a heartbeat that
-/// would make it request the change. What it refers to outlives it.
+/// A reader that does not get a change gets a GAP for it, at the latest before a HEARTBEAT that
+/// would make it request the change. The constructor's arguments must outlive this object.
 class FilteredWriting {
  public:
   FilteredWriting(MatchedReaders& readers, WriterMessages& messages)
@@ -17,12 +17,12 @@ class FilteredWriting {
 
   /// Sends a change that was just written to the readers that get it.
   void send(const Change& change);
-  /// GAPs that were not sent yet, up to `end`: of one reader, of all.
+  /// Sends the GAPs up to `end` that were not sent yet: to one reader, or to all.
   void send_gap(ReaderProxy& proxy, SequenceNumber end);
   void send_gaps(SequenceNumber end);
 
  private:
-  /// True if all get it.
+  /// Returns true if all readers get the change.
   bool judge(const Change& change);
 
   MatchedReaders& readers_;

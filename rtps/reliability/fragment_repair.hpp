@@ -1,4 +1,4 @@
-// Fragments that a reader requested, which it gets in portions.
+// Fragments that a reader requested, sent in portions.
 #pragma once
 
 #include "base/clock.hpp"
@@ -6,18 +6,19 @@
 
 namespace ddssec::rtps {
 
-/// One request at a time: a new one replaces the last. A receiver that lost something has small
-/// buffers, so a portion is small, and its heartbeat brings the next request.
+/// Handles one request at a time: a new one replaces the previous one. A receiver that lost
+/// fragments has small buffers, so portions are small. The HEARTBEAT after a portion triggers the
+/// next request.
 class FragmentRepair {
  public:
   static constexpr std::uint32_t kFragmentsPerPortion = 8;
-  /// Requests that crossed the answer on the way are not answered again.
+  /// A request that crossed its answer on the network is not answered again.
   static constexpr MonotonicTime kAnswerTime = std::chrono::milliseconds(2);
-  /// The next portion goes out after this time also without a request: Cyclone DDS asks ten times a
-  /// second.
+  /// The next portion is sent after this time even without a request, because Cyclone DDS sends
+  /// only ten requests per second.
   static constexpr MonotonicTime kPause = std::chrono::milliseconds(1);
 
-  /// The same request is being answered since less than kAnswerTime.
+  /// True if answering the same request began less than kAnswerTime ago.
   bool is_crossed_by(const NackFrag& nack, MonotonicTime now) const {
     return nack.sequence_number == sample_ && nack.missing.base() == missing_.base() &&
            now - begun_ < kAnswerTime;
@@ -30,13 +31,13 @@ class FragmentRepair {
     begun_ = now;
   }
   SequenceNumber sample() const { return sample_; }
-  /// When the next portion is due; kNever: nothing is left, or the portion that was due is on its
-  /// way.
+  /// When the next portion is due; kNever: nothing is left, or the portion that was due has been
+  /// sent.
   MonotonicTime due() const { return due_; }
-  /// Nothing more of it is sent.
+  /// Sends nothing more of the request.
   void end() { due_ = kNever; }
 
-  /// Calls `send(FragmentNumber)` for each of the next portion.
+  /// Calls `send(FragmentNumber)` for each fragment of the next portion.
   template <class F>
   void send_portion(MonotonicTime now, F&& send) {
     std::uint32_t sent = 0;

@@ -1,4 +1,4 @@
-// When a writer's next heartbeat is due (heartbeatPeriod of RTPS 8.4.7.1).
+// The time of a writer's next HEARTBEAT (heartbeatPeriod of RTPS 8.4.7.1).
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 namespace ddssec::rtps {
 
-/// Heartbeats go out as long as readers lack something, and less often while none of them answers.
+/// HEARTBEATs are sent as long as readers lack something, and less often while no reader answers.
 class HeartbeatSchedule {
  public:
   static constexpr MonotonicTime kFirstPeriod = std::chrono::milliseconds(100);
@@ -16,7 +16,7 @@ class HeartbeatSchedule {
 
   /// kNever: none is due.
   MonotonicTime due() const { return due_; }
-  /// One period from now.
+  /// Schedules the next one after one period.
   void restart(MonotonicTime now) {
     period_ = kFirstPeriod;
     due_ = now + period_;
@@ -25,14 +25,14 @@ class HeartbeatSchedule {
   void note_written(MonotonicTime now) {
     if (due_ == kNever || period_ != kFirstPeriod) restart(now);
   }
-  /// A reader that requests something is alive and needs the writer: the next heartbeat comes soon,
-  /// whatever came before.
+  /// A reader that requests something is alive and needs the writer. So the next HEARTBEAT is sent
+  /// soon, whatever the current period is.
   void note_request(MonotonicTime now) {
     unanswered_ = 0;
     period_ = kFirstPeriod;
     due_ = std::min(due_, now + period_);
   }
-  /// The one that was due was sent. `all_acknowledged`: no other follows.
+  /// The HEARTBEAT that was due was sent. `all_acknowledged`: no other follows.
   void note_sent(MonotonicTime now, bool all_acknowledged) {
     if (++unanswered_ > kMaxUnanswered) period_ = std::min(period_ * 2, kMaxPeriod);
     due_ = all_acknowledged ? kNever : now + period_;
@@ -48,7 +48,7 @@ class HeartbeatSchedule {
  private:
   MonotonicTime due_ = kNever;
   MonotonicTime period_{};
-  int unanswered_ = 0;  ///< heartbeats since a reader was heard
+  int unanswered_ = 0;  ///< number of HEARTBEATs since a reader was heard
 };
 
 }  // namespace ddssec::rtps

@@ -1,4 +1,4 @@
-// What a reader keeps out of order, counted by the identity that sent it.
+// The octets that a reader holds out of order, counted by the identity that sent them.
 #pragma once
 
 #include <cstddef>
@@ -9,8 +9,8 @@
 
 namespace ddssec::rtps {
 
-/// A share for each identity. An attacker that spreads what it sends over many writers of its own
-/// takes no room from others.
+/// Each identity has a share. An attacker that spreads its data over many writers of its own takes
+/// no room from others.
 class HeldOctets {
   struct Share {
     std::size_t writers = 0, octets = 0;
@@ -21,13 +21,13 @@ class HeldOctets {
   static constexpr std::size_t kMaxOfOne = kMax / 2;
   struct Limits {
     std::size_t all = kMax;
-    std::size_t of_one = kMaxOfOne;  ///< for the writers of one identity
+    std::size_t of_one = kMaxOfOne;  ///< for all writers of one identity
   };
 
-  /// What one writer takes of its identity's share, until it ends.
+  /// What one writer uses of its identity's share, until it is destroyed.
   class Account {
    public:
-    /// `all` outlives it.
+    /// `all` must outlive it.
     Account(HeldOctets& all, const GuidPrefix& identity);
     ~Account();
     Account(const Account&) = delete;
@@ -47,8 +47,8 @@ class HeldOctets {
   void limit(const Limits& limits) { limits_ = limits; }
   std::size_t octets() const { return octets_; }
   std::size_t identities() const { return shares_.size(); }
-  /// The identity that has to give something up: the one that holds most. Nothing if all is within
-  /// the limits.
+  /// The identity that must give something up: the one that holds the most. Empty if everything is
+  /// within the limits.
   std::optional<GuidPrefix> over_limit() const;
 
  private:

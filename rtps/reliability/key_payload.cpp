@@ -5,7 +5,7 @@
 namespace ddssec::rtps {
 namespace {
 
-// What Fast DDS takes for a key hash is at most this long, encapsulation included.
+// The largest payload that Fast DDS interprets as a key hash, including its encapsulation.
 constexpr std::size_t kLongestTakenForHash = 16;
 
 }  // namespace
@@ -21,13 +21,13 @@ BytesView key_payload_for(const KeyReading& readers, BytesView payload, const Ke
     scratch = to_bare(payload);
     return scratch.empty() ? payload : BytesView(scratch);
   }
-  // Readers stop at the key's last member. In XCDR2 the length tells layouts apart and must stay as
-  // it is; Fast DDS 2 knows XCDR1 only.
+  // Readers stop after the key's last member, so the payload may become longer. In XCDR2 the length
+  // distinguishes layouts and must not change; Fast DDS 2 knows only XCDR1.
   const bool grows = readers.short_is_hash && opened->encapsulation == Encapsulation::cdr &&
                      payload.size() <= kLongestTakenForHash;
   if (!grows) return payload;
   scratch.assign(payload.begin(), payload.end());
-  scratch[3] = static_cast<std::uint8_t>(scratch[3] & ~3u);  // the padding is counted no more
+  scratch[3] = static_cast<std::uint8_t>(scratch[3] & ~3u);  // the padding is no longer counted
   scratch.resize(kLongestTakenForHash + 4);
   return scratch;
 }

@@ -1,4 +1,4 @@
-// Key-only payloads as the matched readers can read them.
+// Key-only payloads in a form that the matched readers can read.
 #pragma once
 
 #include <functional>
@@ -7,11 +7,12 @@
 
 namespace ddssec::rtps {
 
-/// What a peer's readers make of the payload of a dispose or unregister.
+/// How a peer's readers interpret the payload of a dispose or unregister.
 struct KeyReading {
   /// Cyclone DDS up to 0.10 expects no DHEADER in the key of an appendable type.
   bool bare_only = false;
-  /// Fast DDS up to 2.x takes a payload of up to 16 octets for the key hash, whatever it holds.
+  /// Fast DDS up to 2.x interprets a payload of up to 16 octets as the key hash, whatever it
+  /// contains.
   bool short_is_hash = false;
 
   bool operator==(const KeyReading&) const = default;
@@ -22,10 +23,12 @@ struct KeyReading {
   }
 };
 
-/// A serialized key in the layout that such readers expect; empty if it cannot be read.
+/// Converts a serialized key to the layout that such readers expect. Returns empty if it cannot be
+/// read.
 using KeyRewriter = std::function<Bytes(BytesView key)>;
 
-/// `payload`, or what `scratch` then holds: the same key in a form that all of `readers` can read.
+/// Returns the key in a form that all of `readers` can read: `payload` itself, or a view of
+/// `scratch`.
 BytesView key_payload_for(const KeyReading& readers, BytesView payload, const KeyRewriter& to_bare,
                           Bytes& scratch);
 

@@ -1,4 +1,4 @@
-// How readers of the writer's own process get its samples.
+// Delivers a writer's samples to readers of the same process.
 #pragma once
 
 #include "rtps/reliability/matched_readers.hpp"
@@ -7,22 +7,24 @@
 
 namespace ddssec::rtps {
 
-/// They get the same history without messages, in the order of numbers, in the thread that
-/// writes, takes or matches. What a reader refuses stays with the writer until it asks.
+/// These readers get the history without messages, in the order of sequence numbers, in the thread
+/// that writes, takes or matches. A change that a reader refuses stays with the writer until the
+/// reader asks for it.
 class LocalDelivery {
  public:
-  /// `history` and `readers` outlive it.
+  /// `history` and `readers` must outlive this object.
   LocalDelivery(const Guid& writer, const WriterHistory& history, MatchedReaders& readers)
       : writer_(writer), history_(history), readers_(readers) {}
 
-  /// Readers are told where the writer stands in the group, which outlives it.
+  /// From now on readers also get the writer's position in the group. `group` must outlive this
+  /// object.
   void join(const WriterGroup& group) { group_ = &group; }
-  /// Offers an attached reader all that it has not taken.
+  /// Offers an attached reader all changes that it has not taken.
   void feed(ReaderProxy& proxy);
   void feed_all();
-  /// Tells all attached readers that the writer lives.
+  /// Asserts the writer's liveliness to all attached readers.
   void assert_liveliness();
-  /// The writer ends.
+  /// Must be called before the writer is destroyed.
   void detach_all();
 
  private:

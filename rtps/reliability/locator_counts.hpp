@@ -1,4 +1,4 @@
-// Locators of many readers, each once.
+// The locators of many readers, each once.
 #pragma once
 
 #include <map>
@@ -7,7 +7,7 @@
 
 namespace ddssec::rtps {
 
-/// Counts who has a locator: adding and removing one does not look at the others.
+/// Counts the readers of each locator. Adding and removing one does not search the others.
 class LocatorCounts {
  public:
   void add(const LocatorList& locators) {
@@ -17,7 +17,7 @@ class LocatorCounts {
       ++at->second.count;
     }
   }
-  /// They were added.
+  /// The locators must have been added before.
   void remove(const LocatorList& locators) {
     for (const auto& locator : locators) {
       const auto at = places_.find(locator);
@@ -32,7 +32,7 @@ class LocatorCounts {
 
  private:
   struct Place {
-    std::size_t index;  ///< in all_
+    std::size_t index;  ///< index in all_
     std::size_t count = 0;
   };
   LocatorList all_;

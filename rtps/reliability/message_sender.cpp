@@ -37,7 +37,7 @@ void MessageSender::begin(const Destination& to, SendProtection::Wrap wrap) {
   const bool empty = out_.size() == 0;
   if (other) to_.assign(to.locators.begin(), to.locators.end());
   if (empty) begin_message(to_, is_wrapped(wrap));
-  // INFO_DST lasts until the next one or the end of the message.
+  // INFO_DST applies until the next one or the end of the message.
   if ((empty && !to.prefix.is_zero()) || (!empty && to.prefix != destination_))
     write(out_, InfoDestination{to.prefix});
   receiver_ = empty || to.prefix == receiver_ ? to.prefix : GuidPrefix{};
@@ -58,7 +58,8 @@ void MessageSender::begin_message(std::span<const Locator> to, bool wrapped) {
   write(out_, header_);
 }
 
-// DDS-Security 9.5.3.3.4.3: what is signed without its length ends in whole words.
+// DDS-Security 9.5.3.3.4.3: a payload that is signed without its length must end on a 4-octet
+// boundary.
 std::optional<BytesView> MessageSender::protected_payload(const EntityId& writer, BytesView plain) {
   if (plain.size() % 4 != 0) {
     SpanWriter padded(plain_);

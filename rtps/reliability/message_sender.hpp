@@ -1,4 +1,4 @@
-// Packs submessages into messages and hands these to a transport.
+// Packs submessages into messages and passes these to a transport.
 #pragma once
 
 #include <algorithm>
@@ -22,65 +22,69 @@ namespace ddssec::rtps {
 
 /// The destination of a submessage.
 struct Destination {
-  GuidPrefix prefix = {};                   ///< zero: everybody at the locators
+  GuidPrefix prefix = {};                   ///< zero: all participants at the locators
   std::span<const Locator> locators = {};   ///< borrowed for the call
   std::uint8_t dscp = 0;                    ///< see Outgoing
   std::size_t interface = kEveryInterface;  ///< see Outgoing
-  GuidPrefix charged = {};  ///< whose AmplificationLimit counts; zero: that of `prefix`
+  /// The participant whose AmplificationLimit is charged; zero: that of `prefix`.
+  GuidPrefix charged = {};
 };
 
-/// Where a submessage goes, and which of the readers there it is for.
+/// The destination of a submessage, and the reader there.
 struct Receiver {
   Destination to;
-  EntityId reader = kEntityIdUnknown;  ///< unknown: all that matched
+  EntityId reader = kEntityIdUnknown;  ///< unknown: all matched readers
 };
 
-/// Submessages for the same locators share a message until it is full or flushed, and the messages
-/// of a large sample a call of the transport. Nothing is allocated but for more messages at once
-/// than ever before. Not thread-safe.
+/// Submessages for the same locators share a message until it is full or flushed. The messages of a
+/// large sample share a call of the transport. Memory is allocated only if more messages are needed
+/// at once than ever before. Not thread-safe.
 class MessageSender {
  public:
-  /// As Cyclone DDS: fits two jumbo frames; larger samples go in fragments.
+  /// As in Cyclone DDS: a message fits two jumbo frames; larger samples are sent in fragments. In
+  /// octets.
   static constexpr std::size_t kLargestMessage = 14720;
-  /// The largest fragment that fits such a message.
+  /// The largest fragment that fits into such a message, in octets.
   static constexpr std::uint16_t kLargestFragment = 14336;
-  /// What fits a UDP datagram: where all receivers are on this machine, and of protected messages.
+  /// The limit of a UDP datagram, in octets: used if all receivers are on this machine, and for
+  /// protected messages.
   static constexpr std::size_t kLargestDatagram = 64000;
-  /// A protected message of so many octets to receivers on this machine is full: what was added
-  /// last and the receivers' MACs (DDS-Security 9.5.3.3.4) have room behind it.
+  /// A protected message of this many octets to receivers on this machine is full: the rest is room
+  /// for the last submessage and the receivers' MACs (DDS-Security 9.5.3.3.4).
   static constexpr std::size_t kFullProtected = 46000;
 
-  /// Full messages that wait for more of the same sample, and their octets: receivers' buffers are
-  /// small.
+  /// Limits for full messages that wait for more of the same sample. They are low because
+  /// receivers' buffers are small.
   static constexpr std::size_t kMostWaiting = 8;
   static constexpr std::size_t kMostWaitingOctets = std::size_t{128} << 10;
 
   MessageSender(Transport& transport, const GuidPrefix& prefix);
 
-  /// From now on what `protection` says is encoded; it outlives the sender's use.
+  /// From now on `protection` encodes messages. It must outlive the use of the sender.
   void protect_with(SendProtection& protection);
 
   template <class S>
   void add(const Destination& to, const S& submessage) {
     put(to, nullptr, submessage);
   }
-  /// The time of the submessages behind it, in this message only.
+  /// `time` is that of the submessage after it, in this message only.
   template <class S>
   void add(const Destination& to, const InfoTimestamp& time, const S& submessage) {
     put(to, &time, submessage);
   }
-  /// To a participant that has not authenticated, which knows none of our keys.
+  /// Adds a submessage to a participant that has not authenticated, and so has no keys.
   template <class S>
   void add_unauthenticated(const Destination& to, const S& submessage) {
     put(to, nullptr, submessage, kStatelessMessageWriter);
   }
-  /// What those who are limited may be sent. What exceeds that is not sent.
+  /// The limits for what unproven participants may be sent. A message above the limit is not sent.
   AmplificationLimit& limit() { return limit_; }
-  /// What was added goes out; while something gathers, at the end of that.
+  /// Sends what was added. While a Gathering exists, this happens at its end.
   void flush();
-  /// At once: before keys that it needs are forgotten, or where it is not to share a message.
+  /// Sends at once: before keys that the messages need are removed, or if a message must not be
+  /// shared.
   void flush_now();
-  /// While one lives nothing is flushed: what one event brings about shares messages.
+  /// While an instance exists, nothing is flushed, so that the results of one event share messages.
   class Gathering {
    public:
     explicit Gathering(MessageSender& sender) : sender_(sender) { ++sender_.gatherings_; }
@@ -93,31 +97,33 @@ class MessageSender {
    private:
     MessageSender& sender_;
   };
-  /// Samples above this many octets go in fragments of it; at most kLargestFragment.
+  /// Samples with more octets than `size` are sent in fragments of that size; at most
+  /// kLargestFragment.
   void fragment_at(std::uint32_t size) {
     fragment_size_ =
         static_cast<std::uint16_t>(std::clamp<std::uint32_t>(size, 1, kLargestFragment));
   }
   std::uint16_t fragment_size() const { return fragment_size_; }
-  /// The writer's submessages are protected and the INFO_TS before them is not.
+  /// True if the writer's submessages are protected but the INFO_TS before them is not.
   bool leaves_time_unprotected(const EntityId& writer) const;
-  /// How many octets make the message full that waits, or the last that did.
+  /// The number of octets at which the waiting message, or the last one that waited, is full.
   std::size_t full_size() const { return full_size_; }
 
-  /// From now on what was added may wait for more: flush is called when flush_by says so.
+  /// From now on what was added may wait for more. The owner must call flush at the time flush_by
+  /// returns.
   void allow_lingering() { may_linger_ = true; }
   bool may_linger() const { return may_linger_; }
-  /// Instead of a flush: at `deadline` at the latest.
+  /// Requests a flush at `deadline` at the latest, instead of now.
   void linger(MonotonicTime deadline) { flush_by_ = std::min(flush_by_, deadline); }
   /// kNever: nothing waits.
   MonotonicTime flush_by() const { return flush_by_; }
 
-  /// A sample came: the next write may be an answer that a peer waits for.
+  /// A sample arrived: the next write may be an answer that a peer waits for.
   void note_sample() { ++samples_heard_; }
   std::uint32_t samples_heard() const { return samples_heard_; }
 
  private:
-  /// Which of our endpoints speaks and to which of theirs.
+  /// The local and the remote endpoint of a submessage.
   struct Ends {
     EntityId from, to;
   };
@@ -133,7 +139,7 @@ class MessageSender {
   void put(const Destination& to, const InfoTimestamp* time, const S& submessage) {
     put(to, time, submessage, ends_of(submessage).from);
   }
-  /// Protected as what `as` sends.
+  /// Protects the submessage as one that `as` sends.
   template <class S>
   void put(const Destination& to, const InfoTimestamp* time, const S& submessage,
            const EntityId& as) {
@@ -152,7 +158,7 @@ class MessageSender {
       finish_message();
     }
   }
-  /// False: it could not be protected.
+  /// Returns false if it could not be protected.
   template <class S>
   bool write_protected(const SendProtection::Levels& levels, const Guid& receiver,
                        const EntityId& sender, S submessage) {
@@ -170,14 +176,15 @@ class MessageSender {
     write(plain, submessage);
     const bool done =
         !plain.overflowed() && write_protected_submessage(sender, receiver, plain.view());
-    if (sender == kVolatileMessageWriter) wipe(MutableBytes(plain_).first(plain.size()));  // keys
+    // It contains keys.
+    if (sender == kVolatileMessageWriter) wipe(MutableBytes(plain_).first(plain.size()));
     return done;
   }
   std::optional<BytesView> protected_payload(const EntityId& writer, BytesView plain);
   bool write_protected_submessage(const EntityId& sender, const Guid& receiver, BytesView plain);
   void begin(const Destination& to, SendProtection::Wrap wrap);
   void begin_message(std::span<const Locator> to, bool wrapped);
-  /// It waits for the flush, or for kMostWaiting of its like.
+  /// The message waits for a flush, or until kMostWaiting messages wait.
   void finish_message();
   void wait_for_more(BytesView message);
   void send_waiting();
@@ -188,19 +195,19 @@ class MessageSender {
   Header header_;
   SendProtection* protection_ = nullptr;
   Bytes buffer_, payload_, plain_;
-  std::array<Bytes, kMostWaiting> slots_;         ///< messages as they are sent
-  std::array<BytesView, kMostWaiting> messages_;  ///< those that wait
+  std::array<Bytes, kMostWaiting> slots_;  ///< the messages in the form in which they are sent
+  std::array<BytesView, kMostWaiting> messages_;  ///< the messages that wait
   std::size_t waiting_ = 0;
   std::size_t waiting_octets_ = 0;
   std::size_t slot_size_ = kLargestMessage;
   std::size_t full_size_ = kLargestMessage;
-  SpanWriter out_;  ///< the message that is written, in the next slot or to be protected into it
-  std::vector<Locator> to_;  ///< of all that waits
+  SpanWriter out_;  ///< the current message, written into the next slot or protected into it
+  std::vector<Locator> to_;  ///< destination of everything that waits
   std::uint8_t dscp_ = 0;    ///< the same
   std::size_t interface_ = kEveryInterface;
   GuidPrefix destination_;  ///< of the last submessage
-  GuidPrefix receiver_;     ///< of all submessages in the message, or zero
-  GuidPrefix limited_;      ///< whose limit all that waits is charged to, or zero
+  GuidPrefix receiver_;     ///< of all submessages in the message; zero if they differ
+  GuidPrefix limited_;      ///< whose limit is charged for everything that waits; zero: none
   AmplificationLimit limit_;
   SendProtection::Wrap wrap_ = SendProtection::Wrap::none;
   bool may_linger_ = false;

@@ -1,4 +1,4 @@
-// How many octets go to readers whose requests or addresses others can forge.
+// Limits the octets that are sent to readers whose requests or addresses can be forged.
 #pragma once
 
 #include <algorithm>
@@ -10,14 +10,14 @@
 
 namespace ddssec::rtps {
 
-/// So many at once, and so many more in each millisecond.
+/// Allows kAtOnce octets at once, and kPerMillisecond more in each millisecond.
 template <std::size_t kAtOnce, std::size_t kPerMillisecond>
 class OctetAllowance {
  public:
   static constexpr std::size_t kMaxOctets = kAtOnce;
   static constexpr std::size_t kOctetsPerMillisecond = kPerMillisecond;
 
-  /// What is left now.
+  /// Returns what is left now.
   std::size_t renewed(MonotonicTime now) {
     using std::chrono::microseconds;
     constexpr std::int64_t kFull = (kAtOnce / kPerMillisecond + 1) * 1000;
@@ -33,14 +33,14 @@ class OctetAllowance {
   MonotonicTime since_{};
 };
 
-/// Of repeated samples, for each reader. Where requests are not protected an attacker sends them in
-/// the reader's name, and may use the writer to flood it: one datagram with many requests was
-/// answered by 338 times its octets.
+/// For repeated samples, for each reader. If requests are not protected, an attacker can send them
+/// in the reader's name and use the writer to flood the reader. Without a limit, one datagram with
+/// many requests was answered with 338 times its octets.
 using RepairAllowance = OctetAllowance<std::size_t{256} << 10, std::size_t{128} << 10>;
 
-/// Of history, for all best-effort readers of a writer together. They do not ask for it at their
-/// own pace, and a participant can announce any number of them at any address: 600 octets of
-/// announcement were answered by all that the writer held.
+/// For history, for all best-effort readers of a writer together. Such readers do not request it at
+/// their own pace, and a participant can announce any number of them at any address. Without a
+/// limit, an announcement of 600 octets was answered with everything that the writer held.
 using HistoryAllowance = OctetAllowance<std::size_t{4} << 20, std::size_t{1} << 10>;
 
 }  // namespace ddssec::rtps

@@ -1,4 +1,4 @@
-// Samples of one writer of which fragments are missing (RTPS 8.4.14.1).
+// Samples of one writer with missing fragments (RTPS 8.4.14.1).
 #pragma once
 
 #include <vector>
@@ -9,20 +9,20 @@
 
 namespace ddssec::rtps {
 
-/// In the order of their numbers. What the writer announces of a sample's size is believed up to
-/// the limits below, and counted before it comes.
+/// Sorted by sequence number. The announced size of a sample is accepted up to the limits below,
+/// and counted before its octets arrive.
 class PartialSamples {
  public:
   static constexpr std::size_t kMaxSamples = 4;
-  /// Samples of more fragments than that must have fragments of at least kMinFragmentSize: the
-  /// number of fragments is what a sample costs beside its octets.
+  /// A sample of more fragments than this must have fragments of at least kMinFragmentSize octets,
+  /// because each fragment has a cost besides its octets.
   static constexpr std::uint32_t kMaxSmallFragments = 4096;
   static constexpr std::uint16_t kMinFragmentSize = 512;
-  /// What each sample counts beside its octets.
+  /// What each sample counts besides its octets.
   static constexpr std::size_t kPrice = 256;
 
-  /// `prefers_newest`: where a sample is one too many the oldest makes room for it, else the
-  /// newest. `account` outlives it.
+  /// `prefers_newest`: if there is one sample too many, the oldest is dropped, otherwise the
+  /// newest. `account` must outlive this object.
   PartialSamples(HeldOctets::Account& account, bool prefers_newest)
       : account_(account), prefers_newest_(prefers_newest) {}
 
@@ -30,18 +30,20 @@ class PartialSamples {
   bool contains(SequenceNumber number) const { return find(number) != samples_.end(); }
   SequenceNumber first() const { return samples_.front().number(); }
   SequenceNumber last() const { return samples_.back().number(); }
-  /// Of the first sample, within 256 fragments of the first that is missing.
+  /// The missing fragments of the first sample, within 256 of the first missing one.
   FragmentNumberSet missing_of_first() const { return samples_.front().have.missing(); }
 
-  /// False: it contradicts what came of the sample before, or makes it of too many fragments.
+  /// Returns false if the fragment contradicts earlier fragments of its sample, or belongs to a
+  /// sample of too many fragments.
   bool admits(const DataFrag& frag) const;
-  /// A sample that `admits` its fragment and is not contained. False: there is no room.
+  /// Begins a sample, whose fragment must pass `admits` and which must not be contained. Returns
+  /// false if there is no room.
   bool begin(const GuidPrefix& from, const DataFrag& frag, const std::optional<Time>& time);
-  /// False: the fragments were there, or the sample is not.
+  /// Returns false if the fragments had already arrived, or the sample is not contained.
   bool insert(const DataFrag& frag);
-  /// The sample, which leaves, if no fragment of it is missing.
+  /// Removes and returns the sample if no fragment of it is missing.
   std::optional<Change> take_complete(SequenceNumber number);
-  /// Forgets first .. last.
+  /// Removes samples first .. last.
   void erase(SequenceNumber first, SequenceNumber last);
 
  private:

@@ -1,4 +1,4 @@
-// Writers that left a reader, with keys that they may come back with.
+// Writers that left a reader, with the keys with which they may return.
 #pragma once
 
 #include <map>
@@ -10,14 +10,14 @@
 
 namespace ddssec::rtps {
 
-/// What such a writer sent before it left is not new when it comes back. Each identity has a share:
-/// when there is no room, the identity with most of them loses its oldest.
+/// What such a writer sent before it left does not count as new when the writer returns. If there
+/// is no room, the identity with the most writers loses its oldest.
 class PastWriters {
  public:
   static constexpr std::size_t kMost = 1024;
   struct Position {
     Sha256Digest keys;
-    SequenceNumber next;  ///< everything below was delivered or given up
+    SequenceNumber next;  ///< everything below it was delivered or given up
     std::int32_t last_heartbeat;
   };
 
@@ -31,7 +31,7 @@ class PastWriters {
       if (at->second.size() > most->second.size()) most = at;
     static_cast<void>(take(Guid(most->second.begin()->second)));
   }
-  /// Forgets it; nothing if it is not known.
+  /// Removes and returns the writer's position; empty if the writer is not known.
   std::optional<Position> take(const Guid& writer) {
     const auto at = writers_.find(writer);
     if (at == writers_.end()) return std::nullopt;
@@ -47,7 +47,7 @@ class PastWriters {
   struct Entry {
     Position position;
     GuidPrefix identity;
-    std::uint64_t number = 0;  ///< in the order in which they left
+    std::uint64_t number = 0;  ///< position in the order in which they left
   };
   std::map<Guid, Entry> writers_;
   std::map<GuidPrefix, std::map<std::uint64_t, Guid>> of_;

@@ -9,12 +9,12 @@
 
 namespace ddssec::rtps {
 
-/// Octets that several holders share and none changes. The memory of the last one to go is kept
-/// for the next of about that size, by all participants of the process together and up to a bound:
-/// once samples flow, none costs an allocation. Holders may be in any thread.
+/// Octets that several holders share and none changes. When the last holder is gone, the memory is
+/// kept for the next payload of about that size. All participants of the process share this memory,
+/// and it is limited. Once samples flow, a payload costs no allocation. Thread-safe.
 class Payload {
  public:
-  /// Larger ones, and more octets than that, go back to the allocator at once.
+  /// Larger payloads, and more octets than kMostKept, are returned to the allocator at once.
   static constexpr std::size_t kLargestKept = std::size_t{8} << 20;
   static constexpr std::size_t kMostKept = std::size_t{32} << 20;
 
@@ -37,7 +37,7 @@ class Payload {
     std::ranges::copy(octets, out.fill().begin());
     return out;
   }
-  /// To be filled in before it is shared; pages that are never written cost no memory.
+  /// Must be filled before it is shared. Pages that are never written cost no memory.
   static Payload uninitialized(std::size_t size);
 
   BytesView view() const { return block_ == nullptr ? BytesView{} : BytesView(octets(), size()); }
@@ -45,7 +45,7 @@ class Payload {
     return block_ == nullptr ? MutableBytes{} : MutableBytes(octets(), size());
   }
   std::size_t size() const { return block_ == nullptr ? 0 : block_->size; }
-  /// Keys are in it: nothing of it stays in memory once the last holder is gone.
+  /// The payload contains keys: its memory is wiped when the last holder is gone.
   void wipe_at_end() {
     if (block_ != nullptr) block_->holds_secrets = true;
   }
@@ -56,7 +56,7 @@ class Payload {
     std::uint16_t size_class = 0;
     bool holds_secrets = false;
     std::size_t size = 0;
-    Block* next = nullptr;  ///< of those that are kept
+    Block* next = nullptr;  ///< list of the blocks that are kept
   };
   struct Store;
   static void release(Block* block) noexcept;

@@ -1,4 +1,4 @@
-// Which samples a heartbeat rides on.
+// Decides which samples carry a HEARTBEAT.
 #pragma once
 
 #include <cstdint>
@@ -8,9 +8,9 @@
 
 namespace ddssec::rtps {
 
-/// One each millisecond, so that a reader soon knows what it misses. It says nothing if it misses
-/// nothing, except to a question: a heartbeat that wants an answer. Questions come often enough
-/// that histories shrink while a writer is busy.
+/// One HEARTBEAT in each millisecond, so that a reader soon knows what it lacks. A reader that
+/// lacks nothing does not answer, unless the HEARTBEAT is a question, which requires an answer.
+/// Questions are frequent enough that histories shrink while a writer is busy.
 class PiggybackHeartbeats {
  public:
   enum class Kind : std::uint8_t { none, final, question };
@@ -18,11 +18,11 @@ class PiggybackHeartbeats {
   static constexpr int kMaxSamplesPerQuestion = 256;
   static constexpr std::size_t kOctetsPerQuestion = 128 << 10;
 
-  /// With KEEP_ALL within limits there are some questions before the history is full.
+  /// With KEEP_ALL and limits, several questions are sent before the history is full.
   explicit PiggybackHeartbeats(const Qos& qos);
 
-  /// What rides on a sample of that size. `is_full`: the history has no room for another such
-  /// sample; only asked if it matters.
+  /// Returns what a sample of that size carries. `is_full`: returns whether the history has no room
+  /// for another sample of that size; called only if it matters.
   template <class F>
   Kind on_sample(std::size_t octets, MonotonicTime now, F&& is_full) {
     octets_ += octets;

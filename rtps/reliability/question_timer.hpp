@@ -1,4 +1,4 @@
-// When a writer that has not been heard is asked again what it has.
+// When a writer that has not been heard is queried again.
 #pragma once
 
 #include <algorithm>
@@ -7,13 +7,13 @@
 
 namespace ddssec::rtps {
 
-/// Each wait is twice the last one.
+/// Each wait is twice as long as the previous one.
 class QuestionTimer {
  public:
   static constexpr MonotonicTime kFirstWait = std::chrono::milliseconds(50);
   static constexpr MonotonicTime kMaxWait = std::chrono::seconds(5);
 
-  /// kNever: no question is due.
+  /// kNever: no query is due.
   MonotonicTime due() const { return due_; }
   void note_asked(MonotonicTime now) {
     due_ = now + wait_;

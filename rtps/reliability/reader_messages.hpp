@@ -1,4 +1,4 @@
-// What a reader says: ACKNACK and NACK_FRAG (RTPS 8.3.8.1, 8.3.8.10).
+// The messages of a reader: ACKNACK and NACK_FRAG (RTPS 8.3.8.1, 8.3.8.10).
 #pragma once
 
 #include "rtps/reliability/message_sender.hpp"
@@ -7,14 +7,14 @@
 
 namespace ddssec::rtps {
 
-/// Adds submessages to the sender, which outlives it and is flushed by the caller. The counts go on
-/// over all writers: one that comes back hears later ones.
+/// Adds submessages to the sender, which must outlive this object and which the caller flushes. All
+/// writers share the counts, so that a writer that returns receives later ones.
 class ReaderMessages {
  public:
   ReaderMessages(const EntityId& reader, MessageSender& sender)
       : reader_(reader), sender_(sender) {}
 
-  /// Everything below the base of `missing` has come. Final: no answer is needed.
+  /// Everything below the base of `missing` has arrived. `is_final`: no answer is needed.
   void acknack(const Destination& to, const EntityId& writer, const SequenceNumberSet& missing,
                bool is_final) {
     sender_.add(to, AckNack{reader_, writer, missing, ++count_, is_final});

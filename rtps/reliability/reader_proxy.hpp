@@ -1,4 +1,4 @@
-// What a writer knows of a reader that it matched (ReaderProxy of RTPS 8.4.7.5).
+// The state of a matched reader, as the writer knows it (ReaderProxy of RTPS 8.4.7.5).
 #pragma once
 
 #include <memory>
@@ -18,18 +18,18 @@ class StatefulReader;
 struct MatchedReader {
   Guid guid;
   bool reliable = false;
-  bool wants_history = false;  ///< transient-local or more
-  LocatorList locators = {};   ///< empty if it is fed in this process
+  bool wants_history = false;  ///< durability is TRANSIENT_LOCAL or higher
+  LocatorList locators = {};   ///< empty if it gets changes directly in this process
   bool in_process = false;
   std::shared_ptr<ChangeFilter> filter = {};  ///< nullptr: it gets everything
   KeyReading keys = {};
 };
 
-/// The count of the last request of one kind: older ones are repeated, by the network or by an
-/// attacker.
+/// The count of the last request of one kind. Requests with earlier counts are repetitions by the
+/// network or by an attacker.
 class LastCount {
  public:
-  /// False: it is no later than the last.
+  /// Returns false if `count` is not later than the last one.
   bool take(std::int32_t count) {
     if (!is_later(count, last_) && last_ != 0) return false;
     last_ = count;
@@ -43,13 +43,13 @@ class LastCount {
 /// No I/O, clock or lock.
 class ReaderProxy {
  public:
-  /// Which changes it gets.
+  /// The changes that the reader gets.
   struct Range {
-    SequenceNumber first;       ///< what a late joiner does not get lies below
-    SequenceNumber until = {};  ///< it gets nothing from here on; 0: everything
+    SequenceNumber first;       ///< a late joiner gets no changes below this
+    SequenceNumber until = {};  ///< it gets no changes from here on; 0: no limit
   };
 
-  /// `writer_is_reliable`: without it a reliable reader acknowledges nothing.
+  /// `writer_is_reliable`: if false, a reliable reader acknowledges nothing.
   ReaderProxy(MatchedReader reader, const Range& range, bool writer_is_reliable)
       : reader_(std::move(reader)),
         range_(range),
@@ -58,14 +58,14 @@ class ReaderProxy {
   ReaderProxy& operator=(const ReaderProxy&) = delete;
 
   const MatchedReader& reader() const { return reader_; }
-  /// Both sides are reliable.
+  /// True if both sides are reliable.
   bool acknowledges() const { return acknowledges_; }
   SequenceNumber first_relevant() const { return range_.first; }
-  /// Everything up to here has arrived. Kept by MatchedReaders.
+  /// Everything up to here has arrived. Set by MatchedReaders.
   SequenceNumber acknowledged() const { return acknowledged_; }
   void set_acknowledged(SequenceNumber through) { acknowledged_ = through; }
 
-  // Which changes it gets.
+  // The changes that the reader gets:
   bool accepts(const Change& change) const {
     return is_for(change) && filter_result(change).value_or(true);
   }
@@ -73,17 +73,17 @@ class ReaderProxy {
   bool ends_before(SequenceNumber number) const {
     return range_.until.value != 0 && number >= range_.until;
   }
-  /// What its filter says; nothing: it has none, or the reader must judge itself.
+  /// The result of its filter. Empty: it has no filter, or must decide itself.
   std::optional<bool> filter_result(const Change& change) const {
     if (!reader_.filter || !change.is_alive()) return std::nullopt;
     return reader_.filter->passes(change);
   }
-  /// It may not get everything.
+  /// True if it may not get everything.
   bool is_filtered() const { return reader_.filter != nullptr || range_.until.value != 0; }
   void set_filter(std::shared_ptr<ChangeFilter> filter) { reader_.filter = std::move(filter); }
 
-  /// A request from `base` on was answered less than FragmentRepair::kAnswerTime ago; else it is
-  /// from now on.
+  /// Returns true if a request from `base` on was answered less than FragmentRepair::kAnswerTime
+  /// ago. Otherwise records that it is answered now.
   bool was_just_answered(SequenceNumber base, MonotonicTime now) {
     if (base == last_answered_ && now - last_answer_ < FragmentRepair::kAnswerTime) return true;
     last_answered_ = base;
@@ -95,9 +95,10 @@ class ReaderProxy {
   LastCount acknacks, nack_frags;
   RepairAllowance allowance;
   FragmentRepair repair;
-  StatefulReader* local = nullptr;  ///< in this process; nullptr: not attached
+  StatefulReader* local = nullptr;  ///< reader in this process; nullptr: not attached
   bool wanted = true;               ///< the last change passed its filter
-  /// It was not told yet that from here on nothing passed its filter; or 0.
+  /// The first change that did not pass its filter and was not reported to it by a GAP yet; 0:
+  /// none.
   SequenceNumber filtered_from = {};
 
  private:
@@ -105,7 +106,7 @@ class ReaderProxy {
   const Range range_;
   const bool acknowledges_;
   SequenceNumber acknowledged_;
-  SequenceNumber last_answered_;  ///< base of the request that was answered last, and when
+  SequenceNumber last_answered_;  ///< base of the request that was answered last
   MonotonicTime last_answer_{};
 };
 

@@ -1,4 +1,4 @@
-// The change that a DATA or DATA_FRAG submessage carries.
+// Creates the change that a DATA or DATA_FRAG submessage carries.
 #pragma once
 
 #include "rtps/reliability/change.hpp"
@@ -6,9 +6,9 @@
 
 namespace ddssec::rtps {
 
-/// With a copy of the payload.
+/// The payload is copied.
 Change received_change(const GuidPrefix& from, const Data& data, const std::optional<Time>& time);
-/// With room for the payload of the whole sample.
+/// The payload has the size of the whole sample.
 Change received_change(const GuidPrefix& from, const DataFrag& frag,
                        const std::optional<Time>& time);
 

@@ -1,4 +1,4 @@
-// Changes that readers request again (RTPS 8.4.9.2.11).
+// Retransmits changes that readers request (RTPS 8.4.9.2.11).
 #pragma once
 
 #include "rtps/reliability/reader_proxy.hpp"
@@ -6,15 +6,15 @@
 
 namespace ddssec::rtps {
 
-/// Answers come in portions, each followed by a heartbeat that asks for the next request, so that
-/// the reader's pace sets the writer's. The heartbeats are sent by the caller.
+/// Answers are sent in portions. Each is followed by a HEARTBEAT that triggers the next request, so
+/// that the reader sets the pace. The caller sends the HEARTBEATs.
 class Retransmissions {
  public:
   static constexpr std::size_t kMaxOctetsPerAnswer = 128 << 10;
-  /// What a repeated sample counts for at least, with its header.
+  /// What a repeated sample counts at least, including its header.
   static constexpr std::size_t kMinOctets = 64;
 
-  /// Both outlive it.
+  /// Both must outlive this object.
   Retransmissions(const WriterHistory& history, WriterMessages& messages)
       : history_(history), messages_(messages) {}
 
@@ -22,14 +22,14 @@ class Retransmissions {
   SequenceNumber lowest_for(const ReaderProxy& proxy) const {
     return std::max(history_.first(), proxy.first_relevant());
   }
-  /// Sends what an ACKNACK requests, or a GAP for what the reader does not get. False: the request
-  /// was just answered.
+  /// Sends what an ACKNACK requests, or a GAP for what the reader does not get. Returns false if
+  /// the request was just answered.
   bool answer(ReaderProxy& proxy, const Receiver& receiver, const SequenceNumberSet& missing,
               MonotonicTime now);
-  /// Takes the request of a NACK_FRAG, of which portions are to be sent. False: the request is
-  /// being answered, or the reader had too much lately.
+  /// Accepts the request of a NACK_FRAG, which is answered in portions. Returns false if the
+  /// request is already being answered, or if the reader has used up its allowance.
   bool begin(ReaderProxy& proxy, const NackFrag& nack, MonotonicTime now);
-  /// Sends a portion of the fragments. False: nothing was due.
+  /// Sends a portion of the fragments. Returns false if nothing was due.
   bool send_portion(ReaderProxy& proxy, const Receiver& receiver, MonotonicTime now);
 
  private:

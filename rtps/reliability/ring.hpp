@@ -1,4 +1,4 @@
-// A queue that allocates only to become longer than ever before.
+// A queue that allocates only if it becomes longer than ever before.
 #pragma once
 
 #include <bit>
@@ -37,7 +37,7 @@ class Ring {
     begin_ = 0;
   }
 
-  std::vector<T> slots_;  ///< a power of two of them
+  std::vector<T> slots_;  ///< its size is a power of two
   std::size_t begin_ = 0, size_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// What a message sender asks before something leaves: the seam to rtps/security.
+// The protection that a message sender applies before it sends: the interface to rtps/security.
 #pragma once
 
 #include "base/ids.hpp"
@@ -6,12 +6,12 @@
 
 namespace ddssec::rtps {
 
-/// Encodes what local endpoints send (DDS-Security 8.5.1.9.1 to 8.5.1.9.4). Writes to `out`, which
-/// must have room for the plain octets and kProtectionRoom, and returns how many octets it wrote.
-/// Allocates nothing. Whatever cannot be protected must not be sent.
+/// Encodes what local endpoints send (DDS-Security 8.5.1.9.1 to 8.5.1.9.4). Each call writes to
+/// `out`, which must have room for the plain octets and kProtectionRoom, and returns the number of
+/// octets written. Allocates nothing. If a call fails, the data must not be sent.
 class SendProtection {
  public:
-  /// By what a whole message is protected.
+  /// What protects a whole message.
   enum class Wrap : std::uint8_t { none, pre_shared_key, participant_key };
   struct Levels {
     bool payload = false;
@@ -21,13 +21,13 @@ class SendProtection {
 
   virtual ~SendProtection() = default;
   virtual Levels levels(const EntityId& sender) const = 0;
-  /// `plain` in whole words.
+  /// The size of `plain` must be a multiple of 4 octets.
   virtual Result<std::size_t> protect_payload(const EntityId& writer, BytesView plain,
                                               MutableBytes out) = 0;
-  /// A receiver without a prefix or an entity stands for all that are matched.
+  /// A receiver without a prefix or an entity stands for all matched ones.
   virtual Result<std::size_t> protect_submessage(const EntityId& sender, const Guid& receiver,
                                                  BytesView plain, MutableBytes out) = 0;
-  /// `wrap` is not none.
+  /// `wrap` must not be none.
   virtual Result<std::size_t> protect_message(Wrap wrap, const GuidPrefix& receiver,
                                               BytesView plain, MutableBytes out) = 0;
   /// Something was not sent because it could not be protected.

@@ -1,4 +1,4 @@
-// The nodes of a map that were erased, for those that are inserted next.
+// Keeps the erased nodes of a map for the next insertions.
 #pragma once
 
 #include <utility>
@@ -11,7 +11,7 @@ class SpareNodes {
  public:
   static constexpr std::size_t kMost = 256;
 
-  /// The value of a key that is not in the map yet.
+  /// Inserts a key that is not in the map yet. Returns its value.
   typename Map::mapped_type& insert(Map& map, const typename Map::key_type& key) {
     if (spare_.empty()) return map[key];
     auto node = std::move(spare_.back());
@@ -19,7 +19,7 @@ class SpareNodes {
     node.key() = key;
     return map.insert(std::move(node)).position->second;
   }
-  /// What follows `at`.
+  /// Returns the iterator after `at`.
   typename Map::iterator erase(Map& map, typename Map::iterator at) {
     const auto next = std::next(at);
     auto node = map.extract(at);

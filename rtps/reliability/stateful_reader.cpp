@@ -59,7 +59,7 @@ bool StatefulReader::has_history() const {
                              [](const auto& matched) { return matched.second.has_history(); });
 }
 
-// ---- what comes
+// ---- messages of writers
 
 bool StatefulReader::accept(WriterProxy& proxy, SequenceNumber number,
                             std::optional<Change> change) {
@@ -73,9 +73,10 @@ bool StatefulReader::on_data(const GuidPrefix& from, const Data& data,
   sender_.note_sample();
   auto* proxy = find({from, data.writer});
   if (proxy == nullptr || data.sequence_number < proxy->next()) return false;
-  // DDS 1.4 knows no instance state for what did not pass a filter: there is nothing to tell.
+  // DDS 1.4 has no instance state for samples that did not pass a filter, so there is nothing to
+  // report.
   if (data.inline_qos.status.filtered) return accept(*proxy, data.sequence_number, std::nullopt);
-  // As accept(), without moving the change once more.
+  // Like accept(), but without moving the change once more.
   const bool is_new = proxy->accept(data.sequence_number, received_change(from, data, time));
   if (proxy->held().octets() > 0) trim();
   return is_new;
@@ -97,7 +98,7 @@ bool StatefulReader::has_place(WriterProxy& proxy, const DataFrag& frag,
   if (!partial.admits(frag)) return false;
   if (partial.contains(frag.sequence_number)) return true;
   if (frag.sample_size > largest_sample_) {
-    accept(proxy, frag.sequence_number, std::nullopt);  // never asked for again
+    accept(proxy, frag.sequence_number, std::nullopt);  // so that it is never requested again
     if (dropped_) dropped_(proxy.writer().guid, frag.sample_size);
     return false;
   }
@@ -106,7 +107,8 @@ bool StatefulReader::has_place(WriterProxy& proxy, const DataFrag& frag,
   return true;
 }
 
-// By identity: an attacker that spreads what it claims over many writers displaces no other one.
+// By identity, so that an attacker that spreads its data over many writers displaces no other
+// identity's.
 void StatefulReader::trim() {
   while (const auto identity = common_.held.over_limit()) {
     WriterProxy* largest = nullptr;
@@ -128,8 +130,8 @@ bool StatefulReader::on_heartbeat(const GuidPrefix& from, const Heartbeat& heart
   return true;
 }
 
-// A range is skipped as a whole where we stand before it; ahead of us only the 256 numbers of the
-// list are noted, the range itself is announced again when we ask for it.
+// A range is skipped as a whole if the reader has arrived at its start. Otherwise only up to 256 of
+// its numbers are recorded; the writer announces the range again when the reader requests it.
 bool StatefulReader::on_gap(const GuidPrefix& from, const Gap& gap) {
   auto* proxy = find({from, gap.writer});
   if (proxy == nullptr) return false;
@@ -146,14 +148,14 @@ bool StatefulReader::on_gap(const GuidPrefix& from, const Gap& gap) {
   return before != std::pair(proxy->next(), proxy->early());
 }
 
-// ---- what is asked for
+// ---- requests
 
 void StatefulReader::acknowledge(WriterProxy& proxy, SequenceNumber last) {
   const auto& writer = proxy.writer().guid;
   const auto base = unfinished_ ? unfinished_(writer, proxy.next()) : proxy.next();
   const auto missing = proxy.missing(std::min(base, proxy.next()), last);
   messages_.acknack(destination_of(proxy), writer.entity, missing, missing.empty());
-  // Of one sample at a time: each answer ends with a heartbeat, which brings the next question.
+  // One sample at a time: each answer ends with a HEARTBEAT, which triggers the next request.
   if (const auto& partial = proxy.partial(); !partial.empty() && partial.first() <= last)
     messages_.nack_frag(destination_of(proxy), writer.entity, partial.first(),
                         partial.missing_of_first());
@@ -172,8 +174,8 @@ void StatefulReader::offer_again() {
   }
 }
 
-// Not final and nothing missing. All known peers answer with a heartbeat. (Fast DDS itself asks
-// with base 0, which Cyclone DDS calls malformed.)
+// Neither final nor with anything missing: all known vendors answer with a HEARTBEAT. (Fast DDS
+// itself queries with base 0, which Cyclone DDS considers malformed.)
 void StatefulReader::ask(WriterProxy& proxy, MonotonicTime now) {
   messages_.acknack(destination_of(proxy), proxy.writer().guid.entity,
                     SequenceNumberSet(proxy.next()), false);

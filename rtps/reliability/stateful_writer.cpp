@@ -9,7 +9,7 @@
 namespace ddssec::rtps {
 namespace {
 
-/// What a message has beside the payload, roughly.
+/// The approximate size of a message besides its payload.
 constexpr std::size_t kChangeOctets = 64;
 
 }  // namespace
@@ -59,7 +59,7 @@ void StatefulWriter::match(MatchedReader reader, MonotonicTime now) {
   if (!proxy.acknowledges()) {
     send_history(proxy, now);
   } else if (!is_builtin(guid_.entity) || history_.last().value > 0) {
-    // Of a builtin writer that has nothing, readers learn when they ask.
+    // If a builtin writer holds nothing, readers learn that when they ask.
     send_question(readers_.one(proxy), proxy.first_relevant());
     schedule_.restart(now);
     call_at(schedule_.due());
@@ -69,7 +69,7 @@ void StatefulWriter::match(MatchedReader reader, MonotonicTime now) {
 
 void StatefulWriter::send_history(const ReaderProxy& proxy, MonotonicTime now) {
   const auto allowed = history_allowance_.renewed(now);
-  std::vector<const Change*> changes;  // the latest first
+  std::vector<const Change*> changes;  // latest first
   std::size_t octets = 0;
   for (auto number = history_.last(); number >= proxy.first_relevant();
        number = number.previous()) {
@@ -189,14 +189,14 @@ void StatefulWriter::hold_back(bool held_back, MonotonicTime now) {
   release_acknowledged();
 }
 
-// ---- what readers say
+// ---- messages of readers
 
 bool StatefulWriter::on_acknack(const GuidPrefix& from, const AckNack& acknack, MonotonicTime now) {
   auto* proxy = readers_.find({from, acknack.reader});
   if (proxy == nullptr || !proxy->reader().reliable) return false;
   const auto base = acknack.missing.base();
-  // A reader that knows nothing yet asks what there is (base 0: Fast DDS; count 0: Cyclone DDS). A
-  // recorded one must not make old ones new.
+  // A reader that knows nothing yet asks what the writer holds (base 0: Fast DDS; count 0: Cyclone
+  // DDS). A recorded request of this kind must not make old counts acceptable again.
   const bool pre_emptive = base.value < 1 || acknack.count == 0;
   if (!pre_emptive && !proxy->acknacks.take(acknack.count)) return false;
   bool answered = false;
@@ -234,7 +234,7 @@ void StatefulWriter::note_request(MonotonicTime now) {
   call_at(schedule_.due());
 }
 
-// The heartbeat lets the reader ask for the next portion at once.
+// With the HEARTBEAT the reader can request the next portion at once.
 void StatefulWriter::continue_repair(ReaderProxy& proxy, MonotonicTime now) {
   if (!retransmissions_.send_portion(proxy, readers_.one(proxy), now)) return;
   send_question(proxy);
@@ -271,7 +271,7 @@ bool StatefulWriter::is_ahead() const {
          qos_.durability == DurabilityKind::volatile_ && history_.octets() > kHighWater;
 }
 
-// No reader will ask again: late joiners of a volatile writer get nothing old.
+// No reader will request these changes again: late joiners of a volatile writer get no old changes.
 void StatefulWriter::release_acknowledged() {
   if (qos_.durability >= DurabilityKind::transient_local) return;
   const auto last = held_back_ ? held_from_.previous() : history_.last();

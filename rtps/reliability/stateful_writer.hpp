@@ -1,4 +1,5 @@
-// The writer's side of the protocol: who has what, who asks for what (RTPS 8.4.9).
+// The writer's side of the protocol: what each reader has received and what it requests (RTPS
+// 8.4.9).
 #pragma once
 
 #include <functional>
@@ -14,13 +15,14 @@
 
 namespace ddssec::rtps {
 
-/// No I/O but through the sender, no clock, no lock: the caller brings all three.
+/// Sends only through the sender. No clock or lock: the caller passes times and serializes calls.
 class StatefulWriter final : private Timed {
  public:
-  /// Content filters that it applies; further readers get everything, and filter themselves.
+  /// Limit for content filters that the writer applies. Further readers get everything and filter
+  /// themselves.
   static constexpr std::size_t kMostFilters = 32;
 
-  /// Without timers the owner calls tick whenever next_tick says so.
+  /// Without timers, the owner must call tick at the time that next_tick returns.
   StatefulWriter(const Guid& guid, const Qos& qos, MessageSender& sender,
                  TimerQueue* timers = nullptr);
   ~StatefulWriter() override;
@@ -31,70 +33,72 @@ class StatefulWriter final : private Timed {
   std::size_t matched() const { return readers_.size(); }
   bool is_matched(const Guid& reader) const { return readers_.contains(reader); }
 
-  /// A reliable reader is told at once what there is.
+  /// A reliable reader is sent a HEARTBEAT at once.
   void match(MatchedReader reader, MonotonicTime now);
-  /// Readers that match from now on get what is held then, and nothing later.
+  /// Readers that match from now on get what is held at that time, and nothing later.
   void serve_history_only() { history_only_ = true; }
   void unmatch(const Guid& reader);
-  /// For readers that read keys of its type in one layout only.
+  /// For readers that can read keys of its type only in one layout.
   void rewrite_keys_with(KeyRewriter to_bare) { messages_.rewrite_keys_with(std::move(to_bare)); }
-  /// Another filter of a matched reader, for what is sent from now on.
+  /// Changes the filter of a matched reader, for what is sent from now on.
   void set_filter(const Guid& reader, std::shared_ptr<ChangeFilter> filter);
 
-  /// True while so much is unacknowledged that more would only be lost: a writer in a hurry should
-  /// wait a moment. Never true for transient-local writers, which keep what is acknowledged too.
+  /// True while so much is unacknowledged that further samples would only be lost: a fast writer
+  /// should wait briefly. Never true for TRANSIENT_LOCAL writers, which also keep what is
+  /// acknowledged.
   bool is_ahead() const;
   bool has_room(std::size_t payload_size, const KeyHash& instance = {}) const {
     return history_.has_room(payload_size, instance);
   }
-  /// Stores and sends to all matched readers. The caller asked has_room before. Small samples may
-  /// wait for more (see WritePace), if the sender may linger.
+  /// Stores the change and sends it to all matched readers. The caller must have checked has_room.
+  /// Small samples may wait for more (see WritePace), if the sender allows it.
   SequenceNumber write(Change change, MonotonicTime now);
-  /// Takes LATENCY_BUDGET and TRANSPORT_PRIORITY; 0 to 63 is the DSCP of what is sent.
+  /// Applies LATENCY_BUDGET and TRANSPORT_PRIORITY; a priority of 0 to 63 is the DSCP of messages.
   void hurry_as(const Qos& qos);
-  /// Readers answer heartbeats that ask for it, not each sample: for a caller that waits for them.
-  /// `even_if_none_is_missing`: to hear whether the readers still answer.
+  /// Requests acknowledgments, for a caller that waits for them: readers do not acknowledge each
+  /// sample, but answer such HEARTBEATs. `even_if_none_is_missing`: also checks whether the readers
+  /// still answer.
   void ask_for_acknowledgments(bool even_if_none_is_missing = false);
 
-  /// No reader gets this change any more (LIFESPAN); a request is answered that it is gone.
+  /// No reader gets this change any more (LIFESPAN). A request for it is answered with a GAP.
   void discard(SequenceNumber number) { history_.discard(number); }
-  /// Tells all readers that the writer lives, without a sample (LIVELINESS MANUAL_BY_TOPIC).
+  /// Asserts the writer's liveliness to all readers without a sample (LIVELINESS MANUAL_BY_TOPIC).
   void assert_liveliness();
 
-  /// False: it was said before, or says nothing yet (a pre-emptive one).
+  /// Return false if the message was received before, or contains nothing yet (a pre-emptive one).
   bool on_acknack(const GuidPrefix& from, const AckNack& acknack, MonotonicTime now);
   bool on_nack_frag(const GuidPrefix& from, const NackFrag& nack, MonotonicTime now);
-  /// Heartbeats that are due.
+  /// Sends the HEARTBEATs that are due.
   void tick(MonotonicTime now);
   MonotonicTime next_tick() const;
-  /// `f` whenever a reader of this process took what it had refused, or ended.
+  /// Calls `f` whenever a reader of this process took what it had refused, or was removed.
   void on_acknowledged(std::function<void()> f) { on_acknowledged_ = std::move(f); }
-  /// Its heartbeats and gaps tell where it stands in the group, which outlives it.
+  /// Its HEARTBEATs and GAPs include its position in the group. `group` must outlive the writer.
   void join(const WriterGroup& group);
-  /// While held back nothing is sent; then all of it (suspend_publications).
+  /// While held back, nothing is sent; afterwards everything is (suspend_publications).
   void hold_back(bool held_back, MonotonicTime now);
-  /// True if every reliable reader has everything.
+  /// True if every reliable reader has received everything.
   bool all_acknowledged() const { return readers_.acknowledged().reach(history_.last()); }
 
-  // Readers of this process (see LocalDelivery).
-  /// Both must be matched with in_process; then the reader is fed directly until either unmatches
-  /// or ends. The side that matches second calls this.
+  // Readers of this process (see LocalDelivery):
+  /// Both must be matched with in_process. From now on the reader gets changes directly, until
+  /// either side unmatches or is destroyed. The side that matches second calls this.
   void attach(StatefulReader& reader);
-  /// The reader does not want to be fed any more.
+  /// The reader no longer wants to get changes directly.
   void detach(const Guid& reader);
-  /// The reader ends.
+  /// The reader is being destroyed.
   void lose(const Guid& reader);
-  /// A reader that refused something has room again.
+  /// A reader that refused a change has room again.
   void feed(const Guid& reader);
 
  private:
   void on_time(MonotonicTime now) override { tick(now); }
   void send(const Change& written, MonotonicTime now);
-  /// The latest of it, as much as best-effort readers may get now.
+  /// Sends the latest changes of the history, as many as best-effort readers may get now.
   void send_history(const ReaderProxy& proxy, MonotonicTime now);
-  /// Which heartbeat rides on a change that was just written.
+  /// Decides which HEARTBEAT a change that was just written carries.
   PiggybackHeartbeats::Kind heartbeat_for(const Change& written, MonotonicTime now);
-  /// A question wants an answer.
+  /// Sends a HEARTBEAT that requires an answer.
   void send_question(const Receiver& receiver, SequenceNumber first);
   void send_question(const ReaderProxy& proxy);
   void note_request(MonotonicTime now);
@@ -117,7 +121,7 @@ class StatefulWriter final : private Timed {
   std::function<void()> on_acknowledged_;
   bool held_back_ = false;
   bool history_only_ = false;
-  SequenceNumber held_from_;  ///< the first that was not sent
+  SequenceNumber held_from_;  ///< the first change that was not sent
 };
 
 }  // namespace ddssec::rtps

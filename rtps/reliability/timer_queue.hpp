@@ -1,4 +1,4 @@
-// Who wants to be called when. No thread and no clock of its own.
+// The times at which objects need to be called. No thread or clock of its own.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@ namespace ddssec::rtps {
 
 class TimerQueue;
 
-/// Something that has to be done at a time.
+/// An object that must be called at certain times.
 class Timed {
  public:
   virtual ~Timed() { cancel(); }
@@ -18,26 +18,28 @@ class Timed {
   Timed& operator=(const Timed&) = delete;
 
  protected:
-  /// Without a queue the owner calls, whenever it likes.
+  /// Without a queue, the owner calls the object at times of its own choice.
   explicit Timed(TimerQueue* queue) : queue_(queue) {}
   explicit Timed(TimerQueue& queue) : queue_(&queue) {}
-  /// Its time has come, or a little earlier: it looks what is due, and says when it wants to be
-  /// called again.
+  /// Called at the requested time or a little earlier. The implementation checks what is due, and
+  /// requests its next call.
   virtual void on_time(MonotonicTime now) = 0;
-  /// To be called at `when` at the latest; a later time than the one wanted before is ignored.
+  /// Requests a call at `when` at the latest. A time later than the one already requested is
+  /// ignored.
   void call_at(MonotonicTime when);
-  /// Leaves the queue; an owner shared among threads does this before it dies, with the lock.
+  /// Leaves the queue. An object that several threads share must call this, with the lock held,
+  /// before it is destroyed.
   void cancel();
 
  private:
   friend class TimerQueue;
   TimerQueue* queue_;
   MonotonicTime wanted_ = kNever;
-  std::size_t place_ = 0;  ///< in the queue, if wanted
+  std::size_t place_ = 0;  ///< index in the queue, if a call is requested
 };
 
-/// A heap whose members know their places: there is no walk, and nothing is allocated but for more
-/// members than ever before.
+/// A heap whose members know their indexes: no member has to be searched for. Memory is allocated
+/// only for more members than ever before.
 class TimerQueue {
  public:
   MonotonicTime next() const { return heap_.empty() ? kNever : heap_.front()->wanted_; }

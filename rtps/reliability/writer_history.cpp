@@ -6,8 +6,8 @@
 namespace ddssec::rtps {
 namespace {
 
-// What a late joiner gets of a durable writer DURABILITY_SERVICE says, whatever HISTORY keeps for
-// those that are there (DDS 1.4, 2.2.3.5).
+// For a durable writer, DURABILITY_SERVICE determines what a late joiner gets, whatever HISTORY
+// keeps for matched readers (DDS 1.4, 2.2.3.5).
 History kept_by(const Qos& qos) {
   auto out = qos.history;
   const auto& service = qos.durability_service;
@@ -69,7 +69,7 @@ void WriterHistory::keep_marker(SequenceNumber number) {
   marks_.push_back(number);
 }
 
-// With KEEP_LAST the oldest of the instance goes.
+// With KEEP_LAST the oldest change of the instance is dropped.
 void WriterHistory::join_instance(Slot& added) {
   const auto key = added.change->key_hash.value_or(KeyHash{});
   const auto number = added.change->sequence_number;
@@ -113,7 +113,7 @@ void WriterHistory::trim_front() {
   while (!changes_.empty() && !changes_.front().change) changes_.pop_front();
 }
 
-/// Those that were dropped behind one that stays, once they are more than half.
+/// Forgets dropped changes after one that is still held, once they are more than half.
 void WriterHistory::forget_dropped() {
   constexpr std::size_t kFew = 64;
   if (changes_.size() <= 2 * count_ + kFew) return;
@@ -136,7 +136,8 @@ void WriterHistory::discard(SequenceNumber number) {
   trim_front();
 }
 
-/// The newest follow each other without a gap.
+/// The latest changes have consecutive numbers, so their index is computed; the others are searched
+/// for.
 std::optional<std::size_t> WriterHistory::place_of(SequenceNumber number) const {
   if (number >= next_ || number < first()) return std::nullopt;
   const auto back = static_cast<std::size_t>(last().value - number.value);

@@ -1,4 +1,4 @@
-// What a writer still holds: bounded, in the order of sequence numbers.
+// The changes that a writer still holds: limited, sorted by sequence number.
 #pragma once
 
 #include <map>
@@ -13,39 +13,41 @@ namespace ddssec::rtps {
 
 class WriterHistory {
  public:
-  /// Where RESOURCE_LIMITS says "unlimited", memory is still bounded.
+  /// The limits where RESOURCE_LIMITS says "unlimited", so that memory stays bounded.
   static constexpr std::size_t kMostChanges = 65536;
   static constexpr std::size_t kMostOctets = std::size_t{256} << 20;
-  /// Ends of coherent sets.
+  /// Limit for markers, which end coherent sets.
   static constexpr std::size_t kMostMarkers = 1024;
 
   explicit WriterHistory(const Qos& qos);
 
-  /// False: full, and no change may be dropped to make room (KEEP_ALL).
+  /// Returns false if the history is full and no change may be dropped to make room (KEEP_ALL).
   bool has_room(std::size_t payload_size, const KeyHash& instance = {}) const;
-  /// Takes the next sequence number. With KEEP_LAST the oldest change of the same instance goes.
+  /// Adds the change with the next sequence number. With KEEP_LAST the oldest change of the same
+  /// instance is dropped.
   SequenceNumber add(Change change);
   /// Drops all changes up to and including `number`.
   void remove_through(SequenceNumber number);
-  /// Drops this one, if it is held.
+  /// Drops this change, if it is held.
   void discard(SequenceNumber number);
 
-  /// nullptr: dropped, or not yet written.
+  /// Returns nullptr if the change was dropped, or is not yet written.
   const Change* find(SequenceNumber number) const;
-  /// The lowest that is held, or next() if none.
+  /// The lowest number that is held, or next_ if there is none.
   SequenceNumber first() const;
-  /// The last that was written; 0 if none.
+  /// The last number that was written; 0 if there is none.
   SequenceNumber last() const { return {next_.value - 1}; }
   std::size_t size() const { return count_; }
   std::size_t octets() const { return octets_; }
-  /// Those that are held, and those that were dropped and not forgotten: at most twice as many.
+  /// The changes that are held, and the dropped ones that are not forgotten yet: at most about
+  /// twice as many.
   std::size_t places() const { return changes_.size(); }
 
  private:
-  /// A change, and its neighbours of the same instance if instances are counted; 0: none.
+  /// A change, and its neighbors of the same instance if instances are counted; 0: none.
   struct Slot {
     SequenceNumber number;
-    std::optional<Change> change;  ///< none: it was dropped
+    std::optional<Change> change;  ///< empty: it was dropped
     SequenceNumber previous, next;
   };
   struct Instance {
@@ -54,7 +56,7 @@ class WriterHistory {
   };
   using Instances = std::map<KeyHash, Instance>;
 
-  /// Of a change that is held, or was dropped and not forgotten.
+  /// The index of a change that is held, or was dropped and is not forgotten yet.
   std::optional<std::size_t> place_of(SequenceNumber number) const;
   Slot& slot(SequenceNumber number) { return changes_[*place_of(number)]; }
   void join_instance(Slot& added);
@@ -68,11 +70,11 @@ class WriterHistory {
   const std::size_t most_changes_;
   const std::size_t most_per_instance_;
   const bool by_instance_;  ///< instances are counted
-  /// In the order of their numbers. Not many more than are held, however old the first of them is.
+  /// Sorted by sequence number. Not many more than are held, however old the first of them is.
   Ring<Slot> changes_;
   SequenceNumber next_{1};
   std::size_t count_ = 0;
-  std::size_t markers_ = 0;  ///< among them; they count for no limit
+  std::size_t markers_ = 0;  ///< number of markers, which do not count for any limit
   Ring<SequenceNumber> marks_;
   std::size_t octets_ = 0;
   Instances instances_;  ///< if by_instance_

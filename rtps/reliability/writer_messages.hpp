@@ -1,4 +1,4 @@
-// What a writer says: DATA, DATA_FRAG, GAP and HEARTBEAT (RTPS 8.3.8).
+// The messages of a writer: DATA, DATA_FRAG, GAP and HEARTBEAT (RTPS 8.3.8).
 #pragma once
 
 #include "rtps/reliability/key_payload.hpp"
@@ -12,12 +12,12 @@ namespace ddssec::rtps {
 
 /// What the writers of one publisher with GROUP access have in common.
 struct WriterGroup {
-  SequenceNumber current;  ///< group sequence number that was given last; 0 none
+  SequenceNumber current;  ///< the last group sequence number that was assigned; 0: none
   GroupDigest writers = {};
 };
 
-/// Adds submessages to the sender, which is flushed by the caller. The sender and the history
-/// outlive it.
+/// Adds submessages to the sender, which the caller flushes. The sender and the history must
+/// outlive this object.
 class WriterMessages {
  public:
   static constexpr std::uint32_t kAllFragments = ~0u;
@@ -26,31 +26,33 @@ class WriterMessages {
                  const WriterHistory& history)
       : writer_(writer), durability_(durability), sender_(sender), history_(history) {}
 
-  /// For readers that read keys of the writer's type in one layout only.
+  /// For readers that can read keys of the writer's type only in one layout.
   void rewrite_keys_with(KeyRewriter to_bare) { to_bare_key_ = std::move(to_bare); }
-  /// How the keys that are sent from now on are read.
+  /// How readers interpret the keys that are sent from now on.
   void set_key_reading(const KeyReading& reading) { key_reading_ = reading; }
-  /// Heartbeats and gaps tell where the writer stands in the group, which outlives it.
+  /// HEARTBEATs and GAPs include the writer's position in the group. `group` must outlive this
+  /// object.
   void join(const WriterGroup& group) { group_ = &group; }
 
-  /// Of the fragments that are sent.
+  /// The size of the fragments that are sent, in octets.
   std::uint16_t fragment_size() const { return sender_.fragment_size(); }
 
-  /// In DATA, or if it is too large in DATA_FRAG, and then the first `max_fragments`. `filters`:
-  /// what the receivers' content filters say of it.
+  /// Sends a change in DATA or, if it is too large, its first `max_fragments` in DATA_FRAG.
+  /// `filters`: the results of the receivers' content filters.
   void change(const Receiver& receiver, const Change& change,
               std::span<const FilterResult> filters = {},
               std::uint32_t max_fragments = kAllFragments);
   void fragment(const Receiver& receiver, const Change& change, FragmentNumber number,
                 std::span<const FilterResult> filters = {});
-  /// Changes first .. end - 1 are irrelevant.
+  /// Declares changes first .. end - 1 irrelevant.
   void gap(const Receiver& receiver, SequenceNumber first, SequenceNumber end);
-  /// Of changes from `first` to the last that was written. Final: no answer is needed.
+  /// Announces the changes from `first` to the last that was written. `is_final`: no answer is
+  /// needed.
   void heartbeat(const Receiver& receiver, SequenceNumber first, bool is_final,
                  bool asserts_liveliness = false);
 
  private:
-  /// What of a change is sent.
+  /// The payload of a change as it is sent.
   BytesView payload_of(const Change& change);
   InlineQos inline_qos_of(const Change& change, std::span<const FilterResult> filters) const;
   std::optional<GroupState> group_state() const;

@@ -22,7 +22,7 @@ bool WriterProxy::accept(SequenceNumber number, std::optional<Change> change) {
   partial_.erase(number, number);
   if (!reliable_) {
     note_lost(number);
-    next_ = number.next();  // best effort: what is older now is lost
+    next_ = number.next();  // best effort: older changes are lost
     partial_.erase({0}, number);
     if (change) common_.deliver(*change);
     return true;
@@ -53,7 +53,7 @@ bool WriterProxy::offer_again() {
   return next_ != before;
 }
 
-// What a late joiner never could have had is not lost.
+// Changes that a late joiner could never have received are not lost.
 void WriterProxy::note_lost(SequenceNumber until) {
   const bool counts = std::exchange(started_, true) && until > next_ && common_.lost;
   if (!counts) return;
@@ -69,7 +69,7 @@ bool WriterProxy::on_heartbeat(const Heartbeat& heartbeat) {
   if (!reliable_) return true;
   question.stop();
   announced_ = heartbeat.last;
-  // An attacker may have kept what the writer does not hold any more.
+  // An attacker may have kept changes that the writer no longer holds.
   if (std::exchange(waits_, false))
     while (!early_.empty() && early_.first() < heartbeat.first) early_.erase_first();
   advance();

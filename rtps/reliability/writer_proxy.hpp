@@ -1,4 +1,4 @@
-// What a reader knows of a writer that it matched (WriterProxy of RTPS 8.4.10.4).
+// The state of a matched writer, as the reader knows it (WriterProxy of RTPS 8.4.10.4).
 #pragma once
 
 #include <functional>
@@ -19,85 +19,90 @@ class StatefulWriter;
 struct MatchedWriter {
   Guid guid;
   bool reliable = false;
-  LocatorList locators = {};  ///< empty if it feeds us in this process
+  LocatorList locators = {};  ///< empty if it delivers directly in this process
   bool in_process = false;
-  /// What its samples are protected with, if anything: only the writer made those that come
-  /// while it is the same, but an attacker may have kept some of them.
+  /// Digest of the keys that protect its samples; empty: unprotected. Only the writer can have
+  /// created samples that arrive while the keys are the same, but an attacker may have kept some of
+  /// them.
   std::optional<Sha256Digest> keys = {};
-  /// Whose share of the bounds it takes; nothing: its participant's.
+  /// The identity whose share of the limits it uses; empty: that of its participant.
   std::optional<GuidPrefix> identity = {};
   GuidPrefix owner() const { return identity.value_or(guid.prefix); }
 };
 
-/// Delivers the writer's changes in order, each once. Changes that came too early and samples of
-/// which fragments are missing are kept until their turn comes. No I/O, clock or lock.
+/// Delivers the writer's changes in order, each once. Changes that arrived early and samples with
+/// missing fragments are kept until their turn. No I/O, clock or lock.
 class WriterProxy {
  public:
   static constexpr std::size_t kMaxEarlyChanges = 2048;
 
-  /// What the proxies of one reader have in common. It outlives them.
+  /// What the proxies of one reader have in common. It must outlive them.
   struct Common {
     /// Takes the change, or refuses it for now.
     std::function<bool(Change&)> deliver = {};
-    /// Told how many changes were given up that the writer did not declare irrelevant.
+    /// Called with the number of changes that were given up although the writer did not declare
+    /// them irrelevant.
     std::function<void(std::int64_t count)> lost = {};
     HeldOctets held = {};
     EarlyChanges::Spare spare = {};
   };
 
-  /// `reader_is_reliable`: without it a reliable writer is treated as one of best effort.
+  /// `reader_is_reliable`: if false, a reliable writer is treated as a best-effort one.
   WriterProxy(MatchedWriter writer, bool reader_is_reliable, Common& common);
   WriterProxy(const WriterProxy&) = delete;
   WriterProxy& operator=(const WriterProxy&) = delete;
 
   const MatchedWriter& writer() const { return writer_; }
-  /// What it lacks is asked for.
+  /// True if missing changes are requested.
   bool is_reliable() const { return reliable_; }
   /// Everything below was delivered or given up.
   SequenceNumber next() const { return next_; }
-  /// The last that a heartbeat spoke of.
+  /// The last change that a HEARTBEAT announced.
   SequenceNumber announced() const { return announced_; }
-  /// A heartbeat came.
+  /// True if a HEARTBEAT has arrived.
   bool was_heard() const { return heard_; }
-  /// True once everything has come that a reliable writer held when it was first heard.
+  /// True once everything has arrived that a reliable writer held when it was first heard.
   bool has_history() const { return !reliable_ || (heard_ && next_ > history_end_); }
 
-  /// It was matched before, and goes on where it was. `wants_history`: a heartbeat that was not
-  /// heard before may say that it starts anew with what it holds; until then nothing is delivered.
+  /// The writer was matched before and continues at its former position. `wants_history`: a
+  /// HEARTBEAT that was not received before may start again with what the writer holds; until then
+  /// nothing is delivered.
   void resume(const PastWriters::Position& past, bool wants_history);
   PastWriters::Position position(const Sha256Digest& keys) const {
     return {keys, next_, last_heartbeat_};
   }
 
-  /// It was neither delivered nor given up, nor is it kept whole.
+  /// True if the change was neither delivered nor given up, and is not held completely.
   bool lacks(SequenceNumber number) const { return number >= next_ && !early_.contains(number); }
-  /// A number from next() on. `change`: nothing if it is irrelevant. False: it is known, or there
-  /// is no room to keep it.
+  /// Takes a change with a number from next() on. `change`: empty if it is irrelevant. Returns
+  /// false if it is already known, or there is no room to keep it.
   bool accept(SequenceNumber number, std::optional<Change> change);
-  /// False: it was heard before.
+  /// Returns false if the HEARTBEAT was received before.
   bool on_heartbeat(const Heartbeat& heartbeat);
-  /// True while the next heartbeat says where it starts.
+  /// True while the next HEARTBEAT determines where the writer starts.
   bool waits_for_heartbeat() const { return waits_; }
-  /// What is held below `number` is delivered, what is missing there is given up.
+  /// Delivers what is held below `number`, and gives up what is missing there.
   void skip_to(SequenceNumber number);
-  /// Delivers what was refused for now. False: nothing was taken.
+  /// Delivers what was refused for now. Returns false if nothing was taken.
   bool offer_again();
   PartialSamples& partial() { return partial_; }
 
-  /// Samples or parts of them, up to `last`.
+  /// True if samples or fragments of them are missing up to `last`.
   bool misses_any(SequenceNumber last) const;
-  /// Up to `last`, as far as a set reaches from `base`: samples of which no part has come.
+  /// The samples up to `last` of which no fragment has arrived, as far as a set reaches from
+  /// `base`.
   SequenceNumberSet missing(SequenceNumber base, SequenceNumber last) const;
 
   std::size_t early() const { return early_.size(); }
   const HeldOctets::Account& held() const { return held_; }
-  /// Gives up the latest of what is held: it is requested again. Not if nothing is held.
+  /// Gives up the latest change or sample that is held; it is requested again. Does nothing if
+  /// nothing is held.
   void forget_latest();
 
-  // In this process.
-  /// nullptr: its changes come in messages.
+  // In this process:
+  /// nullptr: its changes arrive in messages.
   StatefulWriter* local() const { return local_; }
-  /// `last`: what it has written until now.
+  /// `last`: the last change that the writer has written until now.
   void attach(StatefulWriter& writer, SequenceNumber last);
   void detach() { local_ = nullptr; }
   /// Everything below `next` was delivered, or will never be.
@@ -113,12 +118,13 @@ class WriterProxy {
   Common& common_;
   const bool reliable_;
   bool heard_ = false;
-  bool started_ = false;  ///< a change of it came, or a heartbeat said where it stands
-  bool waits_ = false;    ///< for a heartbeat later than last_heartbeat_, with all changes
+  bool started_ = false;  ///< a change of it arrived, or a HEARTBEAT gave its position
+  /// For a HEARTBEAT later than last_heartbeat_; until then all changes are kept.
+  bool waits_ = false;
   std::int32_t last_heartbeat_ = 0;
   SequenceNumber next_{1};
   SequenceNumber announced_;
-  SequenceNumber history_end_;  ///< the last that its first heartbeat spoke of
+  SequenceNumber history_end_;  ///< the last change that its first HEARTBEAT announced
   HeldOctets::Account held_;
   EarlyChanges early_;
   PartialSamples partial_;
