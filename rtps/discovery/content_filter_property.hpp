@@ -1,4 +1,4 @@
-// CONTENT_FILTER_PROPERTY: what a reader announces of its filter (RTPS 2.5, 8.7.3.1).
+// CONTENT_FILTER_PROPERTY: what a reader announces of its content filter (RTPS 2.5, 8.7.3.1).
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace ddssec::rtps {
 
-/// The only filter class there is: DDS 1.4, Annex B.
+/// The only supported filter class: DDS 1.4, Annex B.
 inline constexpr std::string_view kDdsSql = "DDSSQL";
 
 struct ContentFilterProperty {
@@ -21,11 +21,11 @@ struct ContentFilterProperty {
   bool operator==(const ContentFilterProperty&) const = default;
 };
 
-/// RTPS 2.5, 9.6.4.1: over all strings in their order, each with its NUL.
+/// RTPS 2.5, 9.6.4.1: the digest of all strings in their order, each with its NUL.
 FilterSignature signature_of(const ContentFilterProperty& property);
 
-/// Nothing for a property that is longer than a filter may be, or has an empty string where there
-/// must be none: who announces it filters itself. Errors: those of Reader.
+/// Returns empty for a property that exceeds the limits of a filter, or has an empty string where
+/// none is allowed: then the reader filters by itself. Errors: those of Reader.
 Result<std::optional<ContentFilterProperty>> read_content_filter_property(Reader& reader);
 void write_content_filter_property(SpanWriter& out, const ContentFilterProperty& property);
 

@@ -1,4 +1,5 @@
-// What an observer of discovery is told: the content of the builtin topics (DDS 1.4, 2.2.5).
+// The interface that receives the results of discovery: the contents of the builtin topics (DDS
+// 1.4, 2.2.5).
 #pragma once
 
 #include "rtps/discovery/endpoint_data.hpp"
@@ -6,12 +7,13 @@
 
 namespace ddssec::rtps {
 
-/// Remote participants and their endpoints, if they were accepted: in a secured participant
-/// authenticated, or admitted without. Called from within receive and tick.
+/// Receives remote participants and their endpoints once they are accepted; in a secured
+/// participant: once they are authenticated, or admitted without authentication. Called from within
+/// receive and tick.
 class DiscoveryListener {
  public:
   virtual ~DiscoveryListener() = default;
-  /// Also when it announces something else than before.
+  /// Also called when the participant announces changed data.
   virtual void on_participant(const ParticipantData& data) = 0;
   virtual void on_participant_gone(const Guid& guid) = 0;
   virtual void on_endpoint(const EndpointData& data) = 0;

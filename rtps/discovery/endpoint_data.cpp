@@ -7,7 +7,7 @@
 namespace ddssec::rtps {
 namespace {
 
-/// What is read before it is checked.
+/// The data as read, before it is checked.
 struct Announced {
   EndpointData data;
   std::optional<Guid> participant;
@@ -30,7 +30,7 @@ void write_enum(SpanWriter& out, E value) {
   out.write(static_cast<std::uint32_t>(value));
 }
 
-/// A duration in QoS is never negative.
+/// Durations in QoS policies must not be negative.
 Status read_duration_into(Reader& reader, Duration& value) {
   value = DDSSEC_TRY(read_duration(reader));
   if (value < kDurationZero) return fail(Code::rtps_parameter_invalid);
@@ -173,7 +173,7 @@ void write_data_tags(SpanWriter& w, const Announced& a) {
 Status read_representation(Reader& r, Announced& a) {
   const auto count = DDSSEC_TRY(r.read_count(2));
   if (count > 8) return fail(Code::length_out_of_range);
-  if (count == 0) return {};  // the same as absent
+  if (count == 0) return {};  // the same as an absent parameter
   a.data.qos.data_representation.clear();
   for (std::uint32_t i = 0; i < count; ++i)
     a.data.qos.data_representation.push_back(
@@ -202,11 +202,12 @@ Status read_liveliness(Reader& r, Announced& a) {
 }
 
 constexpr ParameterId kPidTypeInformation = 0x0075;
-// Ours alone: the minimal TypeObjects, behind a mark that another vendor's number would not have.
+// Specific to ddssec: the minimal TypeObjects, after a mark that a parameter of another vendor with
+// the same id would not have.
 constexpr ParameterId kPidTypeObjects = pid::kVendorSpecific | 0x0d75;
 constexpr std::array<std::uint8_t, 8> kTypeObjectsMark = {'d', 'd', 's', 's', 'e', 'c', 'T', 'O'};
 
-// No announcement is refused for a malformed type: then names decide.
+// An announcement is not refused because its type is malformed: then the names decide.
 Status read_type_information(Reader& r, Announced& a) {
   if (r.endian() == Endian::little && r.remaining() <= kMostTypeInformation)
     a.data.type.information = to_bytes(r.rest());
@@ -222,8 +223,8 @@ Status read_type_objects(Reader& r, Announced& a) {
   return {};
 }
 
-// kind, then five booleans; elder versions of the policy end earlier. Elder OpenDDS counts the
-// kinds from 1: 2 is its ALLOW_TYPE_COERCION.
+// The kind, then five booleans; older versions of the policy end earlier. Older OpenDDS versions
+// count the kinds from 1: their ALLOW_TYPE_COERCION is 2.
 Status read_type_consistency(Reader& r, Announced& a) {
   auto& value = a.data.qos.type_consistency;
   const auto kind = DDSSEC_TRY(r.read<std::uint16_t>());
@@ -409,9 +410,9 @@ Result<EndpointData> read_endpoint(BytesView payload, bool (*is_kind)(const Enti
   if (announced.participant && *announced.participant != owner)
     return fail(Code::rtps_parameter_invalid);
   if (!announced.has_reliability) data.qos.reliability.kind = default_reliability;
-  // A publisher is one of the same participant: no other one takes part in its sets.
+  // A publisher belongs to the same participant; no other participant takes part in its sets.
   if (data.group_guid && data.group_guid->prefix != data.guid.prefix) data.group_guid.reset();
-  // The policy is a reader's (XTypes 7.6.3.4); a writer that sends it says nothing by it.
+  // Only readers have this policy (XTypes 7.6.3.4); it is ignored in a writer's announcement.
   if (!is_reader(data.guid.entity)) data.qos.type_consistency = {};
   return std::move(data);
 }

@@ -1,4 +1,5 @@
-// Publication- and SubscriptionBuiltinTopicData: what SEDP announces (RTPS 8.5.4.4).
+// PublicationBuiltinTopicData and SubscriptionBuiltinTopicData, as announced by SEDP (RTPS
+// 8.5.4.4).
 #pragma once
 
 #include "rtps/discovery/content_filter_property.hpp"
@@ -8,31 +9,32 @@
 
 namespace ddssec::rtps {
 
-/// A writer's or a reader's announcement; which, the topic and the GUID's kind say.
+/// The announcement of a writer or a reader. The builtin topic and the kind in the GUID show which
+/// of them it is.
 struct EndpointData {
   Guid guid;
   std::string topic_name = {};
   std::string type_name = {};
   TypeDescription type = {};
   Qos qos = {};
-  LocatorList unicast = {}, multicast = {};  ///< empty: the participant's defaults
+  LocatorList unicast = {}, multicast = {};  ///< empty: those of the participant
   bool expects_inline_qos = false;
-  std::optional<Guid> group_guid = {};  ///< its publisher's; sent with GROUP access only
-  std::optional<ContentFilterProperty> content_filter = {};  ///< a reader's
+  std::optional<Guid> group_guid = {};  ///< of its publisher; sent only with GROUP access
+  std::optional<ContentFilterProperty> content_filter = {};  ///< readers only
   std::optional<spi::SecurityInfo> security_info = {};
   std::optional<spi::CipherMask> required_ciphers = {};
-  bool by_secure_discovery = false;  ///< how a remote one was announced; not part of what is sent
+  bool by_secure_discovery = false;  ///< how a remote endpoint was announced; not sent
   bool operator==(const EndpointData&) const = default;
 };
 
-/// About what it takes in memory.
+/// The approximate memory that it uses, in octets.
 std::size_t octets_of(const EndpointData& data);
 
 void write_payload(SpanWriter& out, const EndpointData& data);
 
-/// ENDPOINT_GUID, TOPIC_NAME and TYPE_NAME must be there, the GUID must be a writer's (a reader's),
-/// and a PARTICIPANT_GUID must be of the same participant. Absent policies take the defaults of
-/// RTPS. Errors: those of read_parameters, rtps_parameter_invalid.
+/// ENDPOINT_GUID, TOPIC_NAME and TYPE_NAME are required. The GUID must be that of a writer (or
+/// reader, respectively), and a PARTICIPANT_GUID must be of the same participant. Absent policies
+/// have the defaults of RTPS. Errors: those of read_parameters, rtps_parameter_invalid.
 Result<EndpointData> read_publication_data(BytesView payload);
 Result<EndpointData> read_subscription_data(BytesView payload);
 

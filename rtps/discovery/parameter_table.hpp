@@ -1,4 +1,4 @@
-// One table a builtin type: each parameter's id, how to read it and how to write it.
+// One table for each builtin type: each parameter's id, and how it is read and written.
 #pragma once
 
 #include <bitset>
@@ -12,7 +12,7 @@
 
 namespace ddssec::rtps {
 
-/// Bounds for what a peer announces; more is refused before it is stored.
+/// Limits for announced data; an announcement above a limit is refused before it is stored.
 inline constexpr std::size_t kMostLocators = 16;
 inline constexpr std::size_t kMostProperties = 64;
 inline constexpr std::size_t kMostOpaqueOctets = 4096;
@@ -21,19 +21,19 @@ template <class T>
 struct ParameterRow {
   ParameterId id;
   Status (*read)(Reader& reader, T& value);
-  /// Writes the whole parameter, or nothing where the value is the default.
+  /// Writes the whole parameter, or nothing if the value is the default.
   void (*write)(SpanWriter& out, const T& value);
   bool repeatable = false;
   bool required = false;
 };
 
-/// Octets around a PL_CDR payload.
+/// The encapsulation in front of a PL_CDR payload.
 void write_pl_cdr_encapsulation(SpanWriter& out);
-/// The list behind the encapsulation, which must be PL_CDR in either byte order.
-/// Errors: those of open_payload, rtps_encapsulation_unsupported.
+/// Returns the list after the encapsulation, which must be PL_CDR in either byte order. Errors:
+/// those of open_payload, rtps_encapsulation_unsupported.
 Result<SerializedPayload> open_pl_cdr(BytesView payload);
 
-/// Errors: those of ParameterReader and of the rows, rtps_parameter_invalid (twice the same id),
+/// Errors: those of ParameterReader and of the rows, rtps_parameter_invalid (an id occurs twice),
 /// rtps_parameter_not_understood, rtps_parameter_missing.
 template <class T>
 Result<T> read_parameters(std::span<const ParameterRow<T>> table, BytesView list, Endian endian) {
@@ -62,14 +62,14 @@ Result<T> read_parameters(std::span<const ParameterRow<T>> table, BytesView list
   return value;
 }
 
-/// All rows and the sentinel, without encapsulation.
+/// Writes all rows and the sentinel, without encapsulation.
 template <class T>
 void write_parameters(std::span<const ParameterRow<T>> table, SpanWriter& out, const T& value) {
   for (const auto& row : table) row.write(out, value);
   write_sentinel(out);
 }
 
-// Values that occur in more than one table.
+// Values that occur in more than one table:
 Result<std::string> read_bounded_string(Reader& reader, std::size_t most);
 Result<Bytes> read_opaque(Reader& reader);
 Status read_locator_into(Reader& reader, LocatorList& list);

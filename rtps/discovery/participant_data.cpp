@@ -19,7 +19,7 @@ Status read_property_list(Reader& reader, spi::PropertyList& out) {
     auto value = DDSSEC_TRY(read_bounded_string(reader, kMostOpaqueOctets));
     out.push_back({std::move(name), std::move(value)});
   }
-  return {};  // binary properties may follow and are not needed
+  return {};  // binary properties may follow; they are not needed
 }
 
 void write_property_list(SpanWriter& out, const spi::PropertyList& properties) {
@@ -34,8 +34,8 @@ void write_property_list(SpanWriter& out, const spi::PropertyList& properties) {
   }
 }
 
-// Cyclone DDS: a version, flags, three words, and "HOST/VERSION/OS/CPU". Whatever else it may be is
-// passed over.
+// The parameter of Cyclone DDS: a version, flags, three words, and "HOST/VERSION/OS/CPU". Any other
+// content is ignored.
 Status read_vendor_version(Reader& reader, ParticipantData& data) {
   constexpr std::size_t kFixedPart = 20, kMost = 512, kLongest = 32;
   if (!reader.skip(kFixedPart)) return {};
@@ -48,7 +48,7 @@ Status read_vendor_version(Reader& reader, ParticipantData& data) {
   return {};
 }
 
-// Value-less helpers for the table: each names one parameter.
+// Helpers for the table: each creates the row of one parameter.
 template <ParameterId id, auto member>
 constexpr ParticipantRow participant_locator_row() {
   return {id, [](Reader& r, ParticipantData& d) { return read_locator_into(r, d.*member); },

@@ -16,7 +16,8 @@ struct ParticipantData {
   Guid guid;
   ProtocolVersion version = kProtocolVersion;
   VendorId vendor;
-  std::string vendor_version = {};  ///< what Cyclone DDS says of itself: "0.10.2"; never announced
+  /// The version that Cyclone DDS announces, for example "0.10.2"; never announced by ddssec.
+  std::string vendor_version = {};
   std::optional<std::uint32_t> domain_id = {};
   std::string domain_tag = {};
   std::uint32_t builtin_endpoints = 0;
@@ -27,27 +28,28 @@ struct ParticipantData {
   std::string entity_name = {};
   Bytes user_data = {};
   spi::PropertyList properties = {};
-  // A secured participant's.
+  // Only of a secured participant:
   std::optional<spi::Token> identity_token = {}, permissions_token = {};
   std::optional<spi::SecurityInfo> security_info = {};
   std::optional<spi::SymmetricCipherInfo> ciphers = {};
   bool operator==(const ParticipantData&) const = default;
 };
 
-/// A parameter list without encapsulation, in the writer's byte order. In big-endian it is the
-/// handshake's c.pdata (DDS-Security 9.3.2.5).
+/// Writes a parameter list without encapsulation, in the writer's byte order. In big-endian it is
+/// the handshake's c.pdata (DDS-Security 9.3.2.5).
 void write_parameter_list(SpanWriter& out, const ParticipantData& data);
-/// Is it of this domain? One that does not say so is of the domain by whose port it came.
+/// True if the participant is in this domain. Without a domain id in its announcement, the port at
+/// which the announcement arrived determines the domain.
 bool is_of_domain(const ParticipantData& data, DomainId domain_id, std::string_view domain_tag);
-/// With encapsulation: the payload of SPDP's DATA.
+/// The payload of SPDP's DATA, with encapsulation.
 void write_payload(SpanWriter& out, const ParticipantData& data);
 
-/// PARTICIPANT_GUID (of a participant) and BUILTIN_ENDPOINT_SET must be there; tokens are read
-/// within spi's bounds. Errors: those of read_parameters.
+/// PARTICIPANT_GUID (of a participant) and BUILTIN_ENDPOINT_SET are required. Tokens are read
+/// within the limits of spi. Errors: those of read_parameters.
 Result<ParticipantData> read_participant_list(BytesView list, Endian endian);
 Result<ParticipantData> read_participant_data(BytesView payload);
 
-/// The key alone: the payload of a dispose. Errors: as above.
+/// The key alone, which is the payload of a dispose. Errors: as above.
 Result<Guid> read_participant_key(BytesView payload);
 void write_participant_key(SpanWriter& out, const Guid& guid);
 

@@ -1,4 +1,5 @@
-// Parameters that only secured participants and endpoints announce (DDS-Security 7.4.1), and keys.
+// Parameters that only secured participants and endpoints announce (DDS-Security 7.4.1), and keys
+// of builtin topics.
 #pragma once
 
 #include <optional>
@@ -16,19 +17,20 @@ inline constexpr ParameterId kPermissionsToken = 0x1002;
 inline constexpr ParameterId kDataTags = 0x1003;
 inline constexpr ParameterId kEndpointSecurityInfo = 0x1004;
 inline constexpr ParameterId kParticipantSecurityInfo = 0x1005;
-// DDS-Security 1.2 7.4.1.6 and 7.4.1.7; stock peers pass them over.
+// DDS-Security 1.2, 7.4.1.6 and 7.4.1.7; peers of other vendors skip them.
 inline constexpr ParameterId kParticipantCiphers = 0x1012;
 inline constexpr ParameterId kEndpointCiphers = 0x1013;
 }  // namespace pid
 
 Status read_token_into(Reader& reader, std::optional<spi::Token>& token);
 void write_token(SpanWriter& out, ParameterId id, const std::optional<spi::Token>& token);
-/// Takes the 12-octet form of DDS-Security 1.2 too; writes the 8-octet one, which all peers read.
+/// Also accepts the 12-octet form of DDS-Security 1.2. Writes the 8-octet form, which all peers can
+/// read.
 Status read_security_info_into(Reader& reader, std::optional<spi::SecurityInfo>& info);
 void write_security_info(SpanWriter& out, ParameterId id,
                          const std::optional<spi::SecurityInfo>& info);
 
-/// Symmetric cipher algorithm info of a participant, and of an endpoint: only what it requires.
+/// Symmetric cipher algorithm info of a participant, and of an endpoint: only the required ciphers.
 Status read_ciphers_into(Reader& reader, std::optional<spi::SymmetricCipherInfo>& info);
 Status read_ciphers_into(Reader& reader, std::optional<spi::CipherMask>& required);
 void write_ciphers(SpanWriter& out, const std::optional<spi::SymmetricCipherInfo>& info);
