@@ -26,7 +26,8 @@ bool AmplificationLimit::Account::has_use_for(const SourceAddress& address) cons
   });
 }
 
-// An attacker may have been the first to announce the address of an honest peer.
+// An attacker may have been the first to announce the address of an honest peer, so the address
+// itself can also pay.
 AmplificationLimit::Source* AmplificationLimit::Account::payer(const Locator& to) {
   const auto at = std::ranges::find(addresses, to, [](const auto& one) { return one.first; });
   if (at == addresses.end()) return nullptr;
@@ -77,7 +78,8 @@ void AmplificationLimit::set_addresses(const GuidPrefix& participant,
                 [&](const auto& source) { return !account->has_use_for(source.address); });
 }
 
-// Which address a peer has that sends from none of them is not known: each one has its turn.
+// If a peer sends from none of its announced addresses, it is not known which of them is its own.
+// So they are credited in turn.
 std::size_t AmplificationLimit::credit(const GuidPrefix& participant) {
   auto* account = not_credited_ == 0 ? nullptr : find(participant);
   if (account == nullptr || account->addresses.empty()) return 0;

@@ -1,4 +1,4 @@
-// Where a datagram came from, as far as room is shared by it.
+// The source of a datagram, for limits that are shared among sources.
 #pragma once
 
 #include <algorithm>
@@ -7,9 +7,9 @@
 
 namespace ddssec::rtps {
 
-/// An IPv4 address, or the first 64 bits of an IPv6 address, as one host has all addresses below
-/// these. Without a port, as one host has all of them. All datagrams of unknown sources have the
-/// same one.
+/// An IPv4 address, or the first 64 bits of an IPv6 address, because one host has all addresses
+/// below these. Without a port, because one host has all ports. All datagrams from unknown sources
+/// have the same source address.
 class SourceAddress {
  public:
   SourceAddress() = default;
@@ -17,7 +17,7 @@ class SourceAddress {
     if (kind_ == LocatorKind::udp_v6) std::fill(octets_.begin() + 8, octets_.end(), 0);
   }
   auto operator<=>(const SourceAddress&) const = default;
-  /// Of the address; an IPv4 address follows 12 zeros.
+  /// The octets of the address; an IPv4 address follows 12 zeros.
   BytesView octets() const { return octets_; }
 
  private:

@@ -1,4 +1,4 @@
-// A budget of work that no source of datagrams can use up for the others.
+// A work budget that no source of datagrams can use up for the others.
 #pragma once
 
 #include <map>
@@ -8,20 +8,21 @@
 
 namespace ddssec::rtps {
 
-/// Sources that ask for little share one budget, and those that ask for more another one of the
+/// Sources with few requests share one budget. Sources with more requests share another one of the
 /// same size.
 class SourceBudget {
  public:
-  /// So many units of one source count as little.
+  /// A source with this many units in a burst, and one per period, has few requests.
   static constexpr int kLittle = 8;
   static constexpr MonotonicTime kLittlePeriod = std::chrono::seconds(1);
-  /// More sources than these, and all are forgotten: each then counts as one that asks for little.
+  /// Above this number of sources, all are forgotten: each then counts again as one with few
+  /// requests.
   static constexpr std::size_t kMaxSources = 256;
 
-  /// Of each of the two budgets; see WorkBudget.
+  /// Burst and refill of each of the two budgets; see WorkBudget.
   SourceBudget(int burst, MonotonicTime refill) : few_(burst, refill, {}), many_(few_) {}
 
-  /// False: not now.
+  /// Returns false if the work must not be done now.
   bool take(const SourceAddress& source, MonotonicTime now) {
     auto at = sources_.find(source);
     if (at == sources_.end()) {

@@ -1,4 +1,4 @@
-// How many of the places for authenticated participants one certificate may take.
+// Limits the places for authenticated participants that one certificate may take.
 #pragma once
 
 #include <algorithm>
@@ -10,16 +10,16 @@
 
 namespace ddssec::rtps {
 
-/// Counts participants by the subject of their certificate, for which the first six octets of the
-/// GUID stand (DDS-Security 9.3.3) once it is proven. A subject may have no more places than are
-/// free: so the first takes at most half of them, and each further subject finds some.
+/// Counts participants by the subject of their certificate. The first six octets of a proven GUID
+/// identify the subject (DDS-Security 9.3.3). A subject may have no more places than are free. So
+/// the first subject takes at most half of them, and each further one still finds some.
 class SubjectShares {
  public:
   explicit SubjectShares(std::size_t places) : places_(places) {}
 
-  /// For one more participant of that subject.
+  /// True if there is a place for one more participant of that subject.
   bool has_place(const GuidPrefix& prefix) const { return count(prefix) < places_ - taken_; }
-  /// Participants of that subject.
+  /// Number of participants of that subject.
   std::size_t count(const GuidPrefix& prefix) const {
     const auto at = of_subject_.find(subject_of(prefix));
     return at == of_subject_.end() ? 0 : at->second;
@@ -28,7 +28,7 @@ class SubjectShares {
     ++of_subject_[subject_of(prefix)];
     ++taken_;
   }
-  /// As often as it was taken.
+  /// Must be called as often as `take`.
   void give_back(const GuidPrefix& prefix) {
     const auto at = of_subject_.find(subject_of(prefix));
     --taken_;

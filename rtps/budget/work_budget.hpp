@@ -1,4 +1,4 @@
-// How much work may be done for those who have not proved anything yet.
+// Limits the work for participants that have not proven anything yet.
 #pragma once
 
 #include <algorithm>
@@ -7,13 +7,13 @@
 
 namespace ddssec::rtps {
 
-/// So many units at once, then one each `refill`.
+/// Allows `burst` units at once, then one per `refill`.
 class WorkBudget {
  public:
   WorkBudget(int burst, MonotonicTime refill, MonotonicTime now)
       : burst_(burst), refill_(refill), left_(burst), since_(now) {}
 
-  /// False: not now.
+  /// Returns false if the work must not be done now.
   bool take(MonotonicTime now) {
     const auto earned = (now - since_) / refill_;
     if (earned > 0) {
