@@ -8,7 +8,7 @@
 namespace ddssec::rtps {
 namespace {
 
-/// What the operating system said last of the write-ahead log or of the file; 0: nothing.
+/// The operating system's last error for the write-ahead log or the file; 0: none.
 int last_errno(sqlite3* database) {
   int number = 0;
   sqlite3_file* log = nullptr;
@@ -19,7 +19,7 @@ int last_errno(sqlite3* database) {
   return number;
 }
 
-/// SQLite has one sentence for a disk without room and for the store's own limit.
+/// SQLite has the same message for a full disk and for the store's own limit.
 std::string reason(int kind, const std::string& path, sqlite3* database) {
   if (database == nullptr || path.empty()) return {};
   if (const int number = kind == SQLITE_IOERR ? last_errno(database) : 0; number != 0)
@@ -32,7 +32,7 @@ std::string reason(int kind, const std::string& path, sqlite3* database) {
   return std::string(": ") + std::strerror(ENOSPC);
 }
 
-// What SQLite says is shown as it is: it speaks of files and limits, never of samples.
+// SQLite's message is shown unchanged: it contains names of files and limits, never samples.
 std::unexpected<Error> refuse(int code, const std::string& path, sqlite3* database) {
   const int kind = code & 0xff;
   const bool no_room =
@@ -49,7 +49,8 @@ void SqlStatement::Finalize::operator()(sqlite3_stmt* statement) const {
   sqlite3_finalize(statement);
 }
 
-// Binding fails for an index that the statement does not have: ours are fixed, and tested.
+// Binding fails only for an index that the statement does not have. The indexes are constant and
+// tested.
 SqlStatement& SqlStatement::bind(int index, std::int64_t value) {
   sqlite3_bind_int64(statement_.get(), index, value);
   return *this;
@@ -62,7 +63,7 @@ SqlStatement& SqlStatement::bind(int index, std::string_view text) {
 }
 
 SqlStatement& SqlStatement::bind(int index, BytesView octets) {
-  static constexpr std::uint8_t kNothing = 0;  // a null pointer would be NULL
+  static constexpr std::uint8_t kNothing = 0;  // a null pointer would bind NULL
   sqlite3_bind_blob64(statement_.get(), index, octets.empty() ? &kNothing : octets.data(),
                       octets.size(), SQLITE_STATIC);
   return *this;
@@ -156,7 +157,7 @@ Status Database::Transaction::commit() {
   return {};
 }
 
-// Some errors roll back by themselves; then this fails, which does no harm.
+// Some errors have already rolled back; then this fails without harm.
 Database::Transaction::~Transaction() {
   if (database_ != nullptr) static_cast<void>(database_->run("ROLLBACK"));
 }

@@ -1,5 +1,5 @@
-// SQLite, as far as the store of samples needs it: handles that end by themselves, errors as
-// values.
+// The parts of SQLite that the sample store needs: handles that close themselves, and errors as
+// return values.
 #pragma once
 
 #include <memory>
@@ -15,16 +15,16 @@ struct sqlite3_stmt;
 
 namespace ddssec::rtps {
 
-/// A prepared statement. Texts and octets that are bound are borrowed until the next reset.
+/// A prepared statement. Bound texts and octets are borrowed until the next reset.
 class SqlStatement {
  public:
   SqlStatement() = default;
   SqlStatement& bind(int index, std::int64_t value);
   SqlStatement& bind(int index, std::string_view text);
   SqlStatement& bind(int index, BytesView octets);
-  /// True: there is a row.
+  /// Returns true if there is a row.
   Result<bool> step();
-  /// For what has no rows; resets it.
+  /// Runs a statement without rows, and resets it.
   Status run();
   void reset();
 
@@ -42,22 +42,23 @@ class SqlStatement {
   std::string path_;
 };
 
-/// One connection, for one thread at a time.
+/// One connection. One thread at a time.
 class Database {
  public:
-  /// An empty path: in memory. The file must exist; links are not followed. Errors:
-  /// rtps_store_unusable.
+  /// An empty path opens a database in memory. The file must exist; symbolic links are not
+  /// followed. Errors: rtps_store_unusable.
   static Result<Database> open(const std::string& path);
 
   /// Errors: rtps_store_failed (no room), rtps_store_unusable (anything else).
   Result<SqlStatement> prepare(std::string_view sql);
-  /// One statement of which no row is wanted. Errors: those of prepare.
+  /// Runs one statement whose rows are not needed. Errors: those of prepare.
   Status run(std::string_view sql);
-  /// The first column of the first row. Errors: those of prepare, rtps_store_unusable (no row).
+  /// Returns the first column of the first row. Errors: those of prepare, rtps_store_unusable (no
+  /// row).
   Result<std::int64_t> number(std::string_view sql);
   std::int64_t last_row() const;
 
-  /// Begins a transaction that is rolled back unless it is committed.
+  /// A transaction, which the destructor rolls back unless it was committed.
   class Transaction {
    public:
     static Result<Transaction> begin(Database& database);

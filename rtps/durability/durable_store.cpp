@@ -7,7 +7,7 @@
 namespace ddssec::rtps {
 namespace {
 
-// A disk that is full may have room later.
+// A full disk may have room later.
 constexpr std::chrono::milliseconds kRetry{200};
 constexpr std::chrono::seconds kLongestOpen{5};
 constexpr std::uint32_t kMostAlike = 64;
@@ -36,7 +36,7 @@ DurableStore::~DurableStore() {
 
 Result<DurableStore::Opened> DurableStore::open_stream(StreamKey key,
                                                        const DurabilityService& service) {
-  DDSSEC_TRY(flush(kLongestOpen));  // what a writer before this one left behind
+  DDSSEC_TRY(flush(kLongestOpen));  // what an earlier writer appended
   const std::lock_guard store(store_mutex_);
   forget_closed();
   for (key.ordinal = 0; key.ordinal < kMostAlike; ++key.ordinal) {
@@ -63,7 +63,7 @@ void DurableStore::close_stream(StreamId stream) {
   closed_[stream] = appended_;
 }
 
-// A row that cannot be deleted now is when the store is opened again.
+// If a row cannot be deleted now, it is deleted when the store is opened again.
 void DurableStore::forget_closed() {
   std::vector<StreamId> gone;
   {
@@ -125,7 +125,7 @@ std::uint64_t DurableStore::groups() const {
 
 template <class Ready>
 Status DurableStore::wait(std::chrono::nanoseconds most, Ready ready) {
-  // What does not fit the clock waits as long as it can.
+  // A time that does not fit the clock is shortened to the longest wait.
   constexpr std::chrono::nanoseconds kLongest = std::chrono::hours(24 * 365);
   std::unique_lock held(mutex_);
   const bool done =
@@ -176,7 +176,7 @@ void DurableStore::report(std::uint64_t beyond_limits,
                .note = "they are not kept; another event follows when they are twice as many"})));
 }
 
-// A group that fails stays, before whatever comes after it.
+// A group that fails is kept and committed before later ones.
 void DurableStore::commit(std::unique_lock<std::mutex>& held) {
   std::vector<StoredChange> group;
   group.swap(pending_);

@@ -1,4 +1,5 @@
-// A store with a thread of its own that commits in groups: a writing thread never waits for a disk.
+// A store with its own thread that commits in groups, so that a writing thread never waits for a
+// disk.
 #pragma once
 
 #include <condition_variable>
@@ -11,53 +12,55 @@
 
 namespace ddssec::rtps {
 
-/// What is appended while one group is written becomes the next group. Durability mode of a file:
-/// write-ahead log, synchronous=FULL: what flush has waited for survives a power cut.
+/// Changes that are appended while a group is written form the next group. A file uses a
+/// write-ahead log and synchronous=FULL: what flush has waited for survives a power failure.
+/// Thread-safe.
 class DurableStore {
  public:
-  /// Appended and not yet committed: writers should wait from here on.
+  /// Limits for changes that are appended but not committed. Above them, writers should wait.
   static constexpr std::size_t kMostPending = 65536;
   static constexpr std::size_t kMostPendingOctets = std::size_t{16} << 20;
 
-  /// Errors: those of SampleStore::open.
+  /// `events` must outlive the store. Errors: those of SampleStore::open.
   static Result<std::unique_ptr<DurableStore>> open(
       const std::string& path, EventSink& events,
       std::size_t most_octets = SampleStore::kDefaultOctets);
-  /// Commits what is there, if it can.
+  /// Commits what was appended, if possible.
   ~DurableStore();
 
   struct Opened {
     StreamId id;
     std::vector<Change> history;
   };
-  /// Of a new writer: the first stream of `key` that no other writer has open; its ordinal is
-  /// chosen here. Errors: those of SampleStore.
+  /// Opens the first stream of `key` that no other writer has open; its ordinal is chosen here.
+  /// Errors: those of SampleStore, and those of flush.
   Result<Opened> open_stream(StreamKey key, const DurabilityService& service);
-  /// Once all that was appended to it is committed, nothing stays of a stream without samples.
+  /// Once everything that was appended to the stream is committed, a stream without samples is
+  /// removed.
   void close_stream(StreamId stream);
 
-  /// Never waits. Returns a number that committed() reaches when the change is stored, or left out.
-  /// `identity`: see StoredChange.
+  /// Never waits. Returns a number that committed() reaches when the change is stored, or was left
+  /// out. `identity`: see StoredChange.
   std::uint64_t append(StreamId stream, const Change& change, Time now,
                        const std::optional<GuidPrefix>& identity = {});
-  /// How many of all that was appended is stored, in the order of append.
+  /// The number of appended changes that are stored, in the order of append.
   std::uint64_t committed() const;
-  /// How many are not.
+  /// The number of appended changes that are not stored yet.
   std::uint64_t pending() const;
-  /// How many were left out for DURABILITY_SERVICE's limits or the share of an identity; never
-  /// reset.
+  /// The number of changes that were left out because of the limits of DURABILITY_SERVICE or the
+  /// share of an identity; never reset.
   std::uint64_t left_out() const;
-  /// True: append would make the queue longer than it may be.
+  /// True if the queue has reached its limit.
   bool is_behind() const;
-  /// Of the last group; an error lasts until a group is committed again.
+  /// The result of the last group. An error lasts until a group is committed again.
   Status status() const;
-  /// Waits until all that was appended before is committed. Errors: rtps_timeout, those of
+  /// Waits until everything that was appended before is committed. Errors: rtps_timeout, those of
   /// SampleStore::commit.
   Status flush(std::chrono::nanoseconds most);
-  /// Waits for the queue to become shorter. Errors: as flush.
+  /// Waits until the queue is shorter. Errors: as for flush.
   Status wait_for_room(std::chrono::nanoseconds most);
 
-  /// Groups that were committed; never reset.
+  /// The number of groups that were committed; never reset.
   std::uint64_t groups() const;
 
  private:
@@ -65,14 +68,14 @@ class DurableStore {
   void run();
   void commit(std::unique_lock<std::mutex>& held);
   void report(std::uint64_t beyond_limits, const std::vector<StoreShares::Refusals>& refusals);
-  /// With the store's mutex.
+  /// The caller holds the store's mutex.
   void forget_closed();
   bool over() const { return pending_.size() >= kMostPending || octets_ >= kMostPendingOctets; }
   template <class Ready>
   Status wait(std::chrono::nanoseconds most, Ready ready);
 
-  mutable std::mutex mutex_;  ///< of everything but the store
-  std::mutex store_mutex_;    ///< of the store; taken first
+  mutable std::mutex mutex_;  ///< protects everything but the store
+  std::mutex store_mutex_;    ///< protects the store; locked first
   std::condition_variable work_, done_;
   SampleStore store_;
   EventSink& events_;
@@ -83,7 +86,8 @@ class DurableStore {
   std::uint64_t beyond_limits_ = 0, left_out_ = 0;
   Status status_;
   std::set<StreamId> open_;
-  std::map<StreamId, std::uint64_t> closed_;  ///< with what must be committed before
+  /// With the number of the change that must be committed before.
+  std::map<StreamId, std::uint64_t> closed_;
   bool stopping_ = false;
   std::thread thread_;
 };

@@ -29,7 +29,7 @@ constexpr std::string_view kSchema[] = {
 
 constexpr std::string_view kSinceVersion3 = ", identity BLOB";
 
-/// As SQLite has it, which is how it was written.
+/// Returns the text as SQLite stores it, which is how it was written.
 std::string schema_of(std::int64_t version, std::string_view sql) {
   std::string out(sql);
   if (const auto at = out.find(kSinceVersion3); version < 3 && at != std::string::npos)
@@ -41,7 +41,7 @@ std::size_t limit_of(std::int32_t value, std::size_t otherwise) {
   return value == kLengthUnlimited ? otherwise : static_cast<std::size_t>(value);
 }
 
-/// Names with their lengths, so that no two lists are alike.
+/// Includes the length of each name, so that different lists never give the same octets.
 Bytes partition_octets(const std::vector<std::string>& names) {
   Bytes out;
   for (const auto& name : names) {
@@ -60,7 +60,7 @@ SqlStatement& bind_key(SqlStatement& statement, const StreamKey& key, BytesView 
       .bind(5, std::int64_t{key.ordinal});
 }
 
-/// SQLite notices damage to its own structures, not to what they hold.
+/// SQLite detects damage to its own structures, but not to their contents.
 std::array<std::uint8_t, kSumSize> sum_of(std::int64_t row, StreamId stream, const Change& change) {
   const auto key = change.key_hash.value_or(KeyHash{});
   const auto time = change.source_time.value_or(Time{});
@@ -84,8 +84,8 @@ std::unexpected<Error> unusable(const std::string& path, std::string expected, s
               {.document = path, .expected = std::move(expected), .found = std::move(found)});
 }
 
-/// Not left to SQLite, which would let everybody read it, and takes a few octets for an empty
-/// database.
+/// SQLite would create a file that everyone can read. It would also accept a file of a few octets
+/// as an empty database.
 Status make_file(const std::string& path) {
   constexpr std::string_view kMagic("SQLite format 3\0", 16);
   const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
@@ -108,10 +108,10 @@ Result<SampleStore> SampleStore::open(const std::string& path, std::size_t most_
   return store;
 }
 
-// First only looks; what is not ours has not been changed when it is refused.
+// Only reads at first, so that a file of another kind is not changed before it is refused.
 Status SampleStore::prepare(std::size_t most_octets) {
-  // EXCLUSIVE before anything is read: a write-ahead log of a process that was killed is then
-  // recovered in memory, without a file beside it, also on a disk without room.
+  // EXCLUSIVE must be set before anything is read. Then the write-ahead log of a process that was
+  // killed is recovered in memory, without another file next to it, even on a full disk.
   for (const auto* pragma :
        {"PRAGMA trusted_schema=OFF", "PRAGMA cell_size_check=ON", "PRAGMA locking_mode=EXCLUSIVE"})
     DDSSEC_TRY(database_.run(pragma));
@@ -135,7 +135,7 @@ Status SampleStore::prepare(std::size_t most_octets) {
                                    "fraction, payload, sum, id, writer, number, identity) "
                                    "VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"));
   last_row_ = DDSSEC_TRY(database_.number("SELECT coalesce(max(id), 0) FROM sample"));
-  // Without room they stay until there is some.
+  // Without room, the empty streams stay until there is some.
   if (auto erased = erase_empty_streams();
       !erased && erased.error().code() != Code::rtps_store_failed)
     return erased;
@@ -164,7 +164,7 @@ Status SampleStore::check_origin() {
   return {};
 }
 
-// No trigger and no view that is in a file is ever run.
+// The exact comparison ensures that no trigger or view in a file is ever executed.
 Status SampleStore::check_schema(std::int64_t version) {
   auto statement = DDSSEC_TRY(
       database_.prepare("SELECT sql FROM sqlite_master WHERE sql IS NOT NULL ORDER BY rowid"));
@@ -303,7 +303,8 @@ Status SampleStore::measure_room() {
   return {};
 }
 
-/// What a sample takes in pages is not known before; so it is looked at now and then.
+/// The number of pages that a sample will use is not known in advance, so the free room is measured
+/// from time to time.
 Result<bool> SampleStore::has_share(StoreShares::Account account, std::size_t octets,
                                     std::size_t freed) {
   if (account == StoreShares::kNone || octets <= freed) return true;

@@ -1,5 +1,5 @@
-// How much of a store the samples of each identity take. One identity never has more than is free,
-// so that there is always room for another one.
+// How much of a store the samples of each identity use. No identity may use more than is free, so
+// that there is always room for another identity.
 #pragma once
 
 #include <map>
@@ -11,11 +11,11 @@ namespace ddssec::rtps {
 
 class StoreShares {
  public:
-  /// Whose share; kNone has no bound.
+  /// Identifies a share; kNone has no limit.
   using Account = std::uint32_t;
   static constexpr Account kNone = 0;
 
-  /// Octets that a sample takes in the file, about.
+  /// The approximate number of octets that a sample uses in the file.
   static std::size_t cost(std::size_t payload) { return payload + 160; }
 
   /// `identity`: see ParticipantCore::identity_of.
@@ -24,15 +24,15 @@ class StoreShares {
   std::size_t octets(Account account) const { return shares_[account].octets; }
   void add(Account account, std::size_t octets) { shares_[account].octets += octets; }
   void remove(Account account, std::size_t octets) { shares_[account].octets -= octets; }
-  /// No identity has anything; accounts stay what they are.
+  /// Sets all shares to 0. The accounts stay valid.
   void clear();
 
   struct Refusals {
     GuidPrefix identity;
-    std::uint64_t samples;  ///< so far
+    std::uint64_t samples;  ///< total so far
   };
   void refuse(Account account);
-  /// Identities whose refusals have doubled since the last report.
+  /// The identities whose refusals have doubled since the last report.
   std::vector<Refusals> take_news() { return std::exchange(news_, {}); }
 
  private:
