@@ -23,7 +23,7 @@ std::uint16_t number_at(BytesView octets, std::size_t at) {
   return static_cast<std::uint16_t>(octets[at] << 8 | octets[at + 1]);
 }
 
-/// What is behind `size` octets; nothing if there are not so many.
+/// Returns what follows after `size` octets; empty if there are fewer.
 BytesView behind(BytesView octets, std::size_t size) {
   return octets.size() < size ? BytesView() : octets.subspan(size);
 }
@@ -67,7 +67,7 @@ std::optional<Frames::Datagram> datagram_of(std::string from, BytesView udp) {
                           to_bytes(udp.subspan(kHeader, size - kHeader))};
 }
 
-// Without extension headers, so without fragments.
+// Without extension headers, and so without fragments.
 std::optional<Frames::Datagram> read_ipv6(BytesView packet) {
   constexpr std::size_t kHeader = 40;
   if (packet.size() < kHeader || packet[6] != kUdp) return std::nullopt;
@@ -106,7 +106,7 @@ std::optional<Frames::Datagram> Frames::read_ipv4(BytesView packet) {
   return whole ? datagram_of(std::move(from), *whole) : std::nullopt;
 }
 
-// Overlapping ones leave no place for one another: they are never put together.
+// A datagram with overlapping fragments is never reassembled.
 std::optional<Bytes> Frames::reassemble(BytesView key, Fragment fragment, bool is_last) {
   if (fragment.offset + fragment.octets.size() > kLargestPacket) return std::nullopt;
   auto at = std::ranges::find_if(

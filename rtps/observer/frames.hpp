@@ -1,5 +1,5 @@
-// From what a network interface or a capture file gives to UDP datagrams: Ethernet and what Linux
-// has in its place, IPv4 with its fragments, IPv6. No I/O.
+// Extracts UDP datagrams from the frames of a network interface or a capture file: Ethernet and its
+// Linux equivalents, IPv4 with fragments, IPv6. No I/O.
 #pragma once
 
 #include <deque>
@@ -13,17 +13,17 @@ namespace ddssec::rtps {
 
 class Frames {
  public:
-  /// IPv4 datagrams of which fragments are missing; one more, and the oldest is forgotten.
+  /// Limit for IPv4 datagrams with missing fragments. Above it, the oldest is forgotten.
   static constexpr std::size_t kMostPartial = 64;
 
   struct Datagram {
-    std::string from;  ///< the address
+    std::string from;  ///< the IP address
     std::uint16_t port = 0;
     Bytes payload;
   };
-  /// True if `link`, a number of LINKTYPE_ of libpcap, can be read.
+  /// True if `link`, a LINKTYPE_ number of libpcap, is supported.
   static bool knows(int link);
-  /// The datagram that a frame is, or completes; nothing for anything else.
+  /// Returns the datagram that the frame contains or completes; empty for anything else.
   std::optional<Datagram> read(int link, BytesView frame);
 
  private:
@@ -32,9 +32,9 @@ class Frames {
     Bytes octets;
   };
   struct Partial {
-    Bytes key;  ///< addresses, protocol, number
+    Bytes key;  ///< addresses, protocol, identification
     std::vector<Fragment> fragments;
-    std::optional<std::size_t> size;  ///< known with the last one
+    std::optional<std::size_t> size;  ///< known once the last fragment has arrived
   };
   std::optional<Datagram> read_ipv4(BytesView packet);
   std::optional<Bytes> reassemble(BytesView key, Fragment fragment, bool is_last);

@@ -11,11 +11,11 @@
 namespace ddssec::rtps {
 namespace {
 
-/// A step that is not answered for so long is not going to be: both known vendors repeat theirs
-/// after a second.
+/// A step that is not answered for this long counts as unanswered: Cyclone DDS and Fast DDS repeat
+/// theirs after a second.
 constexpr MonotonicTime kPatience = std::chrono::milliseconds(2500);
 
-// What an identity token says (DDS-Security 9.3.2.1).
+// Properties of an identity token (DDS-Security 9.3.2.1).
 constexpr std::string_view kSubject = "dds.cert.sn", kIdentityCa = "dds.ca.sn";
 
 const std::string* claim_of(const ObservedParticipant& participant, std::string_view property) {
@@ -26,7 +26,7 @@ const std::string* claim_of(const ObservedParticipant& participant, std::string_
 struct Side {
   const GuidPrefix& prefix;
   const ObservedParticipant& participant;
-  const HandshakeFlow& sent;  ///< to the other one
+  const HandshakeFlow& sent;  ///< to the other side
 
   std::string name() const { return name_of(prefix, participant); }
   const std::string* identity_ca() const { return claim_of(participant, kIdentityCa); }
@@ -36,7 +36,8 @@ struct Side {
   }
 };
 
-/// "O=Example,CN=CA" and "/CN=CA/O=Example" name the same: vendors write names in several ways.
+/// Splits a name into its attributes, because vendors write names in several ways:
+/// "O=Example,CN=CA" and "/CN=CA/O=Example" are the same name.
 std::vector<std::string_view> attributes_of(std::string_view name) {
   std::vector<std::string_view> out;
   for (std::size_t begin = 0; begin < name.size();) {
@@ -65,7 +66,7 @@ std::string protection(const ObservedParticipant& participant) {
 
 double seconds(MonotonicTime time) { return std::chrono::duration<double>(time).count(); }
 
-/// What the two announce of themselves and cannot both be right.
+/// Returns a contradiction between the announcements of the two.
 std::optional<Finding> contradiction(const Side& a, const Side& b) {
   if (a.participant.is_secured() != b.participant.is_secured()) {
     const auto& without = a.participant.is_secured() ? b : a;
@@ -98,7 +99,8 @@ std::string times(const Seen& seen) {
   return seen.count == 1 ? "once" : fmt::format("{} times", seen.count);
 }
 
-/// Where the handshake that `a` began stopped; nothing: not there, or not for long enough.
+/// Returns where the handshake that `a` began stopped. Empty: it did not stop, or not for long
+/// enough.
 std::optional<Finding> standstill(const Side& a, const Side& b, MonotonicTime end) {
   const auto& request = a.sent.at(HandshakeStep::request);
   const auto& reply = b.sent.at(HandshakeStep::reply);
@@ -123,8 +125,9 @@ std::optional<Finding> standstill(const Side& a, const Side& b, MonotonicTime en
   return std::nullopt;
 }
 
-// Since 2.10 Fast DDS takes part in nothing before it has a peer's data of DCPSParticipantsSecure,
-// and Cyclone DDS 0.10 never writes there. No announcement says for certain which version it is.
+// From 2.10 on, Fast DDS takes part in nothing before it has received a peer's data of
+// DCPSParticipantsSecure, and Cyclone DDS 0.10 never writes there. No announcement reliably shows
+// the version.
 std::optional<Finding> doubt(const Side& a, const Side& b) {
   const auto are = [&](VendorId first, VendorId second) {
     return a.participant.vendor == first && b.participant.vendor == second;

@@ -27,14 +27,14 @@ std::optional<HandshakeStep> step_of(const GenericMessage& message) {
   return std::nullopt;
 }
 
-/// The kind that a CryptoHeader begins with (DDS-Security 9.5.2.3).
+/// Returns the kind at the beginning of a CryptoHeader (DDS-Security 9.5.2.3).
 std::optional<TransformKind> kind_in(BytesView octets) {
   if (octets.size() < 20) return std::nullopt;
   return TransformKind::from(octets.first(TransformKind::size));
 }
 
-// A CDR encapsulation begins with its representation and two octets of options; none looks like
-// a kind.
+// A CDR encapsulation begins with its representation id and two octets of options. None of these
+// has the value of a kind.
 bool is_encrypted(BytesView payload) {
   const auto kind = kind_in(payload);
   return kind && kind->octets[0] == 0 && kind->octets[1] == 0 && kind->octets[3] != 0;
@@ -100,7 +100,7 @@ void Observer::walk(MessageReader reader, Message& message) {
   }
 }
 
-// What cannot be read says nothing.
+// A submessage that cannot be read is ignored.
 void Observer::on_submessage(const SubmessageView& view, Message& message) {
   switch (view.id) {
     case SubmessageId::info_destination:

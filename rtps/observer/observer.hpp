@@ -1,6 +1,6 @@
-// What a passive listener learns of secured participants: their announcements, how far
-// handshakes get, what goes in the clear. Nothing of it is proven: any host may have sent it
-// in any name. No I/O, clock or lock.
+// What a passive listener learns about secured participants: their announcements, the progress of
+// handshakes, and what is sent unprotected. Nothing of it is proven: any host may have sent it in
+// any name. No I/O, clock or lock.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ namespace ddssec::rtps {
 
 struct EndpointData;
 
-/// Something that was seen so often.
+/// How often something was seen, and when.
 struct Seen {
   std::uint64_t count = 0;
   MonotonicTime first{}, last{};
@@ -26,13 +26,13 @@ struct Seen {
   void note(MonotonicTime at);
 };
 
-/// What makes two participants trust each other, in this order (DDS-Security 8.8).
+/// The steps by which two participants come to trust each other, in this order (DDS-Security 8.8).
 enum class HandshakeStep : std::uint8_t {
   auth_request,
   request,
   reply,
   final,
-  keys,  ///< protected submessages meant for the other one; the first ones carry keys
+  keys,  ///< protected submessages for the other participant; the first ones carry keys
 };
 std::string_view to_string(HandshakeStep step);
 
@@ -43,35 +43,36 @@ struct HandshakeFlow {
   const Seen& at(HandshakeStep step) const { return steps[static_cast<std::size_t>(step)]; }
 };
 
-/// What a certificate says of itself.
+/// The names in a certificate.
 struct CertificateNames {
   std::string subject, issuer;
 };
-/// Reads a certificate in PEM; nothing if it is none. (This folder knows no certificates.)
+/// Reads a certificate in PEM; empty if it is none. (This folder does not depend on the certificate
+/// code.)
 using ReadCertificate = std::function<std::optional<CertificateNames>(BytesView pem)>;
 
 struct ObservedTopic {
   std::string type;
   bool is_written = false, is_read = false;
-  std::size_t octets = 0;  ///< that it counts for
+  std::size_t octets = 0;  ///< octets that it counts for
 };
 
 struct ObservedParticipant {
-  /// As it announced itself last; nothing if it never did.
+  /// Its latest announcement; empty if it never announced itself.
   std::optional<ParticipantData> data;
   VendorId vendor;
-  DomainId domain = -1;             ///< -1: it was not announced
+  DomainId domain = -1;             ///< -1: not known from an announcement
   std::set<std::string> addresses;  ///< from which it was heard
   Seen messages;
   std::uint64_t protected_messages = 0;
   std::uint64_t protected_submessages = 0;
-  std::set<TransformKind> kinds;         ///< of what is protected
+  std::set<TransformKind> kinds;         ///< of the protected messages and submessages
   std::uint64_t clear_samples = 0;       ///< of user topics
   std::uint64_t encrypted_payloads = 0;  ///< of user topics, in submessages that are not protected
-  /// Announced by plain discovery, by name.
+  /// The topics that plain discovery announced, by name.
   std::map<std::string, ObservedTopic> clear_topics;
-  std::size_t topic_octets = 0;  ///< of these, with a price for each
-  /// Of its handshake messages, where everybody can read it.
+  std::size_t topic_octets = 0;  ///< of these topics, including a price for each
+  /// From its handshake messages, which are not encrypted.
   std::optional<CertificateNames> certificate;
   bool left = false;
 
@@ -80,11 +81,12 @@ struct ObservedParticipant {
 
 class Observer {
  public:
-  /// More than these are not kept; what is kept goes on being counted.
+  /// Limits. Above them nothing new is stored; what is stored is still counted.
   static constexpr std::size_t kMostParticipants = 1024;
   static constexpr std::size_t kMostFlows = 65536;
   static constexpr std::size_t kMostTopicsEach = 4096;
-  /// Octets of the topics of all participants; so many of each are kept whatever others announce.
+  /// Limit for the topics of all participants together. kTopicOctetsOfEach of each participant is
+  /// kept whatever others announce.
   static constexpr std::size_t kMaxTopicOctets = std::size_t{32} << 20;
   static constexpr std::size_t kTopicOctetsOfEach = std::size_t{32} << 10;
   static constexpr std::size_t kPricePerTopic = 256;
@@ -95,25 +97,25 @@ class Observer {
       : read_certificate_(std::move(read_certificate)) {}
 
   struct Arrival {
-    std::string_view from;   ///< an address, as people write it
-    std::uint16_t port = 0;  ///< to which it was sent
+    std::string_view from;   ///< an address as text
+    std::uint16_t port = 0;  ///< the destination port
     MonotonicTime at{};
   };
-  /// Any datagram; what is not RTPS is only counted.
+  /// Processes any datagram; one that is not RTPS is only counted.
   void on_datagram(BytesView datagram, const Arrival& arrival);
 
   using Participants = std::map<GuidPrefix, ObservedParticipant>;
   const Participants& participants() const { return participants_; }
-  /// From the first to the second.
+  /// The messages from the first participant to the second.
   const HandshakeFlow& flow(const GuidPrefix& from, const GuidPrefix& to) const;
   const Seen& datagrams() const { return datagrams_; }
   std::uint64_t rtps_messages() const { return rtps_messages_; }
-  /// Messages of participants, and of topics, that found no room.
+  /// Messages of participants, and of topics, for which there was no room.
   std::uint64_t left_out() const { return left_out_; }
 
  private:
   struct Message {
-    GuidPrefix source, destination;  ///< destination: zero for everybody
+    GuidPrefix source, destination;  ///< destination: zero for all
     ObservedParticipant* sender;
     const Arrival& arrival;
   };
@@ -125,7 +127,7 @@ class Observer {
   void on_data(const Data& data, const Message& message);
   void on_announcement(const Data& data, const Message& message);
   void on_topic(const Data& data, const Message& message);
-  /// The topic to be noted; nullptr: there is no room for it.
+  /// Returns the entry for the topic; nullptr if there is no room for it.
   ObservedTopic* topic_of(ObservedParticipant& sender, const EndpointData& endpoint);
   void on_stateless(BytesView payload, const Message& message);
   void on_protected(const SubmessageView& prefix, const Message& message);
