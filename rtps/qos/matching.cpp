@@ -26,7 +26,7 @@ constexpr std::array<std::string_view, 2> kOrder = {"BY_RECEPTION_TIMESTAMP",
 constexpr std::array<std::string_view, 3> kScope = {"INSTANCE", "TOPIC", "GROUP"};
 constexpr std::array<std::string_view, 3> kRepresentation = {"XCDR1", "XML", "XCDR2"};
 
-// To the nanosecond: whether a peer rounds to fractions up or down must not decide.
+// Compares nanoseconds, so that the result does not depend on how a peer rounds fractions.
 bool exceeds(const Duration& offered, const Duration& requested) {
   return offered.to_nanoseconds() > requested.to_nanoseconds();
 }
@@ -51,7 +51,8 @@ bool one_matches(std::string_view a, std::string_view b) {
   return has_wildcard(b) ? glob_match(b, a) : a == b;
 }
 
-// Behind a '[': does the set contain `c`, and where does it end? No ']' means a plain '['.
+// Parses the set after a '[': whether it contains `c`, and where it ends. Without a ']' the '[' is
+// an ordinary character.
 struct SetMatch {
   bool contains;
   std::size_t size;
@@ -72,8 +73,9 @@ std::optional<SetMatch> match_set(std::string_view set, char c) {
   return std::nullopt;
 }
 
-// How many pattern characters match the one text character, 0 for none. `may_close`: a ']' comes
-// late enough to end a set that begins here; without it a '[' would read to the end in vain.
+// Returns how many pattern characters match the one text character, 0 for none. `may_close`: there
+// is a ']' late enough to end a set that begins here. Otherwise each '[' would cause a useless
+// search to the end.
 std::size_t match_one(std::string_view pattern, char c, bool may_close) {
   if (pattern.empty()) return 0;
   if (pattern[0] == '?') return 1;
@@ -159,7 +161,7 @@ std::optional<QosMismatch> mismatch(const Qos& offered, const Qos& requested) {
     return QosMismatch{Id::destination_order, "DESTINATION_ORDER.kind",
                        name(kOrder, offered.destination_order),
                        name(kOrder, requested.destination_order)};
-  // XTypes 7.6.3.1.1: the writer uses its first representation; the reader must know it.
+  // XTypes 7.6.3.1.1: the writer uses its first representation, which the reader must support.
   if (offered.data_representation.empty() ||
       std::ranges::find(requested.data_representation, offered.data_representation.front()) ==
           requested.data_representation.end())

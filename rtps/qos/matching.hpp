@@ -23,27 +23,30 @@ enum class QosPolicyId : std::int32_t {
   type_consistency_enforcement = 24,
 };
 
-/// Why a writer and a reader do not match: the policy and both values, for a person.
+/// Why a writer and a reader do not match: the policy and both values, as text.
 struct QosMismatch {
   QosPolicyId id = QosPolicyId::invalid;
-  std::string policy;  ///< "RELIABILITY.kind"
+  std::string policy;  ///< for example "RELIABILITY.kind"
   std::string offered;
   std::string requested;
   bool operator==(const QosMismatch&) const = default;
 };
 
-/// Nothing if the reader gets what it asks for. PARTITION is reported as a mismatch too, although
-/// it is no "incompatible QoS" for DDS: the caller tells by the id.
+/// Returns empty if the writer offers what the reader requests. PARTITION is also reported as a
+/// mismatch, although DDS does not count it as "incompatible QoS"; the caller distinguishes it by
+/// its id.
 std::optional<QosMismatch> mismatch(const Qos& offered, const Qos& requested);
 
-/// What to change at which side so that they match, for a person.
+/// A text that describes what to change on which side so that they match.
 std::string remedy(const QosMismatch& mismatch);
 
-/// True if any partition of one side fits any of the other; none at all is the partition "". Names
-/// with wildcards (*, ?, [set]) match names without; two with wildcards never match.
+/// True if any partition of one side matches any of the other. An empty list stands for the
+/// partition "". Names with wildcards (*, ?, [set]) match names without; two names with wildcards
+/// never match.
 bool partitions_match(const std::vector<std::string>& a, const std::vector<std::string>& b);
 
-/// POSIX fnmatch without back-tracking into earlier stars: linear in text times pattern.
+/// POSIX fnmatch without backtracking into earlier stars: its time is proportional to text times
+/// pattern.
 bool glob_match(std::string_view pattern, std::string_view text);
 
 }  // namespace ddssec::rtps

@@ -10,7 +10,7 @@ constexpr auto kReliable = ReliabilityKind::reliable;
 constexpr auto kVolatile = DurabilityKind::volatile_;
 constexpr auto kTransientLocal = DurabilityKind::transient_local;
 
-// ROS 2, rmw/qos_profiles.h; "latched" is what ROS 2 makes of ROS 1's latched topics.
+// ROS 2, rmw/qos_profiles.h; "latched" is the ROS 2 equivalent of ROS 1's latched topics.
 constexpr std::array kPresets = {
     QosPreset{"default", kReliable, kVolatile, 10},
     QosPreset{"sensor_data", ReliabilityKind::best_effort, kVolatile, 5},
@@ -32,7 +32,7 @@ std::optional<Qos> qos_preset(std::string_view name) {
   qos.reliability.kind = found->reliability;
   qos.durability = found->durability;
   qos.history.depth = found->depth;
-  // What a late joiner may expect is what the writer keeps.
+  // A late joiner gets as many samples as the writer keeps.
   if (found->durability != kVolatile) qos.durability_service.history = qos.history;
   if (found->lifespan > 0) qos.lifespan = Duration{{found->lifespan, 0}};
   return qos;

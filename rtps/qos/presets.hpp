@@ -1,5 +1,5 @@
-// Sets of policies with a name: those of ROS 2 (rmw), so that a topic of a ROS 2 system is joined
-// without writing each policy out.
+// Named sets of policies: those of ROS 2 (rmw). They let an application join a topic of a ROS 2
+// system without setting each policy.
 #pragma once
 
 #include <optional>
@@ -17,11 +17,11 @@ struct QosPreset {
   std::int32_t lifespan = 0;  ///< seconds; 0: infinite
 };
 
-/// All there are.
+/// All presets.
 std::span<const QosPreset> qos_presets();
 
-/// For writers and readers alike: everything else is as DDS has it by default. Nothing for a name
-/// that is not in the table.
+/// Returns the policies for writers and readers; all other policies have the defaults of DDS. Empty
+/// if the name is not in the table.
 std::optional<Qos> qos_preset(std::string_view name);
 
 }  // namespace ddssec::rtps

@@ -1,4 +1,4 @@
-// Quality of service of DDS 1.4, 2.2.3, as far as it travels in discovery, with its defaults.
+// The quality-of-service policies of DDS 1.4, 2.2.3, that discovery carries, with their defaults.
 #pragma once
 
 #include <cstdint>
@@ -65,20 +65,21 @@ struct Presentation {
   bool operator==(const Presentation&) const = default;
 };
 
-/// TYPE_CONSISTENCY_ENFORCEMENT of a reader (XTypes 7.6.3.4): which writers' types it takes. All
-/// but kind and force_type_validation count with ALLOW_TYPE_COERCION only.
+/// TYPE_CONSISTENCY_ENFORCEMENT of a reader (XTypes 7.6.3.4): which writers' types it accepts. Only
+/// kind and force_type_validation have an effect without ALLOW_TYPE_COERCION.
 struct TypeConsistency {
   TypeConsistencyKind kind = TypeConsistencyKind::allow_type_coercion;
   bool ignore_sequence_bounds = true;
   bool ignore_string_bounds = true;
   bool ignore_member_names = false;
   bool prevent_type_widening = false;  ///< refuses writers whose type has more members
-  bool force_type_validation = false;  ///< refuses what cannot be judged; else names decide
+  /// Refuses types that cannot be compared; otherwise names decide.
+  bool force_type_validation = false;
   bool operator==(const TypeConsistency&) const = default;
 };
 
-/// Of a reader or a writer, with the topic's, the publisher's and the subscriber's policies that
-/// discovery announces with it. Default-constructed: a reader's defaults.
+/// The policies of a reader or a writer, including those of the topic, publisher and subscriber
+/// that discovery announces with it. A default-constructed object has the defaults of a reader.
 struct Qos {
   Reliability reliability;
   DurabilityKind durability = DurabilityKind::volatile_;
@@ -97,16 +98,16 @@ struct Qos {
   Duration time_based_filter = kDurationZero;
   std::int32_t transport_priority = 0;
   std::vector<DataRepresentation> data_representation = {DataRepresentation::xcdr1};
-  TypeConsistency type_consistency;  ///< a reader's
+  TypeConsistency type_consistency;  ///< readers only
   Bytes user_data, topic_data, group_data;
-  /// PROPERTY (DDS-Security 7.2.5), for our own plugins; not announced.
+  /// PROPERTY (DDS-Security 7.2.5), for the plugins of ddssec; not announced.
   spi::PropertyList properties;
-  /// DATA_TAGS (DDS-Security 7.2.4): what <data_tags> of the permissions speak of. Announced where
-  /// discovery of the topic is protected.
+  /// DATA_TAGS (DDS-Security 7.2.4), to which <data_tags> in the permissions refer. Announced only
+  /// if discovery of the topic is protected.
   spi::PropertyList data_tags;
   ReaderDataLifecycle reader_data_lifecycle;  ///< not announced
-  /// WRITER_DATA_LIFECYCLE; not announced: unregistering an instance, or deleting the writer, also
-  /// disposes it.
+  /// WRITER_DATA_LIFECYCLE: unregistering an instance, or deleting the writer, also disposes the
+  /// instance. Not announced.
   bool autodispose_unregistered_instances = true;
   bool operator==(const Qos&) const = default;
 
@@ -120,18 +121,18 @@ inline Qos default_writer_qos() {
   return qos;
 }
 
-/// Most partitions of one endpoint, and the most characters of a name (DDS 1.4, 2.2.3.13).
+/// Limits for the partitions of one endpoint, and for the characters of a name (DDS 1.4, 2.2.3.13).
 inline constexpr std::size_t kMostPartitions = 64;
 inline constexpr std::size_t kMostNameLength = 256;
-/// Most data tags of one endpoint.
+/// Limit for the data tags of one endpoint.
 inline constexpr std::size_t kMostDataTags = 64;
 
-/// Refuses a change of a policy that stays as it is once an entity is enabled (DDS 1.4, 2.2.3,
-/// "changeable"), naming it. Errors: rtps_immutable_policy.
+/// Refuses a change of a policy that must not change once an entity is enabled (DDS 1.4, 2.2.3,
+/// "changeable"). The error names the policy. Errors: rtps_immutable_policy.
 Status check_mutable(const Qos& from, const Qos& to);
 
-/// Refuses what contradicts itself (DDS 1.4, 2.2.3: "inconsistent"), naming policy and values.
-/// Errors: rtps_qos_inconsistent.
+/// Refuses contradictory policies (DDS 1.4, 2.2.3: "inconsistent"). The error names policy and
+/// values. Errors: rtps_qos_inconsistent.
 Status check_consistency(const Qos& qos);
 
 }  // namespace ddssec::rtps
