@@ -1,14 +1,14 @@
-// A filter with the view through which it sees samples.
+// A filter together with the view through which it accesses samples.
 #pragma once
 
 #include "rtps/filter/filter.hpp"
 
 namespace ddssec::rtps {
 
-/// Not thread-safe: it decodes into memory of its own.
+/// Not thread-safe: it decodes into its own memory.
 class BoundFilter {
  public:
-  /// `view` may be nullptr: then the type has no members with names. Errors: rtps_filter_invalid.
+  /// `view` may be nullptr: then the type has no named members. Errors: rtps_filter_invalid.
   static Result<BoundFilter> compile(const FilterText& text, std::unique_ptr<SampleView> view) {
     static const std::span<const Leaf> kNone;
     auto filter = Filter::compile(text, view ? view->leaves() : kNone);
@@ -16,13 +16,13 @@ class BoundFilter {
     return BoundFilter(*std::move(filter), std::move(view));
   }
 
-  /// Of a serialized sample. Errors: those of deserialize.
+  /// Returns whether a serialized sample passes. Errors: those of deserialize.
   Result<bool> passes(BytesView payload) {
     if (auto read = view_->decode(payload, filter_.members()); !read)
       return std::unexpected(read.error());
     return filter_.passes(*view_);
   }
-  /// Nothing: it cannot be read, or takes more than so many steps (Filter::passes_within).
+  /// Empty: the sample cannot be read, or takes more than this many steps (Filter::passes_within).
   std::optional<bool> passes_within(std::size_t most_steps, BytesView payload) {
     if (!view_->decode(payload, filter_.members())) return std::nullopt;
     return filter_.passes_within(most_steps, *view_);

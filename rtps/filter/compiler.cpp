@@ -1,4 +1,4 @@
-// Filter::compile: a parser by recursive descent that emits the program as it goes.
+// Filter::compile: a recursive-descent parser that emits the program while it parses.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -11,7 +11,7 @@ namespace {
 
 using Kind = FilterToken::Kind;
 
-/// What values can be compared with.
+/// Types of values that can be compared with each other.
 enum class Family : std::uint8_t { integer, real, text, character, boolean, enumeration };
 
 constexpr std::string_view kFamilyNames[] = {"an integer",  "a number",      "a text",
@@ -36,8 +36,8 @@ Family family_of(const Leaf& leaf) {
 
 bool is_number(Family family) { return family == Family::integer || family == Family::real; }
 
-// Fields of different families are not compared, but numbers of all kinds are, and the integers
-// that enumerations stand for.
+// Fields of different families cannot be compared, except numbers of all kinds, and integers with
+// enumerations.
 bool comparable(Family a, Family b) {
   if (a == b || (is_number(a) && is_number(b))) return true;
   const auto pair = std::minmax(a, b);
@@ -97,7 +97,7 @@ class FilterCompiler {
     out_.steps_.push_back({kind, static_cast<std::uint16_t>(index)});
   }
 
-  /// `part`s with `word` between them; `skip` leaves the rest out once the answer is known.
+  /// Parses `part`s with `word` between them. `skip` skips the rest once the result is known.
   template <class Part>
   Status chain(Kind word, Step::Kind skip, Part part) {
     DDSSEC_TRY(part());
@@ -230,7 +230,8 @@ class FilterCompiler {
     return Filter::Operand{false, index};
   }
 
-  /// The literal that a parameter stands for, at the place of the parameter; others as they are.
+  /// Returns the literal that a parameter stands for, with the position of the parameter; other
+  /// tokens unchanged.
   Result<FilterToken> literal_of(const FilterToken& token) {
     if (token.kind != Kind::parameter) return token;
     std::size_t number = 0;

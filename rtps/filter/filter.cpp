@@ -13,7 +13,7 @@ struct Overloaded : F... {
 
 constexpr auto kNoLimit = std::numeric_limits<std::size_t>::max();
 
-/// What it costs to compare texts; all of `steps` if there are not enough.
+/// Subtracts the cost of comparing texts; sets `steps` to 0 if there are not enough.
 void take(std::size_t& steps, std::size_t cost) { steps -= std::min(steps, cost); }
 
 }  // namespace
@@ -132,7 +132,7 @@ bool matches_pattern(std::string_view text, std::string_view pattern) {
   return matches_pattern(text, pattern, steps);
 }
 
-// Goes back to the last % only: what an earlier one could take, it can take as well.
+// Backtracks to the last % only: whatever an earlier % could match, the last one can match as well.
 bool matches_pattern(std::string_view text, std::string_view pattern, std::size_t& steps) {
   std::size_t t = 0, p = 0, after_any = 0, tried = 0;
   bool any = false;

@@ -5,7 +5,7 @@
 
 namespace ddssec::rtps {
 
-/// An expression and what its parameters %0, %1, ... stand for, as literals: 5, 2.5, 'BLUE', TRUE.
+/// An expression, and the values of its parameters %0, %1, ... as literals: 5, 2.5, 'BLUE', TRUE.
 struct FilterText {
   std::string expression;
   std::vector<std::string> parameters = {};
@@ -14,37 +14,42 @@ struct FilterText {
 
 /// An expression, parsed and bound to the members of one type. Evaluation allocates nothing.
 ///
-/// Comparisons (= <> < <= > >=, also == and !=), LIKE (% any characters, _ any one), BETWEEN and
-/// NOT BETWEEN, AND, OR, NOT, parentheses; AND binds more tightly than OR, NOT more than both.
-/// Integers compare by value whatever their types; real literals are rounded to a float before they
-/// are compared with one. Enumerations compare with their labels, in quotes, or with integers.
+/// The language has:
+/// - comparisons: = <> < <= > >=, also == and !=
+/// - LIKE (% for any characters, _ for any one)
+/// - BETWEEN and NOT BETWEEN
+/// - AND, OR, NOT and parentheses. AND binds more tightly than OR, NOT more tightly than both.
+/// Integers are compared by value, whatever their types. A real literal is rounded to float before
+/// it is compared with a float. Enumerations are compared with their labels, in quotes, or with
+/// integers.
 class Filter {
  public:
-  // Bounds: expressions come from applications and, for filtering by writers, from remote readers.
+  // Limits, because expressions come from applications and, for filtering by writers, from remote
+  // readers.
   static constexpr std::size_t kLongestExpression = 4096;
   static constexpr std::size_t kDeepestNesting = 32;
   static constexpr std::size_t kMostParameters = 100;
   static constexpr std::size_t kLongestParameter = 256;
-  static constexpr std::size_t kLongestPattern = 256;  ///< of LIKE
+  static constexpr std::size_t kLongestPattern = 256;  ///< for LIKE
 
-  /// For samples that a view of these leaves shows. An empty expression is refused. Errors:
-  /// rtps_filter_invalid, with the position, what was expected and what was found.
+  /// Compiles an expression for samples whose view has these leaves. An empty expression is
+  /// refused. Errors: rtps_filter_invalid, with the position, what was expected and what was found.
   static Result<Filter> compile(const FilterText& text, std::span<const Leaf> leaves);
 
-  /// Of the sample that `view` holds; a view of the same type as the leaves were of.
+  /// Returns whether the sample in `view` passes. The view must be of the same type as the leaves.
   bool passes(const SampleView& view) const;
-  /// The same within so many steps, of which a comparison takes one, one for each eight octets of
-  /// text, and one for each character that LIKE looks at. Nothing: it takes more.
+  /// The same with at most this many steps. A comparison takes one step, one for each eight octets
+  /// of text, and one for each character that LIKE examines. Empty: it takes more.
   std::optional<bool> passes_within(std::size_t most_steps, const SampleView& view) const;
-  /// How many members of the type it has to see: for SampleView::decode.
+  /// The number of members that it needs: for SampleView::decode.
   std::size_t members() const { return members_; }
 
  private:
   friend class FilterCompiler;
 
-  /// All 64-bit integers, signed and not, in their order.
+  /// All 64-bit integers, signed and unsigned, in one order.
   struct Integer {
-    bool above = false;  ///< above those that are signed
+    bool above = false;  ///< greater than all signed ones
     std::uint64_t bits = 0;
     static Integer of(std::int64_t value) { return {false, static_cast<std::uint64_t>(value)}; }
     static Integer of(std::uint64_t value) { return {(value >> 63) != 0, value}; }
@@ -72,12 +77,12 @@ class Filter {
   /// The program: an accumulator, and jumps that only go forward.
   struct Step {
     enum class Kind : std::uint8_t { test, negate, skip_if_false, skip_if_true } kind = Kind::test;
-    std::uint16_t index = 0;  ///< of the test, or of the step to go on with
+    std::uint16_t index = 0;  ///< of the test, or of the step to continue with
   };
 
   template <class T>
   static bool compare(const T& left, const T& right, Relation relation);
-  /// Takes what it costs from `steps`; false, too, if that is more than there are.
+  /// Subtracts the cost from `steps`. Also returns false if there are not enough.
   bool holds(const Test& test, std::span<const Leaf> leaves, std::size_t& steps) const;
   Integer integer_of(const Operand& operand, std::span<const Leaf> leaves) const;
   long double real_of(const Operand& operand, std::span<const Leaf> leaves) const;
@@ -91,7 +96,8 @@ class Filter {
 
 /// LIKE: % stands for any characters, _ for any one.
 bool matches_pattern(std::string_view text, std::string_view pattern);
-/// The same, which takes one from `steps` for each character it looks at; false once it is 0.
+/// The same, but subtracts one from `steps` for each character that it examines. Returns false once
+/// it is 0.
 bool matches_pattern(std::string_view text, std::string_view pattern, std::size_t& steps);
 
 }  // namespace ddssec::rtps

@@ -12,7 +12,7 @@ using Kind = FilterToken::Kind;
 
 constexpr std::size_t kMostShown = 40;
 
-// Not those of <cctype>: the locale has no say here.
+// Not those of <cctype>, because the result must not depend on the locale.
 constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
 constexpr bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 constexpr bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
@@ -120,7 +120,7 @@ Result<FilterToken> FilterLexer::number() {
   return take(kind, length);
 }
 
-// Annex B: begins with a left or a right quote and ends with a right one, on one line.
+// Annex B: a text begins with a left or a right quote and ends with a right one, on one line.
 Result<FilterToken> FilterLexer::quoted() {
   const auto text = rest();
   const auto end = text.find_first_of("'\n", 1);

@@ -1,4 +1,4 @@
-// The words of a filter expression (DDS 1.4, Annex B).
+// The tokens of a filter expression (DDS 1.4, Annex B).
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,11 @@ namespace ddssec::rtps {
 struct FilterToken {
   enum class Kind : std::uint8_t {
     end,
-    field,      ///< a name, or names with dots between
-    integer,    ///< decimal or 0x..., maybe signed
-    real,       ///< with a point or an exponent
-    text,       ///< in single quotes, without them in `text`
-    parameter,  ///< %0 to %99; `text` are the digits
+    field,      ///< a name, or names separated by dots
+    integer,    ///< decimal or 0x..., possibly signed
+    real,       ///< with a decimal point or an exponent
+    text,       ///< in single quotes, which `text` does not include
+    parameter,  ///< %0 to %99; `text` contains the digits
     relation,   ///< = == <> != < <= > >=
     open,
     close,
@@ -29,10 +29,10 @@ struct FilterToken {
   };
   Kind kind = Kind::end;
   std::string_view text = {};
-  std::size_t position = 1;  ///< of its first character, from 1
+  std::size_t position = 1;  ///< of its first character, counted from 1
 };
 
-/// Reads one word after the other. Keywords are so in any case.
+/// Reads one token after the other. Keywords are not case-sensitive.
 class FilterLexer {
  public:
   explicit FilterLexer(std::string_view expression) : all_(expression) {}
@@ -52,8 +52,8 @@ class FilterLexer {
   std::size_t at_ = 0;
 };
 
-/// rtps_filter_invalid at a character of the expression. `found` is shortened, and shown without
-/// what a terminal would obey.
+/// Creates rtps_filter_invalid for a position in the expression. `found` is shortened, and shown
+/// without terminal control characters.
 std::unexpected<Error> filter_error(std::size_t position, std::string expected,
                                     std::string_view found);
 

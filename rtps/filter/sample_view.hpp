@@ -1,4 +1,4 @@
-// A decoded sample whose members a filter finds by the names of the IDL.
+// A decoded sample whose members a filter accesses by the names in the IDL.
 #pragma once
 
 #include <memory>
@@ -9,7 +9,7 @@
 
 namespace ddssec::rtps {
 
-/// An enumeration's value, whatever its type.
+/// The value of an enumeration of any type.
 struct EnumLeaf {
   const void* at = nullptr;
   std::int32_t (*read)(const void*) = nullptr;
@@ -18,8 +18,8 @@ struct EnumLeaf {
 
 /// A member that can be compared. Points into the view that lists it.
 struct Leaf {
-  std::string path;     ///< "position.x"
-  std::size_t top = 0;  ///< which member of the whole type it is, or is part of
+  std::string path;     ///< for example "position.x"
+  std::size_t top = 0;  ///< index of the member of the whole type that it is, or is part of
   std::variant<const bool*, const char*, const std::int8_t*, const std::uint8_t*,
                const std::int16_t*, const std::uint16_t*, const std::int32_t*, const std::uint32_t*,
                const std::int64_t*, const std::uint64_t*, const float*, const double*,
@@ -27,7 +27,7 @@ struct Leaf {
       at;
 };
 
-/// Holds one sample at a time and keeps its memory. Collections have no leaves.
+/// Holds one sample at a time and reuses its memory. Collections have no leaves.
 class SampleView {
  public:
   virtual ~SampleView() = default;
@@ -35,8 +35,8 @@ class SampleView {
   SampleView& operator=(const SampleView&) = delete;
 
   std::span<const Leaf> leaves() const { return leaves_; }
-  /// The first `members` of the type are there afterwards; what lies behind them is not looked at.
-  /// Errors: those of deserialize.
+  /// Decodes the first `members` members of the type. The octets after them are not read. Errors:
+  /// those of deserialize.
   virtual Status decode(BytesView payload, std::size_t members) = 0;
 
  protected:
