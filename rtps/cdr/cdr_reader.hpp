@@ -1,4 +1,5 @@
-// Reads user types from XCDR1 and XCDR2 (XTypes 7.4); the octets come from an untrusted sender.
+// Deserializes user types from XCDR1 and XCDR2 (XTypes 7.4). The octets come from an untrusted
+// sender.
 #pragma once
 
 #include <bit>
@@ -11,7 +12,8 @@ namespace ddssec::rtps {
 
 namespace detail {
 
-/// The fewest octets a value of T takes; counts are held against it before anything is allocated.
+/// The smallest number of octets that a value of T takes. Counts are checked against it before
+/// anything is allocated.
 template <class T>
 std::size_t least_size() {
   if constexpr (Primitive<T>) {
@@ -31,16 +33,16 @@ std::size_t least_size() {
     }();
     return std::max<std::size_t>(1, size);
   } else {
-    return 4;  // the lengths of strings and sequences
+    return 4;  // the length of a string or sequence
   }
 }
 
 }  // namespace detail
 
-/// Fails once and for all: after the first error every `take` leaves its value alone.
+/// After the first error, every `take` fails and leaves its value unchanged.
 class CdrReader {
  public:
-  /// Types can nest through sequences; deeper is refused.
+  /// Types can be nested through sequences; deeper nesting is refused.
   static constexpr int kDeepestNesting = 32;
 
   CdrReader(BytesView octets, XcdrVersion version, Endian endian)
@@ -48,9 +50,9 @@ class CdrReader {
 
   /// Errors: truncated, malformed, length_out_of_range.
   const Status& status() const { return status_; }
-  /// True if members were absent, and so keep what they held.
+  /// True if members were absent, and so keep their former values.
   bool ended_early() const { return ended_early_; }
-  /// True if nothing is left but padding to whole words.
+  /// True if nothing is left except padding to a multiple of 4 octets.
   bool is_exhausted() const {
     return status_ && (remaining() == 0 || (end_ % 4 == 0 && remaining() < 4));
   }
@@ -77,7 +79,7 @@ class CdrReader {
     }
   }
 
-  /// Key members only; see CdrWriter::put_key.
+  /// Reads only the key members; see CdrWriter::put_key.
   template <DdsType T>
   void take_key(T& value, KeyLayout layout) {
     constexpr bool appendable = TypeTraits<T>::extensibility == Extensibility::appendable;
@@ -94,7 +96,7 @@ class CdrReader {
     });
   }
 
-  /// The first `members` of it; the reader is of no further use.
+  /// Reads only the first `members` members. The reader cannot be used after that.
   template <DdsType T>
   void take_first(T& value, std::size_t members) {
     take_struct<true>(value, members);
@@ -162,7 +164,7 @@ class CdrReader {
     }
   }
 
-  // The bounds are those of its elements.
+  // The bounds are those of the array's elements.
   template <class E, std::size_t N>
   void take_array(std::array<E, N>& value, [[maybe_unused]] std::size_t bound,
                   [[maybe_unused]] std::size_t element_bound) {
@@ -184,7 +186,8 @@ class CdrReader {
     ++depth_;
     const Delimited delimited(*this, appendable);
     [[maybe_unused]] std::size_t taken = 0;
-    // XTypes 7.6.3.4: an older writer's appendable type ends early; the rest keeps its defaults.
+    // XTypes 7.6.3.4: an older writer's appendable type ends early; the other members keep their
+    // defaults.
     detail::for_each_member(value, [&](const auto& member) {
       if constexpr (limited)
         if (taken++ >= most) return;
@@ -196,7 +199,8 @@ class CdrReader {
     --depth_;
   }
 
-  /// Narrows the reader to what a DHEADER announces; skips what is left of it at the end.
+  /// Restricts the reader to the octets that a DHEADER announces. The destructor skips what is left
+  /// of them.
   class Delimited {
    public:
     Delimited(CdrReader& reader, bool wanted);
@@ -218,21 +222,23 @@ class CdrReader {
   bool ended_early_ = false;
 };
 
-/// Reads the payload of a DATA, its encapsulation included. What lies behind the type's last member
-/// is a newer writer's and stays unread. Errors: those of open_payload and CdrReader,
-/// rtps_encapsulation_unsupported (a parameter list, or one that does not fit the type).
+/// Reads the payload of a DATA, including its encapsulation. Octets after the type's last member
+/// come from a newer writer and are not read. Errors: those of open_payload and CdrReader,
+/// rtps_encapsulation_unsupported (a parameter list, or an encapsulation that does not fit the
+/// type).
 template <DdsType T>
 Result<T> deserialize(BytesView payload);
-/// The same with the key alone; other members keep their defaults. In XCDR2 it is read in either
-/// KeyLayout, and of an appendable type also as PLAIN_CDR2, which we once wrote.
+/// The same for the key alone; other members keep their defaults. In XCDR2 either KeyLayout is
+/// accepted, and for an appendable type also PLAIN_CDR2, which earlier versions of ddssec wrote.
 template <DdsType T>
 Result<T> deserialize_key(BytesView payload);
-/// The same into a value that keeps its memory. After an error its content means nothing.
+/// The same into a value that keeps its memory. After an error its content is undefined.
 template <DdsType T>
 Status deserialize_into(BytesView payload, T& value);
 template <DdsType T>
 Status deserialize_key_into(BytesView payload, T& value);
-/// The first `members` of it; the others keep what they held, and their octets are not looked at.
+/// Reads only the first `members` members. The others keep their values, and their octets are not
+/// read.
 template <DdsType T>
 Status deserialize_first(BytesView payload, std::size_t members, T& value);
 
@@ -240,7 +246,7 @@ namespace detail {
 
 Status check_encapsulation(Encapsulation kind, Extensibility extensibility);
 
-/// A reader behind the encapsulation.
+/// Returns a reader positioned after the encapsulation.
 Result<CdrReader> open_reader(BytesView payload, Extensibility extensibility);
 Result<CdrReader> open_key_reader(BytesView payload, Extensibility extensibility);
 
@@ -251,7 +257,7 @@ Status deserialize_with(BytesView payload, T& value, Take take) {
   auto again = *reader;
   take(*reader);
   if (!reader->ended_early()) return reader->status();
-  value = T{};  // absent members must not show what was there before
+  value = T{};  // absent members must not show earlier values
   take(again);
   return again.status();
 }
@@ -269,9 +275,9 @@ Status deserialize_into(BytesView payload, T& value) {
   return detail::deserialize_with(payload, value, [&](CdrReader& reader) { reader.take(value); });
 }
 
-// Nothing in the payload says which layout it has. The lengths do: a DHEADER counts what follows it
-// to the end, and no key with a DHEADER is as long as the same key without. So what is left over
-// counts.
+// Nothing in the payload shows which layout it has, but the lengths do. A DHEADER counts the octets
+// from there to the end, and a key with a DHEADER never has the same length as the same key without
+// one. So the layout that leaves nothing over is the right one.
 template <DdsType T>
 Status deserialize_key_into(BytesView payload, T& value) {
   auto delimited = detail::open_key_reader(payload, TypeTraits<T>::extensibility);

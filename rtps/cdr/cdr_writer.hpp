@@ -33,7 +33,7 @@ class CdrWriter {
     }
   }
 
-  /// Key members only; all members of a nested struct that marks none itself.
+  /// Writes only the key members. A nested struct that marks none is written with all its members.
   template <DdsType T>
   void put_key(const T& value, KeyLayout layout = KeyLayout::bare) {
     constexpr bool appendable = TypeTraits<T>::extensibility == Extensibility::appendable;
@@ -129,7 +129,8 @@ class CdrWriter {
     end_delimited(header);
   }
 
-  // DHEADER: the size of what follows, XCDR2 only. Returns where that begins, 0 for "no header".
+  // DHEADER: the size of what follows, XCDR2 only. Returns the position after it, or 0 for no
+  // header.
   std::size_t begin_delimited(bool wanted) {
     if (!wanted || version_ == XcdrVersion::xcdr1) return 0;
     put_bits(std::uint32_t{0});
@@ -148,7 +149,7 @@ class CdrWriter {
 namespace detail {
 
 void begin_payload(Bytes& out, Encapsulation kind, Endian endian);
-/// Pads to a multiple of 4 and says so in the options.
+/// Pads to a multiple of 4 octets and records the padding in the options.
 void end_payload(Bytes& out);
 
 template <DdsType T>
@@ -160,8 +161,8 @@ constexpr Encapsulation encapsulation_of(XcdrVersion version) {
 
 }  // namespace detail
 
-/// Replaces `out` by the payload of a DATA, its encapsulation included. Allocates only while `out`
-/// grows for the first time.
+/// Replaces `out` with the payload of a DATA, including its encapsulation. Allocates only while
+/// `out` grows for the first time.
 template <DdsType T>
 void serialize(const T& value, Bytes& out, XcdrVersion version = XcdrVersion::xcdr1,
                Endian endian = Endian::little) {
@@ -170,7 +171,7 @@ void serialize(const T& value, Bytes& out, XcdrVersion version = XcdrVersion::xc
   detail::end_payload(out);
 }
 
-/// The same with the key alone: the payload of a dispose or unregister.
+/// The same for the key alone: the payload of a dispose or unregister.
 template <DdsType T>
 void serialize_key(const T& value, Bytes& out, XcdrVersion version = XcdrVersion::xcdr1,
                    Endian endian = Endian::little, KeyLayout layout = KeyLayout::delimited) {

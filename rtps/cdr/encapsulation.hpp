@@ -1,4 +1,4 @@
-// The four octets in front of every serialized payload (RTPS 10.2, XTypes 7.6.3.1.2).
+// The four octets at the beginning of every serialized payload (RTPS 10.2, XTypes 7.6.3.1.2).
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace ddssec::rtps {
 
-/// RepresentationIdentifier without its lowest bit, which says little-endian.
+/// RepresentationIdentifier without its lowest bit, which means little-endian.
 enum class Encapsulation : std::uint16_t {
   cdr = 0x0000,             ///< XCDR1, final and appendable types
   pl_cdr = 0x0002,          ///< XCDR1 parameter list: discovery, mutable types
@@ -18,7 +18,7 @@ enum class Encapsulation : std::uint16_t {
 
 inline constexpr std::size_t kEncapsulationSize = 4;
 
-/// The two encodings whose alignment differs.
+/// The two encodings, whose alignment differs.
 enum class XcdrVersion : std::uint8_t { xcdr1, xcdr2 };
 
 constexpr XcdrVersion version_of(Encapsulation kind) {
@@ -26,7 +26,7 @@ constexpr XcdrVersion version_of(Encapsulation kind) {
                                                                      : XcdrVersion::xcdr2;
 }
 
-/// A payload taken apart; borrows its octets.
+/// A parsed payload. Borrows its octets.
 struct SerializedPayload {
   Encapsulation encapsulation = Encapsulation::cdr;
   Endian endian = Endian::little;

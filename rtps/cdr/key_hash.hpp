@@ -1,4 +1,4 @@
-// KEY_HASH: which instance a change belongs to (RTPS 9.6.4.8).
+// KEY_HASH, which identifies the instance of a change (RTPS 9.6.4.8).
 #pragma once
 
 #include "base/hash.hpp"
@@ -9,7 +9,7 @@ namespace ddssec::rtps {
 
 namespace detail {
 
-/// Octets that the key of T can take at most from `offset` on, or kUnbounded.
+/// The largest position after the key of T if it begins at `offset`, or kUnbounded.
 template <class T, XcdrVersion version>
 std::size_t most_key_size(std::size_t offset, std::size_t bound, bool keys_only) {
   const auto aligned = [](std::size_t at, std::size_t size) {
@@ -44,9 +44,9 @@ KeyHash key_hash_of(BytesView big_endian_key, bool always_md5);
 
 }  // namespace detail
 
-/// The key hash of `value`'s instance. `scratch` keeps its capacity. `always_md5`: for topics whose
-/// key is protected (DDS-Security 7.4.4). `version`: that of the samples, as peers do it; it makes
-/// a difference where 8 octets follow 4.
+/// Returns the key hash of `value`'s instance. `scratch` keeps its capacity. `always_md5`: for
+/// topics whose key is protected (DDS-Security 7.4.4). `version`: that of the samples, as peers do
+/// it; it makes a difference where a member of 8 octets follows one of 4.
 template <DdsType T>
 KeyHash key_hash(const T& value, Bytes& scratch, bool always_md5 = false,
                  XcdrVersion version = XcdrVersion::xcdr1) {

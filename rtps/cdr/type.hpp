@@ -1,5 +1,5 @@
-// How a C++ struct says what it looks like on the wire: one list of members serves reader, writer,
-// sizes and keys.
+// How a C++ struct describes its serialized form: reader, writer, sizes and keys use one list of
+// members.
 #pragma once
 
 #include <array>
@@ -15,9 +15,9 @@ namespace ddssec::rtps {
 
 enum class Extensibility : std::uint8_t { final_type, appendable };
 
-/// How the key alone is laid out in XCDR2: with a DHEADER where a type is appendable, as its
-/// samples are (XTypes 1.3, 7.6.3.4 and 7.6.8), or with none, as Cyclone DDS up to 0.10 reads and
-/// writes it. Key hashes are made of the second.
+/// The layout of a key alone in XCDR2. With a DHEADER for appendable types, like their samples
+/// (XTypes 1.3, 7.6.3.4 and 7.6.8). Or without any, as Cyclone DDS up to 0.10 reads and writes it.
+/// Key hashes are computed from the second layout.
 enum class KeyLayout : std::uint8_t { delimited, bare };
 
 /// To be specialised for each user type:
@@ -40,13 +40,13 @@ concept DdsType = requires {
 
 inline constexpr std::size_t kUnbounded = std::numeric_limits<std::size_t>::max();
 
-/// A member with what the language cannot say about it.
+/// A member, with properties that C++ cannot express.
 template <class T>
 struct Member {
   T& value;
   bool is_key = false;
   std::size_t bound = kUnbounded;          ///< most characters or elements
-  std::string_view name = {};              ///< in the IDL; empty: no filter can speak of it
+  std::string_view name = {};              ///< in the IDL; empty: filters cannot use the member
   std::size_t element_bound = kUnbounded;  ///< of a sequence's elements
 };
 
@@ -78,7 +78,7 @@ constexpr Member<T> with_element_bound(Member<T> member, std::size_t bound) {
   return member;
 }
 
-/// An enumerator as the IDL names it.
+/// An enumerator with its name in the IDL.
 struct EnumLabel {
   std::string_view name;
   std::int32_t value = 0;
@@ -124,7 +124,7 @@ concept Sequence = IsVector<T>::value;
 template <class T>
 concept Array = IsArray<T>::value;
 
-/// What of an enumeration is on the wire.
+/// The type of an enumeration on the wire.
 template <class E>
 struct EnumOnWire {
   using type = std::int32_t;
@@ -134,8 +134,8 @@ requires(EnumTraits<E>::by_width) struct EnumOnWire<E> {
   using type = std::underlying_type_t<E>;
 };
 
-/// True if XCDR2 puts no DHEADER before a collection of these. An array of arrays is one array with
-/// several dimensions: what lies in it decides.
+/// True if XCDR2 has no DHEADER before a collection of these elements. An array of arrays is one
+/// array with several dimensions, so its innermost elements decide.
 template <class T>
 inline constexpr bool kNeedsNoHeader = Primitive<T>;
 template <class T>
@@ -152,7 +152,7 @@ void for_each_member(Self& self, F&& f) {
 
 }  // namespace detail
 
-/// True if any member is a key: the topic has instances.
+/// True if any member is a key, so that the topic has instances.
 template <DdsType T>
 bool has_key() {
   bool any = false;
