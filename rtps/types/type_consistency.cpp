@@ -31,7 +31,7 @@ std::optional<EquivalenceHash> hash_in(BytesView type_identifier) {
   return hash;
 }
 
-// XTypes 7.4.3.4.2: how long a member of a mutable type is.
+// XTypes 7.4.3.4.2: the length of a member of a mutable type.
 Result<BytesView> read_member(Reader& reader, std::uint32_t header) {
   const auto length_code = header >> 28 & 7;
   if (length_code < 4) return reader.read_bytes(std::size_t{1} << length_code);
@@ -59,7 +59,7 @@ Result<EquivalenceHash> read_minimal_hash(BytesView type_information) {
 struct Member {
   std::uint32_t id = 0;
   std::uint16_t flags = 0;
-  Reader type{BytesView()};  ///< where its TypeIdentifier begins
+  Reader type{BytesView()};  ///< positioned at its TypeIdentifier
   BytesView name_hash = {};
 };
 struct Structure {
@@ -82,14 +82,15 @@ Result<Member> read_struct_member(BytesView octets) {
   return out;
 }
 
-// Nothing for a TypeObject of another kind.
+// Returns empty for a TypeObject of another kind.
 Result<std::optional<Structure>> read_structure(BytesView object) {
   Reader reader(object, Endian::little);
   if (DDSSEC_TRY(reader.read<std::uint8_t>()) != kMinimal) return fail(Code::malformed);
   if (DDSSEC_TRY(reader.read<std::uint8_t>()) != kStructure) return std::optional<Structure>();
   Structure out;
   out.flags = DDSSEC_TRY(reader.read<std::uint16_t>());
-  DDSSEC_TRY(read_delimited(reader));  // the base type: none, or it makes the hash different
+  // The base type: there is none, or it makes the hash different.
+  DDSSEC_TRY(read_delimited(reader));
   DDSSEC_TRY(align(reader));
   DDSSEC_TRY(reader.read<std::uint32_t>());
   const auto count = DDSSEC_TRY(reader.read<std::uint32_t>());
@@ -115,7 +116,7 @@ Result<Structures> read_objects(BytesView octets) {
 bool is_string(std::uint8_t kind) { return kind == kString8Small || kind == kString8Large; }
 bool is_sequence(std::uint8_t kind) { return kind == kSequenceSmall || kind == kSequenceLarge; }
 
-// 0: none.
+// Returns 0 if there is no bound.
 Result<std::uint32_t> read_bound(Reader& type, std::uint8_t kind) {
   if (kind == kString8Large || kind == kSequenceLarge) return type.read_aligned<std::uint32_t>();
   return DDSSEC_TRY(type.read<std::uint8_t>());
@@ -127,7 +128,7 @@ Status skip_collection_header(Reader& type) {
   return {};
 }
 
-// XTypes 7.2.4.4: whether a reader's type can take what a writer's type says.
+// XTypes 7.2.4.4: decides whether a reader's type can take samples of a writer's type.
 class Comparison {
  public:
   Comparison(const Structures& writer, const Structures& reader, const TypeConsistency& policy)
@@ -143,7 +144,7 @@ class Comparison {
   std::string_view refused_by() const { return refused_by_; }
 
  private:
-  // What one side has more, at the end of an appendable type, is no key.
+  // The additional members at the end of an appendable type must not be keys.
   bool assignable(const Structure& from, const Structure& to, int depth) {
     if ((from.flags & kExtensibility) != (to.flags & kExtensibility)) return false;
     const auto common = std::min(from.members.size(), to.members.size());
@@ -174,7 +175,8 @@ class Comparison {
     return writer && reader && assignable(*writer, *reader, depth + 1);
   }
 
-  // Strings, and sequences of what is the same or again such; nothing for other types.
+  // Handles strings, and sequences of equal types or of such sequences; returns empty for other
+  // types.
   Result<std::optional<bool>> assignable_but_for_bounds(Reader from, Reader to, int depth) {
     const auto written = DDSSEC_TRY(from.read<std::uint8_t>());
     const auto read = DDSSEC_TRY(to.read<std::uint8_t>());

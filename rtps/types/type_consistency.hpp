@@ -1,6 +1,6 @@
-// Whether the types of a writer and a reader fit each other (XTypes 7.2.4), as far as discovery
-// tells: by TypeInformation, which every vendor announces, and between participants of ours by the
-// minimal TypeObjects themselves.
+// Decides whether the types of a writer and a reader are compatible (XTypes 7.2.4), as far as
+// discovery shows. TypeInformation, which every vendor announces, is used. Between participants of
+// ddssec, the minimal TypeObjects are also used.
 #pragma once
 
 #include <array>
@@ -13,42 +13,44 @@
 
 namespace ddssec::rtps {
 
-/// What is known of a type besides its name; both may be empty.
+/// What is known of a type besides its name; both members may be empty.
 struct TypeDescription {
   Bytes information = {};  ///< TypeInformation, XCDR2 little-endian (XTypes 7.6.3.2.2)
-  /// The minimal TypeObjects of it and of what it contains: sequence<TypeIdentifierTypeObjectPair>.
+  /// The minimal TypeObjects of the type and of the types that it contains:
+  /// sequence<TypeIdentifierTypeObjectPair>.
   Bytes objects = {};
   bool operator==(const TypeDescription&) const = default;
 };
 
-/// More is neither announced nor stored.
+/// Limits in octets; larger ones are neither announced nor stored.
 inline constexpr std::size_t kMostTypeInformation = 1024;
 inline constexpr std::size_t kMostTypeObjects = 6144;
 
-/// What names a type in its minimal TypeIdentifier (XTypes 7.3.4.6).
+/// Identifies a type in its minimal TypeIdentifier (XTypes 7.3.4.6).
 using EquivalenceHash = std::array<std::uint8_t, 14>;
-/// Nothing if the octets, from any sender, are no TypeInformation with such a hash.
+/// Empty if the octets, which may come from any sender, are not a TypeInformation with such a hash.
 std::optional<EquivalenceHash> minimal_hash(BytesView type_information);
 
 enum class TypeVerdict : std::uint8_t {
   unknown,     ///< not enough is known: names decide
   same,        ///< the same minimal type
-  assignable,  ///< samples of the writer can be read as the reader's
+  assignable,  ///< the reader can read samples of the writer
   different
 };
 struct TypeJudgement {
   TypeVerdict verdict = TypeVerdict::unknown;
-  /// The setting of TYPE_CONSISTENCY_ENFORCEMENT that refuses what its default would allow, such as
-  /// "prevent_type_widening = true"; empty: none.
+  /// The setting of TYPE_CONSISTENCY_ENFORCEMENT that refuses what its default would allow, for
+  /// example "prevent_type_widening = true"; empty: none.
   std::string_view refused_by = {};
   bool fits() const { return verdict != TypeVerdict::different && refused_by.empty(); }
 };
-/// Under the reader's policy. What only the TypeObjects tell, and those are not known, is unknown:
-/// refused with force_type_validation, else names decide. (DISALLOW_TYPE_COERCION needs none.)
+/// Compares the types under the reader's policy. If the answer depends on TypeObjects that are not
+/// known, the verdict is unknown: refused with force_type_validation, otherwise names decide.
+/// (DISALLOW_TYPE_COERCION needs no TypeObjects.)
 TypeJudgement judge_types(const TypeDescription& writer, const TypeDescription& reader,
                           const TypeConsistency& policy = {});
 
-/// "Shape (minimal type 0af3...)".
+/// Returns a text such as "Shape (minimal type 0af3...)".
 std::string describe_type(const std::string& name, const TypeDescription& type);
 
 }  // namespace ddssec::rtps
