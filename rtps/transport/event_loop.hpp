@@ -1,4 +1,4 @@
-// Waits for sockets, a point in time or a call, in a thread of its own or in the caller's.
+// Waits for sockets, a time or a wake-up, in a thread of its own or in the caller's thread.
 #pragma once
 
 #include <chrono>
@@ -14,11 +14,12 @@ class EventLoop {
   /// Errors: rtps_socket_failed.
   static Result<EventLoop> create();
 
-  /// Calls `on_readable` from `wait` whenever `fd` has something to read.
+  /// From now on `wait` calls `on_readable` whenever `fd` is readable. Errors: rtps_socket_failed.
   Status watch(int fd, std::function<void()> on_readable);
-  /// Waits at most `timeout` (negative: for ever) and serves what is readable.
+  /// Waits for at most `timeout` (negative: without limit) and calls the handlers of readable
+  /// sockets.
   void wait(std::chrono::nanoseconds timeout);
-  /// Ends a `wait`, from any thread.
+  /// Ends a `wait`. May be called from any thread.
   void wake() const;
 
  private:

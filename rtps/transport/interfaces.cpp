@@ -19,7 +19,7 @@ struct Free {
   void operator()(ifaddrs* list) const { freeifaddrs(list); }
 };
 
-/// Nothing: neither IPv4 nor IPv6.
+/// Empty: neither IPv4 nor IPv6.
 std::optional<Locator> locator_of(const sockaddr* address) {
   if (address == nullptr) return std::nullopt;
   Locator out;
@@ -36,7 +36,7 @@ std::optional<Locator> locator_of(const sockaddr* address) {
   return out;
 }
 
-// An address of a link alone means nothing without the interface, which no Locator names.
+// A link-local address has no meaning without its interface, which a Locator does not contain.
 bool is_link_local(const Locator& locator) {
   return locator.kind == LocatorKind::udp_v6 && locator.address[0] == 0xfe &&
          (locator.address[1] & 0xc0) == 0x80;
@@ -77,7 +77,7 @@ Result<NetworkInterface> find_interface(const std::string& wanted,
   const auto found = address ? std::ranges::find(known, *address, &NetworkInterface::address)
                              : std::ranges::find(known, wanted, &NetworkInterface::name);
   if (found != known.end()) return *found;
-  // Binding to it tells whether it is ours: every address of 127.0.0.0/8 is.
+  // Binding to it shows whether it is a local address: every address of 127.0.0.0/8 is.
   if (address) return NetworkInterface{{}, *address, 128, true};
   return fail(Code::rtps_address_not_here, {.document = "participant options",
                                             .field = "interfaces",
@@ -143,7 +143,7 @@ Result<std::vector<NetworkInterface>> choose_interfaces(std::span<const std::str
                .found = to_string(out)});
 }
 
-// An interface once, with all of its addresses.
+// Lists each interface once, with all of its addresses.
 std::string to_string(std::span<const NetworkInterface> interfaces) {
   std::vector<std::pair<std::string, std::string>> shown;  // names and addresses
   for (const auto& one : interfaces) {

@@ -5,7 +5,7 @@
 namespace ddssec::rtps {
 namespace {
 
-// A loopback alone is not reached from elsewhere.
+// A socket of the loopback alone cannot be reached from other machines.
 Result<UdpSocket> socket_at(std::span<const NetworkInterface> interfaces, std::uint32_t port,
                             std::size_t receive_buffer) {
   auto address = interfaces.front().address;

@@ -11,12 +11,12 @@
 
 namespace ddssec::rtps {
 
-/// One for discovery, one for user data, one for a multicast group, and one for each further
-/// interface, by which messages to the group leave.
+/// One socket for discovery, one for user data, one for a multicast group, and one for each further
+/// interface, through which messages to the group are sent.
 class ParticipantSockets final : public Transport {
  public:
-  /// Opens both ports of the first participant index of which they are free. With one interface
-  /// they are reached by that alone. `receive_buffer`: bytes to ask the system for. Errors:
+  /// Opens the ports of the first participant index for which both are free. With one interface,
+  /// only that interface reaches them. `receive_buffer`: octets to request from the system. Errors:
   /// rtps_port_taken (all indexes), those of EventLoop::create and UdpSocket.
   static Result<std::unique_ptr<ParticipantSockets>> open(DomainId domain,
                                                           std::vector<NetworkInterface> interfaces,
@@ -25,7 +25,7 @@ class ParticipantSockets final : public Transport {
   /// The participant index.
   int index() const { return index_; }
   const std::vector<NetworkInterface>& interfaces() const { return interfaces_; }
-  /// Where they are reached, by all interfaces.
+  /// The addresses at which the sockets can be reached, on all interfaces.
   LocatorList metatraffic() const { return everywhere(sockets_[0].local().port); }
   LocatorList user() const { return everywhere(sockets_[1].local().port); }
   /// See UdpSocket.
@@ -36,12 +36,14 @@ class ParticipantSockets final : public Transport {
   Status join(const Locator& group, const NetworkInterface& interface);
   bool has_joined() const { return sockets_.size() > kWithoutGroup; }
 
-  /// `f(socket)` whenever it has something to read from now on. Errors: those of EventLoop::watch.
+  /// From now on calls `f(socket)` whenever a socket is readable. Errors: those of
+  /// EventLoop::watch.
   Status listen(std::function<void(UdpSocket&)> f);
   EventLoop& loop() { return loop_; }
 
   void send(BytesView message, std::span<const Locator> to) override;
-  /// To an address as the routes say; to a group by each interface, or by the one that is named.
+  /// Messages to an address follow the routing table. Messages to a group are sent through each
+  /// interface, or through the one that `out` names.
   void send_all(const Outgoing& out) override;
   bool stays_here(const Locator& to) const override;
 

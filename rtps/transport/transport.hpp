@@ -1,4 +1,4 @@
-// What the protocol needs of a transport; TCP and shared memory can stand behind it as well as UDP.
+// What the protocol needs of a transport. UDP implements it; TCP and shared memory could.
 #pragma once
 
 #include <limits>
@@ -9,7 +9,7 @@
 
 namespace ddssec::rtps {
 
-/// Of Outgoing: messages to a group leave by each interface.
+/// Value of Outgoing::interface: messages to a group are sent through each interface.
 inline constexpr std::size_t kEveryInterface = std::numeric_limits<std::size_t>::max();
 
 /// Messages for the same receivers, borrowed for the call.
@@ -17,7 +17,7 @@ struct Outgoing {
   std::span<const BytesView> messages = {};
   std::span<const Locator> to = {};
   std::uint8_t dscp = 0;  ///< differentiated services code point (RFC 2474), 0 to 63
-  std::size_t interface = kEveryInterface;  ///< by which messages to a group leave: its number
+  std::size_t interface = kEveryInterface;  ///< index of the interface for messages to a group
 };
 
 class Transport {
@@ -27,10 +27,10 @@ class Transport {
   virtual void send_all(const Outgoing& out) {
     for (const auto& message : out.messages) send(message, out.to);
   }
-  /// Sends one message to each of the locators, at once or not at all: what cannot be sent is lost,
-  /// as on any network. `message` is borrowed for the call.
+  /// Sends one message to each of the locators, at once or not at all: a message that cannot be
+  /// sent is lost, as on any network. `message` is borrowed for the call.
   virtual void send(BytesView message, std::span<const Locator> to) = 0;
-  /// What is sent there does not leave this machine: no link's frames limit a message.
+  /// True if messages to this locator do not leave the machine, so that no link limits their size.
   virtual bool stays_here(const Locator& to) const {
     (void)to;
     return false;

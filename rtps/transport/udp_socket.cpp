@@ -135,7 +135,7 @@ Result<UdpSocket> UdpSocket::on_interface(const Locator& interface, std::size_t 
 Result<UdpSocket> UdpSocket::everywhere(const Locator& interface, std::size_t buffer) {
   auto socket = DDSSEC_TRY(bind({interface.kind, interface.port, {}}, buffer));
   socket.local_.address = interface.address;
-  // What goes to a group leaves by this interface, whatever the routes say.
+  // Messages to a group are sent through this interface, whatever the routing table says.
   if (interface.kind == LocatorKind::udp_v4) {
     in_addr address{};
     std::memcpy(&address, interface.address.data() + 12, 4);
@@ -160,7 +160,7 @@ std::size_t UdpSocket::receive_buffer_size() const {
   int size = 0;
   socklen_t length = sizeof size;
   ::getsockopt(fd(), SOL_SOCKET, SO_RCVBUF, &size, &length);
-  return static_cast<std::size_t>(size) / 2;  // Linux counts its book-keeping in: socket(7)
+  return static_cast<std::size_t>(size) / 2;  // Linux includes its overhead: socket(7)
 }
 
 Status UdpSocket::check_receive_buffer() const {
@@ -193,7 +193,7 @@ BytesView UdpSocket::datagram(std::size_t index) const {
 
 Locator UdpSocket::source(std::size_t index) const { return locator_of(batch_->sources[index]); }
 
-/// Datagrams of one sendmmsg call.
+/// The datagrams of one sendmmsg call.
 class UdpSocket::Sending {
  public:
   Sending(int fd, LocatorKind kind, std::uint8_t dscp) : fd_(fd), has_class_(dscp != 0) {
@@ -206,7 +206,8 @@ class UdpSocket::Sending {
     header.cmsg_level = v6 ? IPPROTO_IPV6 : IPPROTO_IP;
     header.cmsg_type = v6 ? IPV6_TCLASS : IP_TOS;
     header.cmsg_len = CMSG_LEN(sizeof(int));
-    const int traffic_class = dscp << 2;  // the lower two bits are for congestion: RFC 3168
+    // The lower two bits are for congestion notification: RFC 3168.
+    const int traffic_class = dscp << 2;
     std::memcpy(CMSG_DATA(&header), &traffic_class, sizeof traffic_class);
   }
   void add(BytesView message, const Locator& to) {
@@ -228,7 +229,7 @@ class UdpSocket::Sending {
   void flush() {
     for (unsigned sent = 0; sent < count_;) {
       const int done = ::sendmmsg(fd_, headers_.data() + sent, count_ - sent, 0);
-      // A refused address must not keep the others from their message.
+      // One refused address must not prevent sending to the others.
       sent += done > 0 ? static_cast<unsigned>(done) : 1;
     }
     count_ = 0;

@@ -12,7 +12,7 @@
 
 namespace ddssec::rtps {
 
-/// Closes itself.
+/// Closes the descriptor in its destructor.
 class FileDescriptor {
  public:
   explicit FileDescriptor(int fd = -1) : fd_(fd) {}
@@ -28,43 +28,44 @@ class FileDescriptor {
   int fd_;
 };
 
-/// Not thread-safe for receiving; sending is safe from any thread.
+/// Receiving is not thread-safe; sending is safe from any thread.
 class UdpSocket {
  public:
   static constexpr std::size_t kLargestDatagram = 65507;
   static constexpr std::size_t kBatch = 16;
 
-  /// Octets of the receive buffer that large samples need: what a writer sends before it waits
-  /// (StatefulWriter::is_ahead), and the kernel's book-keeping for it.
+  /// The receive buffer that large samples need, in octets: what a writer sends before it waits
+  /// (StatefulWriter::is_ahead), plus the kernel's overhead for it.
   static constexpr std::size_t kNeededBuffer = std::size_t{1} << 20;
   static constexpr std::size_t kWantedBuffer = std::size_t{4} << 20;
 
-  /// Bound to the address and port of `at`; port 0 chooses one. `buffer`: octets to ask the system
-  /// for. Errors: rtps_port_taken, rtps_address_not_here, rtps_socket_failed.
+  /// Binds a socket to the address and port of `at`; port 0 selects one. `buffer`: octets to
+  /// request from the system. Errors: rtps_port_taken, rtps_address_not_here, rtps_socket_failed.
   static Result<UdpSocket> bind(const Locator& at, std::size_t buffer = kWantedBuffer);
-  /// Reachable at the port of `interface` by every address of this machine, as peers on it may use
-  /// another one than they were told (Fast DDS 2.9: loopback); `local` and multicast are those of
-  /// `interface`. On loopback: bound to it alone. Errors: as bind.
+  /// Creates a socket that can be reached at the port of `interface` by every address of this
+  /// machine, because peers on it may use another address than the announced one (Fast DDS 2.9:
+  /// loopback). `local` and multicast use `interface`. If `interface` is the loopback, the socket
+  /// is bound to it alone. Errors: as for bind.
   static Result<UdpSocket> on_interface(const Locator& interface,
                                         std::size_t buffer = kWantedBuffer);
-  /// The same, and if `interface` is the loopback still reachable by every address: for a
-  /// participant that uses several interfaces.
+  /// The same, but even if `interface` is the loopback, the socket can be reached by every address:
+  /// for a participant that uses several interfaces.
   static Result<UdpSocket> everywhere(const Locator& interface, std::size_t buffer = kWantedBuffer);
-  /// Bound to the port of `group` and joined to it on the interface with address `interface`.
-  /// Errors besides: rtps_no_multicast.
+  /// Creates a socket bound to the port of `group` and joins the group on the interface with
+  /// address `interface`. Errors: as for bind, and rtps_no_multicast.
   static Result<UdpSocket> join(const Locator& group, const Locator& interface);
-  /// Receives what comes to `group` by another interface too. Errors: rtps_no_multicast.
+  /// Also receives what arrives for `group` on another interface. Errors: rtps_no_multicast.
   Status join_also(const Locator& group, const Locator& interface);
 
   int fd() const { return fd_.value(); }
   const Locator& local() const { return local_; }
-  /// What the system granted, in octets.
+  /// The buffer that the system granted, in octets.
   std::size_t receive_buffer_size() const;
-  /// rtps_receive_buffer_small if large samples need more.
+  /// Errors: rtps_receive_buffer_small if large samples need more.
   Status check_receive_buffer() const;
 
-  /// Passes each datagram that waits to `f(datagram, source)`, at most kBatch; returns how many.
-  /// The datagram is valid during the call.
+  /// Passes each waiting datagram to `f(datagram, source)`, at most kBatch, and returns their
+  /// number. The datagram is valid during the call.
   template <class F>
   std::size_t receive(F&& f) {
     const auto count = fetch();
@@ -72,14 +73,14 @@ class UdpSocket {
     return count;
   }
 
-  /// Takes what waits, at most kBatch datagrams; returns how many. They are valid until the next
-  /// call.
+  /// Receives the waiting datagrams, at most kBatch, and returns their number. They are valid until
+  /// the next call.
   std::size_t fetch();
   BytesView datagram(std::size_t index) const;
-  /// Where it came from.
+  /// The address that the datagram came from.
   Locator source(std::size_t index) const;
 
-  /// To each locator of this socket's family, kBatch datagrams a system call.
+  /// Sends to each locator of this socket's family, kBatch datagrams with each system call.
   void send_all(const Outgoing& out) const;
   void send(BytesView message, std::span<const Locator> to) const { send_all({{&message, 1}, to}); }
 
