@@ -13,14 +13,14 @@ namespace {
 
 constexpr std::size_t kMostAnnouncement = 64 << 10;
 
-/// Topic, type and partitions; a name never holds a NUL.
+/// Digest of topic, type and partitions; names never contain a NUL.
 KeyHash key_of(const EndpointData& writer) {
   auto text = writer.topic_name + '\0' + writer.type_name;
   for (const auto& name : writer.qos.partition) text += '\0' + name;
   return md5(as_bytes(text));
 }
 
-/// A stream that no writer can have: topics have names.
+/// A stream that no writer can have, because topic names are not empty.
 StreamKey stream_of_announcements(DomainId domain) {
   return {.domain = static_cast<std::uint32_t>(domain), .topic = "", .type = "kept"};
 }
@@ -35,7 +35,7 @@ Change announcement(const EndpointData& writer, const KeyHash& key) {
   return change;
 }
 
-/// What was remembered of it goes.
+/// Removes what was remembered of the topic.
 Change end_of_announcement(const KeyHash& key) {
   Change change;
   change.key_hash = key;
@@ -84,7 +84,7 @@ Status Keeper::keep_known(const Change& announced) {
   const auto writer = read_publication_data(announced.payload.view());
   if (!writer) return {};
   const auto kept = keep(*writer, std::nullopt);
-  // One that has no place keeps no other one from being served.
+  // A topic without a place must not prevent others from being served.
   if (kept || kept.error().code() != Code::rtps_store_failed) return kept;
   participant_->context_.environment().events.raise(Event(kept.error()));
   return {};
@@ -129,8 +129,8 @@ void Keeper::consider(const Guid& writer) {
     participant_->context_.environment().events.raise(Event(kept.error()));
 }
 
-// Until a writer has matched, which it does only if it may write, another identity that may write
-// as well and announces it in another way says how it is kept.
+// A writer matches only if it may write. Until then, a writer of another identity that may also
+// write, and announces other policies, determines how the topic is kept.
 bool Keeper::is_settled(const KeyHash& key, const EndpointData& writer) const {
   const auto known = topics_.find(key);
   if (known == topics_.end()) return false;
@@ -192,7 +192,7 @@ std::set<std::string> Keeper::remove_abandoned() {
       keys.push_back(key);
     }
   }
-  for (const auto& key : keys) topics_.erase(key);  // which takes the lock
+  for (const auto& key : keys) topics_.erase(key);  // their destructors take the lock
   return names;
 }
 
@@ -208,7 +208,7 @@ std::vector<Guid> Keeper::writers_on(const std::set<std::string>& topics) const 
 
 bool Keeper::make_room(const GuidPrefix& identity) {
   std::map<GuidPrefix, std::size_t> counts;
-  std::map<GuidPrefix, KeyHash> empty;  // one topic of each that has no samples
+  std::map<GuidPrefix, KeyHash> empty;  // for each identity, one topic without samples
   for (const auto& [key, entry] : topics_) {
     ++counts[entry.identity];
     const std::lock_guard lock(participant_->context_.mutex());

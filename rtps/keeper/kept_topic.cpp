@@ -8,11 +8,11 @@
 namespace ddssec::rtps {
 namespace {
 
-// A commit takes about that long.
+// A commit takes about this long.
 constexpr MonotonicTime kLook = std::chrono::milliseconds(5);
 
-// The policies of the original writer, so that every reader that matches it matches this one, too.
-// Of an instance with an owner, this writer has the lowest strength.
+// The policies of the original writer, so that every reader that matches it also matches this
+// writer. With OWNERSHIP EXCLUSIVE, this writer has the lowest strength.
 Qos serving_qos(const Qos& original) {
   auto qos = original;
   qos.reliability.kind = ReliabilityKind::reliable;
@@ -98,7 +98,7 @@ bool KeptTopic::on_change(Change& change) {
     ++without_key_;
     return true;
   }
-  if (store_.is_behind()) return false;  // it is offered again
+  if (store_.is_behind()) return false;  // the writer offers it again
   seen_.add(SeenOriginals::of(change));
   if (!std::exchange(has_samples_, true)) on_first_sample_();
   change.original = change.origin();
@@ -114,7 +114,8 @@ bool KeptTopic::on_change(Change& change) {
   return true;
 }
 
-/// Without security there are no identities; participants that did not authenticate count as one.
+/// Without security there are no identities. All participants that did not authenticate count as
+/// one identity.
 std::optional<GuidPrefix> KeptTopic::identity_of(const GuidPrefix& sender) const {
   const auto& core = context_.protocol().remote_participants().core();
   if (!core.security) return std::nullopt;

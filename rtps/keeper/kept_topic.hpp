@@ -1,5 +1,4 @@
-// What a keeper has of one topic: a reader of all its durable writers, and a writer for late
-// joiners.
+// One topic of a keeper: a reader for all its durable writers, and a writer for late joiners.
 #pragma once
 
 #include <deque>
@@ -12,27 +11,27 @@
 
 namespace ddssec::rtps {
 
-/// What is taken from a writer is acknowledged when it is stored, and not before: a writer whose
-/// samples are acknowledged may leave. Called by the participant, with its lock held.
+/// A sample is acknowledged only when it is stored, because a writer may leave once its samples are
+/// acknowledged. Called by the participant, with its lock held.
 class KeptTopic final : private EndpointListener, private Timed {
  public:
-  /// `writer`: an announcement of one of its writers. `on_first_sample`, with the lock held: from
-  /// now on there is something to keep.
+  /// `writer`: the announcement of one of its writers. `on_first_sample` is called with the lock
+  /// held when there is something to keep.
   KeptTopic(ParticipantContext& context, DurableStore& store, EndpointData writer,
             std::function<void()> on_first_sample);
   ~KeptTopic() override;
 
-  /// Without the lock. Errors: those of DurableStore::open_stream, Participant::create_writer and
-  /// create_reader.
+  /// The caller does not hold the lock. Errors: those of DurableStore::open_stream,
+  /// Participant::create_writer and create_reader.
   Status open(DomainId domain);
-  /// With the lock.
+  /// The caller holds the lock:
   std::uint64_t without_key() const { return without_key_; }
   std::uint64_t dropped() const { return dropped_; }
   bool has_samples() const { return has_samples_; }
   const std::string& name() const { return like_.topic_name; }
-  /// A writer that may write to it matched, or it has samples.
+  /// True if a writer that may write to it matched, or if it has samples.
   bool is_in_use() const { return has_samples_ || !writers_.empty(); }
-  /// A topic that was made for that writer would be kept in the same way.
+  /// True if a topic that was created for that writer would be kept in the same way.
   bool is_made_for(const EndpointData& writer) const;
 
  private:
@@ -48,7 +47,7 @@ class KeptTopic final : private EndpointListener, private Timed {
   void on_alive(const Guid&) override {}
   void on_acknowledged() override {}
   EndpointRequest request(Qos qos) const;
-  /// Whose share of the store a sample takes.
+  /// The identity whose share of the store a sample uses.
   std::optional<GuidPrefix> identity_of(const GuidPrefix& sender) const;
 
   ParticipantContext& context_;
@@ -62,7 +61,7 @@ class KeptTopic final : private EndpointListener, private Timed {
   std::function<void()> on_first_sample_;
   bool has_samples_ = false;
   std::set<Guid> writers_;  ///< that matched the reader
-  /// Changes on their way to the disk.
+  /// Changes that are being stored.
   struct Unstored {
     std::uint64_t number;  ///< see DurableStore::append
     Guid writer;
