@@ -1,4 +1,4 @@
-// ACKNACK: what a reader has and misses (RTPS 9.4.5.2).
+// ACKNACK: what a reader has received and what it lacks (RTPS 9.4.5.2).
 #pragma once
 
 #include "wire/numbers.hpp"
@@ -6,7 +6,7 @@
 
 namespace ddssec::rtps {
 
-/// Everything below `missing.base()` has arrived; the set's numbers are asked for.
+/// Everything below `missing.base()` has arrived; the numbers in the set are requested.
 struct AckNack {
   EntityId reader;
   EntityId writer;
@@ -16,8 +16,8 @@ struct AckNack {
   bool operator==(const AckNack&) const = default;
 };
 
-/// A base of 0 is let through: peers send it before they know anything (pre-emptive).
-/// Errors: truncated, rtps_number_invalid, rtps_set_invalid.
+/// A base of 0 is accepted: peers send it before they know anything (pre-emptive). Errors:
+/// truncated, rtps_number_invalid, rtps_set_invalid.
 Result<AckNack> read_acknack(const SubmessageView& view);
 void write(SpanWriter& out, const AckNack& acknack);
 

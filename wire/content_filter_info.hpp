@@ -1,4 +1,4 @@
-// CONTENT_FILTER_INFO: which filters a writer applied to a sample, and what they said (RTPS 2.5,
+// CONTENT_FILTER_INFO: the filters that a writer applied to a sample, and their results (RTPS 2.5,
 // 8.7.3.3 and 9.6.4.1).
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace ddssec::rtps {
 
-/// MD5 of what a reader announces of its filter.
+/// The MD5 of what a reader announces of its filter.
 using FilterSignature = std::array<std::uint8_t, 16>;
 
 struct FilterResult {
@@ -25,7 +25,7 @@ struct FilterResults {
   bool operator==(const FilterResults& other) const { return std::ranges::equal(list, other.list); }
 };
 
-/// Nothing if the list is empty. What a peer says there is never read: a reader's own filter
+/// Writes nothing if the list is empty. Received results are never read: a reader's own filter
 /// decides.
 void write_content_filter_info(SpanWriter& out, const FilterResults& results);
 

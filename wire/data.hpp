@@ -9,9 +9,9 @@ namespace ddssec::rtps {
 
 enum class PayloadKind : std::uint8_t { none, data, key };
 
-/// Borrows its payload. The payload begins with its encapsulation (or is a protected one).
+/// Borrows its payload, which begins with its encapsulation (or is a protected payload).
 struct Data {
-  EntityId reader;  ///< unknown = all of the writer's readers
+  EntityId reader;  ///< unknown: all of the writer's readers
   EntityId writer;
   SequenceNumber sequence_number{1};
   InlineQos inline_qos = {};
@@ -20,7 +20,7 @@ struct Data {
 };
 
 /// Errors: truncated, rtps_number_invalid, rtps_submessage_overrun (the offset to the inline QoS
-/// lies inside the fixed part or behind the end), malformed (data and key at once), those of
+/// lies inside the fixed part or after the end), malformed (data and key flags together), those of
 /// read_inline_qos.
 Result<Data> read_data(const SubmessageView& view);
 void write(SpanWriter& out, const Data& data);

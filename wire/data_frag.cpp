@@ -5,10 +5,10 @@ namespace {
 
 constexpr std::uint8_t kFragFlagInlineQos = 0x02;
 constexpr std::uint8_t kFragFlagKey = 0x04;
-// from reader id to sample size, counted from behind the offset field
+// From the reader id to the sample size; counted from the end of the offset field.
 constexpr std::size_t kFragFixedPart = 28;
 
-// The octets that fragments first .. first + count - 1 have; they must lie within the sample.
+// The number of octets in fragments first .. first + count - 1, which must lie within the sample.
 Result<std::size_t> covered_octets(const DataFrag& frag) {
   const std::uint64_t size = frag.fragment_size;
   const std::uint64_t begin = (std::uint64_t{frag.first.value} - 1) * size;

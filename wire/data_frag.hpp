@@ -6,7 +6,8 @@
 namespace ddssec::rtps {
 
 /// Borrows its payload: exactly the octets of fragments first .. first + count - 1. Fragment n
-/// covers the sample's octets (n - 1) * fragment_size onwards; only the last one may be shorter.
+/// covers the sample's octets from (n - 1) * fragment_size on; only the last fragment may be
+/// shorter.
 struct DataFrag {
   EntityId reader;
   EntityId writer;
@@ -18,11 +19,11 @@ struct DataFrag {
   InlineQos inline_qos = {};
   bool is_key = false;
   BytesView payload = {};
-  /// Received: everything behind the fixed part and inline QoS. A protected fragment is longer than
-  /// what it covers (DDS-Security 8.5.1.9.1).
+  /// For a received one: everything after the fixed part and the inline QoS. A protected fragment
+  /// is longer than the octets that it covers (DDS-Security 8.5.1.9.1).
   BytesView encoded = {};
 
-  /// How many fragments the whole sample has.
+  /// The number of fragments of the whole sample.
   std::uint32_t total() const { return fragments_of(sample_size, fragment_size); }
   static constexpr std::uint32_t fragments_of(std::uint32_t sample_size, std::uint16_t size) {
     return size == 0 ? 0
@@ -30,11 +31,11 @@ struct DataFrag {
   }
 };
 
-/// Errors: truncated (also fewer octets than the fragments have), rtps_number_invalid (fragment
-/// numbers or sizes that do not fit the sample; CVE-2023-50716, CVE-2025-62799, CVE-2025-65865),
-/// rtps_submessage_overrun, those of read_inline_qos.
+/// Errors: truncated (also if there are fewer octets than the fragments have), rtps_number_invalid
+/// (fragment numbers or sizes that do not fit the sample; CVE-2023-50716, CVE-2025-62799,
+/// CVE-2025-65865), rtps_submessage_overrun, those of read_inline_qos.
 Result<DataFrag> read_data_frag(const SubmessageView& view);
-/// The same fragments with their octets opened. Errors: truncated.
+/// The same fragments with their unprotected octets. Errors: truncated.
 Result<DataFrag> with_payload(DataFrag frag, BytesView plain);
 void write(SpanWriter& out, const DataFrag& data);
 

@@ -16,7 +16,8 @@ struct Header {
 
 inline constexpr std::size_t kHeaderSize = 20;
 
-/// Errors: rtps_not_a_message (too short, or other first octets), rtps_version_unsupported.
+/// Errors: rtps_not_a_message (too short, or the first octets are not RTPS),
+/// rtps_version_unsupported.
 Result<Header> read_header(BytesView message);
 void write(SpanWriter& out, const Header& header);
 

@@ -1,4 +1,4 @@
-// HEADER_EXTENSION of RTPS 2.5 (9.4.5.2): read, checked and stepped over; never sent.
+// HEADER_EXTENSION of RTPS 2.5 (9.4.5.2): it is read, checked and skipped, but never sent.
 #pragma once
 
 #include <optional>
@@ -8,15 +8,16 @@
 
 namespace ddssec::rtps {
 
-/// The parts that can be used; checksums are not verified here.
+/// The usable parts. Checksums are not verified here.
 struct HeaderExtension {
-  std::optional<std::uint32_t> message_length = {};  ///< whole message, RTPS header included
+  /// Of the whole message, including the RTPS header.
+  std::optional<std::uint32_t> message_length = {};
   std::optional<Time> send_time = {};
   bool operator==(const HeaderExtension&) const = default;
 };
 
-/// `message_size`: octets of the datagram; a stated length must be the same. Errors: truncated,
-/// rtps_submessage_overrun (another length), those of ParameterReader.
+/// `message_size`: size of the datagram in octets, which a message length must match. Errors:
+/// truncated, rtps_submessage_overrun (the lengths differ), those of ParameterReader.
 Result<HeaderExtension> read_header_extension(const SubmessageView& view, std::size_t message_size);
 void write(SpanWriter& out, const HeaderExtension& extension);
 

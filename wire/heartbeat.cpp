@@ -7,7 +7,7 @@ constexpr std::uint8_t kHeartbeatFlagFinal = 0x02;
 constexpr std::uint8_t kHeartbeatFlagLiveliness = 0x04;
 constexpr std::uint8_t kHeartbeatFlagGroup = 0x08;
 
-// The table of 9.4.5.7 ends with lastGSN, the model of 8.3.8.6 has the digests as well.
+// The table in 9.4.5.7 ends with lastGSN; the model in 8.3.8.6 also has the digests.
 Result<GroupState> read_group(Reader& reader) {
   GroupState out;
   out.current = DDSSEC_TRY(read_any_sequence_number(reader));

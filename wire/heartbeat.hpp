@@ -1,4 +1,4 @@
-// HEARTBEAT: which changes a writer holds (RTPS 9.4.5.7).
+// HEARTBEAT: the changes that a writer holds (RTPS 9.4.5.7).
 #pragma once
 
 #include <optional>
@@ -8,21 +8,21 @@
 
 namespace ddssec::rtps {
 
-/// Where the writer stands in its publisher (8.7.5); writers' digests are those of all its writers
-/// and of those that are announced securely.
+/// The writer's position in its publisher (8.7.5). The digests are those of all writers of the
+/// publisher, and of those that are announced securely.
 struct GroupState {
-  SequenceNumber current;   ///< the publisher's last; 0 = none
-  SequenceNumber first{1};  ///< that this writer holds
-  SequenceNumber last;      ///< first - 1 = nothing is held
+  SequenceNumber current;   ///< the publisher's last one; 0: none
+  SequenceNumber first{1};  ///< the first that this writer holds
+  SequenceNumber last;      ///< first - 1: nothing is held
   GroupDigest writers = {}, secure_writers = {};
   bool operator==(const GroupState&) const = default;
 };
 
 struct Heartbeat {
-  EntityId reader;  ///< unknown = all of the writer's readers
+  EntityId reader;  ///< unknown: all of the writer's readers
   EntityId writer;
   SequenceNumber first{1};
-  SequenceNumber last;  ///< first - 1 = nothing is held
+  SequenceNumber last;  ///< first - 1: nothing is held
   std::int32_t count = 0;
   bool is_final = false;  ///< no answer is needed
   bool asserts_liveliness = false;
@@ -30,8 +30,8 @@ struct Heartbeat {
   bool operator==(const Heartbeat&) const = default;
 };
 
-/// Errors: truncated, rtps_number_invalid (first below 1, or last below first - 1;
-/// also among a group's).
+/// Errors: truncated, rtps_number_invalid (first is below 1, or last is below first - 1; the same
+/// for a group).
 Result<Heartbeat> read_heartbeat(const SubmessageView& view);
 void write(SpanWriter& out, const Heartbeat& heartbeat);
 

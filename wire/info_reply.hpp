@@ -1,6 +1,6 @@
-// INFO_REPLY and INFO_REPLY_IP4: where answers should go (RTPS 9.4.5.9, 9.4.5.10). They are checked
-// and stepped over: answers go to the locators that discovery gave, which an attacker on the
-// path does not choose.
+// INFO_REPLY and INFO_REPLY_IP4: where answers should be sent (RTPS 9.4.5.9, 9.4.5.10). They are
+// checked and skipped: answers are sent to the locators from discovery, which an attacker on the
+// network path does not choose.
 #pragma once
 
 #include "wire/locator.hpp"
@@ -9,12 +9,12 @@
 namespace ddssec::rtps {
 
 struct InfoReply {
-  Locator unicast;  ///< the first of each list, to explain a capture
+  Locator unicast;  ///< the first locator of each list, for explaining a capture
   Locator multicast;
   bool operator==(const InfoReply&) const = default;
 };
 
-/// Errors: truncated, length_out_of_range (more locators than the body holds).
+/// Errors: truncated, length_out_of_range (more locators than the body can contain).
 Result<InfoReply> read_info_reply(const SubmessageView& view);
 Result<InfoReply> read_info_reply_ip4(const SubmessageView& view);
 void write(SpanWriter& out, const InfoReply& info);

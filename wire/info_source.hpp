@@ -1,4 +1,4 @@
-// INFO_SRC: whose submessages follow (RTPS 9.4.5.11).
+// INFO_SRC: the source of the submessages after it (RTPS 9.4.5.11).
 #pragma once
 
 #include "wire/header.hpp"
@@ -6,7 +6,7 @@
 
 namespace ddssec::rtps {
 
-/// The same fields as the header of a message.
+/// It has the same fields as the header of a message.
 struct InfoSource {
   Header source;
   bool operator==(const InfoSource&) const = default;

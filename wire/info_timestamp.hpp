@@ -1,4 +1,4 @@
-// INFO_TS: the source time of the submessages behind it (RTPS 9.4.5.12).
+// INFO_TS: the source time of the submessages after it (RTPS 9.4.5.12).
 #pragma once
 
 #include <optional>
@@ -9,7 +9,7 @@
 namespace ddssec::rtps {
 
 struct InfoTimestamp {
-  std::optional<Time> time;  ///< nothing: what follows has no source time
+  std::optional<Time> time;  ///< empty: the following submessages have no source time
   bool operator==(const InfoTimestamp&) const = default;
 };
 

@@ -9,7 +9,8 @@ constexpr std::uint8_t kDisposed = 0x01;
 constexpr std::uint8_t kUnregistered = 0x02;
 constexpr std::uint8_t kFiltered = 0x04;
 
-// Standard ids below 0x4000 may be ignored; only those that must be understood stop us.
+// An unknown id must stop the reader only if it must be understood. Standard ids below 0x4000 may
+// be ignored.
 bool must_be_understood(ParameterId id) {
   return (id & pid::kMustUnderstand) != 0 && (id & pid::kVendorSpecific) == 0;
 }
@@ -23,7 +24,7 @@ Result<SequenceNumber> read_number(BytesView value, Endian endian) {
   return number;
 }
 
-// GUID and number; the list that may follow has nothing for us.
+// GUID and sequence number; the list that may follow is not needed.
 Result<Original> read_original(BytesView value, Endian endian) {
   if (value.size() < 24) return fail(Code::rtps_parameter_invalid);
   Reader reader(value, endian);
@@ -32,7 +33,7 @@ Result<Original> read_original(BytesView value, Endian endian) {
   return out;
 }
 
-// Which number of Coherence a parameter is, or nullptr.
+// Returns the member of Coherence that a parameter sets, or nullptr.
 constexpr SequenceNumber Coherence::*number_of(ParameterId id) {
   switch (id) {
     case pid::kCoherentSet:

@@ -1,5 +1,5 @@
-// What a DATA carries besides its payload: key hash and status of the instance, and where it stands
-// among the changes of its publisher (RTPS 9.6.4, 8.7.5, 8.7.6).
+// What a DATA carries besides its payload: the key hash and status of the instance, and its
+// position among the changes of its publisher (RTPS 9.6.4, 8.7.5, 8.7.6).
 #pragma once
 
 #include <array>
@@ -12,22 +12,22 @@
 
 namespace ddssec::rtps {
 
-/// KeyHash_t: the big-endian key itself if it can never exceed 16 octets, else its MD5.
+/// KeyHash_t: the big-endian key itself if it can never exceed 16 octets, otherwise its MD5.
 using KeyHash = std::array<std::uint8_t, 16>;
 
-/// StatusInfo_t; on the wire always big-endian.
+/// StatusInfo_t; always big-endian on the wire.
 struct StatusInfo {
   bool disposed = false;
   bool unregistered = false;
-  /// Alive, but a writer found that the sample does not pass the reader's content filter.
+  /// Alive, but the writer found that the sample does not pass the reader's content filter.
   bool filtered = false;
   bool operator==(const StatusInfo&) const = default;
 };
 
-/// GroupDigest_t: which writers a publisher has; zero without any.
+/// GroupDigest_t: digest of the writers of a publisher; zero if there are none.
 using GroupDigest = std::array<std::uint8_t, 4>;
 
-/// PRESENTATION's part of a change; 0 everywhere: none, as with SEQUENCENUMBER_UNKNOWN.
+/// The fields of a change for PRESENTATION. A field of 0 is absent, as with SEQUENCENUMBER_UNKNOWN.
 struct Coherence {
   SequenceNumber set = {};  ///< COHERENT_SET: of the first change of the writer's set
   SequenceNumber group_set =
@@ -37,8 +37,8 @@ struct Coherence {
   bool operator==(const Coherence&) const = default;
 };
 
-/// ORIGINAL_WRITER_INFO: the writer of a sample that another one keeps for late joiners
-/// (RTPS 8.7.9); number 0: its sender wrote it.
+/// ORIGINAL_WRITER_INFO: the writer of a sample that a durability service sends to late joiners
+/// (RTPS 8.7.9). Number 0: the sender wrote it.
 struct Original {
   Guid writer = {};
   SequenceNumber number = {};
@@ -50,9 +50,9 @@ struct InlineQos {
   StatusInfo status = {};
   Coherence coherence = {};
   Original original = {};
-  /// Where nothing protects INFO_TS, and the submessage is protected: ours only.
+  /// Used if the submessage is protected but INFO_TS is not. Specific to ddssec.
   std::optional<Time> source_time = {};
-  FilterResults filters = {};  ///< written only
+  FilterResults filters = {};  ///< written only, never read
   bool empty() const {
     return !key_hash && status == StatusInfo{} && coherence == Coherence{} &&
            original.number.value == 0 && !source_time && filters.list.empty();
@@ -60,10 +60,10 @@ struct InlineQos {
   bool operator==(const InlineQos&) const = default;
 };
 
-/// Errors: those of ParameterReader, rtps_parameter_invalid (a value too short),
+/// Errors: those of ParameterReader, rtps_parameter_invalid (a value is too short),
 /// rtps_number_invalid, rtps_parameter_not_understood.
 Result<InlineQos> read_inline_qos(BytesView list, Endian endian);
-/// With its sentinel.
+/// Writes the list, including its sentinel.
 void write(SpanWriter& out, const InlineQos& qos);
 
 }  // namespace ddssec::rtps

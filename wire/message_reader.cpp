@@ -22,7 +22,8 @@ Result<std::optional<SubmessageView>> MessageReader::next() {
   std::size_t length = DDSSEC_TRY(Reader(rest_.subspan(2, 2), view.endian()).read<std::uint16_t>());
   const auto left = rest_.size() - kSubmessageHeaderSize;
   if (length == 0 && !may_be_empty(view.id)) length = left;
-  // Only the last one may have a length that is no multiple of 4: the next would be misaligned.
+  // Only the last submessage may have a length that is not a multiple of 4; otherwise the next one
+  // would be misaligned.
   if (length > left || (length % 4 != 0 && length != left))
     return fail(Code::rtps_submessage_overrun);
   view.whole = rest_.first(kSubmessageHeaderSize + length);

@@ -1,4 +1,4 @@
-// Walks the submessages of a received message in place.
+// Iterates over the submessages of a received message in place.
 #pragma once
 
 #include <optional>
@@ -8,20 +8,20 @@
 
 namespace ddssec::rtps {
 
-/// Borrows the message. A broken submessage header ends the walk: what came before it counts
-/// (RTPS 8.3.4.1), nothing behind it can be trusted.
+/// Borrows the message. An invalid submessage header ends the iteration: the submessages before it
+/// count (RTPS 8.3.4.1), nothing after it can be trusted.
 class MessageReader {
  public:
   static Result<MessageReader> open(BytesView message);
-  /// Over a plain sequence of submessages, as inside a protected message.
+  /// Iterates over a plain sequence of submessages, as inside a protected message.
   static MessageReader over_submessages(const Header& header, BytesView submessages) {
     return {header, submessages};
   }
 
   const Header& header() const { return header_; }
-  /// The next submessage, or nothing at the end. Errors: truncated, rtps_submessage_overrun.
+  /// Returns the next submessage, or empty at the end. Errors: truncated, rtps_submessage_overrun.
   Result<std::optional<SubmessageView>> next();
-  /// Everything not yet walked over.
+  /// The rest of the message, after the submessages returned so far.
   BytesView rest() const { return rest_; }
 
  private:

@@ -1,4 +1,4 @@
-// NACK_FRAG: fragments of one sample that a reader misses (RTPS 9.4.5.14).
+// NACK_FRAG: the fragments of one sample that a reader lacks (RTPS 9.4.5.14).
 #pragma once
 
 #include "wire/numbers.hpp"

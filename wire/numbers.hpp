@@ -1,5 +1,5 @@
-// Sequence and fragment numbers, the bounded sets of them, and counts (RTPS 9.4.2.5, 9.4.2.6,
-// 9.4.2.8, 8.3.5.10).
+// Sequence and fragment numbers, bounded sets of them, and counts (RTPS 9.4.2.5, 9.4.2.6, 9.4.2.8,
+// 8.3.5.10).
 #pragma once
 
 #include <array>
@@ -20,15 +20,16 @@ struct SequenceNumber {
   constexpr SequenceNumber previous() const { return {value - 1}; }
 };
 
-/// No honest writer gets here; larger ones are refused where they are read, so that no later
-/// addition can overflow.
+/// No honest writer reaches this number. Larger ones are refused when they are read, so that no
+/// later addition can overflow.
 inline constexpr SequenceNumber kGreatestSequenceNumber{std::int64_t{1} << 62};
 
 constexpr bool is_valid(SequenceNumber number) {
   return number.value >= 1 && number <= kGreatestSequenceNumber;
 }
 
-/// Counts of heartbeats and requests begin again behind their greatest; any may come from a wire.
+/// Compares counts of HEARTBEATs and requests, which wrap around. Any value may arrive from the
+/// network.
 constexpr bool is_later(std::int32_t count, std::int32_t than) {
   const auto ahead = static_cast<std::uint32_t>(count) - static_cast<std::uint32_t>(than);
   return static_cast<std::int32_t>(ahead) > 0;
@@ -42,8 +43,8 @@ struct FragmentNumber {
 
 inline constexpr std::uint32_t kMostBitsPerSet = 256;
 
-/// Numbers base + i for each bit i that is set; bits are counted from the most significant of the
-/// first word. Holds its bits itself: 40 octets, nothing allocated.
+/// The numbers base + i for each bit i that is set; bits are counted from the most significant bit
+/// of the first word. Stores its bits in 40 octets and allocates nothing.
 template <class Number>
 class NumberSet {
  public:
@@ -53,16 +54,16 @@ class NumberSet {
   explicit NumberSet(Number base) : base_(base) {}
 
   Number base() const { return base_; }
-  /// How many numbers from the base on the set speaks about, contained or not.
+  /// How many numbers from the base on the set covers, contained or not.
   std::uint32_t size() const { return bits_; }
   bool empty() const { return bits_ == 0; }
 
-  /// True if `number` lies in base .. base + 255.
+  /// True if `number` is in base .. base + 255.
   bool reaches(Number number) const {
     return number >= base_ &&
            static_cast<std::uint64_t>(number.value - base_.value) < kMostBitsPerSet;
   }
-  /// Adds a number that the set reaches; others are left out (false).
+  /// Adds a number that the set reaches; ignores others and returns false.
   bool insert(Number number) {
     if (!reaches(number)) return false;
     const auto bit = static_cast<std::uint32_t>(number.value - base_.value);
@@ -88,7 +89,7 @@ class NumberSet {
   }
   bool operator==(const NumberSet&) const = default;
 
-  /// Bitmap part behind the base. Bits beyond the count are dropped. Errors: truncated,
+  /// Reads the bitmap after the base. Bits beyond the count are dropped. Errors: truncated,
   /// rtps_set_invalid.
   Status read_bits(Reader& reader) {
     const auto bits = reader.read<std::uint32_t>();
@@ -118,11 +119,12 @@ class NumberSet {
 using SequenceNumberSet = NumberSet<SequenceNumber>;
 using FragmentNumberSet = NumberSet<FragmentNumber>;
 
-/// Any 64 bits; the caller judges the value.
+/// Accepts any 64 bits; the caller checks the value.
 Result<SequenceNumber> read_any_sequence_number(Reader& reader);
-/// 1 .. kGreatestSequenceNumber. Errors: truncated, rtps_number_invalid.
+/// Accepts 1 .. kGreatestSequenceNumber. Errors: truncated, rtps_number_invalid.
 Result<SequenceNumber> read_sequence_number(Reader& reader);
-/// `least_base`: 0 where a pre-emptive ACKNACK is allowed, else 1.
+/// `least_base`: 0 where a pre-emptive ACKNACK is allowed, otherwise 1. Errors: truncated,
+/// rtps_number_invalid, rtps_set_invalid.
 Result<SequenceNumberSet> read_sequence_number_set(Reader& reader, std::int64_t least_base);
 Result<FragmentNumberSet> read_fragment_number_set(Reader& reader);
 

@@ -9,7 +9,7 @@
 
 namespace ddssec::rtps {
 
-/// ParameterId_t. Kept as a number: most ids of other vendors are stepped over.
+/// ParameterId_t. A number, not an enumeration: most ids of other vendors are skipped.
 using ParameterId = std::uint16_t;
 
 namespace pid {
@@ -24,10 +24,10 @@ inline constexpr ParameterId kGroupSeqNum = 0x0064;
 inline constexpr ParameterId kWriterGroupInfo = 0x0065;
 inline constexpr ParameterId kKeyHash = 0x0070;
 inline constexpr ParameterId kStatusInfo = 0x0071;
-/// A reader that does not know such an id must not use the sample (RTPS 9.6.3.1).
+/// A reader that does not know an id with this bit must not use the sample (RTPS 9.6.3.1).
 inline constexpr ParameterId kMustUnderstand = 0x4000;
 inline constexpr ParameterId kVendorSpecific = 0x8000;
-/// Ours: the source timestamp of a DATA, as Time_t.
+/// Specific to ddssec: the source timestamp of a DATA, as Time_t.
 inline constexpr ParameterId kSourceTime = 0x8d5e;
 }  // namespace pid
 
@@ -38,16 +38,15 @@ struct Parameter {
   Reader reader() const { return Reader(value, endian); }
 };
 
-/// Walks a list in place. PAD is stepped over; the list ends with its sentinel, which must be
-/// there.
+/// Iterates over a list in place. PAD is skipped. The list must end with its sentinel.
 class ParameterReader {
  public:
   ParameterReader(BytesView list, Endian endian) : reader_(list, endian) {}
 
-  /// The next parameter, or nothing behind the sentinel. Errors: truncated (no sentinel),
-  /// rtps_parameter_invalid (length no multiple of 4).
+  /// Returns the next parameter, or empty at the sentinel. Errors: truncated (no sentinel),
+  /// rtps_parameter_invalid (the length is not a multiple of 4).
   Result<std::optional<Parameter>> next();
-  /// How many octets have been walked over; behind the sentinel: the size of the list.
+  /// The number of octets read so far; after the sentinel, the size of the list.
   std::size_t consumed() const { return reader_.position(); }
 
  private:
@@ -55,11 +54,11 @@ class ParameterReader {
   bool done_ = false;
 };
 
-/// The list at the beginning of `octets`, its sentinel included; every parameter's length has been
-/// checked. Errors as ParameterReader::next.
+/// Returns the list at the beginning of `octets`, including its sentinel; the length of every
+/// parameter has been checked. Errors: as for ParameterReader::next.
 Result<BytesView> parameter_list_prefix(BytesView octets, Endian endian);
 
-/// Begins a parameter on construction, pads and sets its length when it goes out of scope.
+/// Writes a parameter header in its constructor. Its destructor pads and sets the length.
 class ParameterScope {
  public:
   ParameterScope(SpanWriter& out, ParameterId id) : out_(out) {

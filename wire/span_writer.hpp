@@ -1,4 +1,4 @@
-// Writes into a buffer of fixed size that the caller owns: what messages are built with.
+// Writes into a buffer of fixed size that the caller owns. Messages are built with it.
 #pragma once
 
 #include <algorithm>
@@ -9,9 +9,9 @@
 
 namespace ddssec::rtps {
 
-/// Never writes past its end: what does not fit is left out and `overflowed()` stays true, so that
-/// one check after a whole submessage suffices. Alignment counts from the first octet of the
-/// buffer.
+/// Never writes past the end of the buffer. What does not fit is left out and `overflowed()` stays
+/// true, so that one check after a whole submessage is sufficient. Alignment counts from the first
+/// octet of the buffer.
 class SpanWriter {
  public:
   explicit SpanWriter(MutableBytes out, Endian endian = Endian::little)
@@ -23,13 +23,14 @@ class SpanWriter {
   bool overflowed() const { return overflowed_; }
   BytesView view() const { return out_.first(size_); }
 
-  /// Where the next octets go, for callers that write them; `take` says how many they were.
+  /// The free part of the buffer, for callers that write to it; they call `take` with the number of
+  /// octets written.
   MutableBytes spare() { return overflowed_ ? MutableBytes{} : out_.subspan(size_); }
   void take(std::size_t count) { claim(count); }
-  /// As if something had not fitted.
+  /// Behaves as if something had not fitted.
   void overflow() { overflowed_ = true; }
 
-  /// Forgets everything from `size` on, and that it did not fit.
+  /// Removes everything from `size` on, and clears the overflow.
   void rewind(std::size_t size) {
     size_ = std::min(size, size_);
     overflowed_ = false;
@@ -44,10 +45,10 @@ class SpanWriter {
     if (auto place = claim(octets.size()); !place.empty()) std::ranges::copy(octets, place.begin());
   }
 
-  /// Zero octets up to a multiple of `alignment`.
+  /// Writes zero octets up to a multiple of `alignment`.
   void align(std::size_t alignment) { std::ranges::fill(claim(-size_ & (alignment - 1)), 0); }
 
-  /// Overwrites an integer written before at `position`.
+  /// Overwrites an integer that was written before at `position`.
   template <std::integral T>
   void patch(std::size_t position, T value) {
     if (position + sizeof(T) <= size_) store(out_.subspan(position, sizeof(T)), value);

@@ -1,4 +1,4 @@
-// What all submessages share: id, flags and length (RTPS 9.4.5.1), read in place and written.
+// The parts common to all submessages: id, flags and length (RTPS 9.4.5.1). They are read in place.
 #pragma once
 
 #include <cstdint>
@@ -34,11 +34,11 @@ enum class SubmessageId : std::uint8_t {
 inline constexpr std::uint8_t kFlagLittleEndian = 0x01;
 inline constexpr std::size_t kSubmessageHeaderSize = 4;
 
-/// One submessage inside a received message; borrows the message's octets.
+/// One submessage in a received message. Borrows the message's octets.
 struct SubmessageView {
   SubmessageId id{};
   std::uint8_t flags = 0;
-  BytesView body;   ///< behind the submessage header
+  BytesView body;   ///< after the submessage header
   BytesView whole;  ///< with the header: what a transform protects
 
   Endian endian() const { return flags & kFlagLittleEndian ? Endian::little : Endian::big; }
@@ -46,8 +46,8 @@ struct SubmessageView {
   Reader reader() const { return Reader(body, endian()); }
 };
 
-/// Writes a submessage header on construction and its length when it goes out of scope, after
-/// padding to a multiple of 4.
+/// Writes a submessage header in its constructor. Its destructor pads to a multiple of 4 octets and
+/// sets the length.
 class SubmessageScope {
  public:
   SubmessageScope(SpanWriter& out, SubmessageId id, std::uint8_t flags = 0) : out_(out) {

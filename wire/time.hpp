@@ -12,26 +12,27 @@
 namespace ddssec::rtps {
 
 namespace detail {
-/// Both types have the same form on the wire and convert alike.
+/// Both types have the same form on the wire and are converted in the same way.
 struct SecondsAndFraction {
   std::int32_t seconds = 0;
   std::uint32_t fraction = 0;
 
   auto operator<=>(const SecondsAndFraction&) const = default;
-  /// Exact to a nanosecond, by arithmetic alone: no fraction can make it loop (CVE-2025-63829).
+  /// Exact to a nanosecond. Uses only arithmetic, so that no fraction can cause a long loop
+  /// (CVE-2025-63829).
   std::chrono::nanoseconds to_nanoseconds() const;
 };
 SecondsAndFraction from_nanoseconds(std::chrono::nanoseconds time);
 }  // namespace detail
 
-/// A length of time; negative ones do not occur in valid QoS.
+/// A length of time. Negative ones do not occur in valid QoS.
 struct Duration : detail::SecondsAndFraction {
   auto operator<=>(const Duration&) const = default;
-  /// Rounded up to a multiple of 2^-32 s; what does not fit becomes infinite (or the most
-  /// negative).
+  /// Rounds up to a multiple of 2^-32 s. A value that does not fit becomes infinite (or the most
+  /// negative one).
   static Duration from(std::chrono::nanoseconds time);
   bool is_infinite() const;
-  /// infinite becomes nanoseconds::max().
+  /// An infinite duration becomes nanoseconds::max().
   std::chrono::nanoseconds to_nanoseconds() const;
 };
 
@@ -51,7 +52,7 @@ inline constexpr Time kTimeInvalid{{-1, 0xffffffff}};
 
 inline bool Time::is_valid() const { return *this != kTimeInvalid; }
 
-/// "1.500 s" or "infinite".
+/// Returns a text such as "1.500 s" or "infinite".
 std::string to_string(const Duration& duration);
 
 Result<Duration> read_duration(Reader& reader);

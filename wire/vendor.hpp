@@ -8,12 +8,13 @@ namespace ddssec::rtps {
 using VendorId = Id<struct VendorIdTag, 2>;
 using ProtocolVersion = Id<struct ProtocolVersionTag, 2>;
 
-/// Ours; not assigned by the OMG. The only place where it is spelt out.
+/// The vendor id of ddssec, which the OMG has not assigned. Defined only here.
 inline constexpr VendorId kVendorDdssec{{0x01, 0xd5}};
 inline constexpr VendorId kVendorFastDds{{0x01, 0x0f}};
 inline constexpr VendorId kVendorCyclone{{0x01, 0x10}};
 
-/// What we announce. DDS-Security 7.4.2 asks for at least 2.3; both known peers accept it.
+/// The announced version. DDS-Security 7.4.2 requires at least 2.3; Cyclone DDS and Fast DDS accept
+/// it.
 inline constexpr ProtocolVersion kProtocolVersion{{2, 3}};
 
 }  // namespace ddssec::rtps

@@ -1,4 +1,4 @@
-// Vendors as people call them.
+// Names and versions of vendors' products, as people use them.
 #pragma once
 
 #include <string>
@@ -8,11 +8,11 @@
 
 namespace ddssec::rtps {
 
-/// "Cyclone DDS"; one that is not known: "vendor " and the id.
+/// Returns a name such as "Cyclone DDS"; for an unknown vendor, "vendor " and the id.
 std::string name_of(VendorId vendor);
 
-/// True for "0.10.2", "0.9" and so on, up to `major`.`minor` whatever follows; false for what does
-/// not begin with two numbers.
+/// True for versions such as "0.10.2" or "0.9" up to `major`.`minor`, whatever follows. False for a
+/// text that does not begin with two numbers.
 bool is_up_to(std::string_view version, unsigned major, unsigned minor);
 
 }  // namespace ddssec::rtps
