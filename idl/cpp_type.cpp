@@ -84,7 +84,7 @@ std::string quoted(const char* text) {
     const auto c = static_cast<unsigned char>(*text);
     if (c == '"' || c == '\\') {
       out += {'\\', *text};
-    } else if (c < 0x20 || c > 0x7e) {  // the empty literal ends the escape
+    } else if (c < 0x20 || c > 0x7e) {  // the empty literal ends the escape sequence
       out += {'\\', 'x', kHex[c >> 4], kHex[c & 15], '"', '"'};
     } else {
       out += *text;
@@ -129,7 +129,7 @@ std::optional<std::string> literal_text(const void* value) {
   if (kind == tree_string) return quoted(tree_text(value));
   if (kind == tree_uint64) return std::to_string(static_cast<std::uint64_t>(number)) + "u";
   if (kind == tree_uint32) return std::to_string(number) + "u";
-  // The least ones have no literal.
+  // The smallest values have no literal.
   if (number == std::numeric_limits<std::int64_t>::min()) return "-9223372036854775807 - 1";
   if (kind >= tree_char && kind <= tree_int64) return std::to_string(number);
   return std::nullopt;

@@ -1,4 +1,4 @@
-// What an IDL type is in C++ and which bounds the C++ type does not carry.
+// Maps IDL types to C++ types, together with the bounds that the C++ types do not express.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace ddssec::idl {
 
-/// How the generator speaks of what it cannot make: "FILE:LINE:COLUMN: error: WHAT: TO DO".
+/// Reports what the generator cannot translate, as "FILE:LINE:COLUMN: error: WHAT: TO DO".
 class Refusals {
  public:
   explicit Refusals(const tree_state* state) : state_(state) {}
@@ -21,23 +21,23 @@ class Refusals {
   bool any_ = false;
 };
 
-/// A member's or an alias's type.
+/// The type of a member or of an alias.
 struct CppType {
   std::string text;
-  std::string initial;              ///< " = 0", or empty where the type's own default will do
-  std::uint32_t bound = 0;          ///< most characters or elements; 0: any number
-  std::uint32_t element_bound = 0;  ///< of a sequence's elements
+  std::string initial;      ///< for example " = 0"; empty if the type's own default is sufficient
+  std::uint32_t bound = 0;  ///< most characters or elements; 0: unlimited
+  std::uint32_t element_bound = 0;  ///< the same for a sequence's elements
 };
 
 class CppTypes {
  public:
-  /// `root`: the namespace that everything generated lies in, "" or "a::b".
+  /// `root`: the namespace that contains everything generated, "" or "a::b".
   CppTypes(const std::string& root, Refusals& refusals)
       : prefix_(root.empty() ? "::" : "::" + root + "::"), refusals_(refusals) {}
 
-  /// The type that `spec` names, with the dimensions of `name` (nullptr: none).
+  /// The type `spec`, with the array dimensions of `name` (nullptr: none).
   CppType of(const void* spec, const void* name);
-  /// "::root::Module::Name" of a declared type.
+  /// Returns the qualified name of a declared type, "::root::Module::Name".
   std::string qualified(const void* node) const;
 
  private:
@@ -49,11 +49,11 @@ class CppTypes {
   Refusals& refusals_;
 };
 
-/// The identifier, with "_" behind it if C++ has it as a keyword.
+/// Returns the identifier, followed by "_" if it is a C++ keyword.
 std::string cpp_name(const void* node);
-/// "Module::Name": as the IDL says it.
+/// Returns the name as in the IDL, "Module::Name".
 std::string scoped_name(const void* node);
-/// A C++ literal; nothing if it has none.
+/// Returns a C++ literal; empty if the constant has none.
 std::optional<std::string> literal_text(const void* constant);
 
 }  // namespace ddssec::idl

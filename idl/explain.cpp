@@ -1,7 +1,8 @@
 // ddssec-idl-explain [-I FOLDER]... FILE SECONDS IDLC [ARGUMENT]...: runs idlc on the file for at
-// most SECONDS. If it fails: what idlc, which calls it only a "syntax error", cannot read in the
-// file and what it includes, with its place and what to write instead. Exits 0 if idlc does, or
-// else 1. ddssec_idl_generate runs it.
+// most SECONDS. idlc reports unsupported constructs only as a "syntax error". So if idlc fails,
+// this program searches the file and its includes for what idlc cannot read, and prints the
+// position and what to write instead. Exits with 0 if idlc does, otherwise with 1.
+// ddssec_idl_generate runs it.
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -25,7 +26,7 @@ namespace fs = std::filesystem;
 struct Unknown {
   std::string_view word, to_do;
 };
-// Reserved words of IDL 4.2 that idlc 0.10 does not know; a name that is one of them is written
+// Reserved words of IDL 4.2 that idlc 0.10 does not know. An identifier with such a name is written
 // _name.
 constexpr std::array kUnknown = {
     Unknown{"wstring", "use a string, in UTF-8"},
@@ -38,12 +39,12 @@ constexpr std::array kUnknown = {
     Unknown{"exception", "use a struct"},
     Unknown{"native", "leave it out"}};
 
-/// Walks a file's words, with comments and literals left out.
+/// Iterates over a file's words, without comments and literals.
 class Words {
  public:
   explicit Words(std::string_view text) : text_(text) {}
 
-  /// Empty at the end.
+  /// Returns empty at the end.
   std::string_view next() {
     while (at_ < text_.size()) {
       if (skip_comment() || skip_literal()) continue;
@@ -88,7 +89,8 @@ class Words {
   std::size_t at_ = 0, line_ = 1, begin_of_line_ = 0, line_of_word_ = 1, column_of_word_ = 1;
 };
 
-/// What an include directive names, with its quotes or angle brackets; empty if the line is none.
+/// Returns the name in an include directive, with its quotes or angle brackets; empty if the line
+/// is not one.
 std::string_view included(std::string_view line) {
   const auto skip_blanks = [&] {
     line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
@@ -104,7 +106,7 @@ std::string_view included(std::string_view line) {
   return end == line.npos ? std::string_view() : line.substr(0, end + 1);
 }
 
-/// Goes through files and what they include, each once.
+/// Searches files and the files that they include, each once.
 class Explainer {
  public:
   void add_folder(const fs::path& folder) { folders_.push_back(folder); }
@@ -131,7 +133,7 @@ class Explainer {
       const auto end = std::min(text.find('\n'), text.size());
       const auto written = included(text.substr(0, end));
       text.remove_prefix(std::min(end + 1, text.size()));
-      if (written.size() < 3) continue;  // no directive, or without a name
+      if (written.size() < 3) continue;  // not a directive, or without a name
       const auto name = written.substr(1, written.size() - 2);
       const bool is_quoted = written[0] == '"';
       const auto beside = file_at(path.parent_path() / name);
@@ -143,7 +145,7 @@ class Explainer {
     }
   }
 
-  // idlc looks beside the file for what is in quotes only.
+  // idlc searches the folder of the including file only for names in quotes.
   static void say_missing(const fs::path& path, std::size_t number, std::string_view name,
                           bool is_beside) {
     const std::string file(name);
@@ -156,13 +158,13 @@ class Explainer {
                            : "");
   }
 
-  /// Empty if it is no file.
+  /// Returns empty if it is not a file.
   static fs::path file_at(const fs::path& path) {
     std::error_code ignored;
     return fs::is_regular_file(path, ignored) ? path.lexically_normal() : fs::path();
   }
 
-  /// In the folders of -I; empty if it is in none.
+  /// Searches the folders of -I. Returns empty if none of them contains it.
   fs::path find(std::string_view name) const {
     for (const auto& folder : folders_)
       if (auto found = file_at(folder / name); !found.empty()) return found;
@@ -174,7 +176,8 @@ class Explainer {
 
 enum class Outcome { done, failed, timed_out };
 
-/// The alarm outlives execvp, and this process: no idlc runs on after a build that was interrupted.
+/// The alarm survives execvp and the end of this process, so that idlc does not continue after an
+/// interrupted build.
 Outcome run(char* const* command, unsigned seconds) {
   const auto child = fork();
   if (child < 0) return Outcome::failed;

@@ -10,14 +10,14 @@
 namespace ddssec::idl {
 namespace {
 
-// An enumeration's width on the wire (XTypes 7.2.2.4.1.2).
+// The type of an enumeration on the wire (XTypes 7.2.2.4.1.2).
 const char* underlying(const void* enumeration) {
   const auto bits = tree_bit_bound(enumeration);
   if (bits == 0 || bits > 16) return "std::int32_t";
   return bits <= 8 ? "std::int8_t" : "std::int16_t";
 }
 
-// "  static constexpr std::array<std::uint8_t, 3> NAME = {1, 2, 3};"
+// Returns text such as "  static constexpr std::array<std::uint8_t, 3> NAME = {1, 2, 3};".
 std::string octets_named(const char* name, std::span<const std::uint8_t> octets) {
   std::string out = "  static constexpr std::array<std::uint8_t, " + std::to_string(octets.size()) +
                     "> " + name + " = {";
@@ -105,7 +105,7 @@ void Header::definition(const void* node) {
       return constant(node);
     case tree_union:
     case tree_bitmask:
-      static_cast<void>(types_.of(node, nullptr));  // says what to do instead
+      static_cast<void>(types_.of(node, nullptr));  // reports what to do instead
       break;
     default:
       break;
@@ -159,7 +159,7 @@ std::string Header::value_text(const void* value, const CppType& type) {
   return text ? " = " + *text : type.initial;
 }
 
-// Says the member in the struct and returns what the traits say of it.
+// Adds the member to the struct and returns its entry in the traits.
 std::string Header::member(const void* member, const void* name) {
   const auto type = types_.of(tree_type(member), name);
   const auto cpp = cpp_name(name);
@@ -184,7 +184,7 @@ void Header::structure(const void* which) {
       if (check(name)) members.push_back(member(at, name));
   }
   declared_ += "\n  bool operator==(const " + cpp_name(which) + "&) const = default;\n};\n";
-  // idlc ends itself over the TypeInformation of a type with wchar.
+  // idlc aborts while it computes the TypeInformation of a type with wchar.
   if (refusals_.any()) return;
   if (members.empty())
     refusals_.refuse(which, "a struct without members", "give it one");
@@ -192,7 +192,8 @@ void Header::structure(const void* which) {
     traits(which, members);
 }
 
-// Of the map only what is minimal: its first member, a sequence whose octets its DHEADER counts.
+// Only the minimal part of the map is used: its first member, a sequence whose DHEADER counts its
+// octets.
 std::string Header::type_description(const void* which) {
   std::uint8_t* octets[2] = {};
   std::size_t sizes[2] = {};

@@ -1,4 +1,4 @@
-// One C++ header from one IDL file.
+// Generates one C++ header from one IDL file.
 #pragma once
 
 #include <vector>
@@ -10,10 +10,10 @@ namespace ddssec::idl {
 
 class Header {
  public:
-  /// `root`: the namespace that everything lies in, "" or "a::b".
+  /// `root`: the namespace that contains everything, "" or "a::b".
   Header(const tree_state* state, const std::string& root);
 
-  /// Its text; nothing after a refusal, which idlc was told.
+  /// Returns the text of the header; empty after a refusal, which was reported to idlc.
   std::optional<std::string> make();
 
  private:
@@ -36,7 +36,7 @@ class Header {
   CppTypes types_;
   NestingCheck nesting_;
   std::string declared_;  ///< within the namespaces
-  std::string traits_;    ///< behind them
+  std::string traits_;    ///< after the namespaces
 };
 
 }  // namespace ddssec::idl

@@ -1,4 +1,5 @@
-// Types that idlc cannot describe: it runs forever, or gives up halfway and still reports success.
+// Detects types that idlc cannot describe: for these it runs forever, or stops halfway and still
+// reports success.
 #pragma once
 
 #include <vector>
@@ -9,9 +10,9 @@ namespace ddssec::idl {
 
 enum class Nesting { fine, recursive, before_definition };
 
-/// Follows a type through sequences, typedefs, forward declarations and members, also into included
-/// files. `recursive` if it contains itself or a type that does, and else `before_definition` if it
-/// contains a type that is only declared where it is used.
+/// Follows a type through sequences, typedefs, forward declarations and members, including those in
+/// included files. Returns `recursive` if the type contains itself or a type that does. Otherwise
+/// returns `before_definition` if it contains a type that is only declared where it is used.
 class NestingCheck {
  public:
   Nesting of(const void* type);
@@ -19,7 +20,7 @@ class NestingCheck {
  private:
   Nesting of_members(const void* structure);
 
-  std::vector<const void*> open_;  ///< the structs around what is looked at
+  std::vector<const void*> open_;  ///< the structs around the current one
   std::vector<const void*> fine_;
 };
 

@@ -1,5 +1,6 @@
-// The parsed IDL as C++ may see it: idlc's own headers are C alone. A node is whatever idlc made of
-// a declaration, a type or a value; functions answer 0 or NULL where a node has no such thing.
+// The parsed IDL, for use from C++: idlc's own headers are C only. A node is what idlc created for
+// a declaration, a type or a value. Functions return 0 or NULL if a node does not have the
+// requested property.
 #ifndef DDSSEC_IDL_NODES_H
 #define DDSSEC_IDL_NODES_H
 
@@ -14,7 +15,7 @@ extern "C" {
 struct idl_pstate;
 typedef struct idl_pstate tree_state;
 
-// idlc's settings for the file; before anything else.
+// Sets idlc's settings for the file. Must be called before all others.
 struct idlc_generator_config;
 void tree_begin(const struct idlc_generator_config* config);
 
@@ -52,7 +53,7 @@ enum tree_kind {
   tree_fixed
 };
 
-// Of a structure or a member.
+// Flags of a structure or a member.
 enum tree_flag {
   tree_appendable = 1,
   tree_mutable = 2,
@@ -66,42 +67,43 @@ enum tree_flag {
   tree_representation = 512
 };
 
-// The file that is compiled, and those it includes.
+// The file that is compiled, and the files that it includes.
 const char* tree_file(const tree_state* state);
 const char* tree_included_file(const tree_state* state, unsigned index);
 const void* tree_root(const tree_state* state);
-// True if the node stands in the file itself, not in an included one.
+// True if the node is in the file itself, not in an included one.
 bool tree_is_own(const tree_state* state, const void* node);
-// "FILE:LINE:COLUMN: error: TEXT"; without a node no place is named.
+// Prints "FILE:LINE:COLUMN: error: TEXT"; without a node no position is given.
 void tree_error(const tree_state* state, const void* node, const char* text);
 
 enum tree_kind tree_kind_of(const void* node);
 const char* tree_name(const void* node);
 const void* tree_next(const void* node);
-// The module around it.
+// The module that contains the node.
 const void* tree_module_of(const void* node);
-// The first definition, member, enumerator or name within it.
+// The first definition, member, enumerator or name in the node.
 const void* tree_first(const void* node);
-// Of a member, a sequence, a typedef's name or a constant.
+// The type of a member, a sequence, a typedef's name or a constant.
 const void* tree_type(const void* node);
-// Of a forward declaration; NULL if it has none.
+// The definition of a forward declaration; NULL if there is none.
 const void* tree_definition(const void* node);
-// Of a string or a sequence; 0: any number.
+// The bound of a string or a sequence; 0: unlimited.
 uint32_t tree_bound(const void* node);
-// Of a member's or a typedef's name; 0: there are no more.
+// The array dimension of a member's or a typedef's name; 0: there are no more.
 uint32_t tree_dimension(const void* name, unsigned index);
 unsigned tree_flags(const void* node);
-// Of an enumeration; 0: not said.
+// The bit bound of an enumeration; 0: not specified.
 unsigned tree_bit_bound(const void* node);
-// What a member, a constant or an enumeration is without being told.
+// The default value of a member or an enumeration, or the value of a constant.
 const void* tree_value(const void* node);
 
-// What XTypes says of a struct that may be a topic's type, as Cyclone DDS announces it: the
-// serialized TypeInformation, and TypeMapping. False: idlc has none. The caller frees both.
+// The XTypes description of a struct that may be a topic's type, as Cyclone DDS announces it: the
+// serialized TypeInformation, and TypeMapping. Returns false if idlc has none. The caller must free
+// both.
 bool tree_type_description(const tree_state* state, const void* node, uint8_t* octets[2],
                            size_t sizes[2]);
 
-// Of an enumerator or an integer, a character, a boolean.
+// The value of an enumerator, an integer, a character or a boolean.
 int64_t tree_integer(const void* value);
 double tree_real(const void* value);
 const char* tree_text(const void* value);

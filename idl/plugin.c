@@ -1,4 +1,4 @@
-// The back end that idlc loads (idlc -l PATH): one header for one IDL file.
+// The back end that idlc loads (idlc -l PATH). It generates one C++ header for each IDL file.
 #include <idlc/generator.h>
 
 #include "idl/write_header.h"

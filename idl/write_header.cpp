@@ -26,7 +26,7 @@ bool write(const tree_state* state, const char* root, const char* folder) {
 }  // namespace
 }  // namespace ddssec::idl
 
-// Nothing may be thrown into C.
+// No exception may reach the C code.
 extern "C" bool write_header(const tree_state* state, const char* root, const char* folder) {
   try {
     return ddssec::idl::write(state, root, folder);

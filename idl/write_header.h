@@ -1,4 +1,4 @@
-// The door from idlc's C into the generator.
+// The interface from idlc's C code to the generator.
 #ifndef DDSSEC_IDL_WRITE_HEADER_H
 #define DDSSEC_IDL_WRITE_HEADER_H
 
@@ -8,7 +8,8 @@
 extern "C" {
 #endif
 
-// Writes STEM.hpp into `folder` (NULL: the current one). False: idlc was told why not.
+// Writes STEM.hpp into `folder` (NULL: the current folder). Returns false if it failed; the reason
+// was reported to idlc.
 bool write_header(const tree_state* state, const char* root, const char* folder);
 
 #ifdef __cplusplus
