@@ -1,7 +1,7 @@
-// ddssec-example: makes a complete example set from a folder of documents. Certificate authorities,
-// an identity for each NAME.permissions.xml, and every governance*.xml and permissions document
-// signed. Test keys: they lie unencrypted beside their certificates. The `ddssec` command makes
-// real ones.
+// ddssec-example: creates a complete example set from a folder of documents. It creates certificate
+// authorities and an identity for each NAME.permissions.xml, and signs every governance*.xml and
+// permissions document. The keys are for tests only: they are stored unencrypted next to their
+// certificates. The `ddssec` command creates real ones.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <fcntl.h>
@@ -34,13 +34,13 @@ struct Options {
 
 struct Authorities {
   pki::Authority identity;
-  std::optional<pki::Authority> own_permissions;  ///< nothing: the identity CA signs documents too
+  std::optional<pki::Authority> own_permissions;  ///< empty: the identity CA also signs documents
   const pki::Authority& permissions() const {
     return own_permissions ? *own_permissions : identity;
   }
 };
 
-/// Readable by the owner only from the moment it exists.
+/// Creates the file so that only its owner can ever read it.
 Status write_file(const fs::path& path, BytesView octets) {
   std::error_code ignored;
   fs::create_directories(path.parent_path(), ignored);
@@ -107,7 +107,7 @@ class ExampleSet {
         authorities.identity.issue("CN=" + name + ",O=ddssec example", {}, validity_, random_));
     const auto folder = options_.out / name;
     DDSSEC_TRY(write_credential(folder / "identity", self.certificate, self.key));
-    // CVE-2023-24011: the rogue signs its permissions with its own identity.
+    // CVE-2023-24011: the rogue participant signs its permissions with its own identity.
     const auto& ca = authorities.permissions();
     return sign(name == options_.rogue ? self : pki::Credential{ca.certificate(), ca.key()},
                 permissions, folder / "permissions.p7s");

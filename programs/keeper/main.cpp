@@ -1,5 +1,5 @@
-// ddssec-keeper: a durability service. Keeps what TRANSIENT and PERSISTENT writers of a domain
-// write, in a file, and gives it to late joiners, also when those writers are gone.
+// ddssec-keeper: a durability service. Stores the samples of TRANSIENT and PERSISTENT writers of a
+// domain in a file, and gives them to late joiners, even after those writers are gone.
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>
@@ -25,7 +25,8 @@ struct Options {
 class Log final : public EventSink {
  public:
   void raise(const Event& event) override {
-    if (!event.is_returned) std::fprintf(stderr, "%s\n", event.to_line().c_str());  // see refused
+    // Refused() prints that error.
+    if (!event.is_returned) std::fprintf(stderr, "%s\n", event.to_line().c_str());
   }
 };
 
@@ -35,7 +36,7 @@ sigset_t hold_signals() {
   sigaddset(&set, SIGINT);
   sigaddset(&set, SIGTERM);
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
-  std::signal(SIGXFSZ, SIG_IGN);  // a limit on files is an error like a full disk
+  std::signal(SIGXFSZ, SIG_IGN);  // exceeding a file size limit is an error like a full disk
   return set;
 }
 
@@ -54,7 +55,8 @@ int refused(const Error& error) {
   return kNotInitialised;
 }
 
-/// What was received and is in no store. Without it the file has all that was acknowledged.
+/// Prints the numbers of samples that were received but not stored. If there are none, the file has
+/// everything that was acknowledged.
 int finish(rtps::Keeper& keeper, EventSink& events) {
   const auto stored = keeper.flush(kLastWords);
   const auto topics = keeper.topics();

@@ -24,8 +24,8 @@ void say_round_trips(std::uint32_t size, std::vector<double>& microseconds) {
               {"p99_us", percentile(microseconds, 0.99)}});
 }
 
-/// Answers in the receiving thread: one wake-up less a round trip. Pings that come before a thread
-/// reads the answers wait in the reader.
+/// Answers in the receiving thread, which saves one wake-up for each round trip. Pings that arrive
+/// before a thread reads the answers wait in the reader.
 class Echo final : public rtps::DataReaderListener, public rtps::DataWriterListener {
  public:
   explicit Echo(rtps::DataWriter<Blob>& writer) : writer_(writer) {
@@ -57,7 +57,8 @@ class Echo final : public rtps::DataReaderListener, public rtps::DataWriterListe
   std::atomic<std::uint64_t> answered_ = 0;
 };
 
-/// Sends a ping until its pong comes: who answers may not have matched us yet and hear nothing.
+/// Sends a ping until its pong arrives: the answering side may not have matched yet, and then does
+/// not receive it.
 class Ping {
  public:
   Ping(Session& session, rtps::DataWriter<Blob>& writer, rtps::DataReader<Blob>& reader)
@@ -66,7 +67,7 @@ class Ping {
         reader_(reader),
         sent_{0, 0, 0, Bytes(session.options().size, 0x5a)} {}
 
-  /// Nanoseconds; nothing if the session was over first.
+  /// Returns nanoseconds; empty if the session was over before.
   std::optional<std::int64_t> round_trip() {
     const auto begin = session_.nanoseconds();
     sent_.t_ns = static_cast<std::uint64_t>(begin);
@@ -82,7 +83,7 @@ class Ping {
   }
 
  private:
-  // Of a ping that was sent twice the second pong comes while another is awaited.
+  // If a ping was sent twice, its second pong arrives while another is awaited.
   bool await_pong() {
     constexpr std::int64_t kAgain = 200'000'000;
     for (const auto end = session_.nanoseconds() + kAgain;
@@ -148,7 +149,7 @@ int run_pong(Session& session) {
   while (!session.over()) {
     const auto status = reader.subscription_matched_status();
     session.note_matched("ping", status.current_count);
-    // A ping may have come, had its answers and gone since the last look.
+    // A ping may have arrived, received its answers and left since the last check.
     session.counts.ever_matched = session.counts.ever_matched || status.total_count > 0;
     if (session.counts.ever_matched && status.current_count == 0) break;
     std::this_thread::sleep_for(std::chrono::milliseconds(20));

@@ -20,19 +20,19 @@ enum Exit : int {
 struct Options {
   std::string role;
   std::int32_t domain = 0;
-  std::string topic;  ///< empty: the role's own
+  std::string topic;  ///< empty: the default of the role
   std::uint32_t count = 10;
   std::string security = "off";
   std::vector<std::string> interfaces = {"127.0.0.1"};  ///< names or addresses
   double timeout = 30;                                  ///< seconds
   std::uint32_t size = 64;
-  double duration = 2;  ///< seconds a throughput writer writes
+  double duration = 2;  ///< how long a throughput writer writes, in seconds
   std::string color = "BLUE";
   std::string partition;
   bool verbose = false;
 };
 
-/// The options, or the exit code after usage or --help was printed.
+/// The options. Empty after usage or --help was printed; then `exit_code` applies.
 struct Parsed {
   std::optional<Options> options;
   int exit_code = kUsage;

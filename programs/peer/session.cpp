@@ -106,7 +106,7 @@ int Session::finish(int code) {
 }
 
 void Session::raise(const Event& event) {
-  if (event.is_returned) return;  // see refused
+  if (event.is_returned) return;  // refused() prints that error
   if (options_.verbose || event.severity >= Severity::warning)
     std::fprintf(stderr, "%s\n", event.to_line().c_str());
 }

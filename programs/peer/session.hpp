@@ -1,4 +1,4 @@
-// What all roles of ddssec-peer share: the participant, the clock, JSON lines, the end.
+// What all roles of ddssec-peer share: the participant, the clock, JSON lines and termination.
 #pragma once
 
 #include <functional>
@@ -15,14 +15,14 @@ namespace ddssec::peer {
 
 using Json = nlohmann::ordered_json;
 
-/// One line on standard output, flushed: {"event": name, fields...}.
+/// Prints one line on standard output and flushes it: {"event": name, fields...}.
 void say(const char* event, Json fields = Json::object());
 
-/// SIGTERM or SIGINT came.
+/// True if SIGTERM or SIGINT arrived.
 bool interrupted();
 void watch_signals();
 
-/// Counts for the `done` line.
+/// The counts in the `done` line.
 struct Counts {
   std::uint64_t written = 0, received = 0, corrupt = 0;
   bool ever_matched = false;
@@ -32,14 +32,15 @@ class Session final : private EventSink {
  public:
   explicit Session(const Options& options) : options_(options) {}
 
-  /// Errors: those of DomainParticipant::create.
+  /// Errors: those of secured::folder_properties and DomainParticipant::create.
   Status open();
   const Options& options() const { return options_; }
   rtps::DomainParticipant& participant() { return *participant_; }
   std::string topic_or(const char* own) const {
     return options_.topic.empty() ? own : options_.topic;
   }
-  /// On the topic, in the partition of the options; the session owns it.
+  /// Creates a writer or a reader on the topic, in the partition of the options. The participant
+  /// owns it.
   template <class T>
   Result<rtps::DataWriter<T>*> writer(const std::string& topic, bool keep_all) {
     const auto on = topic_of<T>(topic);
@@ -59,20 +60,21 @@ class Session final : private EventSink {
   }
 
   std::int64_t nanoseconds() const { return clock_.monotonic().count(); }
-  /// True once the timeout has passed or a signal came.
+  /// True if the timeout has passed or a signal arrived.
   bool over() const;
-  /// Waits in steps of a millisecond until `ready`; false: the session was over first.
+  /// Waits in steps of one millisecond until `ready` returns true. Returns false if the session was
+  /// over before.
   bool wait_until(const std::function<bool()>& ready) const;
-  /// Says `matched` whenever the count differs from the last one said for `what`.
+  /// Prints `matched` if the count differs from the last one printed for `what`.
   void note_matched(const char* what, std::int32_t current);
 
   Counts counts;
-  /// Says `done` and `exit`.
+  /// Prints `done` and `exit`. Returns the exit code.
   int finish(int code);
 
  private:
   void raise(const Event& event) override;
-  /// Says `auth` for each peer that authenticated or failed since.
+  /// Prints `auth` for each peer that has authenticated or failed since the last call.
   void note_authenticated();
   template <class T>
   Result<rtps::Topic*> topic_of(const std::string& name) {
@@ -101,7 +103,7 @@ int run_pong(Session& session);
 int run_tput_pub(Session& session);
 int run_tput_sub(Session& session);
 
-/// How many remote ends are matched now.
+/// The number of remote endpoints that are matched now.
 template <class T>
 std::int32_t matched(rtps::DataWriter<T>& writer) {
   return writer.publication_matched_status().current_count;
@@ -111,7 +113,7 @@ std::int32_t matched(rtps::DataReader<T>& reader) {
   return reader.subscription_matched_status().current_count;
 }
 
-/// Says `error` for a failed creation; the exit code for it.
+/// Prints `error` for a failed creation. Returns the exit code for it.
 int refused(const Error& error);
 
 }  // namespace ddssec::peer

@@ -1,4 +1,4 @@
-// Roles tput-pub and tput-sub: as many samples as the reader takes.
+// Roles tput-pub and tput-sub: as many samples as the reader accepts.
 #include "programs/peer/session.hpp"
 
 namespace ddssec::peer {

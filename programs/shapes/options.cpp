@@ -19,7 +19,7 @@ auto at_least(T least) {
   return CLI::Range(least, std::numeric_limits<T>::max());
 }
 
-// CLI11's own way to enumerations names numbers too.
+// CLI11's own support for enumerations also lists numbers.
 template <class T>
 void add_choice(CLI::App& app, const std::string& name, T& value, std::map<std::string, T> choices,
                 const std::string& help) {
@@ -107,7 +107,7 @@ void add_timing(CLI::App& app, Options& o) {
       ->check(CLI::Range(1u, 65000u));
 }
 
-// What options mean together; the words for a person, empty if all is well.
+// Returns a message if options contradict each other; empty if they do not.
 std::string contradiction(const Options& o) {
   if (o.final_type && o.payload_size > 0) return "--final has no additional payload";
   if (!o.filter.empty() && !o.color.empty() && !o.publish) return "--cft and -c are both filters";

@@ -14,8 +14,8 @@ enum Exit : int { kDone = 0, kBadArguments = 1, kNotInitialised = 2, kRunFailed 
 
 enum class FinalState : std::uint8_t { as_it_is, unregistered, disposed };
 
-/// Periods are milliseconds; what is nothing (or 0, for --time-filter and --lifespan) was not asked
-/// for.
+/// Periods are in milliseconds. An option is empty (or 0, for --time-filter and --lifespan) if it
+/// was not given.
 struct Options {
   bool publish = false;
   std::int32_t domain = 0;
@@ -24,13 +24,13 @@ struct Options {
   std::optional<std::int64_t> deadline = {};
   std::int32_t ownership_strength = -1;  ///< -1: shared
   std::string topic = "Square";
-  std::string color;  ///< to publish; of a subscriber: the only one to receive
+  std::string color;  ///< to publish; for a subscriber: the only colour to receive
   std::string partition;
   rtps::DurabilityKind durability = rtps::DurabilityKind::volatile_;
   rtps::DataRepresentation representation = rtps::DataRepresentation::xcdr1;
   std::string durability_directory;  ///< empty: samples last as long as the publisher
   bool print_written = false;
-  std::int32_t size = 20;  ///< 0: grows by one a write
+  std::int32_t size = 20;  ///< 0: grows by one with each write
   bool read = false;       ///< instead of take
   bool by_instance = true;
   bool verbose = false;
@@ -47,19 +47,19 @@ struct Options {
   std::uint32_t payload_size = 0;
   std::optional<std::int64_t> announcement_period = {};
   std::optional<std::uint32_t> fragment_size = {};
-  std::string filter;                        ///< expression of a content filter
-  std::vector<std::string> interfaces = {};  ///< names or addresses; none: every one
+  std::string filter;                        ///< the expression of a content filter
+  std::vector<std::string> interfaces = {};  ///< names or addresses; empty: every interface
   std::string security = "off";              ///< or a folder with keys and documents
   std::int32_t size_modulo = 0;
   bool final_type = false;
 
-  /// NAME, NAME1, NAME2...
+  /// Returns NAME, NAME1, NAME2...
   static std::string numbered(const std::string& name, std::uint32_t i) {
     return i == 0 ? name : name + std::to_string(i);
   }
 };
 
-/// The options, or the exit code after usage or --help was printed.
+/// The options. Empty after usage or --help was printed; then `exit_code` applies.
 struct Parsed {
   std::optional<Options> options;
   int exit_code = kBadArguments;

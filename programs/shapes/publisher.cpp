@@ -1,4 +1,4 @@
-// -P: shapes that bounce within their area.
+// Option -P: shapes that bounce within their area.
 #include "programs/shapes/session.hpp"
 
 namespace ddssec::shapes {
@@ -13,7 +13,7 @@ std::int32_t below(Random& random, std::int32_t end) {
   return (octets[0] << 8 | octets[1]) % end;
 }
 
-/// One coordinate: moves and turns at 0 and at `most`.
+/// One coordinate: moves, and turns at 0 and at `most`.
 class Coordinate {
  public:
   Coordinate(Random& random, std::int32_t most)
@@ -86,7 +86,7 @@ class PublisherRun {
     each_instance([&] {
       const auto written = writer.write(shape_);
       if (written && options_.print_written) say_sample(writer.topic().name(), shape_);
-      // With KEEP_ALL a slow reader may hold the writer up; the next shape will do.
+      // With KEEP_ALL a slow reader may block the writer; then this shape is skipped.
       if (!written && written.error().code() != Code::rtps_history_full) failed = written;
     });
     if (failed) return true;
@@ -95,7 +95,7 @@ class PublisherRun {
     return false;
   }
 
-  // What a reader should still hear before the writer is gone.
+  // Sends what readers should still receive before the writer is deleted.
   void finish(rtps::DataWriter<T>& writer) {
     each_instance([&] {
       if (options_.final_state == FinalState::disposed)

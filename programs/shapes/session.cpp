@@ -21,7 +21,7 @@ rtps::Duration duration_of(std::int64_t milliseconds) {
   return rtps::Duration::from(std::chrono::milliseconds(milliseconds));
 }
 
-// Brackets with digits inside are a sample's size, and nothing else may look like it.
+// Digits in brackets are the size of a sample; no other output may look like that.
 void say_status(const char* what, const rtps::Topic& topic, const std::string& rest) {
   say("%s() topic: '%s'  type: '%s' : %s", what, topic.name().c_str(), topic.type_name().c_str(),
       rest.c_str());
@@ -60,7 +60,7 @@ void say(const char* format, ...) {
 }
 
 void hold_signals() {
-  std::signal(SIGXFSZ, SIG_IGN);  // a limit on files is an error like a full disk
+  std::signal(SIGXFSZ, SIG_IGN);  // exceeding a file size limit is an error like a full disk
   const auto set = ending_signals();
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
 }
@@ -121,7 +121,7 @@ Status Session::open() {
   return {};
 }
 
-// A store is one process's: each topic and colour has its own.
+// Only one process can use a store, so each topic and colour has its own.
 Result<std::string> Session::store() const {
   if (!options_.publish || options_.durability != rtps::DurabilityKind::persistent ||
       options_.durability_directory.empty())
@@ -176,7 +176,7 @@ rtps::Qos Session::writer_qos() const {
   auto qos = common_qos();
   if (options_.ownership_strength >= 0) qos.ownership_strength = options_.ownership_strength;
   if (options_.lifespan > 0) qos.lifespan = duration_of(options_.lifespan);
-  qos.autodispose_unregistered_instances = false;  // as the OMG's shapes demo
+  qos.autodispose_unregistered_instances = false;  // as in the OMG's shapes demo
   return qos;
 }
 
@@ -193,7 +193,7 @@ bool Session::pause(std::int64_t milliseconds) {
 }
 
 void Session::raise(const Event& event) {
-  if (options_.verbose && !event.is_returned)  // see not_created
+  if (options_.verbose && !event.is_returned)  // not_created() prints that error
     std::fprintf(stderr, "%s\n", event.to_line().c_str());
 }
 

@@ -1,4 +1,5 @@
-// What publisher and subscriber share: the participant, its statuses as lines, policies, the end.
+// What publisher and subscriber share: the participant, printing of its statuses, policies and
+// termination.
 #pragma once
 
 #include <memory>
@@ -10,10 +11,12 @@
 
 namespace ddssec::shapes {
 
-/// One line on standard output, flushed; printf's format without the line's end.
+/// Prints one line on standard output and flushes it. The format is that of printf, without the end
+/// of line.
 [[gnu::format(printf, 1, 2)]] void say(const char* format, ...);
 
-/// "Square     BLUE       007 012 [20]", and " {255}" for the last octet of a payload.
+/// Prints a line such as "Square     BLUE       007 012 [20]", followed by " {255}" for the last
+/// octet of a payload.
 template <class T>
 void say_sample(const std::string& topic, const T& shape) {
   if constexpr (requires { shape.additional_payload_size; }) {
@@ -25,10 +28,11 @@ void say_sample(const std::string& topic, const T& shape) {
       shape.shapesize);
 }
 
-/// Blocks SIGINT and SIGTERM in this thread and those it starts: `Session::pause` waits for them.
+/// Blocks SIGINT and SIGTERM in this thread and in those that it starts. `Session::pause` waits for
+/// them.
 void hold_signals();
 
-/// Says each status that a shapes program tells of.
+/// Prints each status that a shapes program reports.
 class StatusLines final : public rtps::DomainParticipantListener {
   void on_publication_matched(rtps::AnyDataWriter&, const rtps::MatchedStatus&) override;
   void on_offered_incompatible_qos(rtps::AnyDataWriter&,
@@ -55,7 +59,7 @@ class Session final : private EventSink {
   rtps::DomainParticipant& participant() { return *participant_; }
   Random& random() { return random_; }
 
-  /// TOPIC, TOPIC1...
+  /// Creates the topics TOPIC, TOPIC1...
   template <class T>
   Result<std::vector<rtps::Topic*>> create_topics() {
     std::vector<rtps::Topic*> out;
@@ -66,18 +70,19 @@ class Session final : private EventSink {
     }
     return out;
   }
-  /// What -c of a subscriber and --cft ask for.
+  /// The filter that -c of a subscriber or --cft requests; empty: none.
   std::optional<rtps::FilterText> filter() const;
   rtps::GroupQos group_qos() const;
   rtps::Qos writer_qos() const;
   rtps::Qos reader_qos() const;
 
-  /// Waits so many milliseconds; false: the program is to end.
+  /// Waits for this many milliseconds. Returns false if the program must end.
   bool pause(std::int64_t milliseconds);
 
  private:
   void raise(const Event& event) override;
-  /// The file of --durability-directory; empty: none. Errors: rtps_store_unusable.
+  /// Returns the path of the file in --durability-directory; empty: none. Errors:
+  /// rtps_store_unusable.
   Result<std::string> store() const;
   rtps::Qos common_qos() const;
 
@@ -90,13 +95,13 @@ class Session final : private EventSink {
   std::unique_ptr<rtps::DomainParticipant> participant_;
 };
 
-/// The exit codes of both roles; "failed to create ..." was said.
+/// Return the exit code. "failed to create ..." has been printed if that is the reason.
 template <class T>
 int run_publisher(Session& session);
 template <class T>
 int run_subscriber(Session& session);
 
-/// Says it on standard output; the exit code for it.
+/// Prints the failure and returns the exit code for it.
 int not_created(const char* what, const Error& error);
 
 }  // namespace ddssec::shapes

@@ -1,4 +1,4 @@
-// -S: says what came, once a period.
+// Option -S: prints the received samples once a period.
 #include "programs/shapes/session.hpp"
 
 namespace ddssec::shapes {
@@ -64,7 +64,7 @@ class SubscriberRun {
       if (*found == 0) return true;
       for (const auto& sample : samples_) say_one(reader, sample);
       previous = samples_[0].info.instance_handle;
-      if (!options_.by_instance) return true;  // it was all there is
+      if (!options_.by_instance) return true;  // there is nothing more
     }
   }
 

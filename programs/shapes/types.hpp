@@ -1,4 +1,4 @@
-// The types of shape.idl and final_shape.idl: both are "ShapeType" on the wire.
+// The types of shape.idl and final_shape.idl. Both are named "ShapeType" on the wire.
 #pragma once
 
 #include <final_shape.hpp>
