@@ -44,7 +44,7 @@ class WriterHistory {
   std::size_t places() const { return changes_.size(); }
 
  private:
-  /// A change, and its neighbors of the same instance if instances are counted; 0: none.
+  /// A change, and its neighbours of the same instance if instances are counted; 0: none.
   struct Slot {
     SequenceNumber number;
     std::optional<Change> change;  ///< empty: it was dropped
