@@ -50,6 +50,7 @@ class AnyDataReader : public Endpoint {
   /// Waits until the reader holds unread samples. Returns false if there are none after `most`.
   bool wait_for_unread(std::chrono::nanoseconds most);
 
+  /// Reading a status resets its change counts.
   DeadlineMissedStatus requested_deadline_missed_status() { return read_deadline_status(); }
   IncompatibleQosStatus requested_incompatible_qos_status() { return read_incompatible_status(); }
   LivelinessChangedStatus liveliness_changed_status();

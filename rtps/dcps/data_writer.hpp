@@ -53,6 +53,7 @@ class AnyDataWriter : public Endpoint, private Timed {
   /// Errors: rtps_not_enabled.
   Status assert_liveliness();
 
+  /// Reading a status resets its change counts.
   DeadlineMissedStatus offered_deadline_missed_status() { return read_deadline_status(); }
   IncompatibleQosStatus offered_incompatible_qos_status() { return read_incompatible_status(); }
   LivelinessLostStatus liveliness_lost_status();

@@ -11,8 +11,12 @@
 namespace ddssec::rtps {
 
 struct DomainParticipantOptions {
+  /// The DDS domain, 0 to 232.
   DomainId domain_id = 0;
+  /// Only participants with the same domain tag find each other.
   std::string domain_tag = {};
+  /// Name and user data are announced by discovery. If the governance protects discovery, only
+  /// authenticated participants receive them.
   std::string entity_name = {};
   Bytes user_data = {};
   /// Names or addresses of the network interfaces to use; {"lo"} stays on this machine. Empty:
@@ -24,6 +28,7 @@ struct DomainParticipantOptions {
   /// indexes 0 to 9. The default reaches participants on this machine that use only the loopback
   /// interface.
   std::vector<std::string> peers = {"127.0.0.1"};
+  /// Others remove this participant if they hear nothing of it for this long.
   Duration lease_duration{{10, 0}};
   /// Time between announcements of the participant, after the first few. 0: derived from the lease
   /// duration.
@@ -45,6 +50,7 @@ struct DomainParticipantOptions {
   /// if it does not exist. Only one participant at a time can use it. Empty: the samples last as
   /// long as the participant.
   std::string durability_store = {};
+  /// Limit for the size of the store, in octets.
   std::size_t durability_store_octets = SampleStore::kDefaultOctets;
   /// Empty: the participant is not secured.
   std::optional<SecurityOptions> security = {};
@@ -94,11 +100,13 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
 
   Guid guid() const { return guid_; }
   DomainId domain_id() const { return options_.domain_id; }
+  /// The participant index, which determines the ports (RTPS 9.6.2.3).
   int index() const { return service_.sockets().index(); }
   DomainParticipantCounters counters() const;
   Time current_time() const { return context_.moment().wall; }
 
   DomainParticipantQos qos() const;
+  /// Changed user data is announced soon. Always succeeds.
   Status set_qos(const DomainParticipantQos& qos);
   Status enable() override;
   void set_listener(DomainParticipantListener* listener, StatusMask mask = kAnyStatus);
@@ -146,6 +154,7 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
   Status delete_publisher(Publisher& publisher) { return groups_.remove(publisher); }
   Status delete_subscriber(Subscriber& subscriber) { return groups_.remove(subscriber); }
   Status delete_contained_entities();
+  /// True if it contains topics, publishers or subscribers, not counting builtin ones.
   bool contains_entities() const;
   Qos default_topic_qos() const;
   /// Sets the policies of topics that are created without any. Errors: rtps_qos_inconsistent.

@@ -16,7 +16,8 @@ class DomainParticipantFactory {
   /// is true.
   void set_autoenable_created_entities(bool autoenable) { autoenable_ = autoenable; }
 
-  /// Errors: those of DomainParticipant::create.
+  /// Creates a participant, which the factory owns. The listener receives everything from the
+  /// beginning. Errors: those of DomainParticipant::create.
   Result<DomainParticipant*> create_participant(DomainParticipantOptions options,
                                                 DomainParticipantListener* listener = nullptr,
                                                 StatusMask mask = kAnyStatus);

@@ -4,6 +4,7 @@
 // - They must not wait: calls that would wait time out at once.
 // - They must not delete entities.
 // - A listener must outlive its entity, or be removed before with set_listener(nullptr).
+//   set_listener waits until running callbacks have returned, unless it is called from one.
 #pragma once
 
 #include "rtps/dcps/status.hpp"

@@ -23,6 +23,7 @@ class Topic final : public Entity {
   Status set_qos(const Qos& qos);
   Status enable() override;
   void set_listener(TopicListener* listener, StatusMask mask = kAnyStatus);
+  /// Reading the status resets its change count.
   InconsistentTopicStatus inconsistent_topic_status();
 
  private:
