@@ -42,7 +42,7 @@ class Keeper final : private DataReaderListener {
   /// Number of samples that were not kept because their type has keys and they have no key hash.
   std::uint64_t without_key() const;
   /// Number of samples that were not kept: dropped() because they were larger than readers accept,
-  /// left_out() because of DURABILITY_SERVICE.
+  /// left_out() because of the limits of DURABILITY_SERVICE or the share of their identity.
   std::uint64_t dropped() const;
   std::uint64_t left_out() const { return store_->left_out(); }
   /// Number of samples that are not in the store yet, and so were not acknowledged.
