@@ -28,8 +28,8 @@ class FragmentStore {
   static constexpr std::size_t kMostSenders = 16;
   /// The fragments of a message arrive close together.
   static constexpr MonotonicTime kLife = std::chrono::seconds(2);
-  /// If a fragment arrived in several versions, at most this many are considered, and at most this
-  /// many messages are assembled when a fragment arrives: the first of those that arrived latest.
+  /// Limits for one arriving datagram: the versions of each fragment that are considered, latest
+  /// first, and the messages that are assembled from them.
   static constexpr std::size_t kMostForms = 8;
   static constexpr std::size_t kMostMessages = 8;
   /// Limits for all senders together: messages other than the first one, and large messages.
