@@ -50,8 +50,8 @@ bool ReaderCache::may_own(const Instance& instance, const Guid& writer) const {
   return ours > theirs || (ours == theirs && writer < *instance.owner);
 }
 
-// True if the change is older than what was already read or taken, if it ends the instance but is
-// older than a later sample, or if it is the sample that a full history would drop first.
+// True if the change is older than what was already read or taken. Also true if it ends the
+// instance but is older than a later sample, or if a full history would drop it first.
 bool ReaderCache::is_too_old(const Instance& instance, const Change& change) const {
   if (!by_source_ || !change.source_time) return false;
   if (instance.seen_until && *change.source_time < *instance.seen_until) return true;

@@ -18,10 +18,11 @@ class WriterFilter final : public ChangeFilter {
   static constexpr std::size_t kMaxSteps = 2048;
 
   /// Creates the filter for samples on that topic that need not be sent to `reader`, which
-  /// announced it. Returns nullptr if the reader gets all samples: if the writer cannot apply the
-  /// filter, which is no reason to refuse the reader (8.7.3.4), or if the reader reads coherent
-  /// sets and must see that none of their changes is missing. `view`: a view of samples of the
-  /// topic's type, may be nullptr.
+  /// announced it. `view`: a view of samples of the topic's type, may be nullptr. Returns nullptr
+  /// if the reader gets all samples:
+  /// - if the writer cannot apply the filter, which is no reason to refuse the reader (8.7.3.4);
+  /// - if the reader reads coherent sets, because it must see that none of their changes is
+  ///   missing.
   static std::shared_ptr<ChangeFilter> of(const EndpointData& reader, std::string_view topic_name,
                                           std::unique_ptr<SampleView> view);
 
