@@ -18,8 +18,8 @@ class EndpointLookup {
   /// is none.
   virtual StatefulWriter* writer_for(const EntityId& writer, const GuidPrefix& reader) = 0;
   /// True if the participant's writers, like those of ddssec, send the key of an instance that they
-  /// dispose or unregister and, if INFO_TS is not protected, also send the source time next to the
-  /// sample. Other vendors may do neither.
+  /// dispose or unregister. If INFO_TS is not protected, such writers also send the source time
+  /// next to the sample. Other vendors may do neither.
   virtual bool sends_keys(const GuidPrefix& participant) = 0;
 };
 
