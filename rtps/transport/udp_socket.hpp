@@ -43,9 +43,9 @@ class UdpSocket {
   /// request from the system. Errors: rtps_port_taken, rtps_address_not_here, rtps_socket_failed.
   static Result<UdpSocket> bind(const Locator& at, std::size_t buffer = kWantedBuffer);
   /// Creates a socket that can be reached at the port of `interface` by every address of this
-  /// machine, because peers on it may use another address than the announced one (Fast DDS 2.9:
-  /// loopback). `local` and multicast use `interface`. If `interface` is the loopback, the socket
-  /// is bound to it alone. Errors: as for bind.
+  /// machine. Peers on it may use another address than the announced one (Fast DDS 2.9: loopback).
+  /// `local` and multicast use `interface`. If `interface` is the loopback, the socket is bound to
+  /// it alone. Errors: as for bind.
   static Result<UdpSocket> on_interface(const Locator& interface,
                                         std::size_t buffer = kWantedBuffer);
   /// The same, but even if `interface` is the loopback, the socket can be reached by every address:
