@@ -24,6 +24,8 @@ Result<bool> check_inline_qos(const BuiltinTopic& topic, const Owner& owner,
   while (!in.at_end()) {
     const auto parameter = next_parameter(in);
     if (!parameter || !*parameter) break;  // read once already
+    if (is_deprecated_address((*parameter)->id))
+      return unreadable_name(topic, "it has an address in the form of RTPS 1");
     if ((*parameter)->id == kKeyHash)
       DDSSEC_TRY(check_name(topic, owner, "key hash", (*parameter)->value));
     if ((*parameter)->id != kStatusInfo) continue;
@@ -33,6 +35,25 @@ Result<bool> check_inline_qos(const BuiltinTopic& topic, const Owner& owner,
     ends = says;
   }
   return ends.value_or(false);
+}
+
+/// Success if the inline QoS of a sample of any other writer has nothing that ends the host.
+Status check_other_inline_qos(BytesView submessage) {
+  constexpr std::uint8_t kInlineQosFlag = 2;
+  if ((submessage[1] & kInlineQosFlag) == 0) return {};
+  const auto refused = [](std::string_view why) {
+    return fail(Code::inline_qos_refused, {.document = "a sample", .note = std::string(why)});
+  };
+  const auto piece = read_data_piece(submessage);
+  if (!piece) return refused("its lengths contradict one another");
+  Reader in(piece->inline_qos, piece->endian);
+  while (!in.at_end()) {
+    const auto parameter = next_parameter(in);
+    if (!parameter || !*parameter) break;  // read once already
+    if (is_deprecated_address((*parameter)->id))
+      return refused("it has an address in the form of RTPS 1");
+  }
+  return {};
 }
 
 /// ParticipantMessageData or its key: both begin with the prefix. Fast DDS labels the same octets
@@ -59,7 +80,8 @@ Result<TypeInformationAt> check_whole(const BuiltinTopic& topic, const Owner& ow
   DDSSEC_TRY(walk.check_end(topic));
   const auto kind = ends ? Announcement::Kind::ends : Announcement::Kind::announces;
   if (announced != nullptr)
-    DDSSEC_TRY(announced->note(topic, {piece.number, kind, walk.entity(), piece.payload.size()}));
+    DDSSEC_TRY(announced->note(
+        topic, {piece.number, kind, walk.entity(), walk.cost(piece.payload.size())}));
   return walk.type_information();
 }
 
@@ -108,8 +130,11 @@ Result<TypeInformationAt> check_builtin_source(BytesView submessage, const Owner
     return TypeInformationAt{};
   }
   const auto* const topic = builtin_topic_of(*writer);
-  if (topic == nullptr) return TypeInformationAt{};
-  if (topic->key == 0 && !owner) return TypeInformationAt{};  // it holds nothing but a name
+  // Without an owner there is no name to compare that of liveliness with.
+  if (topic == nullptr || (topic->key == 0 && !owner)) {
+    DDSSEC_TRY(check_other_inline_qos(submessage));
+    return TypeInformationAt{};
+  }
   const auto piece = read_data_piece(submessage);
   if (!piece) return unreadable_name(*topic, "its lengths contradict one another");
   const bool ends = DDSSEC_TRY(check_inline_qos(*topic, owner, *piece));

@@ -15,12 +15,12 @@ namespace ddssec::cryptography {
 /// DATA and DATA_FRAG of the builtin writers of discovery and liveliness, secure or not, may name
 /// only `owner`. This covers every place that names a participant: the parameters and the key of
 /// the payload, the beginning of ParticipantMessageData, and the key hash of inline QoS. What such
-/// a sample announces is counted (announced_endpoints.hpp). Of every other submessage only the
-/// writer is read, and it passes.
+/// a sample announces is counted (announced_endpoints.hpp). A sample of any other writer passes
+/// unless its inline QoS would end the host (is_deprecated_address). Other submessages pass.
 ///
 /// Returns the position of the parameter id of type information, of any participant
-/// (type_information.hpp). Errors: builtin_source_mismatch, builtin_source_unreadable;
-/// builtin_fragment_early for a fragment that must come again.
+/// (type_information.hpp). Errors: builtin_source_mismatch, builtin_source_unreadable,
+/// inline_qos_refused; builtin_fragment_early for a fragment that must come again.
 Result<TypeInformationAt> check_builtin_source(BytesView submessage, const Owner& owner,
                                                DiscoveryOfPeers& peers);
 

@@ -1,6 +1,7 @@
 #include "plugins/cryptography/builtin_names.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <string>
 
 namespace ddssec::cryptography {
@@ -39,6 +40,12 @@ constexpr std::array kLocators = {LocatorKind{0x002f, "PID_UNICAST_LOCATOR"},
                                   LocatorKind{0x0032, "PID_METATRAFFIC_UNICAST_LOCATOR"},
                                   LocatorKind{0x0033, "PID_METATRAFFIC_MULTICAST_LOCATOR"}};
 
+/// PID_METATRAFFIC_MULTICAST_IPADDRESS, PID_DEFAULT_UNICAST_IPADDRESS,
+/// PID_METATRAFFIC_UNICAST_PORT, PID_DEFAULT_UNICAST_PORT, PID_MULTICAST_IPADDRESS,
+/// PID_METATRAFFIC_UNICAST_IPADDRESS, PID_METATRAFFIC_MULTICAST_PORT.
+constexpr std::array<std::uint16_t, 7> kDeprecatedAddresses = {0x000b, 0x000c, 0x000d, 0x000e,
+                                                               0x0011, 0x0045, 0x0046};
+
 constexpr std::string_view kDocument = "a discovery or liveliness message";
 
 /// The name of a parameter that contains a GUID; null for others.
@@ -57,6 +64,10 @@ const BuiltinTopic* builtin_topic_of(const EntityId& writer) {
   if (writer.octets[3] != kBuiltinKeyedWriter) return nullptr;
   const auto found = std::ranges::find(kTopics, writer, &BuiltinTopic::writer);
   return found == kTopics.end() ? nullptr : &*found;
+}
+
+bool is_deprecated_address(std::uint16_t parameter_id) {
+  return std::ranges::find(kDeprecatedAddresses, parameter_id) != kDeprecatedAddresses.end();
 }
 
 Status check_name(const BuiltinTopic& topic, const Owner& owner, std::string_view field,
@@ -103,6 +114,11 @@ Status ParameterWalk::check_end(const BuiltinTopic& topic) const {
   return has_name_ ? Status() : unreadable_name(topic, "it names nothing");
 }
 
+std::size_t ParameterWalk::cost(std::size_t octets) const {
+  const auto locators = std::accumulate(locators_.begin(), locators_.end(), std::size_t{0});
+  return octets + kOctetsOfLocator * (std::max(locators, kFreeLocators) - kFreeLocators);
+}
+
 Status ParameterWalk::take(const BuiltinTopic& topic, const Owner& owner) {
   filled_ = 0;
   wanted_ = kHeaderSize;
@@ -136,6 +152,8 @@ Status ParameterWalk::begin_parameter(const BuiltinTopic& topic) {
     return {};
   }
   if (length_ % 4 != 0) return unreadable_name(topic, "its parameters have lengths that lie");
+  if (is_deprecated_address(id_))
+    return unreadable_name(topic, "it has an address in the form of RTPS 1");
   if (id_ == parameter_id::kTypeInformation) DDSSEC_TRY(note_type_information(topic));
   if (id_ == parameter_id::kPartition) return begin_partitions(topic);
   DDSSEC_TRY(count_locator(topic));

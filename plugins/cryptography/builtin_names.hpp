@@ -33,6 +33,11 @@ Status check_name(const BuiltinTopic& topic, const Owner& owner, std::string_vie
                   BytesView guid);
 std::unexpected<Error> unreadable_name(const BuiltinTopic& topic, std::string_view why);
 
+/// True for parameters of RTPS 1 that give an address or a port by itself (RTPS 9.6.3 lists them as
+/// deprecated). Cyclone DDS takes them for the beginning of a list of locators that it never made,
+/// and ends with that list's memory. No product in use sends them.
+bool is_deprecated_address(std::uint16_t parameter_id);
+
 /// Reads a parameter list with its encapsulation, in pieces of any size. Checks each GUID as soon
 /// as its prefix is complete. Limits values that are costly for Cyclone DDS: locators, which it
 /// compares with those of all readers, and partitions. Finds PID_TYPE_INFORMATION. Small, so that
@@ -41,6 +46,11 @@ class ParameterWalk {
  public:
   /// The largest number of locators of each kind: the same as in the embedded participant.
   static constexpr std::size_t kMostLocators = 16;
+  /// Of all kinds together, as many as an endpoint has on an ordinary machine.
+  static constexpr std::size_t kFreeLocators = 4;
+  /// What each further one counts in the account of announcements: Cyclone DDS walks the locators
+  /// of all readers of a topic whenever one of them matches.
+  static constexpr std::size_t kOctetsOfLocator = 4096;
 
   /// Reads the next octets. Errors: builtin_source_mismatch, builtin_source_unreadable.
   Status read(const BuiltinTopic& topic, const Owner& owner, BytesView octets);
@@ -49,6 +59,8 @@ class ParameterWalk {
   /// The position of the parameter id of the type information, counted from the encapsulation. Both
   /// of its octets came in one piece.
   std::optional<std::uint32_t> type_information() const { return type_information_; }
+  /// What a list of that many octets counts in the account of announcements.
+  std::size_t cost(std::size_t octets) const;
   /// The entity id of the list's subject, from the topic's key.
   const EntityId& entity() const { return entity_; }
 

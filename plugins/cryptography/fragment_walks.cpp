@@ -134,7 +134,7 @@ Status FragmentWalks::go_on(const BuiltinTopic& topic, const Owner& owner, const
     DDSSEC_TRY(announced.complete(topic, {.number = piece.number,
                                           .kind = Announcement::Kind::announces,
                                           .entity = walk.entity(),
-                                          .octets = sample.size}));
+                                          .octets = walk.cost(sample.size)}));
   }
   sample.type_information = walk.type_information();
   sample.passed.insert(sample.passed.end(), added.begin(), added.end());

@@ -126,7 +126,9 @@ bool may_send(const RemoteEndpoint& sender, std::uint8_t id) {
 /// that its sender may send.
 Status check_submessage(const RemoteEndpoint& sender, BytesView plain) {
   if (plain.size() % 4 != 0 || size_of_first_submessage(plain) != plain.size())
-    return fail(Code::secure_group_malformed);
+    return fail(Code::secure_group_malformed,
+                {.note = "its tag is right: the owner of its key sent it or, without origin "
+                         "authentication, another participant that was given this key"});
   if (!may_send(sender, read_submessage_header(plain).id))
     return fail(Code::submessage_not_of_sender);
   return {};

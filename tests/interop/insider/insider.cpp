@@ -25,6 +25,9 @@
 //   partitions   its endpoints announce partition expressions that take hours to match, and that
 //                nothing about them is access controlled
 //   locators     its endpoints announce hundreds of locators
+//   address      its endpoints announce an address in the form of RTPS 1, for which the host frees
+//                memory that it never wrote
+//   address-qos  its samples come with such an address in their inline QoS
 //   keys         nothing; but the keys that it is given are said on stderr (../keys_test.py)
 // INSIDER_VICTIM is how the victim's GUID begins, in hexadecimal digits. What it did is said on
 // stderr.

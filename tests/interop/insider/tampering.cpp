@@ -284,12 +284,33 @@ Bytes many_locators() {
   return out;
 }
 
+/// PID_DEFAULT_UNICAST_IPADDRESS and PID_DEFAULT_UNICAST_PORT of RTPS 1.
+Bytes deprecated_address() {
+  Bytes out;
+  splice::append_parameter(out, 0x0c, {127, 0, 0, 1});
+  splice::append_parameter(out, 0x0e, {0x20, 0x4e, 0, 0});
+  return out;
+}
+
+void add_address_to_sample(Bytes& octets) {
+  constexpr std::size_t kKindAt = 15, kInlineQosAt = 24;
+  const bool is_sample = octets[0] == 0x15 && (octets[kKindAt] == 0x02 || octets[kKindAt] == 0x03);
+  if (!is_sample || (octets[1] & kInlineQosFlag) != 0) return;
+  auto qos = deprecated_address();
+  qos.insert(qos.end(), {1, 0, 0, 0});
+  octets.insert(octets.begin() + kInlineQosAt, qos.begin(), qos.end());
+  octets[1] |= kInlineQosFlag;
+  set_length(octets);
+  say_tampered();
+}
+
 void announce_too_much(Bytes& octets) {
   if (tampers("partitions")) {
     hide_access_control(octets);
     append_to_announcement(octets, costly_partitions());
   }
   if (tampers("locators")) append_to_announcement(octets, many_locators());
+  if (tampers("address")) append_to_announcement(octets, deprecated_address());
 }
 
 void speak_of_endpoints(Bytes& octets) {
@@ -367,6 +388,7 @@ void tamper_with_submessage(Bytes& octets) {
   if (tampers("repeat")) repeat_tokens(octets);
   if (tampers("invent")) invent_writer(octets);
   if (tampers("nobody")) send_nobodys_tokens(octets);
+  if (tampers("address-qos")) add_address_to_sample(octets);
   if (tampers("smuggle")) smuggle_end_of_victim(octets);
   speak_of_endpoints(octets);
 }

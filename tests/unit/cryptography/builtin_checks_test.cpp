@@ -308,5 +308,64 @@ TEST(CheckingHost, GetsAllThatWasProtected) {
   EXPECT_TRUE(engine.two.b.events.codes.empty());
 }
 
+// ---- addresses in the form of RTPS 1, with which Cyclone DDS frees memory that it never wrote
+
+constexpr EntityId kUserWriter{{0, 0, 1, 0x02}};
+
+Bytes address_qos(std::uint16_t id, bool little) {
+  Bytes out;
+  append_parameter(out, {0x71, Bytes(4, 0)}, little);
+  append_parameter(out, {id, Bytes(4, 127)}, little);
+  append_parameter(out, {1, {}}, little);
+  return out;
+}
+
+TEST(DeprecatedAddresses, InlineQosOfAnyWriter_IsRefused) {
+  for (const bool little : {true, false})
+    for (const std::uint16_t id : {0x0b, 0x0c, 0x0d, 0x0e, 0x11, 0x45, 0x46}) {
+      DataMessage message{.little = little,
+                          .writer = kUserWriter,
+                          .flags = kData | kInlineQos,
+                          .inline_qos = address_qos(id, little)};
+      EXPECT_EQ(code(message), Code::inline_qos_refused) << id;
+      message.fragment = Fragment{};
+      message.flags = kInlineQos;
+      EXPECT_EQ(code(message), Code::inline_qos_refused) << id;
+      message.fragment.reset();
+      message.flags = kInlineQos;  // neither data nor key
+      EXPECT_EQ(code(message), Code::inline_qos_refused) << id;
+      message.writer = kTokenWriter;
+      EXPECT_EQ(code(message), Code::inline_qos_refused) << id;
+      message.writer = kEndpointWriters[1];
+      EXPECT_EQ(code(message), Code::builtin_source_unreadable) << id;
+      message.writer = kLivelinessWriters[1];
+      EXPECT_EQ(code(message), Code::builtin_source_unreadable) << id;
+    }
+}
+
+TEST(DeprecatedAddresses, LivelinessOfAnUnknownOwner_IsRefusedToo) {
+  OneOwner walks;
+  const DataMessage message{.writer = kLivelinessWriters[0],
+                            .flags = kData | kInlineQos,
+                            .inline_qos = address_qos(0x0c, true),
+                            .payload = liveliness(kPeer, 1)};
+  EXPECT_EQ(code_of(check_builtin_source(message.octets(), {}, walks)), Code::inline_qos_refused);
+}
+
+TEST(DeprecatedAddresses, OtherInlineQosOfUserData_Passes) {
+  for (const bool little : {true, false}) {
+    DataMessage message{.little = little,
+                        .writer = kUserWriter,
+                        .flags = kData | kInlineQos,
+                        .inline_qos = address_qos(kTopicName, little)};
+    EXPECT_EQ(code(message), Code{});
+    message.inline_qos.resize(message.inline_qos.size() - 4);
+    message.payload = {};
+    EXPECT_EQ(code(message), Code::inline_qos_refused) << "there is no sentinel";
+    message.flags = kData;
+    EXPECT_EQ(code(message), Code{}) << "there is no inline QoS";
+  }
+}
+
 }  // namespace
 }  // namespace ddssec::cryptography

@@ -191,6 +191,37 @@ TEST(CostlyLocators, SixteenOfEachKindPass) {
   }
 }
 
+TEST(CostlyLocators, ThoseBeyondFourCountAsFourKibibytesEach) {
+  const auto cost = [](std::size_t each) {
+    List list;
+    for (const auto id : kLocators)
+      for (std::size_t i = 0; i < each; ++i) list.add(id, Bytes(24, 1));
+    const auto octets = list.ended();
+    ParameterWalk walk;
+    EXPECT_TRUE(walk.read(*builtin_topic_of(kPublications), kPeer, octets));
+    return walk.cost(1000);
+  };
+  EXPECT_EQ(cost(0), 1000u);
+  EXPECT_EQ(cost(1), 1000u + 2 * 4096);
+  EXPECT_EQ(cost(16), 1000u + 92 * 4096);
+}
+
+// Cyclone DDS frees memory that it never wrote.
+TEST(DeprecatedAddresses, AreRefusedInEveryList) {
+  for (const int id : {0x0b, 0x0c, 0x0d, 0x0e, 0x11, 0x45, 0x46})
+    for (const bool little : {true, false})
+      for (const auto piece : kPieces) {
+        List list(little);
+        list.add(static_cast<std::uint16_t>(id), Bytes(4, 127));
+        EXPECT_EQ(code_of(read(list, piece)), Code::builtin_source_unreadable) << id;
+      }
+  for (const int id : {0x0a, 0x0f, 0x10, 0x12, 0x44, 0x47}) {
+    List list;
+    list.add(static_cast<std::uint16_t>(id), Bytes(4, 127));
+    EXPECT_EQ(code_of(read(list)), Code{}) << id;
+  }
+}
+
 TEST(CostlyLocators, TheSentenceNamesTheirKind) {
   List list;
   for (int i = 0; i < 1000; ++i) list.add(0x2f, Bytes(24, 1));
