@@ -6,6 +6,9 @@
 #include <string>
 #include <utility>
 
+#include "governance/dialect.hpp"
+#include "governance/expression_text.hpp"
+
 namespace ddssec::governance {
 namespace {
 
@@ -17,6 +20,29 @@ bool close_ranges(DomainSet& domains) {
     any = any || range.last != range.first;
     range.last = range.first;
     range.is_open = false;
+  }
+  return any;
+}
+
+// Returns true if the product reads the expression in its own way.
+bool change_expression(std::string& expression, bool& is_padded, StockProduct product) {
+  const bool is_cyclone = product == StockProduct::cyclonedds;
+  std::string read = expression;
+  if (!is_cyclone && std::exchange(is_padded, false))
+    read = std::string(kMatchesNothing);
+  else if (!is_portable(expression))
+    read = is_cyclone ? as_cyclone_reads_it(expression) : as_fastdds_reads_it(expression);
+  return std::exchange(expression, read) != read;
+}
+
+bool change_expressions(std::vector<Criteria>& list, StockProduct product) {
+  bool any = false;
+  const auto change = [&](Text& text) {
+    if (change_expression(text.text, text.is_padded, product)) any = true;
+  };
+  for (auto& criteria : list) {
+    std::ranges::for_each(criteria.topics, change);
+    if (criteria.partitions) std::ranges::for_each(*criteria.partitions, change);
   }
   return any;
 }
@@ -118,6 +144,8 @@ bool end_at_first(std::vector<Rule>& rules) {
 
 bool change_rule(Rule& rule, StockProduct product) {
   bool any = close_ranges(rule.domains);
+  for (auto* list : {&rule.publish, &rule.subscribe})
+    if (change_expressions(*list, product)) any = true;
   if (product == StockProduct::cyclonedds && !rule.domains.tags.empty() &&
       rule.domains.tag_expressions.empty()) {
     rule.domains.tags.clear();
@@ -136,11 +164,14 @@ std::string_view to_string(StockProduct product) {
   return product == StockProduct::cyclonedds ? "Cyclone DDS" : "Fast DDS";
 }
 
-std::optional<Governance> as_stock_reads(const Governance& document) {
+std::optional<Governance> as_stock_reads(const Governance& document, StockProduct product) {
   auto out = document;
   bool any = false;
-  for (auto& rule : out.domain_rules)
+  for (auto& rule : out.domain_rules) {
     if (close_ranges(rule.domains)) any = true;
+    for (auto& topic : rule.topic_rules)
+      if (change_expression(topic.topic_expression, topic.is_padded, product)) any = true;
+  }
   return any ? std::optional(std::move(out)) : std::nullopt;
 }
 

@@ -15,11 +15,13 @@ inline constexpr StockProduct kStockProducts[] = {StockProduct::cyclonedds, Stoc
 /// "Cyclone DDS", "Fast DDS".
 std::string_view to_string(StockProduct product);
 
-/// A governance document as both products read it: a range of domains without <max> is one domain.
-/// Empty if nothing changes. Expressions stay unchanged (dialect.hpp).
-std::optional<Governance> as_stock_reads(const Governance& document);
+/// A governance document as the product reads it; empty if nothing changes. A range of domains
+/// without <max> is one domain. An expression that the product reads in its own way is one that
+/// matches the same names (dialect.hpp), and one between blanks matches none with Fast DDS.
+std::optional<Governance> as_stock_reads(const Governance& document, StockProduct product);
 
-/// A permissions document as the product reads it; empty if nothing changes. Ranges as above.
+/// A permissions document as the product reads it; empty if nothing changes. Ranges and expressions
+/// as above.
 /// - Cyclone DDS applies a deny_rule without partitions to the partition "" only, and ignores
 ///   <tag>.
 /// - Fast DDS denies in all partitions, and reads every <default> as DENY. A topic and its

@@ -105,6 +105,8 @@ std::optional<ReadingDifference> difference(std::string_view product, std::strin
 
 }  // namespace
 
+bool is_portable(std::string_view expression) { return reason_against(expression).empty(); }
+
 std::string as_cyclone_reads_it(std::string_view expression) {
   std::string out;
   for (std::size_t at = 0; at < expression.size(); ++at) {

@@ -34,6 +34,9 @@ std::string to_sentence(std::string_view expression, const Unportable& found);
 /// effort left.
 std::optional<Unportable> unportable(std::string_view expression, SetEffort& effort);
 
+/// True if every product reads the expression alike, as far as its text shows.
+bool is_portable(std::string_view expression);
+
 /// The names that the product matches with the expression, as an expression of the standard.
 std::string as_cyclone_reads_it(std::string_view expression);
 std::string as_fastdds_reads_it(std::string_view expression);

@@ -286,12 +286,16 @@ int GovernanceChange::new_line() const { return line_of(new_domain, new_topic); 
 GovernanceDiff compare(const Governance& old_document, const Governance& new_document,
                        const GovernanceDiffOptions& options) {
   auto out = GovernanceComparison(old_document, new_document, options).run();
-  const auto before = as_stock_reads(old_document), after = as_stock_reads(new_document);
-  if (before || after)
-    add_stock_changes(GovernanceComparison(before ? *before : old_document,
-                                           after ? *after : new_document, options)
-                          .run(),
-                      out);
+  std::vector<StockGovernanceDiff> stock;
+  for (const auto product : kStockProducts) {
+    const auto before = as_stock_reads(old_document, product);
+    const auto after = as_stock_reads(new_document, product);
+    if (before || after)
+      stock.push_back({product, GovernanceComparison(before ? *before : old_document,
+                                                     after ? *after : new_document, options)
+                                    .run()});
+  }
+  add_stock_changes(stock, out);
   return out;
 }
 

@@ -50,12 +50,10 @@ bool is_same(const GovernanceChange& ours, const GovernanceChange& theirs) {
          covers(ours.scope, theirs.scope);
 }
 
-std::string sentence(const GovernanceChange& change) {
+std::string in_words(const GovernanceChange& change) {
   const auto& [element, old_value, new_value, kind, interop] = change.element;
   return fmt::format(
-      "Cyclone DDS and Fast DDS, which read an <id_range> without <max> as one domain: {} {} -> "
-      "{}{}{}: {}",
-      element, old_value, new_value, domains_of(change.scope),
+      "{} {} -> {}{}{}: {}", element, old_value, new_value, domains_of(change.scope),
       change.is_about_topics ? ", for topics such as " + in_quotes(change.witness) : std::string(),
       to_string(kind));
 }
@@ -85,50 +83,65 @@ bool is_among(const std::vector<Change>& all, const Change& one) {
   return std::ranges::any_of(all, [&](const Change& each) { return is_same(each, one); });
 }
 
+/// What the products have more than ddssec, each once, with the products that have it.
+class Found {
+ public:
+  void add(StockProduct product, Reading reading) {
+    const auto known = std::ranges::find_if(
+        all_, [&](const auto& one) { return one.second.sentence == reading.sentence; });
+    if (known != all_.end())
+      known->first += fmt::format(" and {}", to_string(product));
+    else
+      all_.emplace_back(to_string(product), std::move(reading));
+  }
+  void put_into(Readings& readings) && {
+    for (auto& [products, reading] : all_) {
+      reading.sentence = fmt::format("with {}: {}", products, reading.sentence);
+      put(readings, std::move(reading));
+    }
+  }
+
+ private:
+  std::vector<std::pair<std::string, Reading>> all_;
+};
+
 }  // namespace
 
-void add_stock_changes(const GovernanceDiff& stock, GovernanceDiff& ours) {
-  for (const auto& change : stock.changes)
-    if (!is_among(ours.changes, change))
-      put(ours.readings, {.is_new = true,
+void add_stock_changes(const std::vector<StockGovernanceDiff>& stock, GovernanceDiff& ours) {
+  Found found;
+  const bool is_known = ours.verdict != ChangeClass::unknown;
+  for (const auto& [product, diff] : stock) {
+    for (const auto& change : diff.changes)
+      if (!is_among(ours.changes, change))
+        found.add(product, {.is_new = true,
+                            .expression = {},
+                            .sentence = in_words(change),
+                            .line = change.new_line(),
+                            .widens = is_worse(change.element.change)});
+    if (diff.verdict == ChangeClass::unknown && is_known)
+      found.add(product, {.is_new = true,
                           .expression = {},
-                          .sentence = sentence(change),
-                          .line = change.new_line(),
-                          .widens = is_worse(change.element.change)});
-  if (stock.verdict == ChangeClass::unknown && ours.verdict != ChangeClass::unknown)
-    put(ours.readings, {.is_new = true,
-                        .expression = {},
-                        .sentence = "what changes for Cyclone DDS and Fast DDS is not known",
-                        .widens = true});
-  auto days = stock.flag_day_domains;
-  days.insert(days.end(), ours.flag_day_domains.begin(), ours.flag_day_domains.end());
-  ours.flag_day_domains = joined(std::move(days));
+                          .sentence = "what changes is not known",
+                          .widens = true});
+    ours.flag_day_domains.insert(ours.flag_day_domains.end(), diff.flag_day_domains.begin(),
+                                 diff.flag_day_domains.end());
+  }
+  std::move(found).put_into(ours.readings);
+  ours.flag_day_domains = joined(std::move(ours.flag_day_domains));
 }
 
 void add_stock_changes(const std::vector<StockPermissionsDiff>& stock, PermissionsDiff& ours) {
-  std::vector<std::pair<std::string, Reading>> found;  ///< products
+  Found found;
   for (const auto& [product, diff] : stock)
-    for (const auto& change : diff.changes) {
-      if (change.change == ChangeClass::neutral || is_among(ours.changes, change)) continue;
-      auto text = in_words(change);
-      const auto known =
-          std::ranges::find_if(found, [&](const auto& one) { return one.second.sentence == text; });
-      if (known != found.end()) {
-        known->first += fmt::format(" and {}", to_string(product));
-        continue;
-      }
-      found.push_back({std::string(to_string(product)),
-                       {.is_new = true,
-                        .expression = {},
-                        .sentence = std::move(text),
-                        .line = change.new_line,
-                        .widens = is_worse(change.change),
-                        .narrows = loses(change.change)}});
-    }
-  for (auto& [products, reading] : found) {
-    reading.sentence = fmt::format("with {}: {}", products, reading.sentence);
-    put(ours.readings, std::move(reading));
-  }
+    for (const auto& change : diff.changes)
+      if (change.change != ChangeClass::neutral && !is_among(ours.changes, change))
+        found.add(product, {.is_new = true,
+                            .expression = {},
+                            .sentence = in_words(change),
+                            .line = change.new_line,
+                            .widens = is_worse(change.change),
+                            .narrows = loses(change.change)});
+  std::move(found).put_into(ours.readings);
 }
 
 }  // namespace ddssec::governance

@@ -9,11 +9,16 @@
 
 namespace ddssec::governance {
 
-/// Adds to the readings of `ours`, the comparison of two documents, what the comparison of the same
-/// documents as Cyclone DDS and Fast DDS read them has more.
-void add_stock_changes(const GovernanceDiff& stock, GovernanceDiff& ours);
+/// The comparison of the same two documents as one product reads them.
+struct StockGovernanceDiff {
+  StockProduct product;
+  GovernanceDiff diff;
+};
+/// Adds to the readings of `ours`, the comparison of two documents, what those of the products have
+/// more.
+void add_stock_changes(const std::vector<StockGovernanceDiff>& stock, GovernanceDiff& ours);
 
-/// The same for one product.
+/// The same for permissions.
 struct StockPermissionsDiff {
   StockProduct product;
   PermissionsDiff diff;

@@ -34,7 +34,7 @@ TEST(StockChanges, RangeThatBecomesOpen_IsWeakerToStockProductsAlone) {
   });
   ASSERT_NE(found, diff.readings.all.end());
   EXPECT_TRUE(found->is_new && found->widens);
-  EXPECT_THAT(found->sentence, StartsWith("Cyclone DDS and Fast DDS"));
+  EXPECT_THAT(found->sentence, StartsWith("with Cyclone DDS and Fast DDS: "));
 }
 
 TEST(StockChanges, RangeThatIsClosed_WidensNothing) {
@@ -50,6 +50,33 @@ TEST(StockChanges, SameForAll_IsSaidOnce) {
   const auto diff = compare(before, after);
   EXPECT_EQ(diff.verdict, ChangeClass::weaker);
   EXPECT_THAT(diff.readings.all, IsEmpty());
+}
+
+/// ENCRYPT for the topics of that expression, NONE for all others.
+Governance protects(const std::string& expression, bool is_padded = false) {
+  auto out = document({topic(expression), topic("*")});
+  out.domain_rules[0].topic_rules[0].is_padded = is_padded;
+  out.domain_rules[0].topic_rules[1].data_protection_kind = Kind::none;
+  return out;
+}
+
+/// The products to which the change from `secret` is weaker.
+std::vector<std::string> weaker_with(const Governance& after) {
+  std::vector<std::string> out;
+  for (const auto& one : compare(protects("secret"), after).readings.all)
+    if (one.widens && one.sentence.contains("data_protection_kind ENCRYPT -> NONE"))
+      out.push_back(one.sentence.substr(0, one.sentence.find(':')));
+  return out;
+}
+
+TEST(StockChanges, ExpressionThatProductsReadInTheirWay_IsWeakerToThem) {
+  EXPECT_THAT(weaker_with(protects("s\\ecret")),
+              testing::ElementsAre("with Cyclone DDS and Fast DDS"));
+  for (const auto* const expression : {"[^a-r]ecret", "[[:alpha:]]ecret", "[s-]ecret"})
+    EXPECT_THAT(weaker_with(protects(expression)), testing::Contains("with Cyclone DDS"))
+        << expression;
+  EXPECT_THAT(weaker_with(protects("secret", true)), testing::ElementsAre("with Fast DDS"));
+  EXPECT_THAT(weaker_with(protects("secre[t]")), IsEmpty());
 }
 
 Rule rule(bool allow, std::vector<Text> partitions, DomainRange domains = {0, 0}) {
@@ -106,6 +133,15 @@ TEST(StockChanges, RulesPutIntoOne_IsWiderToFastDds) {
   const auto back = compare(joined, apart);
   EXPECT_FALSE(back.readings.all.empty());
   EXPECT_TRUE(std::ranges::none_of(back.readings.all, &Reading::widens));
+}
+
+TEST(StockChanges, DenialThatProductsReadInTheirWay_IsWiderToThem) {
+  const auto denies = [](const char* expression) {
+    return with({about(false, {publish(expression, "*")}), about(true, {publish("*", "*")})});
+  };
+  const auto diff = compare(denies("secret"), denies("s\\ecret"));
+  EXPECT_EQ(diff.verdict, ChangeClass::neutral);
+  EXPECT_TRUE(std::ranges::any_of(diff.readings.all, &Reading::widens));
 }
 
 // With Fast DDS the first rule with the topic decides, whatever its partitions are.
@@ -182,8 +218,9 @@ TEST(StockChanges, SpellingOfTheOnlyGrant_CycloneDdsTakesNone_IsNarrowerToIt) {
   auto before = with({rule(true, {{"*"}})}), after = before;
   after.grants[0].subject_name = "cn=talker";
   const auto diff = compare(before, after);
-  EXPECT_TRUE(std::ranges::any_of(
-      diff.readings.all, [](const Reading& one) { return one.narrows && one.sentence.contains("narrower"); }));
+  EXPECT_TRUE(std::ranges::any_of(diff.readings.all, [](const Reading& one) {
+    return one.narrows && one.sentence.contains("narrower");
+  }));
   EXPECT_TRUE(std::ranges::none_of(diff.readings.all, &Reading::widens));
 }
 
