@@ -1,4 +1,4 @@
-// Domains and domain tags, cut where two documents tell them apart.
+// Domains and domain tags, divided where two documents distinguish them.
 #pragma once
 
 #include <algorithm>
@@ -16,12 +16,12 @@ namespace ddssec::governance {
 /// Every domain of `domains` with every tag of `tags`.
 struct DomainScope {
   std::vector<DomainRange> domains = {};
-  /// False: the documents speak of no tags but "", the one that participants have by default.
+  /// False: the documents name no tags except "", the default tag of participants.
   bool has_tags = false;
   NameSet tags = {};
 };
 
-/// Cells of the same answer.
+/// Cells with the same answer.
 template <class Answer>
 struct DomainRegion {
   Answer answer;
@@ -30,11 +30,11 @@ struct DomainRegion {
 
 class DomainSpace {
  public:
-  /// Nothing if there are more tags and tag expressions than can be compared.
+  /// Empty if there are more tags and tag expressions than can be compared.
   static std::optional<DomainSpace> of(const std::vector<const DomainSet*>& sets);
 
-  /// `answer_of(id, tag)` for all cells, put together to scopes: no cell is in two, and all cells
-  /// of a scope have its answer. Answers must be ordered.
+  /// Calls `answer_of(id, tag)` for all cells and combines them into scopes: no cell is in two
+  /// scopes, and all cells of a scope have its answer. Answers must be ordered.
   template <class AnswerOf>
   auto regions(const AnswerOf& answer_of) const {
     using Answer = decltype(answer_of(DomainId{}, std::string()));

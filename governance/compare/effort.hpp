@@ -1,11 +1,12 @@
-// Internal to governance/compare/: how much one comparison of two documents may cost.
+// Internal to governance/compare/: the effort limit of one comparison of two documents.
 #pragma once
 
 #include "governance/topic_sets.hpp"
 
 namespace ddssec::governance {
 
-/// For all questions of one comparison: a few seconds. Without any left the verdict is "unknown".
+/// For all questions of one comparison: a few seconds. When it is used up, the verdict is
+/// "unknown".
 inline constexpr SetEffort kEffortOfComparison{500'000'000};
 
 }  // namespace ddssec::governance

@@ -1,4 +1,5 @@
-// The sets of partitions and data tags that rules tell apart, and which elements each leaves.
+// The sets of partitions and data tags that rules distinguish, with the elements that can match for
+// each.
 #pragma once
 
 #include <cstdint>
@@ -18,12 +19,13 @@ struct RuleElement {
   const Criteria* criteria;
 };
 
-/// Entities with such partitions and data tags, and which elements of two lists can be met by them,
-/// by number, ascending. What is left to decide is the topic.
+/// Entities with certain partitions and data tags, and the elements of two lists that can match
+/// them, by number, ascending. Only the topic is left to decide.
 struct EntityContext {
-  /// Kinds of partitions that an entity with one of them, and without data tags, has.
+  /// The partitions P for which an entity with the single partition P and without data tags belongs
+  /// here, by kind.
   std::vector<NameKinds::Kind> single_partitions = {};
-  /// One entity; its partitions are never empty, "" is the default one.
+  /// One example; its partitions are never empty, "" is the default one.
   std::vector<std::string> partitions = {};
   std::vector<DataTag> data_tags = {};
   std::vector<std::uint32_t> old_elements = {}, new_elements = {};
@@ -31,17 +33,18 @@ struct EntityContext {
 
 struct EntityContexts {
   NameKinds partitions;
-  /// Different from each other in their elements; the default partition without data tags first.
+  /// The contexts; no two have the same elements. The default partition without data tags comes
+  /// first.
   std::vector<EntityContext> contexts = {};
-  /// False: there are more than kMostContexts of them, and not all were found.
+  /// False: there are more than kMostContexts, and not all were found.
   bool is_exact = true;
 };
 
 inline constexpr std::size_t kMostContexts = 2048;
 
-/// Of an entity's partitions and data tags an allow rule must list each one, and a deny rule any
-/// (DDS-Security 1.2 10.4.1.5.3.4); names of partitions are taken literally. Nothing if the
-/// expressions have too many combinations.
+/// Computes the contexts. An allow rule must list each of an entity's partitions and data tags, a
+/// deny rule any of them (DDS-Security 1.2 10.4.1.5.3.4). Names of partitions are literal. Empty if
+/// the expressions have too many combinations.
 std::optional<EntityContexts> entity_contexts(std::span<const RuleElement> old_elements,
                                               std::span<const RuleElement> new_elements,
                                               const SetLimits& limits = {});

@@ -1,4 +1,5 @@
-// Governance documents element by element: what is stronger, and which participants still talk.
+// Compares governance documents element by element: which is stronger, and which participants can
+// still communicate.
 #pragma once
 
 #include <string>
@@ -10,8 +11,9 @@
 
 namespace ddssec::governance {
 
-/// Who no longer talks to participants with the other document (measured with Cyclone DDS 0.10.2
-/// and Fast DDS 2.9.1: they compare security attributes bit by bit).
+/// The entities that can no longer communicate with participants that have the other document
+/// (measured with Cyclone DDS 0.10.2 and Fast DDS 2.9.1: they compare security attributes bit by
+/// bit).
 enum class Interop : std::uint8_t {
   none,         ///< no participant is cut off
   participant,  ///< no endpoint of the domain
@@ -28,18 +30,18 @@ struct ElementChange {
   Interop interop = Interop::none;
 };
 
-/// The order of kinds is the product of NONE < SIGN < ENCRYPT and of no < with origin
-/// authentication: stronger, weaker, mixed or neutral.
+/// Compares protection kinds by two orders: NONE < SIGN < ENCRYPT, and without < with origin
+/// authentication. The result is stronger, weaker, mixed or neutral.
 ChangeClass compare(ProtectionKind old_kind, ProtectionKind new_kind);
 
-/// What differs between two rules for one domain; nullptr: no rule, so that no participant joins.
-/// An absent list of algorithms holds all that the standard names (DDS-Security 1.2 10.4.1.2.5.9),
-/// and an absent one for the trust chain what that for signatures holds.
+/// The differences between two rules for one domain; nullptr: no rule, so no participant can join.
+/// A missing list of algorithms means all that the standard names (DDS-Security 1.2 10.4.1.2.5.9).
+/// A missing list for the trust chain means the same as the one for signatures.
 std::vector<ElementChange> compare_domain_rules(const DomainRule* old_rule,
                                                 const DomainRule* new_rule);
 
-/// What differs between two rules for one topic; nullptr: no rule, so that no endpoint may be made.
-/// The domain rules tell whether a flag has any effect.
+/// The differences between two rules for one topic; nullptr: no rule, so no endpoint can be
+/// created. The domain rules decide whether a flag has any effect.
 struct TopicRules {
   const DomainRule& old_domain;
   const DomainRule& new_domain;

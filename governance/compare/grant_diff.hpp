@@ -1,4 +1,4 @@
-// Two grants compared as sets of what they allow, whatever their subjects and times are.
+// Compares two grants by what they allow, regardless of their subjects and times.
 #pragma once
 
 #include <optional>
@@ -14,14 +14,14 @@
 
 namespace ddssec::governance {
 
-/// The endpoints that a change is about.
+/// The endpoints that a change affects.
 struct EntityWords {
-  /// Whatever partitions and data tags they have.
+  /// True: all endpoints, regardless of partitions and data tags.
   bool every = false;
-  /// The partitions for which this is so: of endpoints with one partition and without data tags.
-  /// Nothing: no such endpoint is concerned, only some like the example.
+  /// The affected partitions, for endpoints with one partition and without data tags. Empty: no
+  /// such endpoint is affected, only some like the example.
   std::optional<NameSet> partitions = std::nullopt;
-  /// One endpoint; "" is the default partition.
+  /// An example endpoint; "" is the default partition.
   std::vector<std::string> example_partitions = {};
   std::vector<DataTag> example_data_tags = {};
 };
@@ -29,42 +29,42 @@ struct EntityWords {
 /// One difference between permissions.
 struct PermissionChange {
   std::string subject = {};
-  /// Without domains: it is not about domains.
+  /// The domains; empty if the change does not concern domains.
   DomainScope scope = {};
   /// "rule", "default", "join"; "validity", "grant", "subject_name", "rewritten".
   std::string_view element = {};
   /// "publish", "subscribe", "relay", or empty.
   std::string_view operation = {};
   ChangeClass change = ChangeClass::neutral;
-  /// "allowed" and "denied", or what the element holds.
+  /// "allowed" and "denied", or the values of the element.
   std::string old_value = {}, new_value = {};
   bool is_about_topics = false;
-  /// The shortest name of a topic that it is about.
+  /// The shortest name of an affected topic.
   std::string witness = {};
-  /// All of them, in words.
+  /// All affected topics, described in words.
   TopicSet topics = {};
-  /// Of the elements that decide for these topics; empty: the default decides. Of "rewritten": what
-  /// only one of the grants has.
+  /// The expressions of the elements that decide for these topics; empty: the default decides. For
+  /// "rewritten": the expressions that only one of the grants has.
   std::vector<std::string> expressions_old = {}, expressions_new = {};
   EntityWords entities = {};
-  /// What decides for the witness, or the grant; 0: nothing.
+  /// The line that decides for the witness, or that of the grant; 0: none.
   int old_line = 0, new_line = 0;
-  /// What a reader of the line could wonder about; mostly empty.
+  /// An explanation for a change that may look surprising; mostly empty.
   std::string hint = {};
 };
 
 struct GrantDiff {
   std::vector<PermissionChange> changes = {};
   Direction direction = {};
-  /// False: some rules that changed are not named.
+  /// False: some rules that changed are not listed.
   bool is_complete = true;
   /// False: there are more than kMostContexts kinds of endpoints; direction is unknown then.
   bool is_exact = true;
 };
 
 /// Compares for every domain, domain tag, operation, topic, set of partitions and set of data tags;
-/// the first rule that matches decides, as in CompiledGrant. What no rule says about relays is
-/// denied. Times and subjects are left out.
+/// the first rule that matches decides, as in CompiledGrant. Relays are denied unless a rule allows
+/// them. Times and subjects are ignored.
 GrantDiff compare_grants(const Grant& old_grant, const Grant& new_grant,
                          const SetLimits& limits = {});
 

@@ -1,4 +1,5 @@
-// Names sorted into kinds that some expressions tell apart, and sets of kinds in words.
+// Names sorted into kinds that given expressions distinguish, and descriptions of sets of kinds in
+// words.
 #pragma once
 
 #include <cstdint>
@@ -12,18 +13,18 @@
 
 namespace ddssec::governance {
 
-/// A set of names as a person would say it.
+/// A description of a set of names, for people.
 struct NameSet {
   enum class Form : std::uint8_t {
     every,      ///< every name
     every_but,  ///< every name that none of `expressions` matches
     listed,     ///< every name that one of `expressions` matches
-    some,       ///< no such words were found: names such as `examples`
+    some,       ///< no such description was found: names such as `examples`
   };
   Form form = Form::every;
   /// "" is the expression of the empty name.
   std::vector<std::string> expressions = {};
-  /// One name for each kind in the set, the most readable of its kind; never empty.
+  /// One name for each kind in the set, the most readable one of the kind; never empty.
   std::vector<std::string> examples = {};
 
   bool is_only_empty_name() const {
@@ -31,12 +32,12 @@ struct NameSet {
   }
 };
 
-/// All names, as the expressions tell them apart; the empty name is a kind of its own.
+/// All names, divided into kinds by expressions; the empty name is a separate kind.
 class NameKinds {
  public:
   using Kind = std::uint32_t;
 
-  /// Nothing if a limit is reached.
+  /// Empty if a limit is reached.
   static std::optional<NameKinds> of(std::vector<std::string> expressions,
                                      const SetLimits& limits = {});
 

@@ -1,4 +1,4 @@
-// What two lists of rules say about one operation. For governance/compare/ only.
+// Compares two lists of rules for one operation. For governance/compare/ only.
 #pragma once
 
 #include <string_view>
@@ -11,14 +11,14 @@ namespace ddssec::governance {
 
 using RulePointers = std::vector<const Rule*>;
 
-/// "publish", "subscribe" or "relay", and where rules speak of it.
+/// "publish", "subscribe" or "relay", and the member of Rule with its elements.
 struct Operation {
   std::string_view name;
   std::vector<Criteria> Rule::*list;
   bool has_default;  ///< the grant's default decides where no rule does; else it is denied
 };
 
-/// The two sides of a comparison: grants and those of their rules that apply.
+/// The two sides of a comparison: grants, and their rules that apply.
 struct RuleSides {
   const Grant& old_grant;
   const Grant& new_grant;
@@ -29,7 +29,7 @@ struct RuleSides {
 struct OperationDiff {
   /// Without subject and scope.
   std::vector<PermissionChange> changes = {};
-  /// What changes where both defaults decide.
+  /// The change where both defaults decide.
   Direction by_default = {};
   bool is_complete = true;  ///< false: some rules that changed are not named
   bool is_exact = true;     ///< false: not every kind of endpoint was tried

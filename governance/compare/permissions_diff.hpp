@@ -1,4 +1,4 @@
-// Two permissions documents compared as sets of what they allow.
+// Compares two permissions documents by what they allow.
 #pragma once
 
 #include <string>
@@ -14,28 +14,30 @@ namespace ddssec::governance {
 struct PermissionsDiff {
   /// neutral, narrower, wider, mixed or unknown.
   ChangeClass verdict = ChangeClass::neutral;
-  /// Changed defaults first, then by class, the most worrying first.
+  /// Changed defaults first, then by class, the most serious first.
   std::vector<PermissionChange> changes = {};
-  /// False: some of the rules that changed in the same way as others are not named.
+  /// False: some rules that changed in the same way as others are not listed.
   bool is_complete = true;
   /// False: not every kind of endpoint or subject was tried; the verdict is unknown or mixed then.
   bool is_exact = true;
-  /// What other products read differently.
+  /// Constructs that other products read differently.
   Readings readings = {};
 };
 
 struct PermissionsDiffOptions {
-  /// A subject that only the old document has and one that only the new one has are the same
-  /// participant if their grants have the same name and neither is an expression.
+  /// True: a subject that only the old document has and one that only the new document has count as
+  /// the same participant if their grants have the same name and neither is an expression.
   bool map_subjects_by_grant_name = false;
   SetLimits limits = {};
 };
 
-/// Compares what every subject may do, in every domain with every tag and at every time; of a
-/// subject's grants the first that is valid counts (see find_grant). To have a valid grant is a
-/// right of its own: it opens what the governance document leaves open. Validities that do not meet
-/// are compared as if they did: a renewal is not a new participant. A subject written in another
-/// way is "interop": the same to us. Expressions written in another way are "rewritten".
+/// Compares the permissions of every subject, in every domain with every tag and at every time. Of
+/// a subject's grants, the first valid one counts (see find_grant). Having a valid grant is a right
+/// of its own, because it gives access to everything that the governance document leaves open.
+///
+/// Validities that do not overlap are compared as if they did, because a renewal is not a new
+/// participant. A subject that is written differently is "interop": the same for ddssec.
+/// Expressions that are written differently are "rewritten".
 PermissionsDiff compare(const Permissions& old_document, const Permissions& new_document,
                         const PermissionsDiffOptions& options = {});
 

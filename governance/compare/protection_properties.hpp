@@ -1,4 +1,5 @@
-// What the protection of a topic achieves against three attackers, whichever layer does it.
+// The properties that the protection of a topic provides against three kinds of attackers,
+// whichever layer provides them.
 #pragma once
 
 #include <array>
@@ -10,9 +11,9 @@
 
 namespace ddssec::governance {
 
-/// An outsider has no identity of the domain. An insider has one, but no right to read or to write
-/// the topic. A relay stores and forwards samples: it has the keys of submessages and not those of
-/// payloads (DDS-Security 1.2 9.5.1.9.3).
+/// The properties. An outsider has no identity in the domain. An insider has one, but no right to
+/// read or write the topic. A relay stores and forwards samples: it has the keys of submessages and
+/// not those of payloads (DDS-Security 1.2 9.5.1.9.3).
 enum class Property : std::uint8_t {
   outsider_payload_secrecy,
   outsider_payload_integrity,
@@ -23,14 +24,14 @@ enum class Property : std::uint8_t {
   outsider_liveliness_integrity,
   outsider_bootstrap_secrecy,  ///< announcements and handshakes before there are keys
   outsider_bootstrap_integrity,
-  outsider_rejection,  ///< participants that do not authenticate are not talked to
+  outsider_rejection,  ///< participants that do not authenticate are rejected
   insider_payload_secrecy,
   insider_payload_integrity,
   insider_metadata_secrecy,
   insider_metadata_integrity,
   insider_sender_known,  ///< readers know which writer sent a sample
   insider_join_control,  ///< permissions decide which participants join
-  insider_key_revision,  ///< a participant that is removed does not keep the keys in use
+  insider_key_revision,  ///< a removed participant does not have the keys that are then in use
   relay_payload_secrecy,
   relay_payload_integrity,
 };
@@ -39,10 +40,11 @@ using Properties = std::bitset<kProperties>;
 
 /// "insider.payload_secrecy".
 std::string_view to_string(Property property);
-/// What is true without it, such as "insiders without the right to read can read the payload".
+/// The consequence of its absence, such as "insiders without the right to read can read the
+/// payload".
 std::string_view without(Property property);
 
-/// All that properties follow from, for one topic.
+/// All values on which the properties depend, for one topic.
 struct Protection {
   bool allow_unauthenticated_participants = false;
   bool enable_join_access_control = true;
@@ -61,18 +63,18 @@ struct Protection {
   static Protection of(const DomainRule& domain, const TopicRule& topic);
 };
 
-/// What the rules give a topic.
+/// The properties that the rules provide for a topic.
 Properties properties(const Protection& protection);
 Properties properties(const DomainRule& domain, const TopicRule& topic);
 
-/// What a change of one element has a part in.
+/// The properties that change because of one element.
 struct Effect {
   Properties lost = {}, gained = {};
 };
 
-/// Of the properties that are lost and gained from `before` to `after`, those that the element
-/// called `element` has a part in: its change alone makes the difference, or without its change
-/// there would be none. An element that is none of Protection has no part.
+/// The lost and gained properties from `before` to `after` to which the element called `element`
+/// contributes: its change alone makes the difference, or without its change there would be none.
+/// An element that is not in Protection contributes nothing.
 Effect effect_of(std::string_view element, const Protection& before, const Protection& after);
 
 /// The properties in the set, in order.

@@ -1,4 +1,5 @@
-// What only one of two documents has, and other products read differently from ddssec.
+// Constructs that only one of two documents has and that other products read differently from
+// ddssec.
 #pragma once
 
 #include <cstddef>
@@ -9,12 +10,12 @@
 
 namespace ddssec::governance {
 
-/// One construct that some product reads differently, or refuses.
+/// One construct that some product reads differently or refuses.
 struct Reading {
   bool is_new = false;     ///< only the new document has it; else only the old one
-  std::string expression;  ///< the expression; empty: it is about something else
+  std::string expression;  ///< the expression; empty: another construct
   std::string sentence;    ///< as lint says it
-  int line = 0;            ///< where it stands first
+  int line = 0;            ///< line of its first occurrence
   /// A participant has rights with Cyclone DDS that it does not have with ddssec.
   bool widens = false;
   /// A participant loses rights with a stock product that it keeps with ddssec.
@@ -22,7 +23,7 @@ struct Reading {
 };
 
 struct Readings {
-  /// Those of the new document first, each side by line.
+  /// The readings of the new document first, each side by line.
   std::vector<Reading> all = {};
   /// False: there are more than kMostReadings, or more expressions than could be tried.
   bool is_complete = true;
@@ -30,9 +31,10 @@ struct Readings {
 
 inline constexpr std::size_t kMostReadings = 100;
 
-/// Expressions of topics and partitions that Cyclone DDS or Fast DDS matches with other names, and
-/// the readers' notes but those of open ranges. An expression that both documents have is left out,
-/// wherever it stands. Verdicts do not depend on this: they say what ddssec decides.
+/// Finds expressions of topics and partitions that match other names with Cyclone DDS or Fast DDS,
+/// and the readers' notes except those about open ranges. An expression that occurs in both
+/// documents is left out, wherever it is. Verdicts do not depend on this: they describe the
+/// decisions of ddssec.
 Readings readings_of(const Governance& old_document, const Governance& new_document);
 Readings readings_of(const Permissions& old_document, const Permissions& new_document);
 

@@ -1,4 +1,4 @@
-// What a change of a document changes for stock products, and not for ddssec.
+// The effect of a change on stock products that it does not have on ddssec.
 #pragma once
 
 #include <vector>
@@ -14,8 +14,8 @@ struct StockGovernanceDiff {
   StockProduct product;
   GovernanceDiff diff;
 };
-/// Adds to the readings of `ours`, the comparison of two documents, what those of the products have
-/// more.
+/// Adds to the readings of `ours`, the comparison of two documents, those changes that appear only
+/// in the comparisons for the products.
 void add_stock_changes(const std::vector<StockGovernanceDiff>& stock, GovernanceDiff& ours);
 
 /// The same for permissions.

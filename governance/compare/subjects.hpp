@@ -1,4 +1,4 @@
-// The subjects that grants of two documents tell apart, and the grants of each.
+// The subjects that the grants of two documents distinguish, with the grants of each.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@ namespace ddssec::governance {
 
 using Grants = std::vector<const Grant*>;
 
-/// Subjects for which both documents have the same grants, in document order.
+/// A set of subjects with the same grants in both documents, in document order.
 struct Subject {
   Grants old_grants = {}, new_grants = {};
 };
@@ -22,15 +22,16 @@ struct Subjects {
   bool is_exact = true;
 };
 
-/// Every subject that some grant is for (see is_for) is of exactly one entry, in the order of the
-/// grants of the old document, then of the new one. Subjects that no grant is for are left out.
+/// Finds the sets. Every subject that has a grant (see is_for) is in exactly one of them. They are
+/// in the order of the grants of the old document, then of the new one. Subjects without a grant
+/// are left out.
 Subjects subjects_of(const Permissions& old_document, const Permissions& new_document);
 
-/// The subject as the grants write it, the plainest spelling.
+/// The grant with the plainest spelling of the subject.
 const Grant& spelling_of(const Subject& subject);
 
-/// True if both are for just the same subjects, however they are written. False if that could not
-/// be found out.
+/// True if both are for exactly the same subjects, in any spelling. False if that could not be
+/// determined.
 bool same_subjects(const Grant& a, const Grant& b);
 
 }  // namespace ddssec::governance

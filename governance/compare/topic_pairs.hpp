@@ -1,4 +1,4 @@
-// Which rule of an old list and which rule of a new one decide for the same names.
+// Finds the pairs of an old and a new rule that decide for the same names.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace ddssec::governance {
 
-/// A list of rules of which the first that matches a name decides.
+/// A list of rules; the first one that matches a name decides.
 struct RuleList {
   struct Item {
     std::string_view expression;
@@ -20,7 +20,7 @@ struct RuleList {
     std::uint32_t effect;  ///< equal for rules that do the same
   };
   std::vector<Item> items = {};
-  /// What happens to names that no rule matches.
+  /// The effect for names that no rule matches.
   std::uint32_t default_effect = 0;
 };
 
@@ -31,7 +31,7 @@ class RuleFinder {
 
   explicit RuleFinder(const RuleList& rules);
   Rule first(std::string_view name) const;
-  /// The same within so many steps, which are taken off; nothing if they are too few.
+  /// The same with at most `steps` steps, which are subtracted; empty if they do not suffice.
   std::optional<Rule> first(std::string_view name, std::size_t& steps) const;
 
  private:
@@ -39,7 +39,7 @@ class RuleFinder {
   std::vector<std::uint32_t> rule_of_;  ///< of each expression
 };
 
-/// Names that an old and a new list leave to these rules; nothing: no rule matches.
+/// Names for which these two rules decide; empty: no rule matches.
 struct TopicPair {
   std::optional<std::uint32_t> old_rule, new_rule;
   std::string witness;
@@ -47,17 +47,17 @@ struct TopicPair {
 
 struct TopicPairs {
   std::vector<TopicPair> pairs = {};
-  /// True: every two rules that decide for some name are there.
+  /// True: every pair of rules that decides for some name is included.
   bool names_all_rules = true;
-  /// True: every two effects that some name has are there. False: a limit was reached.
+  /// True: every pair of effects that some name has is included. False: a limit was reached.
   bool names_all_effects = true;
 };
 
-/// Every pair that some name has, as far as it can be found out within the limits.
+/// All pairs of rules that decide for some name, as far as they are found within the limits.
 TopicPairs topic_pairs(const RuleList& old_list, const RuleList& new_list, const SetLimits& limits);
 
-/// The pairs of these names, the first name of each; `names_all_effects` is false if not every name
-/// was looked up.
+/// The pairs for these names, with the first name of each as witness. `names_all_effects` is false
+/// if not every name was looked up.
 TopicPairs pairs_of_names(const std::vector<std::string>& names, const RuleList& old_list,
                           const RuleList& new_list, const SetLimits& limits);
 

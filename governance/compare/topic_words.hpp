@@ -1,4 +1,4 @@
-// Which topics a change is about, in words.
+// Describes in words which topics a change affects.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace ddssec::governance {
 
-/// The names that `expression` matches and `also` too, and none of `except`.
+/// The names that both `expression` and `also` match, and none of `except`.
 struct TopicWords {
   std::string expression = "*";
   std::string also = {};
@@ -21,14 +21,15 @@ struct TopicWords {
   bool operator==(const TopicWords&) const = default;
 };
 
-/// Some sets of names, together what a change is about.
+/// Sets of names that together describe the affected topics.
 struct TopicSet {
   std::vector<TopicWords> words = {};
-  /// How many more sets there are.
+  /// The number of further sets.
   std::size_t others = 0;
 };
 
-/// The names that are left to these pairs of rules, each once. At most `most` are put into words.
+/// Describes the names for which these pairs of rules decide, each once. At most `most` sets are
+/// put into words.
 TopicSet topics_in_words(const RuleList& old_list, const RuleList& new_list,
                          std::span<const TopicPair> pairs, SetEffort* effort = nullptr,
                          std::size_t most = 3);

@@ -1,4 +1,4 @@
-// The words in which comparisons of documents are told.
+// The terms in which comparisons of documents are reported.
 #pragma once
 
 #include <cstdint>
@@ -6,20 +6,20 @@
 
 namespace ddssec::governance {
 
-/// What one difference between documents means.
+/// The meaning of one difference between documents.
 enum class ChangeClass : std::uint8_t {
   neutral,
-  interop,   ///< the same to us, perhaps not to other products
+  interop,   ///< the same for ddssec, perhaps not for other products
   stronger,  ///< governance: better protected
   narrower,  ///< less is allowed
   wider,     ///< more is allowed
   weaker,    ///< governance: less protected
   mixed,     ///< some of both
-  unknown,   ///< it could not be found out
+  unknown,   ///< it could not be determined
 };
 std::string_view to_string(ChangeClass change);
 
-/// Collects classes; wider counts as down, narrower as up.
+/// Combines classes; wider counts as down, narrower as up.
 class Direction {
  public:
   void add(ChangeClass change);

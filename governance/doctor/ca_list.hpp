@@ -1,5 +1,5 @@
-// The identity CA's own revocation list, where the CA lies beside the participant: the keystore of
-// an enclave, or the CA's folder that `init` and `ca create` make.
+// Finds the identity CA's own revocation list if the CA is near the participant's folder: in the
+// keystore of an enclave, or in the CA's folder that `init` and `ca create` make.
 #pragma once
 
 #include <filesystem>
@@ -18,14 +18,15 @@ struct CaList {
   std::filesystem::path file;
 };
 
-/// The newest list that lies in a CA's place beside the folder or above it and that one of `cas`
-/// signed, whatever its dates, if its number is higher than those of `own`, the participant's.
+/// The newest list, signed by one of `cas`, in a CA folder beside or above the participant's
+/// folder, whatever its dates. Empty unless its number is higher than those of `own`, the
+/// participant's lists.
 std::optional<CaList> newer_ca_list(const pki::ParticipantFolder& folder,
                                     const std::vector<pki::Certificate>& cas,
                                     const std::vector<pki::Crl>& own);
 
-/// The newest list in such a place of a CA that signed a list of `own` with a higher number: the
-/// CA's folder came back from a backup, or it is a copy.
+/// The newest list in such a folder whose CA signed a list of `own` with a higher number: the CA's
+/// folder was restored from a backup, or is a copy.
 std::optional<CaList> outdated_ca_list(const pki::ParticipantFolder& folder,
                                        const std::vector<pki::Certificate>& cas,
                                        const std::vector<pki::Crl>& own);

@@ -1,4 +1,4 @@
-// What each product makes of a certificate under a CA file. For governance/doctor/ only.
+// Predicts how each product judges a certificate with a CA file. For governance/doctor/ only.
 #pragma once
 
 #include <vector>
@@ -8,8 +8,8 @@
 
 namespace ddssec::governance::doctor {
 
-/// `proof` is what our own verifier says; what stock products make of the same was measured. Wrong
-/// dates count as ok here if `dates_elsewhere`.
+/// `proof` is the result of ddssec's verifier; the behaviour of stock products was measured. Wrong
+/// dates count as ok if `dates_elsewhere`, because another check reports them.
 Outcomes chain_outcomes(const pki::Certificate& certificate,
                         const std::vector<pki::Certificate>& cas,
                         const Result<pki::ChainValid>& proof, bool dates_elsewhere,

@@ -10,40 +10,40 @@ namespace ddssec::governance::doctor {
 
 using ddssec::to_string;
 
-/// As messages name a file of a participant's folder.
+/// The name of a file of a participant's folder in messages.
 inline std::string name_of(const std::filesystem::path& path) { return path.filename().string(); }
 
-/// What a hint says of the permissions of a ROS 2 enclave, which come from a policy; empty for a
-/// participant that is none.
+/// The hint about the permissions of a ROS 2 enclave, which come from a policy; empty for other
+/// participants.
 inline std::string remedy_of_ros(const LoadedFolder& folder) {
   if (folder.paths.layout != pki::FolderLayout::sros2) return {};
   return "add it to the policy, then ddssec keystore permission KEYSTORE ENCLAVE --policy FILE "
          "--node-defaults";
 }
 
-/// Both files can be read and hold the same.
+/// True if both files can be read and have the same content.
 bool has_same_octets(const std::filesystem::path& one, const std::filesystem::path& other);
 
-/// Files there, of the right kind, closed to others.
+/// Checks that the files exist, are of the right kind and are not accessible for other users.
 void check_files(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
-/// The configurations beside them: whether a process that starts with them reads the files that
-/// were judged, and is secured.
+/// Checks the configuration files in the folder: whether a process that starts with them reads the
+/// checked files and uses security.
 void check_configurations(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
-/// Certificate, key, CA, revocation.
+/// Checks certificate, key, CA and revocation.
 void check_identity(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
-/// Form, signature and signer of both documents, and whether they can be read.
+/// Checks form, signature and signer of both documents, and whether they can be parsed.
 void check_documents(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
-/// What the documents say about this participant in the domain.
+/// Checks the rights of this participant in the domain.
 void check_rights(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
-/// What ends first.
+/// Checks what expires first.
 void check_ends(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
 
-/// What governs the participant: the grant that ours would take, or nullptr.
+/// The grant that ddssec's plugins would apply to the participant, or nullptr.
 const Grant* grant_of(const LoadedFolder& folder, WallTime now);
 
-/// What to do where something begins after now: a clock that is behind is the usual reason.
+/// The hint for something that begins after `now`: the usual reason is a clock that is slow.
 std::string clock_hint(WallTime now);
-/// The same if `begin` is after now; else nothing, and the rule's own hint counts.
+/// The same if `begin` is after `now`; otherwise empty, so that the rule's own hint counts.
 std::string hint_if_early(WallTime begin, WallTime now);
 
 }  // namespace ddssec::governance::doctor

@@ -1,4 +1,4 @@
-// How configurations of Cyclone DDS are judged. For governance/doctor/ only.
+// Checks configurations of Cyclone DDS. For governance/doctor/ only.
 #pragma once
 
 #include <filesystem>
@@ -10,17 +10,17 @@
 
 namespace ddssec::governance::doctor {
 
-/// A configuration, and the participant that it may be for.
+/// A configuration, and the participant that it may belong to.
 struct ConfigurationInQuestion {
-  std::string name;  ///< what sentences call it
+  std::string name;  ///< its name in messages
   std::filesystem::path document;
   const LoadedFolder& folder;
   DomainId domain;
   const EffectiveSecurity& security;
 };
 
-/// DOC101, DOC102: whether a process that starts with it comes up, with the documents of the folder
-/// in force. Which files it names is another matter (DOC008).
+/// DOC101, DOC102: checks that a process with this configuration starts, with the documents of the
+/// folder in force. Which files it names is checked elsewhere (DOC008).
 void check_effective_security(const ConfigurationInQuestion& question, Diagnosis& out);
 
 }  // namespace ddssec::governance::doctor

@@ -1,4 +1,4 @@
-// What is wrong with a participant's folder, for each product: all of it in one run.
+// Finds everything that is wrong with a participant's folder, for each product, in one run.
 #pragma once
 
 #include <span>
@@ -13,10 +13,10 @@
 
 namespace ddssec::governance::doctor {
 
-/// What findings are by; a document's rule is governance::Rule.
+/// The rule of a finding; a document's rule is governance::Rule.
 using ddssec::Rule;
 
-/// One thing that was looked at, and what each product makes of it.
+/// One check, and its outcome for each product.
 struct Check {
   Rule rule;
   std::string title;  ///< such as "permissions: signature"
@@ -24,31 +24,30 @@ struct Check {
   std::vector<Finding> findings = {};  ///< empty: nothing to say
 };
 
-/// When and where the participant is to run.
+/// The time and the domain in which the participant is to run.
 struct Settings {
   WallTime now;
   DomainId domain = 0;
-  /// Of the endpoints, where two participants meet; none: the partition "".
+  /// The partitions of the endpoints of two participants that meet; empty: the partition "".
   std::vector<std::string> partitions = {};
-  /// Which party has to be able to write a topic that the other reads; none: either of them.
+  /// Which party must be able to write a topic that the other reads; none: either of them.
   bool writes[2] = {false, false};
-  /// The versions that are predicted.
+  /// The versions for which to predict.
   Lineup lineup = {};
 };
 
-/// Everything that was looked at, in the order of a participant's start.
+/// All checks, in the order of a participant's start.
 class Diagnosis {
  public:
   Diagnosis() = default;
   /// Findings name these versions.
   explicit Diagnosis(const Lineup& lineup) : lineup_(lineup) {}
 
-  /// Nothing is wrong with it.
+  /// Adds a check without findings.
   void pass(Rule rule, std::string_view about = {});
-  /// Something is wrong. The finding's vendors are filled in from the outcomes, if it is not the
-  /// same for all.
+  /// Adds a finding. Its vendors are filled in from the outcomes unless these are the same for all.
   void report(Outcomes outcomes, Finding finding, std::string_view about = {});
-  /// Adds the other's checks behind these.
+  /// Appends the checks of `other`.
   void append(Diagnosis other);
 
   const std::vector<Check>& checks() const { return checks_; }
@@ -61,12 +60,13 @@ class Diagnosis {
   std::vector<Check> checks_;
 };
 
-/// Looks at every piece of the folder. What cannot be judged because another piece is broken is
-/// left out; that piece is reported.
+/// Checks every part of the folder. A check that is impossible because another part is broken is
+/// left out; the broken part is reported.
 Diagnosis diagnose(const LoadedFolder& folder, const Settings& settings);
 
-/// Whether the configuration of Cyclone DDS that the environment names, its text, makes the
-/// participant's process read the files of the folder. One of another participant says nothing.
+/// Checks whether a configuration of Cyclone DDS (`text`, named by the environment) makes the
+/// participant's process read the files of the folder. A configuration of another participant is
+/// ignored.
 void check_configuration_in_force(const LoadedFolder& folder, std::string_view text,
                                   const Settings& settings, Diagnosis& out);
 

@@ -1,4 +1,4 @@
-// The domain that a participant's documents are for.
+// The domains that a participant's documents cover.
 #pragma once
 
 #include <span>
@@ -13,20 +13,21 @@ namespace ddssec::governance::doctor {
 using Domains = std::vector<DomainRange>;
 
 /// The domains that both the governance document and the allow rules of the participant's grant
-/// cover; one of either if they have none in common; nothing if neither can be read.
+/// cover; those of either one if they have none in common; empty if neither can be read.
 Domains domains_of(const LoadedFolder& folder, WallTime now);
 
-/// A domain, and whether others would have done as well.
+/// A chosen domain, and the alternatives.
 struct DomainChoice {
   DomainId domain = 0;
-  /// All that the documents name; nothing if they name none.
+  /// All domains that the documents name; empty if they name none.
   Domains named = {};
 
   bool has_others() const { return !named.empty() && named.front().first != named.back().last; }
 };
 
-/// The domain that all of these participants' documents cover (one of any, if none is common to
-/// all): domain 0 if that is one of several, else the lowest; 0 if no document names a domain.
+/// Chooses a domain that the documents of all these participants cover (of any, if none is common
+/// to all): domain 0 if that is one of several, otherwise the lowest; 0 if no document names a
+/// domain.
 DomainChoice choose_domain(std::span<const Domains> participants);
 
 /// In ascending order, with no two that touch.

@@ -1,4 +1,4 @@
-// The <Security> element of a Cyclone DDS configuration that counts for one domain.
+// Finds the <Security> element of a Cyclone DDS configuration that applies to one domain.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace ddssec::governance::doctor {
 
-/// A text of the configuration and the line that it stands in, from 1.
+/// A text of the configuration and its line, from 1.
 struct ConfiguredText {
   std::string text;
   int line = 0;
@@ -21,35 +21,35 @@ struct ConfiguredText {
 struct ConfiguredPlugin {
   /// Attributes of <Library> by their names in lower case: path, initfunction, finalizefunction.
   std::vector<std::pair<std::string, ConfiguredText>> library = {};
-  /// The other elements, by their names in lower case, without blanks around the value.
+  /// The other elements, by their names in lower case; values without surrounding blanks.
   std::vector<std::pair<std::string, ConfiguredText>> values = {};
 
-  /// Nothing if the <Library> has no such attribute.
+  /// Null if the <Library> has no such attribute.
   const ConfiguredText* attribute(std::string_view name) const;
-  /// Nothing if there is no such element.
+  /// Null if there is no such element.
   const ConfiguredText* value(std::string_view name) const;
 };
 
-/// What Cyclone DDS 0.10.2 and 0.10.5 make of a configuration for one domain. Measured with both:
-/// tests/unit/governance_doctor/effective_security_test.cpp has the table. Of elements outside of
-/// <Security> those directly below <CycloneDDS> and <Domain> are judged; of deeper ones an unknown
-/// name or attribute is a doubt, and one value that is set twice a problem. Values are not judged
-/// (DECISIONS.md).
+/// How Cyclone DDS 0.10.2 and 0.10.5 read a configuration for one domain. Measured with both: the
+/// table is in tests/unit/governance_doctor/effective_security_test.cpp. Outside of <Security>,
+/// elements directly below <CycloneDDS> and <Domain> are checked. In deeper elements an unknown
+/// name or attribute is a doubt, and a single value that is set twice is a problem. Values are not
+/// checked (DECISIONS.md).
 struct EffectiveSecurity {
-  /// What keeps a process from starting, as sentences without their subject.
+  /// Reasons why a process does not start, as sentences without their subject.
   std::vector<ConfiguredText> problems = {};
-  /// What keeps a process of 0.10.2 and 0.10.5 from starting, and of another version maybe not.
+  /// Reasons why a process with 0.10.2 or 0.10.5 does not start; another version may start.
   std::vector<ConfiguredText> doubts = {};
-  /// A <Security> that counts for the domain.
+  /// True if a <Security> applies to the domain.
   bool is_there = false;
-  /// The Id of a <Domain> with a <Security> that counts for another domain; empty: there is none.
+  /// The Id of a <Domain> with a <Security> that applies to another domain; empty: there is none.
   std::string other_domain = {};
   std::optional<ConfiguredPlugin> authentication = {};
   std::optional<ConfiguredPlugin> cryptographic = {};
   std::optional<ConfiguredPlugin> access_control = {};
 };
 
-/// Where a configuration stands.
+/// The source of a configuration.
 enum class ConfigurationPlace : std::uint8_t {
   file,      ///< one file: a whole document
   variable,  ///< CYCLONEDDS_URI: also several documents, or parts of one without end tags

@@ -1,5 +1,4 @@
-// Which plugin libraries Cyclone DDS would load in an environment: ddssec's, or others in their
-// place.
+// Determines which plugin libraries Cyclone DDS would load in an environment: ddssec's or others.
 #pragma once
 
 #include <filesystem>
@@ -13,40 +12,42 @@
 
 namespace ddssec::governance::doctor {
 
-/// One plugin as the configuration names it, and what the loader makes of that.
+/// One plugin of the configuration, and the library that the loader would find for it.
 struct HostPlugin {
   enum class Maker : std::uint8_t { none, ours, other };
   std::string_view role;       ///< authentication, access control, cryptography
   std::string library;         ///< the `path` of its <Library>
-  std::filesystem::path file;  ///< empty: nothing is found
+  std::filesystem::path file;  ///< empty: not found
   Maker maker = Maker::none;
-  std::string version = {};  ///< of ours; empty: not known
+  std::string version = {};  ///< of a ddssec library; empty: unknown
   std::vector<std::string> missing =
-      {};                               ///< libraries that ours needs and the loader would not find
-  bool is_cut_off = false;              ///< the process that loads it ends
-  std::filesystem::path obstacle = {};  ///< no library: here the loader's search ended before
+      {};                   ///< libraries that ours needs and the loader would not find
+  bool is_cut_off = false;  ///< the process that loads it crashes
+  std::filesystem::path obstacle =
+      {};  ///< a file that is no library and at which the loader's search ended
 };
 /// "ddssec 0.2.0", "stock, not ddssec's", "not found".
 std::string maker_of(const HostPlugin& plugin);
 
-/// The three plugins of a configuration; none if it does not configure security, or names a library
-/// with a variable in it. Nothing is loaded.
+/// The three plugins of a configuration; empty if it does not configure security, or names a
+/// library with a variable in it. Nothing is loaded.
 std::vector<HostPlugin> host_plugins(std::string_view configuration, const LoaderPlaces& places);
-/// Those that rmw_cyclonedds_cpp configures.
+/// The plugins that rmw_cyclonedds_cpp configures.
 std::vector<HostPlugin> plugins_of_node(const LoaderPlaces& places);
 
-/// The file that Cyclone DDS would load for a library's name or path; empty: it finds none.
+/// The file that Cyclone DDS would load for a library's name or path; empty if it finds none.
 std::filesystem::path library_file(const std::string& library, const LoaderPlaces& places);
 
-/// True if the file says that it is of ddssec. Not by loading it: that would run its code.
+/// True if the file is a ddssec library, judged by its content. It is not loaded, because that
+/// would run its code.
 bool is_ours(const std::filesystem::path& library);
 
-/// Reports plugins that are missing, of several products or versions, or not to be loaded, and
-/// others in place of ours where LD_LIBRARY_PATH or `were_ours_meant` says that ours were meant:
-/// the application runs nevertheless, and says nothing.
+/// Reports plugins that are missing, of several products or versions, or cannot be loaded. Also
+/// reports other plugins if LD_LIBRARY_PATH or `were_ours_meant` shows that ddssec's were intended:
+/// the application then runs without any message.
 void check_host_plugins(const std::vector<HostPlugin>& plugins, const LoaderPlaces& places,
                         bool were_ours_meant, Diagnosis& out);
-/// Reports plugins of ours that cannot be loaded here, and nothing else.
+/// Reports only ddssec plugins that cannot be loaded here.
 void check_loadable(const std::vector<HostPlugin>& plugins, Diagnosis& out);
 
 }  // namespace ddssec::governance::doctor

@@ -1,4 +1,4 @@
-// Which version of a stock product this machine has.
+// The version of a stock product that is installed on this machine.
 #pragma once
 
 #include <filesystem>
@@ -10,12 +10,12 @@
 
 namespace ddssec::governance::doctor {
 
-/// Where the dynamic loader looks: the folders of LD_LIBRARY_PATH, then the system's.
+/// The folders that the dynamic loader searches: those of LD_LIBRARY_PATH, then the system's.
 std::vector<std::filesystem::path> library_folders(std::string_view library_path);
 
 /// The version in the name of the product's library (libddsc.so.0.10.2, libfastrtps.so.2.9.1,
-/// libfastdds.so.3.1.2) in the first of the folders that has one; the newest there. Nothing is
-/// loaded. Nothing if there is none, or for ours.
+/// libfastdds.so.3.1.2), from the first folder that has one, and the newest there. Nothing is
+/// loaded. Empty if there is none, or for ddssec.
 std::optional<Version> installed_version(Vendor vendor,
                                          const std::vector<std::filesystem::path>& folders);
 

@@ -1,5 +1,5 @@
-// Where the dynamic loader finds a library that is opened by its name alone, as glibc's ld.so looks
-// (measured with 2.36). Nothing is loaded.
+// Predicts which file the dynamic loader opens for a library name, as glibc's ld.so does (measured
+// with 2.36). Nothing is loaded.
 #pragma once
 
 #include <cstdint>
@@ -10,44 +10,45 @@
 
 namespace ddssec::governance::doctor {
 
-/// Where the dynamic loader looks for a library that the host opens by its name alone.
+/// The places where the dynamic loader searches for a library that the host opens by name.
 struct LoaderPlaces {
   std::string library_path;                              ///< LD_LIBRARY_PATH
-  std::filesystem::path cache = "/etc/ld.so.cache";      ///< what ldconfig wrote
-  std::vector<std::filesystem::path> system = {};        ///< its own folders, in their order
-  std::vector<std::filesystem::path> after_loader = {};  ///< where the host looks by itself then
-  std::filesystem::path dropin = {};  ///< of this program's installation or build; empty: none
-  /// Subfolders of every folder that come before the folder itself, in the loader's order, such as
+  std::filesystem::path cache = "/etc/ld.so.cache";      ///< the cache of ldconfig
+  std::vector<std::filesystem::path> system = {};        ///< the loader's own folders, in order
+  std::vector<std::filesystem::path> after_loader = {};  ///< where the host searches afterwards
+  /// Folder of this program's installation or build; empty: none.
+  std::filesystem::path dropin = {};
+  /// Subfolders that are searched before each folder itself, in the loader's order, such as
   /// "glibc-hwcaps/x86-64-v3" (loader_subfolders.hpp).
   std::vector<std::string> subfolders = {};
 
-  /// Of this process: its variable, and the folders of this machine.
+  /// The places for this process: its variable, and the folders of this machine.
   static LoaderPlaces here();
 };
 
-/// What the loader makes of a file.
+/// The loader's reaction to a file.
 enum class LibraryState : std::uint8_t {
   absent,    ///< not there, not readable, or for another class of machine: the search goes on
   loadable,  ///< as far as its header shows
-  refused,   ///< no library of this machine, as a folder or an empty file: the search ends
-  cut_off,   ///< shorter than its header says: the process that loads it ends by SIGBUS
+  refused,   ///< not a library for this machine, such as a folder or an empty file: the search ends
+  cut_off,   ///< shorter than its header says: loading it crashes the process (SIGBUS)
 };
 LibraryState library_state(const std::filesystem::path& file);
 
-/// The file that the loader comes to, and what it makes of it; `absent` has no file.
+/// The file that the loader finds, and its state; `absent` has no file.
 struct FoundLibrary {
   std::filesystem::path file = {};
   LibraryState state = LibraryState::absent;
 };
 FoundLibrary found_by_loader(const std::string& name, const LoaderPlaces& places);
-/// The first in these folders and their subfolders.
+/// The first one in these folders and their subfolders.
 FoundLibrary found_in(const std::vector<std::filesystem::path>& folders,
                       const std::vector<std::string>& subfolders, const std::string& name);
 
 /// The folders of LD_LIBRARY_PATH or of a DT_RUNPATH; an empty one is ".".
 std::vector<std::filesystem::path> folders_of(std::string_view library_path);
 
-/// At most 64 MiB of a file.
+/// The first 64 MiB of a file at most.
 std::string library_octets(const std::filesystem::path& path);
 
 }  // namespace ddssec::governance::doctor

@@ -1,13 +1,13 @@
-// What lint finds in a participant's documents, as part of its diagnosis.
+// Adds lint of a participant's documents to its diagnosis.
 #pragma once
 
 #include "governance/doctor/diagnosis.hpp"
 
 namespace ddssec::governance::doctor {
 
-/// Adds the findings of lint on both documents, as far as they can be read; what a check of `out`
-/// was about already is not said again. No verdict changes: what a product refuses is the other
-/// checks' to say. To be called after them.
+/// Adds the findings of lint for both documents, as far as they can be read. A finding that repeats
+/// a check of `out` is left out. No outcome changes, because the other checks report what a product
+/// refuses. Call it after them.
 void check_lint(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
 
 }  // namespace ddssec::governance::doctor

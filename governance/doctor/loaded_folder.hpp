@@ -1,4 +1,4 @@
-// A participant's folder, loaded piece by piece: what is broken does not hide what else is.
+// A participant's folder, loaded part by part, so that a broken part does not hide others.
 #pragma once
 
 #include <memory>
@@ -22,32 +22,34 @@ namespace ddssec::governance::doctor {
 /// A signed document of a folder. `Model` is Governance or Permissions.
 template <class Model>
 struct LoadedDocument {
-  /// Why the file cannot be read; success if it can.
+  /// Success if the file can be read.
   Status readable = {};
   Bytes file = {};
   pki::DocumentForm form = {};
-  /// Whether each product believes the signature; see believes().
+  /// Whether each product accepts the signature; see believes().
   Status cyclonedds_belief = {};
   Status fastdds_belief = {};
   Status our_belief = {};
-  /// What the document says, even if its signature is wrong; null if it cannot be read.
+  /// The content of the document, even if its signature is wrong; null if it cannot be parsed.
   std::shared_ptr<const Model> model = {};
-  /// Why ours does not read it.
+  /// The reason why ddssec does not parse it.
   Status parsed = {};
-  /// What was left out of the text so that it could be read, since stock products may skip it.
+  /// The parts that were removed from the text so that it could be parsed, because stock products
+  /// may skip them.
   std::vector<Variant> left_out = {};
-  /// A comment or CDATA in a value was left out, too.
+  /// A comment or CDATA in a value was removed too.
   bool has_joined_values = false;
-  /// Names of elements in capitals, which Cyclone DDS takes, were read as small letters.
+  /// Element names in capitals, which Cyclone DDS accepts, were converted to lower case.
   bool has_capital_names = false;
 
-  /// Whether a product reads it, as far as its own reader may differ. Error: why ours does not.
+  /// Success if a product can parse it, as far as its parser may differ. Otherwise the error is
+  /// ddssec's.
   Status read_by(Vendor vendor) const {
     return vendor != Vendor::ours && model ? Status() : parsed;
   }
 };
 
-/// What of a folder could be loaded. Each Result stands for itself.
+/// The loaded parts of a folder. Each Result is independent of the others.
 struct LoadedFolder {
   pki::ParticipantFolder paths;
   Result<std::vector<pki::Certificate>> identity_cas;
@@ -57,30 +59,30 @@ struct LoadedFolder {
   /// Empty if there is no such file.
   Result<std::vector<pki::Crl>> crls;
   bool has_crl_file;
-  /// It holds one list in DER, which is no PEM text.
+  /// The file contains one list in DER instead of PEM.
   bool is_crl_der = false;
   LoadedDocument<Governance> governance;
   LoadedDocument<Permissions> permissions;
 
-  /// True if not one of the files is there: a participant without security.
+  /// True if none of the files exists: a participant without security.
   bool is_empty() const;
-  /// The chain verifier that this participant judges certificates with. Of several revocation lists
-  /// in its file stock products read the first (measured). Errors: those of the pieces it needs, or
-  /// of ChainVerifier::make.
+  /// The chain verifier with which this participant judges certificates. If its file has several
+  /// revocation lists, stock products read the first one (measured). Errors: those of the needed
+  /// parts, or of ChainVerifier::make.
   Result<pki::ChainVerifier> chain(Vendor judge = Vendor::ours) const;
 };
 
-/// Whether a product believes the signed file under a permissions CA file. Cyclone DDS reads the
-/// first certificate of it only. Errors: why `cas` cannot be read; those of
+/// Success if a product accepts the signed file with a permissions CA file. Cyclone DDS reads only
+/// the first certificate of that file. Errors: the reason why `cas` cannot be read; those of
 /// pki::stock_products_believe or DocumentVerifier::verify.
 Status believes(Vendor judge, BytesView file, const Result<std::vector<pki::Certificate>>& cas,
                 WallTime now);
 
-/// True for the error of a key on another curve of 256 bits, such as secp256k1. Cyclone DDS looks
-/// at the size of an EC key alone: 0.10.2 talks with it (measured).
+/// True for the error about a key on another 256-bit curve, such as secp256k1. Cyclone DDS checks
+/// only the size of an EC key: 0.10.2 accepts it (measured).
 bool is_key_of_another_curve(const Error& error);
 
-/// Loads every piece; documents are verified as of `now`. Never fails.
+/// Loads every part; documents are verified at `now`. Never fails.
 LoadedFolder load_folder(const pki::ParticipantFolder& paths, WallTime now);
 
 }  // namespace ddssec::governance::doctor

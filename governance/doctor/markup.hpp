@@ -1,4 +1,4 @@
-// Markup as Cyclone DDS's configurations have it. For governance/doctor/ only.
+// Markup of Cyclone DDS's configurations. For governance/doctor/ only.
 #pragma once
 
 #include <algorithm>
@@ -15,13 +15,13 @@ namespace ddssec::governance::doctor {
 
 inline constexpr std::string_view kMarkupBlanks = " \t\r\n";
 
-/// Reads markup as leniently as Cyclone DDS does, which is no XML parser: no namespaces, no check
-/// of the characters of names, entities of characters only.
+/// Reads markup as leniently as Cyclone DDS, which is not an XML parser: no namespaces, no check of
+/// characters in names, and only character entities.
 class Markup {
  public:
   struct Token {
     enum class Kind : std::uint8_t { open, close, text, broken, end } kind;
-    std::string name = {};  ///< lower case; of text: the text
+    std::string name = {};  ///< lower case; for text: the text
     std::vector<std::pair<std::string, std::string>> attributes = {};  ///< names in lower case
     bool is_closed = false;                                            ///< <Name/>
     int line = 0;
@@ -80,7 +80,7 @@ class Markup {
     take(2);
     const auto end = rest_.find('>');
     if (end == rest_.npos) return at(Kind::broken);
-    out.name = ascii_lower(take(end));  // with blanks in it, it ends nothing (measured)
+    out.name = ascii_lower(take(end));  // a name with blanks in it closes no element (measured)
     take(1);
     return out;
   }
@@ -135,7 +135,7 @@ class Markup {
     }
     return out;
   }
-  // Of ASCII only: another one in the name of a file is written as it is.
+  // Only for ASCII: other characters in a file name are written literally.
   static char character_of_number(std::string_view& text) {
     const bool is_hex = text.starts_with("#x");
     const auto end = text.find(';');

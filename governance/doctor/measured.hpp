@@ -1,4 +1,4 @@
-// What each version of a product was measured to do (measured.def).
+// The measured behaviour of each version of a product (measured.def).
 #pragma once
 
 #include <vector>
@@ -7,8 +7,8 @@
 
 namespace ddssec::governance::doctor {
 
-/// The folders of tests/cli/golden_folders.py that the products were started on. Each stands for
-/// what is special about it.
+/// The folders of tests/cli/golden_folders.py with which the products were started. Each is named
+/// after its special feature.
 enum class Variant : std::uint8_t {
 #define COLUMN(vendor, major, minor, patch, source)
 #define ROW(name, ...) name,
@@ -17,7 +17,7 @@ enum class Variant : std::uint8_t {
 #undef COLUMN
 };
 
-/// How it is known what a version does.
+/// The source of knowledge about a version.
 enum class Source : std::uint8_t {
   measured,  ///< tests/interop/measure.py started the product
   reported,  ///< taken from a review of that version
@@ -30,14 +30,14 @@ struct KnownVersion {
   bool operator==(const KnownVersion&) const = default;
 };
 
-/// The versions of the table, rising. Empty for ours.
+/// The versions of the table, ascending. Empty for ddssec.
 std::vector<KnownVersion> known_versions(Vendor vendor);
 
-/// The version of the table that stands for `version` of a stock product: the newest that is not
+/// The version of the table that represents `version` of a stock product: the newest that is not
 /// newer, or the oldest of all.
 KnownVersion stand_in(Vendor vendor, Version version);
 
-/// What the versions that stand for the lineup's make of the variant; of ours it says ok.
+/// The outcomes for the variant with the versions that represent the lineup; ok for ddssec.
 Outcomes measured(Variant variant, const Lineup& lineup);
 
 }  // namespace ddssec::governance::doctor

@@ -1,4 +1,4 @@
-// Whether two participants would talk: what each makes of the other, step by step.
+// Predicts whether two participants would communicate, step by step.
 #pragma once
 
 #include <optional>
@@ -10,21 +10,21 @@
 
 namespace ddssec::governance::doctor {
 
-/// One of the two.
+/// One of the two participants.
 struct Party {
   const LoadedFolder& folder;
   Vendor vendor = Vendor::ours;
-  std::string name;    ///< as sentences call it
+  std::string name;    ///< its name in messages
   Lineup lineup = {};  ///< the version of its product
 
   /// "Cyclone DDS 0.10.2".
   std::string product() const { return doctor::name(vendor, lineup); }
 };
 
-/// What one party says about one question, and the line that decides.
+/// The decision of one party on one question, and the deciding line.
 struct Judgement {
   int judge = 0;  ///< 0 or 1: index of the party
-  int about = 0;  ///< the participant that is judged, perhaps the judge itself
+  int about = 0;  ///< index of the judged participant, possibly the judge itself
   bool ok = false;
   std::string reason = {};    ///< a clause
   std::string document = {};  ///< a path; empty = none
@@ -32,9 +32,9 @@ struct Judgement {
   std::string operation = {};   ///< "publish", "subscribe", or empty
   std::string grant = {};       ///< the deciding grant's name
   int rule = 0;                 ///< the deciding rule's number in the grant, from 1; 0 = default
-  bool is_allow_rule = false;   ///< that rule is one
+  bool is_allow_rule = false;   ///< true if that rule is an allow_rule
   std::string expression = {};  ///< the expression that matched the topic
-  std::string hint = {};        ///< what to do, where more can be said than the rule of doctor says
+  std::string hint = {};  ///< what to do, if it is more specific than the hint of the doctor's rule
 };
 
 /// An element of both governance documents with different values.
@@ -44,7 +44,7 @@ struct Difference {
   int lines[2] = {};
 };
 
-/// What products do by themselves that keeps a writer and a reader apart.
+/// Behaviour of a product that prevents a writer and a reader from matching.
 struct Obstacle {
   std::string reason = {};  ///< empty = there is none
   Rule rule = Rule::DOC085;
@@ -64,20 +64,21 @@ struct Direction {
 
 struct TopicMeeting {
   std::string topic;
-  /// The documents' expression of which `topic` is only an example; empty: it is a topic's own
-  /// name, in the documents or as the caller gave it.
+  /// The expression in the documents of which `topic` is only an example. Empty: it is the name of
+  /// a topic, from the documents or from the caller.
   std::string expression = {};
   Direction directions[2];  ///< by the writer's index
   /// The rules for the topic, if both documents have one.
   const TopicRule* rules[2] = {};
 };
 
-/// Who begins the handshake: the lower GUID, whose first 48 bits are those of the subject's hash.
+/// The participant that begins the handshake: the one with the lower GUID. Its first 48 bits come
+/// from the hash of the subject.
 enum class Starter : std::uint8_t { first, second, chance };
 
-/// The whole story.
+/// The whole prediction.
 struct Meeting {
-  std::vector<Judgement> start;           ///< does each come up
+  std::vector<Judgement> start;           ///< whether each participant starts
   std::vector<Judgement> authentication;  ///< certificates, each by the other
   std::vector<Judgement> permissions;     ///< permissions documents, each by the other
   std::vector<Judgement> join;            ///< the domain, each by itself and by the other
@@ -86,21 +87,22 @@ struct Meeting {
   std::optional<Starter> starter;         ///< if both certificates can be read
   bool handshake_works = true;            ///< between these two products
   bool discovery_works = true;            ///< between these two versions
-  bool properties_fit = true;             ///< judged by who can read them, not by meet()
+  bool properties_fit = true;             ///< set by the caller that can read them, not by meet()
   std::vector<TopicMeeting> topics;
-  bool topics_complete = true;    ///< false: more topics than are looked at
-  std::vector<Finding> findings;  ///< what keeps them apart
-  std::vector<Finding> notes;     ///< what would with other products
+  bool topics_complete = true;    ///< false: there are more topics than were checked
+  std::vector<Finding> findings;  ///< reasons why they do not communicate
+  std::vector<Finding> notes;     ///< reasons that would apply with other products
 
-  /// True if they come up, authenticate each other and join: everything before topics.
+  /// True if they start, authenticate each other and join: everything before topics.
   bool joined() const;
 };
 
-/// The most topics that are looked at when none are named.
+/// The largest number of topics that are checked if none are named.
 inline constexpr std::size_t kMostTopics = 256;
 
-/// Looks at both, in the domain. `topics` empty: the names in both documents, and one example for
-/// each other way in which their expressions match, where one of them may do something.
+/// Predicts for both in the domain. If `topics` is empty, it checks the topic names in both
+/// documents, and one example for each other way in which their expressions match, if one of the
+/// parties has rights there.
 Meeting meet(const Party& a, const Party& b, const Settings& settings,
              const std::vector<std::string>& topics = {});
 
@@ -108,7 +110,7 @@ Meeting meet(const Party& a, const Party& b, const Settings& settings,
 /// product (DDS-Security 9.3.3).
 std::uint64_t guid_start(const pki::Certificate& certificate);
 
-/// Who begins, by the subjects of two certificates (DDS-Security 9.3.3).
+/// The participant that begins, by the subjects of two certificates (DDS-Security 9.3.3).
 Starter starter(const pki::Certificate& a, const pki::Certificate& b);
 
 }  // namespace ddssec::governance::doctor

@@ -11,28 +11,29 @@ namespace ddssec::governance::doctor {
 /// Both parties, by their index.
 inline constexpr int kBoth[] = {0, 1};
 
-/// What the steps look at.
+/// The input and output of the steps.
 struct MeetingScene {
   const Party* parties[2];
   const Settings& settings;
   Meeting& out;
-  bool named = false;  ///< the topics were asked for by name: refusals come with advice
-  /// Each party's own grant, ready to judge; null if it has none that is valid.
+  bool named = false;  ///< the topics were named by the caller: refusals include advice
+  /// Each party's compiled grant; null if it has no valid one.
   std::unique_ptr<const CompiledGrant> grants[2] = {};
 
   const Party& party(int index) const { return *parties[index]; }
   const LoadedFolder& folder(int index) const { return parties[index]->folder; }
 };
 
-/// A name to look at, and the documents' expression of which it is an example; empty: of none.
+/// A name to check, and the expression in the documents of which it is an example; empty: none.
 struct TopicOfInterest {
   std::string name;
   std::string expression = {};
 };
 
-/// The names to look at if none are asked for; sets topics_complete.
+/// The names to check if none are given; sets topics_complete.
 std::vector<TopicOfInterest> topics_of_interest(const MeetingScene& scene);
-/// Both directions of one topic; who asked for it by name is told who refuses it.
+/// Checks both directions of one topic. If the topic was named by the caller, the result says which
+/// party refuses it.
 void meet_on_topic(const MeetingScene& scene, const TopicOfInterest& topic);
 
 /// The elements that must be equal for participants.

@@ -1,4 +1,4 @@
-// Which shared libraries a shared library cannot do without.
+// The shared libraries that a shared library depends on.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace ddssec::governance::doctor {
 
-/// What the octets of an ELF file of 64 bits say in its dynamic section. Nothing is loaded.
+/// The contents of the dynamic section of a 64-bit ELF file. Nothing is loaded.
 struct NeededLibraries {
   std::vector<std::string> names = {};  ///< DT_NEEDED, such as libsodium.so.23
   std::string search_path = {};         ///< DT_RUNPATH or DT_RPATH; may contain $ORIGIN

@@ -1,5 +1,5 @@
-// The elements of Cyclone DDS's configuration that have nothing to do with security. For
-// governance/doctor/ only.
+// The elements of Cyclone DDS's configuration that do not concern security. For governance/doctor/
+// only.
 #pragma once
 
 #include <string>
@@ -13,13 +13,14 @@ std::string section_path(std::string_view name);
 /// The path of an element within: "discovery/ports" of "discovery" and "ports".
 std::string path_inside(std::string_view path, std::string_view element);
 
-/// Whether Cyclone DDS knows the element directly inside the one with this path; its attribute.
+/// True if Cyclone DDS knows the element directly inside the one with this path; the same for its
+/// attribute.
 bool is_known_inside(std::string_view path, std::string_view element);
 bool is_known_attribute(std::string_view path, std::string_view attribute);
 
-/// True if text may not stand in it.
+/// True if it must not contain text.
 bool has_elements_only(std::string_view path);
-/// True if a list may hold several of it, such as <Peer>.
+/// True if a list may contain several of it, such as <Peer>.
 bool is_repeated(std::string_view path);
 
 }  // namespace ddssec::governance::doctor

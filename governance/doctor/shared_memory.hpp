@@ -1,4 +1,4 @@
-// Whether Cyclone DDS's configuration lets samples pass its plugins by in shared memory.
+// Checks whether Cyclone DDS's configuration lets samples bypass the plugins through shared memory.
 #pragma once
 
 #include <optional>
@@ -10,14 +10,15 @@
 
 namespace ddssec::governance::doctor {
 
-/// The setting that switches shared memory on, as "<SharedMemory><Enable>true" (0.10) or
-/// "<PubSubMessageExchange>" (11); empty if none does. Reads as leniently as Cyclone DDS does: any
-/// case, closing tags without names, a value other than false. Not for one Domain element alone.
+/// The setting that enables shared memory, such as "<SharedMemory><Enable>true" (0.10) or
+/// "<PubSubMessageExchange>" (11); empty if none does. Reads as leniently as Cyclone DDS: any
+/// letter case, closing tags without names, any value except false. Not for a single Domain
+/// element.
 std::string shared_memory_setting(std::string_view configuration);
 
-/// Whether it is on although the governance protects samples of the domain or controls who may read
-/// or write them: stock plugins are not asked then, ours refuse the endpoints. An application may
-/// give Cyclone DDS another configuration, which only the plugins notice.
+/// Reports shared memory that is enabled although the governance protects samples of the domain or
+/// controls read or write access. Stock plugins are not asked then; ddssec's refuse the endpoints.
+/// An application may give Cyclone DDS another configuration, which only the plugins notice.
 void check_shared_memory(const LoadedFolder& folder,
                          const std::optional<std::string>& configuration, const Settings& settings,
                          Diagnosis& out);

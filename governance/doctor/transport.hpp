@@ -1,4 +1,5 @@
-// Whether Cyclone DDS's configuration makes it use TCP, which our plugins' own datagrams do not.
+// Checks whether Cyclone DDS's configuration enables TCP, which the datagrams that ddssec's plugins
+// send themselves do not use.
 #pragma once
 
 #include <optional>
@@ -10,12 +11,12 @@
 
 namespace ddssec::governance::doctor {
 
-/// The setting that switches TCP on, as "<TCP><Enable>true" or "<Transport>tcp"; empty if none
-/// does. Reads as leniently as Cyclone DDS does. Not for one Domain element alone.
+/// The setting that enables TCP, such as "<TCP><Enable>true" or "<Transport>tcp"; empty if none
+/// does. Reads as leniently as Cyclone DDS. Not for a single Domain element.
 std::string tcp_setting(std::string_view configuration);
 
-/// Whether it is on: two participants that one forged announcement has parted then stay apart, with
-/// stock plugins and with ours.
+/// Reports TCP that is enabled: two participants that were separated by one forged announcement
+/// then stay separated, with stock plugins and with ddssec's.
 void check_transport(const std::optional<std::string>& configuration, Diagnosis& out);
 
 }  // namespace ddssec::governance::doctor

@@ -1,4 +1,4 @@
-// The products whose reading of a participant's folder is predicted, and the prediction.
+// The products for which the use of a participant's folder is predicted, and the prediction.
 #pragma once
 
 #include <array>
@@ -10,8 +10,8 @@
 
 namespace ddssec::governance::doctor {
 
-/// A DDS product with its security plugins. What is known of each was measured against the product
-/// itself (governance/doctor/measured.def).
+/// A DDS product with its security plugins. Its behaviour was measured with the product itself
+/// (governance/doctor/measured.def).
 enum class Vendor : std::uint8_t {
   cyclonedds,  ///< Cyclone DDS with its own plugins
   fastdds,     ///< Fast DDS
@@ -28,15 +28,15 @@ struct Version {
 };
 /// "0.10.2".
 std::string to_string(Version version);
-/// From one to three numbers with dots between them. Nothing if it is something else.
+/// From one to three numbers separated by dots; empty for anything else.
 std::optional<Version> version_from(std::string_view text);
 
-/// The versions that are predicted. Without others, those that Debian 12 has.
+/// The versions for which to predict. The defaults are those of Debian 12.
 struct Lineup {
   Version cyclonedds = {0, 10, 2};
   Version fastdds = {2, 9, 1};
 
-  /// Of the stock product; ours has none.
+  /// The version of the stock product; ddssec has none.
   Version& of(Vendor vendor) { return vendor == Vendor::fastdds ? fastdds : cyclonedds; }
   const Version& of(Vendor vendor) const {
     return vendor == Vendor::fastdds ? fastdds : cyclonedds;
@@ -51,8 +51,7 @@ std::string name(Vendor vendor, const Lineup& lineup = {});
 /// "Cyclone DDS", "Fast DDS", "ddssec's plugins".
 std::string_view family(Vendor vendor);
 
-/// As columns show it to people: the id, and "ddssec" for ours, whose id is part of the JSON
-/// contract.
+/// The label of a column: the id, or "ddssec" for `ours`, whose id is part of the JSON contract.
 std::string label(Vendor vendor, const Lineup& lineup = {});
 
 /// A product by its name and, if given, its version.
@@ -61,17 +60,17 @@ struct NamedProduct {
   std::optional<Version> version = std::nullopt;
   bool operator==(const NamedProduct&) const = default;
 };
-/// From NAME or NAME@VERSION. Nothing if it is neither; ours has no version.
+/// From NAME or NAME@VERSION; empty for anything else. `ours` has no version.
 std::optional<NamedProduct> product_from(std::string_view text);
-/// The product's vendor. Nothing if `text` names none.
+/// The product's vendor; empty if `text` names none.
 std::optional<Vendor> vendor_from(std::string_view text);
 
-/// What comes of something with one product, from good to bad.
+/// The outcome with one product, from good to bad.
 enum class Outcome : std::uint8_t {
   ok,
-  unsafe,  ///< it is believed and must not be
-  late,    ///< the participant comes up, and then it or its endpoints are refused
-  fail,    ///< the participant does not come up
+  unsafe,  ///< it is accepted although it must not be
+  late,    ///< the participant starts, and then it or its endpoints are refused
+  fail,    ///< the participant does not start
 };
 /// "ok", "unsafe", "late", "fail".
 std::string_view to_string(Outcome outcome);
@@ -92,7 +91,7 @@ struct Outcomes {
   bool all_ok() const { return *this == Outcomes{}; }
   bool operator==(const Outcomes&) const = default;
 };
-/// With no product the participant comes up.
+/// The participant does not start with any product.
 inline constexpr Outcomes kNobody = Outcomes::all(Outcome::fail);
 
 }  // namespace ddssec::governance::doctor

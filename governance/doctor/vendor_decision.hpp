@@ -1,4 +1,4 @@
-// What a product decides by a grant, where it differs from the standard.
+// Predicts a product's decisions for a grant, where they differ from the standard.
 #pragma once
 
 #include <string_view>
@@ -9,11 +9,11 @@
 
 namespace ddssec::governance::doctor {
 
-/// Whether `vendor` matches a name with an expression: each reads bracket expressions and
-/// backslashes in a way of its own (dialect.hpp), and Fast DDS the blanks around them.
+/// True if `vendor` matches a name with an expression: products read bracket expressions and
+/// backslashes differently (dialect.hpp), and Fast DDS also the blanks around an expression.
 bool matches_as(Vendor vendor, const Text& expression, std::string_view name);
 
-/// The first of the list that names the topic as `vendor` reads it, or nullptr.
+/// The first element of the list that names the topic as `vendor` reads it, or nullptr.
 const Criteria* naming(Vendor vendor, const std::vector<Criteria>& list, std::string_view topic);
 
 /// The domain_rule that `vendor` applies in the domain; null if there is none.
@@ -22,22 +22,21 @@ const DomainRule* domain_rule_as(Vendor vendor, const Governance& governance, Do
 /// The first topic_rule for the topic as `vendor` reads them; null if there is none.
 const TopicRule* topic_rule_as(Vendor vendor, const DomainRule& domain, std::string_view topic);
 
-/// The rule by which Cyclone DDS 0.10 decides whether a topic may be created at all: the first for
-/// the domain that names it in whatever direction. Null if none does.
+/// The rule by which Cyclone DDS 0.10 decides whether a topic may be created at all: the first one
+/// for the domain that names it in any direction. Null if none does.
 const governance::Rule* first_rule_naming(const Grant& grant, DomainId domain,
                                           std::string_view topic);
 
-/// As CompiledGrant::judge, but as `vendor` decides in `domain`, by expressions as it reads them.
-/// Cyclone DDS takes a
-/// deny_rule without partitions for the partition "" only. With Fast DDS the first rule whose
-/// topic matches decides whatever its partitions are: a deny_rule denies in all of them, an
-/// allow_rule that does not list the partitions denies too; and <default> is DENY. Neither looks at
-/// data tags.
+/// As CompiledGrant::judge, but with the decision of `vendor` in `domain`, and with expressions as
+/// it reads them. Cyclone DDS applies a deny_rule without partitions to the partition "" only. With
+/// Fast DDS the first rule whose topic matches decides, whatever its partitions are: a deny_rule
+/// denies in all of them, and an allow_rule that does not list the partitions denies too; <default>
+/// is DENY. Neither evaluates data tags.
 Verdict judge_as(Vendor vendor, const CompiledGrant& grant, DomainId domain, Action action,
                  const Request& request);
 
-/// As CompiledGrant::judge_participant. Cyclone DDS and Fast DDS let a participant
-/// join by any allow_rule for the domain, wherever it stands; Fast DDS takes <default> as DENY.
+/// As CompiledGrant::judge_participant. Cyclone DDS and Fast DDS admit a participant by any
+/// allow_rule for the domain, wherever it is; Fast DDS reads <default> as DENY.
 Verdict judge_participant_as(Vendor vendor, const CompiledGrant& grant, DomainId domain);
 
 }  // namespace ddssec::governance::doctor
