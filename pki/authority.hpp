@@ -19,19 +19,19 @@ namespace ddssec::pki {
 /// The longest subject name that a certificate is issued for, in octets of its RFC 2253 text.
 inline constexpr std::size_t kMaxIssuedSubjectOctets = 2048;
 
-/// What key to make; `bits` counts for RSA only.
+/// The kind of key to generate; `bits` is used for RSA only.
 struct KeySpec {
   KeyKind kind = KeyKind::ec_p256;
   int bits = 2048;
 };
 
-/// The time a certificate is good for.
+/// The validity of a certificate.
 struct Validity {
   WallTime not_before;
   WallTime not_after;
 };
 
-/// What a new certificate says.
+/// The content of a new certificate.
 struct CertificateTemplate {
   std::string subject;  ///< RFC 4514 such as "CN=talker,O=Example", or one-line
   Validity validity;
@@ -41,7 +41,7 @@ struct CertificateTemplate {
   std::string key_usage = "critical,digitalSignature";
 };
 
-/// The keyUsage of our CAs: peers demand digitalSignature of a document's signer.
+/// The keyUsage of CAs made by ddssec: peers demand digitalSignature of a document's signer.
 inline constexpr std::string_view kCaKeyUsage = "critical,digitalSignature,keyCertSign,cRLSign";
 
 /// A certificate with its private key.
@@ -50,18 +50,18 @@ struct Credential {
   PrivateKey key;
 };
 
-/// What a revocation list says.
+/// The content of a revocation list.
 struct CrlTemplate {
   std::span<const Certificate> revoked = {};
   WallTime this_update;
   WallTime next_update;
   CrlNumber number = 1;
-  /// Further entries, each with its own time and reason; of a serial number given twice the first
+  /// Further entries, each with its own time and reason. If a serial number occurs twice, the first
   /// entry counts.
   std::span<const Revocation> entries = {};
 };
 
-/// What a request asks a certificate for.
+/// The content of a certificate request.
 struct RequestContent {
   std::string subject;  ///< RFC 2253
   KeyAlgorithm key;
@@ -74,11 +74,10 @@ Result<RequestContent> read_request(BytesView request_pem);
 /// A PKCS#10 request in PEM for the public half of `key`. Errors: subject_name_malformed, internal.
 Result<std::string> make_request(const PrivateKey& key, std::string_view subject);
 
-/// `document` signed as multipart/signed with a text/plain header, SHA-256 (SHA-384 for P-384)
-/// and the signer's certificate included: the form that every vendor reads (`openssl smime -sign
+/// Signs `document` as multipart/signed with a text/plain header, SHA-256 (SHA-384 for P-384) and
+/// the signer's certificate included: the form that every vendor reads (`openssl smime -sign
 /// -text`). Line ends become CRLF. Errors: smime_malformed (a lone CR), smime_nul, random_failed,
-/// internal.
-/// The signer need not be a CA: whether it may sign is for the reader to judge (a test signs with a
+/// internal. The signer need not be a CA: the reader decides whether it may sign (tests sign with a
 /// leaf to see it refused).
 Result<Bytes> sign_document(const Credential& signer, BytesView document, WallTime signing_time,
                             Random& random);
@@ -91,7 +90,7 @@ class Authority {
   static Result<Authority> create(std::string_view subject, KeySpec key, Validity validity,
                                   Random& random);
 
-  /// The same with path length 1: one CA may come between it and what is issued.
+  /// The same with path length 1: one CA may be between it and the certificates that are issued.
   static Result<Authority> create_root(std::string_view subject, KeySpec key, Validity validity,
                                        Random& random);
 
@@ -99,7 +98,7 @@ class Authority {
   static Result<Authority> create_root(std::string_view subject, PrivateKey key, Validity validity,
                                        Random& random);
 
-  /// A new self-signed certificate in every detail; for tests, which need odd ones.
+  /// A new self-signed certificate with any content; for tests, which need unusual ones.
   static Result<Credential> self_sign(const CertificateTemplate& content, PrivateKey key,
                                       Random& random);
 
@@ -123,9 +122,10 @@ class Authority {
   Result<Certificate> certify(const CertificateTemplate& content, const PrivateKey& key,
                               Random& random) const;
 
-  /// `old` again with a new validity and serial number: the same subject octet for octet, for the
-  /// public half of `key`, or for the old public key if `key` is null. A CA stays a CA of the same
-  /// path length. Who signed `old` is not looked at. Errors: random_failed, internal.
+  /// Issues `old` again with a new validity and serial number. The subject is the same octet for
+  /// octet. The key is the public half of `key`, or the old public key if `key` is null. A CA stays
+  /// a CA with the same path length. The signer of `old` is not checked. Errors: random_failed,
+  /// internal.
   Result<Certificate> reissue(const Certificate& old, Validity validity, Random& random,
                               const PrivateKey* key = nullptr) const;
 
@@ -133,11 +133,12 @@ class Authority {
   /// For a root. Errors: random_failed, internal.
   Result<Certificate> renewed(Validity validity, Random& random) const;
 
-  /// A certificate for a PKCS#10 request; its subject is taken over, its extensions are not.
-  /// Errors: request_invalid, key_not_allowed, random_failed, internal.
+  /// A certificate for a PKCS#10 request, with its subject but without its extensions. Errors:
+  /// request_invalid, key_not_allowed, random_failed, internal.
   Result<Certificate> sign_request(BytesView request_pem, Validity validity, Random& random) const;
 
-  /// A revocation list. Errors: internal; crl_malformed if an entry's serial number is none.
+  /// A revocation list. Errors: internal; crl_malformed if the serial number of an entry is
+  /// invalid.
   Result<Crl> make_crl(const CrlTemplate& content) const;
 
   /// pki::sign_document with this CA's key.

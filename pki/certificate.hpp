@@ -1,4 +1,4 @@
-// X.509 certificates: parsed once, judged once, shared cheaply.
+// X.509 certificates: parsed once, verified once, cheap to copy.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace ddssec::pki {
 
-/// The key types that DDS-Security 1.2 table 9.3 allows and we use.
+/// The supported key types, from DDS-Security 1.2 table 9.3.
 enum class KeyKind : std::uint8_t { rsa, ec_p256, ec_p384 };
 
 struct KeyAlgorithm {
@@ -24,7 +24,7 @@ struct KeyAlgorithm {
   bool operator==(const KeyAlgorithm&) const = default;
 };
 
-/// "RSA-2048", "EC-prime256v1", "EC-secp384r1": the words of dds.cert.algo in DDS-Security 1.1.
+/// "RSA-2048", "EC-prime256v1", "EC-secp384r1": the values of dds.cert.algo in DDS-Security 1.1.
 std::string to_string(KeyAlgorithm algorithm);
 
 /// The largest number of certificates in one file.
@@ -32,25 +32,24 @@ inline constexpr std::size_t kMostCertificatesInBundle = 256;
 /// The largest number of attributes in a subject or issuer name.
 inline constexpr std::size_t kMostNameAttributes = 64;
 
-/// An immutable certificate; copies share it, and so do those that are read from the same octets
-/// while there is one. A certificate exists only if its form, names and
-/// key passed our rules: RSA of at least 2048 bits, EC P-256, EC P-384; no NUL in a name; at most
-/// kMostNameAttributes attributes in a name. Whether a CA vouches for it is pki/chain.hpp's
-/// matter.
+/// An immutable certificate. Copies share their data, and so do certificates that are read from the
+/// same octets while one exists. A certificate exists only if its form, names and key are allowed:
+/// RSA of at least 2048 bits, EC P-256, EC P-384; no NUL in a name; at most kMostNameAttributes
+/// attributes in a name. pki/chain.hpp checks whether a CA issued it.
 class Certificate {
  public:
-  /// The first PEM certificate in `octets`, as a peer's c.id or an identity_certificate file holds
-  /// it; what follows its block is not looked at (peers behave so). One trailing NUL is tolerated.
-  /// Errors: certificate_malformed, certificate_too_large, certificate_distribution_points,
+  /// The first PEM certificate in `octets`, as in a peer's c.id or an identity_certificate file.
+  /// Text after its block is ignored, as peers do. One trailing NUL is tolerated. Errors:
+  /// certificate_malformed, certificate_too_large, certificate_distribution_points,
   /// key_not_allowed, name_not_allowed.
   static Result<Certificate> from_pem(BytesView octets);
 
   /// From exactly one DER certificate. Errors as above.
   static Result<Certificate> from_der(BytesView octets);
 
-  /// Every certificate of a CA file, in the file's order; blocks with other labels are passed over
-  /// (Fast DDS keeps revocation lists in the same file). At least one, at most
-  /// kMostCertificatesInBundle. Errors as above.
+  /// All certificates of a CA file, in the file's order. Blocks with other labels are skipped (Fast
+  /// DDS keeps revocation lists in the same file). At least one, at most kMostCertificatesInBundle.
+  /// Errors as above.
   static Result<std::vector<Certificate>> bundle_from_pem(BytesView octets);
 
   /// The octets of the certificate as they were signed and received.
@@ -74,28 +73,28 @@ class Certificate {
   KeyAlgorithm key_algorithm() const;
   /// True if basicConstraints says CA:TRUE.
   bool is_ca() const;
-  /// True if it is a CA, or a self-signed certificate of X.509 version 1, which has no extensions
-  /// that could say so: as a configured trust anchor it is one by its place.
+  /// True if it is a CA, or a self-signed certificate of X.509 version 1. Version 1 has no
+  /// extensions that could mark it as a CA, but as a configured trust anchor it is one.
   bool can_be_anchor() const;
   /// True for a certificate of X.509 version 1.
   bool is_version_1() const;
-  /// True if only its keyUsage (keyCertSign) says that it is a CA: version 3 without
-  /// basicConstraints, which RFC 5280 does not allow.
+  /// True if only its keyUsage (keyCertSign) marks it as a CA: version 3 without basicConstraints,
+  /// which RFC 5280 does not allow.
   bool is_ca_by_key_usage_only() const;
   /// The digest of the CA's signature on it, as "SHA256"; "" if the algorithm has none.
   std::string signature_digest() const;
-  /// How many CAs may be below this one; nothing if basicConstraints does not say.
+  /// The number of CAs allowed below this one; empty if basicConstraints has no limit.
   std::optional<int> path_length() const;
   /// True if subject and issuer are the same name, as with a root CA.
   bool is_self_issued() const;
-  /// True if `ca` has this certificate's issuer's name and the key that signed it. Nothing else is
-  /// looked at: whether to believe it is for pki/chain.hpp.
+  /// True if `ca` has the name of this certificate's issuer and the key that signed it. Nothing
+  /// else is checked: pki/chain.hpp decides whether the certificate is valid.
   bool is_issued_by(const Certificate& ca) const;
-  /// True if the CA signed this certificate with an RSA key: Fast DDS announces c.dsign_algo by
+  /// True if the CA signed this certificate with an RSA key. Fast DDS announces c.dsign_algo by
   /// that, not by the certificate's own key.
   bool signed_with_rsa() const;
 
-  /// Octet for octet.
+  /// Compares octet for octet.
   friend bool operator==(const Certificate& a, const Certificate& b) {
     return a.fingerprint() == b.fingerprint();
   }

@@ -1,4 +1,4 @@
-// Whether a certificate may be believed: up to the configured CA file, at a given time.
+// Verifies certificates up to the configured CA file, at a given time.
 #pragma once
 
 #include <memory>
@@ -13,18 +13,18 @@
 
 namespace ddssec::pki {
 
-/// What to do when the revocation list for a certificate's issuer is missing or out of date.
-/// A revoked certificate and a forged list are refused under either.
+/// The reaction to a missing or outdated revocation list of a certificate's issuer. A revoked
+/// certificate and a forged list are refused with either policy.
 enum class CrlPolicy : std::uint8_t { hard_fail, soft_fail };
 
-/// Proof that a certificate chains to the configured CA file at a time. Only ChainVerifier makes
-/// it.
+/// Proof that a certificate chains to the configured CA file at a given time. Only ChainVerifier
+/// creates one.
 class ChainValid {
  public:
   const Certificate& certificate() const { return certificate_; }
-  /// The earliest not_after over the path: the proof ends here.
+  /// The earliest not_after on the path: the proof is valid until then.
   WallTime not_after() const { return not_after_; }
-  /// Subject of the certificate that ends first.
+  /// Subject of the certificate that expires first.
   const std::string& first_to_expire() const { return first_to_expire_; }
   /// The earliest nextUpdate among the configured revocation lists, if there are any.
   std::optional<WallTime> crl_next_update() const { return crl_next_update_; }
@@ -39,31 +39,34 @@ class ChainValid {
   std::optional<WallTime> crl_next_update_;
 };
 
-/// Judges certificates against one CA file. Every certificate of that file is a trust anchor,
-/// subordinate CAs without their root included; certificates that a peer sends along are not used.
-/// Checked: signatures (SHA-1 only as an anchor's signature on itself), validity, basicConstraints,
-/// path length, keyUsage, key sizes, name constraints, critical extensions, revocation.
-/// Thread-safe. Remembers up to kMostRemembered positive verdicts with the time span in which they
-/// hold, so that a certificate already judged costs a look-up.
+/// Verifies certificates against one CA file. Every certificate of that file is a trust anchor,
+/// including subordinate CAs without their root. Certificates that a peer sends along are not used.
+///
+/// Checked are: signatures (SHA-1 only for an anchor's signature on itself), validity,
+/// basicConstraints, path length, keyUsage, key sizes, name constraints, critical extensions,
+/// revocation.
+///
+/// Thread-safe. Remembers up to kMostRemembered positive results with their validity period, so
+/// that a certificate already verified costs one lookup.
 class ChainVerifier {
  public:
   static constexpr std::size_t kMostRemembered = 1024;
 
-  /// `crls` empty = no revocation check. Errors: not_a_ca if a certificate of the file is none;
-  /// internal.
+  /// Creates a verifier. Empty `crls`: no revocation check. Errors: not_a_ca if a certificate of
+  /// the file is not a CA; internal.
   static Result<ChainVerifier> make(std::vector<Certificate> anchors, std::vector<Crl> crls = {},
                                     CrlPolicy policy = CrlPolicy::hard_fail);
 
-  /// Judges `certificate` at `now`. With revocation lists, the certificate's issuer must have one
-  /// (hard_fail); CA certificates of the file are looked up where their issuer has one.
-  /// Errors: certificate_expired, certificate_not_yet_valid, issuer_unknown,
+  /// Verifies `certificate` at `now`. With revocation lists and hard_fail, there must be a list of
+  /// the certificate's issuer. CA certificates of the file are looked up if there is a list of
+  /// their issuer. Errors: certificate_expired, certificate_not_yet_valid, issuer_unknown,
   /// certificate_signature_invalid, certificate_revoked, crl_missing, crl_expired,
   /// crl_not_yet_valid, crl_signature_invalid, not_a_ca, path_too_long, key_usage_forbids,
   /// digest_too_weak, chain_refused (anything else, with OpenSSL's reason).
   Result<ChainValid> verify(const Certificate& certificate, WallTime now) const;
 
-  /// False: no configured list names it or one of the CAs, so `verify` does not say
-  /// certificate_revoked. Costs a look-up in each list.
+  /// False if no configured list names it or one of the CAs: then `verify` does not fail with
+  /// certificate_revoked. Costs one lookup in each list.
   bool may_be_revoked(const Certificate& certificate) const;
 
   const std::vector<Certificate>& anchors() const;

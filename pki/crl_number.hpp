@@ -10,8 +10,8 @@
 
 namespace ddssec::pki {
 
-/// The number of a revocation list: not negative, and of up to 20 octets in the lists of CAs that
-/// keep to RFC 5280 5.2.3. Longer ones are compared in the same way.
+/// The number of a revocation list. It is not negative, and has up to 20 octets in lists of CAs
+/// that follow RFC 5280 5.2.3. Longer ones are compared in the same way.
 class CrlNumber {
  public:
   CrlNumber(std::uint64_t number = 0);  // NOLINT: a number is a number
@@ -20,7 +20,7 @@ class CrlNumber {
 
   /// Without leading zeros; empty for 0.
   BytesView octets() const { return octets_; }
-  /// Nothing if it has more than 64 bits.
+  /// The value; empty if it has more than 64 bits.
   std::optional<std::uint64_t> as_uint64() const;
   CrlNumber next() const;
 
@@ -31,7 +31,7 @@ class CrlNumber {
   Bytes octets_;
 };
 
-/// Decimal digits; of a number that is longer than RFC 5280 allows, only how long it is.
+/// Decimal digits; for a number that is longer than RFC 5280 allows, only its length.
 std::string to_string(const CrlNumber& number);
 
 }  // namespace ddssec::pki

@@ -1,4 +1,5 @@
-// What a CA issued and revoked: a plain text of one JSON object a line, only ever added to.
+// The log of what a CA issued and revoked: a text file with one JSON object per line, to which
+// lines are only ever added.
 #pragma once
 
 #include <cstdint>
@@ -30,28 +31,29 @@ struct IssuedCertificate {
   std::string serial;  ///< as Certificate::serial
   std::string subject;
   WallTime not_after = {};
-  std::string folder = {};  ///< where it was put; empty: not known
-  std::string file = {};    ///< its name there, unless cert.pem: others may have the same folder
+  std::string folder = {};  ///< the folder where it was put; empty: unknown
+  /// Its name there, unless cert.pem: several certificates may share a folder.
+  std::string file = {};
   std::string sha256 = {};  ///< of the certificate, hexadecimal; empty in logs of other tools
   std::string key = {};     ///< key_digest(); empty in earlier logs
   std::optional<Revocation> revoked = std::nullopt;
 
   /// The folder, or the file in it that is not cert.pem; empty: not known.
   std::string place() const { return file.empty() ? folder : folder + "/" + file; }
-  /// True if both were put into one folder, under one name: they are one participant's.
+  /// True if both were put into one folder under one name: they belong to one participant.
   bool shares_place_with(const IssuedCertificate& other) const {
     return !folder.empty() && folder == other.folder && file == other.file;
   }
 };
 
-/// The log, read. Lines that only add make it safe against a crash: a line is there whole or, as
-/// the last one without its line end, not at all; and what was written once never changes. It
-/// can be read with jq or an editor.
+/// The parsed log. Because lines are only added, it is safe against a crash: a line is there
+/// completely or, as the last one without its line end, not at all. Nothing that was written ever
+/// changes. It can be read with jq or an editor.
 class IssueLog {
  public:
-  /// Of an empty text, nothing was issued. A last line without line end is passed over: its
-  /// command did not come to an end. Any other line that cannot be read counts for nothing, and
-  /// unreadable() has it: one damaged line must not stop the revocation of everything else.
+  /// Parses the log; an empty text is an empty log. A last line without line end is skipped,
+  /// because its command did not finish. Any other unreadable line is ignored and listed in
+  /// unreadable(): one damaged line must not stop the revocation of everything else.
   static IssueLog parse(BytesView text);
 
   /// In the order in which they were issued.
@@ -60,7 +62,7 @@ class IssueLog {
   const std::vector<Error>& unreadable() const { return unreadable_; }
   /// The certificate of a serial number, or nullptr.
   const IssuedCertificate* find(std::string_view serial) const;
-  /// Everything revoked, certificates that are not in the log (issued before it) included.
+  /// All revocations, including those of certificates that are not in the log (issued before it).
   const std::vector<Revocation>& revocations() const { return revocations_; }
   bool is_revoked(std::string_view serial) const;
   /// The serial number of a revoked certificate of this key, which need not have been issued by the
@@ -71,15 +73,14 @@ class IssueLog {
   /// The places of all certificates that are not revoked, each once.
   std::vector<std::string> places() const;
 
-  /// Notes one more revocation, as its line would. Error: issue_log_malformed.
+  /// Adds one more revocation, like its line would. Error: issue_log_malformed.
   Status add(const Revocation& revocation);
 
-  /// The line, with its end, that says that a certificate was issued. `file`: its name in the
-  /// folder.
+  /// The line, with its end, for an issued certificate. `file`: its name in the folder.
   static std::string issued_line(const Certificate& certificate, std::string_view folder,
                                  WallTime now, std::string_view file = kCertificateFile);
-  /// The line, with its end, that says that one was revoked. `key`: its key_digest(), where the log
-  /// has no line that says so.
+  /// The line, with its end, for a revoked certificate. `key`: its key_digest(), if no line of the
+  /// log contains it.
   static std::string revoked_line(const Revocation& revocation, std::string_view key = {});
 
  private:

@@ -1,4 +1,4 @@
-// Key agreement of the handshake: ephemeral keys and what two of them have in common
+// Key agreement of the handshake: ephemeral keys and the secret that two of them share
 // (DDS-Security 9.3.4.2, 9.5.2.1).
 #pragma once
 
@@ -14,8 +14,8 @@ namespace ddssec::pki {
 /// ECDH on P-256 or P-384, or DH in the group of RFC 5114 2.3.
 enum class KeyAgreementKind : std::uint8_t { ecdh_p256, ecdh_p384, dh_modp_2048_256 };
 
-/// How a public key is written. EC keys are uncompressed points. For MODP, Fast DDS, OpenDDS and
-/// the specification write the plain big-endian integer; Cyclone 0.10.2 a DER INTEGER.
+/// The encoding of a public key. EC keys are uncompressed points. For MODP, Fast DDS, OpenDDS and
+/// the specification use the plain big-endian integer; Cyclone 0.10.2 uses a DER INTEGER.
 enum class PublicKeyEncoding : std::uint8_t { point, plain_integer, der_integer };
 
 /// SHA-256 of what both sides computed (DDS-Security 9.3.2.5.3).
@@ -24,13 +24,13 @@ using SharedSecret = Secret<struct SharedSecretTag, 32>;
 /// A peer's public key that passed every check: on the curve, or in the subgroup of order q.
 class PeerPublicKey {
  public:
-  /// Reads octets of a peer. Either encoding of a MODP key is taken. Errors:
-  /// public_key_malformed (length or form, a compressed point), public_key_not_in_group (off the
-  /// curve, infinity, or 0, 1, p-1, p and above, outside the subgroup).
+  /// Parses a peer's octets. Accepts either encoding of a MODP key. Errors: public_key_malformed
+  /// (length or form, a compressed point), public_key_not_in_group (off the curve, infinity, or 0,
+  /// 1, p-1, p and above, outside the subgroup).
   static Result<PeerPublicKey> parse(KeyAgreementKind kind, BytesView octets);
 
   KeyAgreementKind kind() const { return kind_; }
-  /// The encoding that was seen; answer in the same.
+  /// The encoding that the peer used; answer with the same.
   PublicKeyEncoding encoding() const { return encoding_; }
 
   /// For pki/ only.

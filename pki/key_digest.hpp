@@ -1,4 +1,4 @@
-// How logs name a public key.
+// The digest by which logs identify a public key.
 #pragma once
 
 #include <string>
@@ -14,9 +14,9 @@ namespace ddssec::pki {
 /// the key.
 std::string key_digest(const Certificate& certificate);
 
-/// Everything that a log may call the key of one certificate. Earlier versions of ddssec wrote the
-/// digest of the SubjectPublicKeyInfo as the certificate has it, so that a compressed point had
-/// another one.
+/// All digests that a log may contain for the key of one certificate. Earlier versions of ddssec
+/// wrote the digest of the SubjectPublicKeyInfo as encoded in the certificate, so that a compressed
+/// point had a different one.
 class KeyDigests {
  public:
   explicit KeyDigests(const Certificate& certificate);
@@ -24,7 +24,8 @@ class KeyDigests {
   /// key_digest().
   const std::string& canonical() const { return all_.front(); }
   const std::vector<std::string>& all() const { return all_; }
-  /// False for an empty text, which stands for a key that the log does not name.
+  /// True if `digest` is one of them. False for an empty text, which means that the log does not
+  /// contain the key.
   bool contains(std::string_view digest) const;
 
  private:

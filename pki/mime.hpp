@@ -18,12 +18,13 @@ struct MultipartSigned {
 /// smime_surrounding_text, smime_content_type.
 Result<MultipartSigned> split_multipart_signed(std::string_view text);
 
-/// `part` with every line break as CRLF: what was signed. A line break is LF, with any number of CRs
-/// before it. Error: smime_malformed for a CR elsewhere.
+/// The signed octets: `part` with every line break as CRLF. A line break is LF, with any number of
+/// CRs before it. Error: smime_malformed for a CR elsewhere.
 Result<Bytes> canonical_text(std::string_view part);
 
-/// How many octets of the canonical first part are its header, blank line included. The header
-/// must be `Content-Type: text/plain` in UTF-8 without an encoding. Error: smime_content_type.
+/// The length of the header of the canonical first part in octets, including the blank line. The
+/// header must be `Content-Type: text/plain` in UTF-8 without an encoding. Error:
+/// smime_content_type.
 Result<std::size_t> text_header_octets(std::string_view canonical_part);
 
 }  // namespace ddssec::pki

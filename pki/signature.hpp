@@ -11,7 +11,7 @@ namespace ddssec::pki {
 /// The longest signature, in octets: RSA-16384.
 inline constexpr std::size_t kMostSignatureOctets = 2048;
 
-/// Proof that some octets were signed with the key of `signer`. Only `verify` makes one.
+/// Proof that octets were signed with the key of `signer`. Only `verify` creates one.
 class SignatureValid {
  public:
   const Certificate& signer() const { return signer_; }

@@ -1,4 +1,5 @@
-// What a permissions CA signed: a plain text of one JSON object a line, only ever added to.
+// The log of what a permissions CA signed: a text file with one JSON object per line, to which
+// lines are only ever added.
 #pragma once
 
 #include <cstddef>
@@ -17,30 +18,30 @@ namespace ddssec::pki {
 /// SHA-256 of a document's text, hexadecimal, whatever its line ends are.
 std::string document_digest(BytesView text);
 
-/// The log, read. A signature alone does not show that the CA's owner signed a document: the key
-/// may have been stolen. The log lies beside the CA's key, where only its owner writes.
+/// The parsed log. A signature alone does not prove that the CA's owner signed a document, because
+/// the key may have been stolen. The log is beside the CA's key, where only the owner can write.
 class SigningLog {
  public:
-  /// What the log says of a document.
+  /// The status of a document in the log.
   enum class Standing : std::uint8_t {
     unknown,     ///< not signed by this CA, by this log
     superseded,  ///< signed, but another text took its place in every file
     current,     ///< the last text that was signed for a file, by this CA or by one that followed
   };
 
-  /// Of an empty text, nothing was signed. A last line without line end is passed over: its
-  /// command did not come to an end. Other lines that cannot be read count for nothing.
+  /// Parses the log; an empty text is an empty log. A last line without line end is skipped,
+  /// because its command did not finish. Other unreadable lines are ignored.
   static SigningLog parse(BytesView text);
 
-  /// What the log says of a document that `ca`'s key signed.
+  /// The status of a document that was signed with the key of `ca`.
   Standing standing(BytesView text, const Certificate& ca) const;
-  /// True if a text is the last one that was signed for this file, by whichever of the CAs that the
-  /// log had. The log alone vouches for it: its signature need not be of a CA that still exists.
+  /// True if a text is the last one that was signed for this file, by any CA in the log. The log
+  /// alone decides: the signature need not be of a CA that still exists.
   bool is_last_of(const std::string& file, BytesView text) const;
   /// The numbers, from 1, of the lines that could not be read.
   const std::vector<int>& unreadable() const { return unreadable_; }
 
-  /// The line, with its end, that says that `ca` signed a document for a file.
+  /// The line, with its end, for a document that `ca` signed for a file.
   static std::string signed_line(BytesView text, const Certificate& ca, std::string_view file,
                                  WallTime now);
 

@@ -12,13 +12,13 @@
 
 namespace ddssec::pki {
 
-/// A document whose signature was verified: exactly the octets that were signed, less the
-/// text/plain header. Only DocumentVerifier makes one.
+/// A document whose signature was verified: exactly the signed octets, without the text/plain
+/// header. Only DocumentVerifier creates one.
 class SignedDocument {
  public:
-  /// The document, line ends CRLF as they were signed. Parse this, never the file.
+  /// The document, with the signed CRLF line ends. Parse this, never the file.
   BytesView content() const { return BytesView(signed_octets_).subspan(header_octets_); }
-  /// The line of the file, from 1, on which content() begins: what a person opens is the file.
+  /// The line of the file, from 1, on which content() begins: users open the file.
   int first_line() const { return first_line_; }
   /// The permissions CA that signed it; one of the configured certificates, octet for octet.
   const Certificate& signer() const { return proof_.certificate(); }

@@ -1,5 +1,5 @@
-// What a document file is, in whatever form, and whether stock products would believe it. For
-// diagnosis only: nothing here grants anything. What counts is pki/smime.hpp.
+// Examines a document file of any form, and checks whether stock products would accept it. For
+// diagnosis only: nothing here grants anything. The decision is made by pki/smime.hpp.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ namespace ddssec::pki {
 
 struct UnverifiedDocument;  // internal to pki/: pki/unverified_document.hpp
 
-/// How a signed document is wrapped.
+/// The form of a signed document.
 enum class DocumentWrapping : std::uint8_t {
   none,       ///< no signature at all: the XML text itself
   multipart,  ///< multipart/signed, the text beside the signature
@@ -29,14 +29,14 @@ enum class DocumentWrapping : std::uint8_t {
 /// "multipart/signed", "unsigned XML" and so on.
 std::string_view to_string(DocumentWrapping wrapping);
 
-/// What a file is that should be a signed document. UNVERIFIED throughout.
+/// The content of a file that should be a signed document. Everything in it is UNVERIFIED.
 struct DocumentForm {
   DocumentWrapping wrapping = DocumentWrapping::unknown;
   bool has_text_header = false;  ///< the signed text begins with Content-Type: text/plain
   /// Subjects of the certificates inside the signature, RFC 2253, at most kMostEmbedded.
   std::vector<std::string> embedded = {};
-  /// Who says to have signed: issuer (RFC 2253) and serial number of the first signer's
-  /// certificate; empty if there is none.
+  /// The claimed signer: issuer (RFC 2253) and serial number of the first signer's certificate;
+  /// empty if there is none.
   std::string signer_issuer = {};
   std::string signer_serial = {};
   /// Or the identifier of its key, hexadecimal, where the signer is named by that (RFC 5652 5.3),
@@ -49,31 +49,32 @@ struct DocumentForm {
   /// The line of the file, from 1, on which that text begins; 1 where it is not readable in the
   /// file.
   int first_line = 1;
-  /// Set if readers differ, since no signature covers the lines around the parts. If the plugins
-  /// refuse the parts that OpenSSL, and so stock products, find, the text is what stock products
-  /// read; error: of split_multipart_signed. If OpenSSL finds another text or signature than the
-  /// plugins, the text is what the plugins read; error: of check_same_reading.
+  /// Set if readers interpret the file differently, because no signature covers the lines around
+  /// the parts. If the plugins refuse the parts that OpenSSL, and so stock products, find, the text
+  /// is what stock products read; the error is that of split_multipart_signed. If OpenSSL finds
+  /// another text or signature than the plugins, the text is what the plugins read; the error is
+  /// that of check_same_reading.
   std::optional<Error> ambiguous = {};
 
   static constexpr std::size_t kMostEmbedded = 16;
 };
 
-/// The first signer as its signature names it: "serial 1A of CN=CA", or "the key 2B (subject key
+/// The first signer as named in its signature: "serial 1A of CN=CA", or "the key 2B (subject key
 /// identifier)".
 std::string signer_words(const DocumentForm& form);
 
-/// Looks at a file of at most kMostDocumentOctets without believing anything in it. Never fails.
+/// Examines a file of at most kMostDocumentOctets without trusting its content. Never fails.
 DocumentForm examine_document(BytesView file);
 
-/// Success if OpenSSL's reader finds the text and the signature in `file` that ours has found, or
-/// nothing at all. Error: smime_malformed.
+/// Success if OpenSSL's parser finds the same text and signature in `file` as ddssec's, or nothing
+/// at all. Error: smime_malformed.
 Status check_same_reading(const UnverifiedDocument& ours, BytesView file);
 
-/// Success if the file is believed by a reader made of OpenSSL's SMIME_read_PKCS7 and PKCS7_verify
-/// with PKCS7_TEXT over a store of `cas`, as Cyclone DDS 0.10.2 and Fast DDS 2.9.1 are: they
-/// accept every signer that chains to the CA (CVE-2023-24010, CVE-2023-24011) and opaque documents.
-/// Errors: smime_malformed with OpenSSL's reason, those of verify_pkcs7 (pki/openssl_guards.hpp),
-/// internal.
+/// Success if the file is accepted by a reader that uses OpenSSL's SMIME_read_PKCS7 and
+/// PKCS7_verify with PKCS7_TEXT over a store of `cas`, as Cyclone DDS 0.10.2 and Fast DDS 2.9.1 do.
+/// They accept every signer that chains to the CA (CVE-2023-24010, CVE-2023-24011) and opaque
+/// documents. Errors: smime_malformed with OpenSSL's reason, those of verify_pkcs7
+/// (pki/openssl_guards.hpp), internal.
 Status stock_products_believe(BytesView file, const std::vector<Certificate>& cas, WallTime now);
 
 }  // namespace ddssec::pki

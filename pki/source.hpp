@@ -1,4 +1,4 @@
-// How long keys, certificates and documents may be that a URI names (base/source.hpp reads them).
+// Size limits for keys, certificates and documents that a URI names (base/source.hpp reads them).
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,8 @@ inline constexpr std::size_t kMostCertificateOctets = 64 * 1024;
 inline constexpr std::size_t kMostBundleOctets = 1024 * 1024;
 /// The longest governance document, permissions document or revocation list, in octets.
 inline constexpr std::size_t kMostDocumentOctets = 16 * 1024 * 1024;
-/// The longest signed permissions document that ddssec's plugins send, or take from a peer.
+/// The longest signed permissions document, in octets, that ddssec's plugins send or accept from a
+/// peer.
 inline constexpr std::size_t kMostSentPermissionsOctets = 1024 * 1024;
 
 /// The PEM text of a private key: up to RSA-16384.
@@ -24,16 +25,15 @@ using KeyPem = Secret<struct KeyPemTag, 16 * 1024>;
 
 using ddssec::load;
 
-/// Certificates in PEM, by their URI: as load(), and with `pkcs11:` (RFC 7512) the one that a token
-/// holds. Errors: those of load(); pkcs11_unavailable, pkcs11_not_found.
+/// Certificates in PEM, by their URI: like load(), and for `pkcs11:` (RFC 7512) the certificate in
+/// a token. Errors: those of load(); pkcs11_unavailable, pkcs11_not_found.
 Result<Bytes> load_certificates(std::string_view uri, std::string_view property, std::size_t most);
 
-/// The URI of a key or certificate that lies at `path`: of the file, or, if it is called *.p11 as
-/// in keystores of ROS 2, the `pkcs11:` URI in it. Errors: those of load(); unsupported_uri.
+/// The URI of the key or certificate at `path`: that of the file, or, if its name is *.p11 as in
+/// keystores of ROS 2, the `pkcs11:` URI in it. Errors: those of load(); unsupported_uri.
 Result<std::string> uri_of(const std::filesystem::path& path);
 
-/// An error of load() or of what was loaded, as one about the file: the path is its document, and
-/// not what was found.
+/// An error of load() or of the parser as one about the file: its document is the path.
 Error about_file(const Error& error, const std::filesystem::path& path);
 
 }  // namespace ddssec::pki

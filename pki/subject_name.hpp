@@ -28,8 +28,8 @@ using Rdn = std::vector<NameAttribute>;
 /// other permutation.
 class SubjectName {
  public:
-  /// Reads `CN=talker,O=Example` (RFC 4514, blanks around pairs and '=' ignored, `+` between the
-  /// attributes of one RDN) or `/O=Example/CN=talker+OU=x` (a '/' or '+' that does not begin a
+  /// Parses `CN=talker,O=Example` (RFC 4514, blanks around pairs and '=' are ignored, `+` between
+  /// the attributes of one RDN) or `/O=Example/CN=talker+OU=x` (a '/' or '+' that does not begin a
   /// known attribute belongs to the value). Error: subject_name_malformed.
   static Result<SubjectName> parse(std::string_view text);
 
@@ -45,10 +45,10 @@ class SubjectName {
 
   /// The RDNs in the text's order.
   std::vector<Rdn> rdns() const;
-  /// The same text for names that match, and for no others.
+  /// A text that is equal for two names exactly if they match.
   std::string key() const;
 
-  /// The same RDNs, forwards or backwards; values compare octet by octet.
+  /// True for the same RDNs, forwards or backwards; values are compared octet by octet.
   bool matches(const SubjectName& other) const;
   bool matches(const Certificate& certificate) const { return matches(of(certificate)); }
 

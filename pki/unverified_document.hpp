@@ -1,4 +1,4 @@
-// Internal to pki/: a signed document as it is read, before anyone looks at its signature.
+// Internal to pki/: a parsed signed document before verification of its signature.
 #pragma once
 
 #include <cstddef>
@@ -18,9 +18,9 @@ struct UnverifiedDocument {
   BytesView text() const { return BytesView(signed_octets).subspan(header_octets); }
 };
 
-/// Reads a document of two MIME parts. The plugins and the tools read by this function and no
-/// other, so that what a tool shows is what a plugin obeys. Errors: those of mime.hpp, smime_nul,
-/// smime_too_large, smime_signature_malformed (no base64 text), smime_unsigned_octets.
+/// Parses a document of two MIME parts. The plugins and the tools use only this function, so that a
+/// tool shows exactly what a plugin obeys. Errors: those of mime.hpp, smime_nul, smime_too_large,
+/// smime_signature_malformed (no base64 text), smime_unsigned_octets.
 Result<UnverifiedDocument> read_document(BytesView file);
 
 }  // namespace ddssec::pki
