@@ -1,4 +1,4 @@
-// Frames of a network interface or of a file that tcpdump or Wireshark wrote, by libpcap.
+// Reads frames from a network interface or from a file of tcpdump or Wireshark, with libpcap.
 #pragma once
 
 #include <chrono>
@@ -12,7 +12,7 @@
 
 namespace ddssec::cli {
 
-/// One frame. `octets` are there until the next one is read.
+/// One frame. `octets` are valid until the next one is read.
 struct Frame {
   std::chrono::nanoseconds at;  ///< since 1970
   BytesView octets;
@@ -23,19 +23,20 @@ class Capture {
  public:
   /// A pcap or pcapng file; "-": standard input. Error: capture_unreadable.
   static Result<Capture> open(const std::string& file);
-  /// What passes an interface from now on. Error: capture_unreadable.
+  /// Captures from an interface from now on. Error: capture_unreadable.
   static Result<Capture> listen(const std::string& interface);
   ~Capture();
   Capture(Capture&&) noexcept;
 
   /// LINKTYPE_ of libpcap.
   int link() const;
-  /// From here on writes every frame that is read to a new pcap file, for its owner only; in a dry
-  /// run only sees whether there is room for one. Errors: would_overwrite, file_unwritable.
+  /// From now on writes every frame that is read to a new pcap file, which only its owner can read.
+  /// In a dry run it only checks that the file can be created. Errors: would_overwrite,
+  /// file_unwritable.
   Status save_to(const std::string& file);
-  /// Ends that file. Error: file_unwritable; then it is removed.
+  /// Closes that file. Error: file_unwritable; then the file is removed.
   Result<WrittenFile> saved();
-  /// Hands over frames until the end of the file, or for so long when listening, or until
+  /// Passes frames to `take` until the end of the file, for `how_long` when listening, or until
   /// interrupted. Error: capture_unreadable.
   Status each(std::chrono::nanoseconds how_long, const std::function<void(const Frame&)>& take);
 

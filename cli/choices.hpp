@@ -1,4 +1,4 @@
-// The words that an option or a place of a command takes, where they are few: for completion, and
+// The possible words for an option or positional of a command, if they are few: for completion, and
 // for values in another letter case.
 #pragma once
 
@@ -9,7 +9,8 @@
 
 namespace ddssec::cli {
 
-/// With blanks between them; "" where anything may stand. `name` is an option's or a positional's.
+/// The words, separated by blanks; "" if any value is allowed. `name` is that of an option or a
+/// positional.
 std::string choices_of(const Command& command, std::string_view name);
 
 }  // namespace ddssec::cli

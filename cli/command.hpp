@@ -1,4 +1,4 @@
-// The table of commands: the parser, the help and the tests are made from it.
+// The table of commands. The parser, the help and the tests are generated from it.
 #pragma once
 
 #include <map>
@@ -11,7 +11,7 @@
 
 namespace ddssec::cli {
 
-/// What stands on the command line by its place.
+/// An argument that is identified by its position.
 struct Positional {
   std::string_view name;  ///< as help shows it, such as "DIR"
   std::string_view summary;
@@ -19,12 +19,12 @@ struct Positional {
   bool repeated = false;  ///< may be given more than once; only the last one of a command
 };
 
-/// What stands on the command line by its name.
+/// An argument that is identified by its name.
 struct Option {
   std::string_view name;   ///< "--days"
   std::string_view value;  ///< as help shows it, such as "N"; empty for a flag
   std::string_view summary;
-  std::string_view fallback = {};  ///< what counts if it is not given
+  std::string_view fallback = {};  ///< the default value
   bool repeated = false;           ///< may be given more than once
   bool required = false;
   std::string_view letter = {};  ///< a short form, such as "-q"
@@ -33,8 +33,7 @@ struct Option {
   std::string spellings() const;
 };
 
-/// What was on the command line, by the names of the table. Every value was given or has its
-/// fallback.
+/// The parsed command line, by the names of the table. Every value is given or has its default.
 class Arguments {
  public:
   using Values = std::map<std::string, std::vector<std::string>, std::less<>>;
@@ -51,7 +50,7 @@ class Arguments {
   Values values_;
 };
 
-/// What a command works with besides its arguments.
+/// The services that a command gets besides its arguments.
 struct Context {
   const Clock& clock;
   Random& random;
@@ -73,7 +72,7 @@ struct Command {
 
 /// Every command, by group.
 const std::vector<Command>& commands();
-/// The options that every command takes.
+/// The options that every command accepts.
 const std::vector<Option>& common_options();
 
 }  // namespace ddssec::cli

@@ -1,4 +1,4 @@
-// Sentences about security that Cyclone DDS itself writes into its log, which have no code.
+// Sentences about security that Cyclone DDS itself writes to its log, and that have no code.
 #pragma once
 
 #include <span>
@@ -14,11 +14,11 @@ struct CycloneSentence {
   std::string_view look_with;  ///< the command that says more
 };
 
-/// All of them, in the order of the page.
+/// All sentences, in the order of the page.
 std::span<const CycloneSentence> cyclone_sentences();
 
-/// Those of which `text` is a part, in any letter case, and those that are in `text`, a line of a
-/// log. Fewer than four characters are part of none.
+/// The sentences that contain `text`, in any letter case, and those that are contained in `text`, a
+/// line of a log. A text of fewer than four characters is contained in none.
 std::vector<CycloneSentence> cyclone_sentences_like(std::string_view text);
 
 }  // namespace ddssec::cli

@@ -1,4 +1,4 @@
-// The two documents that a diff compares, and how what they hold is shown.
+// The two documents that a diff compares, and functions to display their contents.
 #pragma once
 
 #include <filesystem>
@@ -13,14 +13,15 @@
 
 namespace ddssec::cli {
 
-/// One side of a comparison, as far as it is the same for all documents.
+/// One side of a comparison, without the parts that depend on the kind of document.
 struct DiffSide {
   std::filesystem::path path;
   Bytes text = {};     ///< the XML document
   int first_line = 1;  ///< of the file, on which it begins
   bool is_signed = false;
   bool is_verified = false;
-  /// The signer: its certificate's fingerprint if verified, else the claimed one. Empty: none.
+  /// The fingerprint of the signer's certificate if verified, otherwise the claimed one; empty: not
+  /// signed.
   std::string signer = {};
 };
 
@@ -28,9 +29,9 @@ struct DiffSides {
   DiffSide before, after;
 };
 
-/// Reads OLD and NEW, which `document` finds if a participant's folder is given. Signed files are
-/// verified if --ca is given, else taken without; unsigned XML is always taken. Errors: those of
-/// read_file, Certificate::bundle_from_pem and DocumentVerifier::verify.
+/// Reads OLD and NEW; `document` finds the file if a participant's folder is given. Signed files
+/// are verified if --ca is given, otherwise accepted without verification; unsigned XML is always
+/// accepted. Errors: those of read_file, Certificate::bundle_from_pem and DocumentVerifier::verify.
 Result<DiffSides> diff_sides(std::filesystem::path (*document)(const std::filesystem::path&),
                              const Arguments& arguments, const Context& context);
 
@@ -39,7 +40,7 @@ Json signer_json(const DiffSides& sides);
 /// Complete lines: the signer, and whether that was verified. Empty if nothing is signed.
 std::string signer_text(const DiffSides& sides);
 
-/// The value of --fail-on, or nothing. Error: usage.
+/// The value of --fail-on, if given. Error: usage.
 Result<std::optional<std::string>> fail_on(const Arguments& arguments,
                                            const std::vector<std::string>& words);
 
@@ -63,8 +64,8 @@ Json domains_json(const std::vector<governance::DomainRange>& domains);
 /// "file.xml:22", or null without a line.
 Json place(const std::filesystem::path& path, int line);
 
-/// Lines of one change: a heading and what follows, indented below it; at most 100 columns where
-/// there are blanks.
+/// The lines of one change: a heading and indented parts, at most 100 columns where there are
+/// blanks.
 std::string wrapped(std::string_view heading, const std::vector<std::string>& parts);
 
 }  // namespace ddssec::cli

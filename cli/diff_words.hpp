@@ -1,4 +1,4 @@
-// What a comparison is about, for people and as JSON.
+// The subjects of a comparison, as text and as JSON.
 #pragma once
 
 #include <string>
@@ -19,7 +19,7 @@ std::string shown(const governance::EntityWords& entities);
 Json name_set_json(const governance::NameSet& set);
 /// [{"expression", "also", "except", "more_exceptions"}] of the topics that are named.
 Json topic_set_json(const governance::TopicSet& topics);
-/// Null where the documents speak of no tags.
+/// The tags of a scope; null if the documents name none.
 Json tags_json(const governance::DomainScope& scope);
 
 }  // namespace ddssec::cli

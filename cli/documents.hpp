@@ -1,4 +1,4 @@
-// Governance and permissions documents as commands read and write them.
+// Reading and writing of governance and permissions documents by commands.
 #pragma once
 
 #include <filesystem>
@@ -16,7 +16,7 @@
 
 namespace ddssec::cli {
 
-/// The result; an error gets the path as its document if it had none.
+/// The result; an error without a document gets the path as its document.
 template <class T>
 Result<T> named(Result<T> result, const std::filesystem::path& path) {
   if (result) return result;
@@ -33,11 +33,11 @@ struct DocumentText {
   Bytes xml;
   int first_line = 1;
 };
-/// NOT verified: to be shown and linted, never obeyed.
-/// Errors: those of read_file; smime_malformed if nothing can be found in a signed form.
+/// The text of a document, NOT verified: only to be displayed and linted. Errors: those of
+/// read_file; smime_malformed if a signed form contains no text.
 Result<DocumentText> unverified_text(const std::filesystem::path& file);
 
-/// A kind of document, for commands that do the same to both.
+/// A kind of document, for commands that work on both kinds.
 struct GovernanceKind {
   using Document = governance::Governance;
   static constexpr auto kInFolder = &pki::ParticipantFolder::governance;
@@ -53,7 +53,7 @@ struct PermissionsKind {
   }
 };
 
-/// The document of a participant's folder; `given` itself if it is none.
+/// The document of a participant's folder; `given` itself if it is not a folder.
 template <class Kind>
 std::filesystem::path document_path(const std::filesystem::path& given) {
   std::error_code ignored;
@@ -71,46 +71,46 @@ Result<typename Kind::Document> unverified_document(const std::filesystem::path&
   return named(Kind::read(text->xml, text->first_line), file);
 }
 
-/// How long the signed form of a document is, which `octets` are, plain or signed. Of a plain one
-/// without the signature itself, which has 1 to 4 KiB.
+/// The length of the signed form of a document; `octets` are the document, plain or signed. For a
+/// plain one without the signature itself, which has 1 to 4 KiB.
 std::size_t signed_size(BytesView octets);
 
-/// Findings about this file go into the report; the answer is "no" if one is an error.
+/// Adds findings about this file to the report; the answer is "no" if one is an error.
 void add_findings(Report& report, std::vector<Finding> findings, const std::filesystem::path& file);
 /// "2 errors, 1 warning, 3 notes"; "nothing found" if there are none.
 std::string counted(const std::vector<Finding>& findings);
-/// errors, warnings, notes: how many.
+/// The numbers of errors, warnings and notes.
 Json counts_json(const std::vector<Finding>& findings);
 
-/// What --profile says. Error: usage.
+/// The value of --profile. Error: usage.
 Result<governance::Profile> profile_option(const Arguments& arguments);
 
-/// What --domain, which has a fallback, says. Error: usage.
+/// The value of --domain, which has a default. Error: usage.
 Result<DomainId> domain_of(const Arguments& arguments);
-/// What --domain says, or nothing. Error: usage.
+/// The value of --domain, if given. Error: usage.
 Result<std::optional<DomainId>> domain_option(const Arguments& arguments);
 
-/// What the option says, "3" or "0-5" each. Error: usage.
+/// The values of the option, each "3" or "0-5". Error: usage.
 Result<std::vector<governance::DomainRange>> domain_ranges(const Arguments& arguments,
                                                            std::string_view option);
 
-/// The topics of a repeated option. Error: usage, for two with a comma between them, which would be
-/// the name of one topic that does not exist.
+/// The topics of a repeated option. Error: usage for a value with a comma, which would be the name
+/// of one topic that does not exist.
 Result<std::vector<std::string>> topics_of(const Arguments& arguments, std::string_view option);
 
-/// The signature that stands beside a document: its path with the ending p7s.
+/// The path of the signed form beside a document: its path with the ending p7s.
 std::filesystem::path signed_path(const std::filesystem::path& document);
 
-/// Success if write_result() finds its place free, so that no log names a document that was never
+/// Success if write_result() can use its target, so that no log contains a document that was never
 /// written. Error: would_overwrite.
 Status check_result_place(const std::filesystem::path& target, const Arguments& arguments);
-/// One document of a command that has --replace. Errors: those of write_new_file and, with that
-/// option, of Replacement.
+/// Writes a document for a command that has --replace. Errors: those of write_new_file and, with
+/// that option, of Replacement.
 Result<WrittenFile> write_result(const std::filesystem::path& target, BytesView octets,
                                  const Arguments& arguments);
 
-/// Writes a new document to what -o says and, with --sign, its signed form beside it (-o may name
-/// either). Both or neither. Errors: usage (--sign without --ca), and those of CaOpener,
+/// Writes a new document to the path of -o and, with --sign, its signed form beside it (-o may name
+/// either). Writes both or neither. Errors: usage (--sign without --ca), and those of CaOpener,
 /// Authority::sign_document and write_new_file.
 Result<std::vector<WrittenFile>> write_document(const std::string& xml, const Arguments& arguments,
                                                 const Context& context);

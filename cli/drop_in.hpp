@@ -1,4 +1,4 @@
-// The drop-in folder: where ddssec's plugin libraries lie under the names of the stock ones.
+// The drop-in folder: contains ddssec's plugin libraries under the names of the stock ones.
 #pragma once
 
 #include <filesystem>
@@ -13,12 +13,13 @@ inline constexpr Option kDropIn{
     "ddssec's plugins where the application runs: cyclonedds.xml names them by whole paths, and "
     "Cyclone DDS does not start without them"};
 
-/// The folder that --dropin names, as a whole path; empty without the option. A folder of another
-/// machine need not be here. Errors: usage, for a folder that is here without ddssec's three
-/// libraries, a relative path to no folder, and a path that Cyclone DDS would read differently.
+/// The folder of --dropin, as an absolute path; empty without the option. A folder of another
+/// machine need not exist here. Errors: usage for a folder that exists without ddssec's three
+/// libraries, for a relative path to no folder, and for a path that Cyclone DDS would read
+/// differently.
 Result<std::filesystem::path> drop_in_of(const Arguments& arguments);
 
-/// A line for people about a configuration that names the libraries there; empty without a folder.
+/// A line of text about a configuration that names the libraries there; empty without a folder.
 std::string drop_in_line(const std::filesystem::path& dropin);
 
 }  // namespace ddssec::cli

@@ -1,4 +1,4 @@
-// The folder of a new enclave, which may have folders of deeper enclaves in it already.
+// The folder of a new enclave, which may already contain folders of deeper enclaves.
 #pragma once
 
 #include <filesystem>
@@ -12,16 +12,16 @@
 
 namespace ddssec::cli {
 
-/// Takes the files of one enclave. Where no folder of the name is there, it appears with all of
-/// them at once; into one that has deeper enclaves only, they are put as a Replacement puts files,
-/// and nothing is put in place of another file.
+/// Collects the files of one enclave. If there is no folder with the name, it appears with all
+/// files at once. If there is one with deeper enclaves only, the files are put into it like those
+/// of a Replacement, and no existing file is replaced.
 class EnclaveFolder {
  public:
   /// Errors: enclave_name_unusable if a link leads out of the keystore; those of NewFolder::at.
   static Result<EnclaveFolder> at(const std::filesystem::path& keystore,
                                   const std::filesystem::path& target);
 
-  /// As NewFolder's, with names inside the enclave's folder.
+  /// As in NewFolder, with names inside the enclave's folder.
   Status add(const std::filesystem::path& name, BytesView octets, unsigned mode);
   Status add_public(const std::filesystem::path& name, std::string_view text);
   Status link(const std::filesystem::path& name, const std::filesystem::path& to);
@@ -33,8 +33,8 @@ class EnclaveFolder {
   std::filesystem::path target_;
   std::optional<NewFolder> folder_ = std::nullopt;  ///< begins at or above the target
   std::filesystem::path below_ = {};                ///< the target within it
-  std::unique_ptr<Replacement> files_ = nullptr;    ///< instead of it
-  /// What each leads to; made before the files.
+  std::unique_ptr<Replacement> files_ = nullptr;    ///< used if the folder exists
+  /// The links with their targets; created before the files.
   std::vector<std::pair<std::filesystem::path, std::filesystem::path>> links_ = {};
 };
 

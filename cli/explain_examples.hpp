@@ -1,4 +1,4 @@
-// Commands, and lines of configurations, that correct what a code or a rule is about.
+// Commands and configuration lines that correct the problem of a code or rule.
 #pragma once
 
 #include <span>
@@ -13,7 +13,7 @@ struct Example {
   std::string_view line;
 };
 
-/// All of them, in the order in which they are shown.
+/// All examples, in the order in which they are shown.
 std::span<const Example> explain_examples();
 
 }  // namespace ddssec::cli

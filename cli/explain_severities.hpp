@@ -1,4 +1,4 @@
-// Severities that findings of a rule have besides the rule's own.
+// Severities of findings that differ from the severity of their rule.
 #pragma once
 
 #include <span>
@@ -15,8 +15,8 @@ struct OtherSeverity {
   std::string_view when;  ///< a clause that begins with "where" or "for"
 };
 
-/// All of them; every other rule has one severity. The tests of the program hold every finding
-/// against it.
+/// All such severities; every other rule has one severity. The tests of the program check every
+/// finding against this list.
 std::span<const OtherSeverity> other_severities();
 
 }  // namespace ddssec::cli

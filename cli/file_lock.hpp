@@ -1,4 +1,4 @@
-// Locks that commands wait for: a bounded time, since another user may hold one for ever.
+// Locks for which commands wait for a limited time, because another user may hold one forever.
 #pragma once
 
 #include <chrono>
@@ -11,22 +11,22 @@
 
 namespace ddssec::cli {
 
-/// How long a command waits for another one that reads and then writes a CA's files.
+/// For how long a command waits for another one that reads and then writes a CA's files.
 inline constexpr std::chrono::seconds kLockPatience{20};
 
-/// Locks an open file (flock) for this process alone, or waits so long for it. `path` is for
-/// messages. Errors: file_unwritable, which names the process that holds the lock where /proc/locks
-/// tells it; interrupted.
+/// Locks an open file (flock) exclusively for this process; waits at most `patience`. `path` is for
+/// messages. Errors: file_unwritable, with the process that holds the lock if /proc/locks names it;
+/// interrupted.
 Status lock_file(int file, const std::filesystem::path& path, std::chrono::seconds patience);
 
-/// Keeps other commands that ask for the same file waiting while it lives, so that what one reads
-/// and then writes anew cannot lose what another wrote in between. A command that has the lock of a
-/// file may take it again.
+/// While it lives, other commands that lock the same file wait. So what one command reads and then
+/// rewrites cannot lose what another one wrote in between. A command that holds the lock of a file
+/// may take it again.
 class FileLock {
  public:
-  /// Of a file that only its owner should be able to open, since everybody who can may hold the
-  /// lock. Links are followed; a file that was replaced during the wait is locked in its new form.
-  /// Errors as lock_file.
+  /// Locks a file. Only its owner should be able to open it, because everyone who can open it can
+  /// hold the lock. Links are followed. A file that was replaced during the wait is locked in its
+  /// new form. Errors as lock_file.
   static Result<FileLock> of(const std::filesystem::path& path);
 
  private:

@@ -1,4 +1,4 @@
-// Where the participants of one fleet's file go.
+// The output folders for the participants of a fleet.
 #pragma once
 
 #include <filesystem>
@@ -10,23 +10,24 @@
 
 namespace ddssec::cli {
 
-/// What a fleet's command writes: the whole folder, or one folder for each participant that a fleet
-/// which is there lacks.
+/// The output of a fleet's command: the whole folder, or one folder for each participant that an
+/// existing fleet lacks.
 class FleetFolder {
  public:
-  /// Participants that have a certificate there are taken out of `specs`. Errors: would_overwrite
-  /// if all of them have, or if something else has the name of one; those of NewFolder::at.
+  /// Removes participants that already have a certificate there from `specs`. Errors:
+  /// would_overwrite if all of them have one, or if something else has the name of one; those of
+  /// NewFolder::at.
   static Result<FleetFolder> at(const std::filesystem::path& target,
                                 std::vector<ParticipantSpec>& specs);
 
-  /// Puts the participant of the `index`-th spec in. Errors: those of add_flat.
+  /// Adds the participant of the `index`-th spec. Errors: those of add_flat.
   Status add(std::size_t index, const std::string& name, const NewParticipant& made,
              const Issuers& issuers, BytesView governance);
-  /// Errors: those of NewFolder::commit. Folders of a fleet that grows are committed one by one:
-  /// the same command adds what an error left out.
+  /// Puts the folders in place. Those of an existing fleet are committed one by one; if one fails,
+  /// repeat the same command to add the rest. Errors: those of NewFolder::commit.
   Result<std::vector<WrittenFile>> commit();
 
-  /// What is said of the folders.
+  /// The text about the folders for the report.
   std::string text() const;
 
  private:
@@ -39,7 +40,7 @@ class FleetFolder {
   std::vector<NewFolder> parts_;
 };
 
-/// What the CAs' logs and the report say of the participants of a fleet.
+/// The lines of the CAs' logs and of the report for the participants of a fleet.
 class FleetMembers {
  public:
   /// `permissions`: the permissions CA, or null.

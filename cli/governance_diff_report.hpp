@@ -1,4 +1,4 @@
-// What a comparison of governance documents has to say.
+// The report of a comparison of governance documents.
 #pragma once
 
 #include "cli/diff_inputs.hpp"
@@ -7,7 +7,7 @@
 
 namespace ddssec::cli {
 
-/// Text and JSON of a comparison; the exit code is left alone.
+/// Text and JSON of a comparison; does not set the exit code.
 Report report_of(const governance::GovernanceDiff& diff, const DiffSides& sides);
 
 }  // namespace ddssec::cli

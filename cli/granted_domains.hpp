@@ -1,4 +1,4 @@
-// The domains that new permissions are for.
+// The domains for which new permissions are granted.
 #pragma once
 
 #include <filesystem>
@@ -10,9 +10,9 @@
 
 namespace ddssec::cli {
 
-/// What --domain says; else all domains that the governance document in `governance` is for; else
-/// domain 0. Outside of these a participant would not start, which `findings` say (DOC050). The
-/// document is not verified: it only proposes. Error: usage.
+/// The values of --domain; otherwise all domains of the governance document in `governance`;
+/// otherwise domain 0. Outside of these a participant would not start; `findings` then get DOC050.
+/// The document is not verified, because it only provides a default. Error: usage.
 Result<std::vector<governance::DomainRange>> granted_domains(
     const Arguments& arguments, const std::filesystem::path& governance,
     std::vector<Finding>& findings);

@@ -1,4 +1,4 @@
-// The groups of the table of commands: each group's file holds its rows and what they run.
+// The groups of the table of commands. Each group's file contains its rows and their functions.
 #pragma once
 
 #include "cli/command.hpp"

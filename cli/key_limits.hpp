@@ -1,5 +1,5 @@
-// The limits of the keys' use that a folder's security.properties sets, as doctor and check look at
-// them: without key revision, or malformed, they keep the participant from coming up.
+// The key limits in a folder's security.properties, for doctor and check. Without key revision, or
+// if malformed, they keep the participant from starting.
 #pragma once
 
 #include <optional>
@@ -8,11 +8,11 @@
 
 namespace ddssec::cli {
 
-/// DOC093: what is wrong with them; nothing: they are good, or there are none.
+/// The finding DOC093 about wrong limits; empty if they are right or missing.
 std::optional<Finding> key_limits_obstacle(const governance::doctor::LoadedFolder& folder,
                                            DomainId domain);
 
-/// The same for a diagnosis, if there is such a file.
+/// The same for a diagnosis, if the file exists.
 void check_key_limits(const governance::doctor::LoadedFolder& folder,
                       const governance::doctor::Settings& settings,
                       governance::doctor::Diagnosis& out);

@@ -1,4 +1,4 @@
-// Two participants and what each makes of the other, for people and for programs.
+// The report about the meeting of two participants, as text and as JSON.
 #pragma once
 
 #include "cli/report.hpp"
@@ -6,7 +6,7 @@
 
 namespace ddssec::cli {
 
-/// What is asked of the topics.
+/// The required directions for topics.
 enum class Wanted : std::uint8_t {
   any,       ///< one direction on every topic
   both,      ///< both directions
@@ -14,23 +14,23 @@ enum class Wanted : std::uint8_t {
   writer_b,
 };
 
-/// How a meeting is looked at.
+/// A meeting and the way to present it.
 struct MeetingView {
   const governance::doctor::Meeting& meeting;
   std::string names[2];
   DomainId domain = 0;
-  bool topics_named = false;  ///< the topics were asked for; else one that works is enough
+  bool topics_named = false;  ///< the topics were named; otherwise one that works is enough
   Wanted wanted = Wanted::any;
-  bool explain = false;  ///< every judgement, not the deciding ones only
+  bool explain = false;  ///< show every judgement, not only the deciding ones
 };
 
-/// True if they would talk as wanted.
+/// True if they would communicate as wanted.
 bool would_talk(const MeetingView& view);
 
 /// Steps, topics and a last line with the result.
 std::string meeting_text(const MeetingView& view);
-/// True if they meet, and both may use a topic that something else keeps them apart on: governance
-/// documents that protect it differently, or what a product does by itself.
+/// True if they meet, and both may use a topic on which something else separates them: governance
+/// documents that protect it differently, or the behaviour of a product.
 bool has_topic_apart(const governance::doctor::Meeting& meeting);
 /// authentication, permissions, join, handshake, topics, vendor_notes.
 Json meeting_json(const MeetingView& view);

@@ -1,4 +1,4 @@
-// Warnings that arise far below a command and that its report shows, whatever becomes of it.
+// Warnings from deep inside a command that its report shows, whatever its result.
 #pragma once
 
 #include <filesystem>
@@ -8,11 +8,11 @@
 
 namespace ddssec::cli {
 
-/// Keeps a warning for the report of this run; the same one of the same document once.
+/// Stores a warning for the report of this run; the same warning about the same document only once.
 void add_notice(Error warning);
-/// Notices the lines of a CA's log that could not be read: log_line_unreadable, once for each log.
+/// Adds a notice about unreadable lines of a CA's log: log_line_unreadable, once for each log.
 void notice_unreadable_lines(const std::filesystem::path& log, const std::vector<int>& lines);
-/// Moves what was noticed into the report.
+/// Moves the notices into the report.
 void report_notices(Report& report);
 
 }  // namespace ddssec::cli

@@ -1,4 +1,4 @@
-// Options that several commands take, worded once.
+// Options that several commands share, defined once.
 #pragma once
 
 #include "cli/command.hpp"

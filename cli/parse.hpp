@@ -1,4 +1,4 @@
-// The command line, parsed by the table of commands.
+// Parses the command line by the table of commands.
 #pragma once
 
 #include <span>
@@ -8,21 +8,21 @@
 
 namespace ddssec::cli {
 
-/// What the command line asks for. `command` null: only `help` is to be printed.
+/// The parsed request. `command` null: only print `help`.
 struct Request {
   const Command* command = nullptr;
   Arguments arguments{{}};
   std::string help;
 };
 
-/// Parses the words after the program's name. Error: usage, with the nearest known word if one is
-/// near.
+/// Parses the words after the program's name. Error: usage, with the most similar known word if
+/// there is one.
 Result<Request> parse(std::span<const std::string> words);
 
 /// The command, or the group of commands, that these words begin with; "" if they name none.
 std::string command_named(std::span<const std::string> words);
 
-/// Help on everything, on a group ("ca") or on a command ("ca create"); "" if there is no such.
+/// Help on everything, on a group ("ca") or on a command ("ca create"); "" if it does not exist.
 std::string help_on(std::string_view what);
 
 }  // namespace ddssec::cli

@@ -1,4 +1,4 @@
-// A participant to be: key, certificate and permissions, made in one place for every command that
+// Creates a participant: key, certificate and permissions, in one place for every command that
 // issues.
 #pragma once
 
@@ -14,7 +14,7 @@
 
 namespace ddssec::cli {
 
-/// What a participant is to get.
+/// The specification of a new participant.
 struct ParticipantSpec {
   std::string name;     ///< of its grant
   std::string subject;  ///< of its certificate
@@ -23,11 +23,12 @@ struct ParticipantSpec {
   std::vector<governance::DomainRange> domains = {{0, 0}};
   std::vector<std::string> publish = {};
   std::vector<std::string> subscribe = {};
-  std::vector<std::string> partitions = {};  ///< none: only endpoints without partitions
+  std::vector<std::string> partitions = {};  ///< empty: only endpoints without partitions
   /// A permissions document to sign instead of one made from the lists.
   std::optional<Bytes> permissions = std::nullopt;
-  bool takes_other_grants = false;  ///< of that document, for other subjects
-  /// Or rules from elsewhere; subject and validity are the certificate's.
+  bool takes_other_grants = false;  ///< accept grants of that document for other subjects
+  /// Rules from elsewhere, as another alternative; subject and validity are those of the
+  /// certificate.
   std::optional<governance::Grant> grant = std::nullopt;
   std::filesystem::path dropin = {};  ///< drop_in_of
 
@@ -36,34 +37,35 @@ struct ParticipantSpec {
   }
 };
 
-/// What was made.
+/// The new participant.
 struct NewParticipant {
   pki::Credential self;
-  std::string permissions_xml;        ///< empty if it gets none
+  std::string permissions_xml;        ///< empty if it has none
   Bytes permissions;                  ///< the same, signed
   std::filesystem::path dropin = {};  ///< for its configuration files
 };
 
-/// Who makes it.
+/// The CAs that issue and sign.
 struct Issuers {
   const OpenCa& identity;
   const OpenCa* permissions = nullptr;  ///< null: permissions cannot be signed
   std::string_view crl = {};            ///< list_for_newcomers
 };
 
-/// `wanted`, beginning not before the CA. An end after the CA's is cut if `clamp`, else refused:
-/// the certificate would stop being believed before it says so. Error: outlives_ca.
+/// The validity `wanted`, beginning not before the CA's. An end after the CA's is cut if `clamp`,
+/// otherwise refused: the certificate would become invalid before its own end. Error: outlives_ca.
 Result<pki::Validity> within_ca(pki::Validity wanted, const pki::Certificate& ca, bool clamp);
 
-/// Adds what lint says of the topics and partitions that the spec names: those that match nothing,
-/// that products read differently, or that look like names of ROS. Each sentence once, and none is
-/// an error: the document is written as the spec asks.
+/// Adds lint's findings about the topics and partitions of the spec: those that match nothing, that
+/// products read differently, or that look like names of ROS. Each finding once, and none as an
+/// error: the document is written as specified.
 void warn_of_topics(const ParticipantSpec& spec, const std::string& document, Report& report);
 
-/// The permissions document of the spec, for this certificate: the one it brings, which must have a
-/// grant for the subject that is valid at `now` and, unless the spec takes them, none for others;
-/// or one grant with default DENY. The subject is the certificate's own text, the form that every
-/// vendor reads. Errors: foreign_grant, those of read_permissions and find_grant.
+/// The permissions document of the spec for this certificate. Either the document in the spec: it
+/// must have a grant for the subject that is valid at `now`, and no grants for others unless the
+/// spec accepts them. Or a document with one grant and default DENY. The subject is the
+/// certificate's own text, which every vendor accepts. Errors: foreign_grant, those of
+/// read_permissions and find_grant.
 Result<std::string> permissions_xml(const ParticipantSpec& spec,
                                     const pki::Certificate& certificate, WallTime now);
 
@@ -72,18 +74,18 @@ Result<std::string> permissions_xml(const ParticipantSpec& spec,
 Result<NewParticipant> make_participant(const ParticipantSpec& spec, const Issuers& issuers,
                                         const Context& context);
 
-/// The document, signed. Errors: those of sign_document; smime_too_large: ddssec's plugins
-/// would refuse it (PERM042).
+/// The signed document. Errors: those of sign_document; smime_too_large: ddssec's plugins would
+/// refuse it (PERM042).
 Result<Bytes> sign_permissions(const pki::Authority& ca, std::string_view xml, WallTime now,
                                Random& random);
 
-/// Puts it into a folder to be, in the flat layout, with the products' configuration files.
-/// `governance` may be empty: then there is none.
+/// Adds the participant to a new folder, in the flat layout, with the products' configuration
+/// files. `governance` may be empty: then there is none.
 Status add_flat(NewFolder& folder, const std::filesystem::path& below,
                 const NewParticipant& participant, const Issuers& issuers, BytesView governance);
 
-/// The line of the identity CA's log about it; it must be written before the certificate
-/// is handed out.
+/// The line of the identity CA's log about the participant. It must be written before the
+/// certificate is handed out.
 std::string log_line(const NewParticipant& participant, const std::filesystem::path& folder,
                      WallTime now);
 
@@ -91,7 +93,7 @@ std::string log_line(const NewParticipant& participant, const std::filesystem::p
 std::string signed_line(const NewParticipant& participant, const OpenCa& permissions,
                         const std::filesystem::path& folder, WallTime now);
 
-/// What results say of a certificate that was issued: subject, serial, not_after, sha256.
+/// The JSON about an issued certificate: subject, serial, not_after, sha256.
 Json certificate_json(const pki::Certificate& certificate);
 
 }  // namespace ddssec::cli

@@ -1,5 +1,5 @@
-// All that doctor, check and can know of one participant: its folder, the environment that its
-// process would start in, and what ddssec's plugins within Cyclone DDS would refuse.
+// The diagnosis of one participant for doctor, check and can: its folder, the environment of its
+// process, and what ddssec's plugins in Cyclone DDS would refuse.
 #pragma once
 
 #include <optional>
@@ -14,12 +14,13 @@ namespace ddssec::cli {
 governance::doctor::Diagnosis diagnosis_of(const governance::doctor::LoadedFolder& folder,
                                            const governance::doctor::Settings& settings);
 
-/// The part that `doctor::meet` does not look at for itself.
+/// The part that `doctor::meet` does not check itself.
 governance::doctor::Diagnosis diagnosis_beyond_folder(
     const governance::doctor::LoadedFolder& folder, const governance::doctor::Settings& settings);
 
 /// DOC101, a warning: CYCLONEDDS_URI is not set or empty, and the folder has a cyclonedds.xml. An
-/// application that starts here would run without security. It says nothing of the folder itself.
+/// application that starts in this environment would run without security. It does not concern the
+/// folder itself.
 void warn_of_unset_variable(const governance::doctor::LoadedFolder& folder,
                             const governance::doctor::Settings& settings,
                             governance::doctor::Diagnosis& out);
@@ -28,8 +29,9 @@ void warn_of_unset_variable(const governance::doctor::LoadedFolder& folder,
 /// plugins.
 bool runs_drop_in(const governance::doctor::LoadedFolder& folder);
 
-/// DOC103: why ddssec's plugins within Cyclone DDS refuse to make a writer (publish) or a reader
-/// (subscribe) under this rule. Nothing: they make it. The embedded participant makes it anyway.
+/// DOC103: the reason why ddssec's plugins in Cyclone DDS refuse to create a writer (publish) or a
+/// reader (subscribe) with this rule; empty if they do not. The embedded participant creates it
+/// anyway.
 std::optional<Finding> refused_by_drop_in(const governance::doctor::LoadedFolder& folder,
                                           const governance::DomainRule& domain,
                                           const governance::TopicRule& rule,

@@ -1,4 +1,4 @@
-// Which products, in which versions, a command predicts.
+// The products and versions for which a command predicts.
 #pragma once
 
 #include <string>
@@ -16,20 +16,20 @@ struct Products {
   governance::doctor::Lineup lineup;
 };
 
-/// What --vendor says; all of them if it is not given. Versions that are not named are those that
-/// are installed. The report gets a note (DOC098) where a version was assumed or stands for
-/// another. Error: usage.
+/// The products of --vendor; all if it is not given. Versions that are not given are the installed
+/// ones. The report gets a note (DOC098) if a version was assumed or represents another. Error:
+/// usage.
 Result<Products> products_of(const Arguments& arguments, Report& report);
 
-/// The version of one product: the named one, else the installed one, else the oldest known. Notes
-/// as above.
+/// The version of one product: the named one, otherwise the installed one, otherwise the oldest
+/// known. Notes as above.
 governance::doctor::Version version_of(const governance::doctor::NamedProduct& product,
                                        Report& report);
 
 /// The installed versions, without notes.
 governance::doctor::Lineup installed_lineup();
 
-/// Error: usage, of a --vendor that is none: `before` and the vendors may be named.
+/// The error usage for an unknown --vendor: `before` and the vendors are the valid values.
 std::unexpected<Error> unknown_vendor(const std::string& word, std::string_view before);
 
 }  // namespace ddssec::cli

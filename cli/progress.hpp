@@ -1,4 +1,4 @@
-// Shows how far a long command is.
+// Shows the progress of a long command.
 #pragma once
 
 #include <chrono>
@@ -7,11 +7,11 @@
 
 namespace ddssec::cli {
 
-/// From here on commands say nothing of their progress (-q).
+/// From now on commands show no progress (-q).
 void say_no_progress();
 
-/// Counts steps and says so on standard error, but not before a second has passed. On a terminal
-/// one line changes in place; elsewhere a new line comes now and then.
+/// Counts steps and shows them on standard error, beginning after one second. On a terminal one
+/// line is updated in place; elsewhere a new line is written now and then.
 class Progress {
  public:
   Progress(std::string what, std::size_t total);

@@ -1,4 +1,4 @@
-// What a command has to say: one value that prints as text or as the JSON envelope.
+// The report of a command: one value that prints as text or as the JSON envelope.
 #pragma once
 
 #include <string>
@@ -36,7 +36,7 @@ struct WrittenFile {
   std::string link_to = {};  ///< of a symbolic link
 };
 
-/// What a command found out or did.
+/// The result of a command.
 struct Report {
   Exit exit = Exit::done;
   std::string text;  ///< for people: complete lines
@@ -47,7 +47,7 @@ struct Report {
   std::string help_on = {};  ///< the command or group of the command line, for the hint of `usage`
 };
 
-/// As diagnostics show it: "error", "warning" or "note".
+/// The word in diagnostics: "error", "warning" or "note".
 std::string_view severity_word(Severity severity);
 
 /// The report of a command that failed.
@@ -57,7 +57,7 @@ Report report_of(const Error& error);
 /// result, diagnostics, files_written.
 Json envelope(const Report& report, std::string_view command);
 
-/// What of a report goes to standard error.
+/// The parts of a report that go to standard error, and their style.
 struct Style {
   bool color = false;
   bool quiet = false;    ///< errors only
@@ -71,7 +71,7 @@ std::string diagnostics_text(const Report& report, Style style = {});
 /// "1 folder", "3 folders".
 std::string counted(std::size_t count, std::string_view thing);
 
-/// "would write 0600 path" for every file: what --dry-run says.
+/// "would write 0600 path" for every file: the output of --dry-run.
 std::string dry_run_text(const Report& report);
 
 }  // namespace ddssec::cli

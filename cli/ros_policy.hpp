@@ -1,4 +1,4 @@
-// ROS 2 policies as commands read them.
+// Reading of ROS 2 policies by commands.
 #pragma once
 
 #include <filesystem>
@@ -11,12 +11,13 @@
 
 namespace ddssec::cli {
 
-/// The enclaves of a policy that are wanted: all of them if none is named. What the policy includes
-/// is read from below its folder. Errors: those of read_ros_policy; usage if one is not there.
+/// The wanted enclaves of a policy; all if none is named. Included files are read from below the
+/// policy's folder. Errors: those of read_ros_policy; usage if an enclave does not exist.
 Result<governance::RosPolicy> read_policy(const std::filesystem::path& file,
                                           const std::vector<std::string>& wanted);
 
-/// What --node-defaults asks for: the policy with what every rclcpp node needs, or as it is.
+/// The policy according to --node-defaults: with the rights that every rclcpp node needs, or
+/// unchanged.
 governance::RosPolicy with_options(governance::RosPolicy policy, const Arguments& arguments);
 
 /// A finding for every enclave whose <profiles> elements become one grant.

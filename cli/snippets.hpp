@@ -1,4 +1,4 @@
-// What an application's configuration must say to use a participant's folder.
+// Configurations with which an application uses a participant's folder.
 #pragma once
 
 #include <array>
@@ -11,29 +11,31 @@
 
 namespace ddssec::cli {
 
-/// One file of a participant's folder that a product is started with.
+/// A configuration file in a participant's folder with which a product is started.
 struct ConfigurationFile {
   std::string name;  ///< cyclonedds.xml, fastdds.xml
   std::string text;
 };
-/// Those of all products. Every command that makes a participant's folder puts them there; ROS 2
-/// needs none. They name the files of `folder` by their whole paths, and so the plugin libraries in
-/// `dropin`; if that is empty, the loader finds the libraries by their names.
+/// The configuration files of all products. Every command that makes a participant's folder writes
+/// them there, except for ROS 2, which needs none. They name the files of `folder` by absolute
+/// paths, and likewise the plugin libraries in `dropin`. If that is empty, the loader finds the
+/// libraries by their names.
 std::array<ConfigurationFile, 2> configuration_files(const pki::ParticipantFolder& folder,
                                                      const std::filesystem::path& dropin = {});
-/// Those of them that a folder lacks: a user may have changed those that are there. Given `dropin`,
-/// also a cyclonedds.xml that differs in nothing but the libraries. Error: would_overwrite, if it
-/// differs in more.
+/// The configuration files that a folder lacks: existing ones may have been changed by the user.
+/// With `dropin`, also a cyclonedds.xml that differs only in the libraries. Error: would_overwrite
+/// if it differs in more.
 Result<std::vector<ConfigurationFile>> missing_configuration_files(
     const pki::ParticipantFolder& folder, const std::filesystem::path& dropin);
-/// Lines for people: the variables that name these files of `folder`, which is `name`'s.
+/// Lines of text with the environment variables that name these files of `folder`, which belongs to
+/// `name`.
 std::string configuration_lines(std::string_view name, const std::filesystem::path& folder);
 
-/// A Cyclone DDS configuration: the value of CYCLONEDDS_URI, or a file that it names.
+/// A Cyclone DDS configuration, for CYCLONEDDS_URI or a file that it names.
 std::string cyclonedds_snippet(const pki::ParticipantFolder& folder,
                                const std::filesystem::path& dropin = {});
 
-/// A Fast DDS profile file: what FASTRTPS_DEFAULT_PROFILES_FILE names.
+/// A Fast DDS profile file, for FASTRTPS_DEFAULT_PROFILES_FILE.
 std::string fastdds_snippet(const pki::ParticipantFolder& folder);
 
 /// Environment variables of ROS 2 for an enclave of a keystore.

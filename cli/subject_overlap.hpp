@@ -1,4 +1,4 @@
-// Subjects that Cyclone DDS's own plugins do not tell apart.
+// Finds subjects that Cyclone DDS's own plugins cannot distinguish.
 #pragma once
 
 #include <filesystem>
@@ -18,13 +18,13 @@ namespace ddssec::cli {
 /// of every subject that has all of its attributes.
 class SubjectsInUse {
  public:
-  /// Of a CA's log; certificates for `folder`, which is getting another one, are left out.
+  /// The subjects in a CA's log. Certificates for `folder`, which gets a new one, are left out.
   SubjectsInUse(const pki::IssueLog& log, const std::filesystem::path& folder, WallTime now);
 
-  /// `where`: as a sentence names the certificate.
+  /// `where`: the name of the certificate in messages.
   void add(const std::string& subject, std::string where);
-  /// Success unless a subject with another name is in use that has all attributes of this one, or
-  /// the other way round. Error: subject_taken.
+  /// Success unless another subject is in use that has all attributes of this one, or whose
+  /// attributes are all contained in this one. Error: subject_taken.
   Status check(const std::string& subject) const;
 
  private:
@@ -35,11 +35,11 @@ class SubjectsInUse {
   Status check(const std::string& subject, const std::vector<std::size_t>& entries) const;
 
   std::vector<Entry> entries_;
-  /// Which entries have the piece, and which begin with it.
+  /// The entries that contain a piece, and those that begin with it.
   std::unordered_map<std::string, std::vector<std::size_t>> having_, beginning_;
 };
 
-/// Finds participants of a fleet that neither permissions nor a revocation tell apart.
+/// Finds participants of a fleet that neither permissions nor a revocation can distinguish.
 class SubjectsOfFleet {
  public:
   explicit SubjectsOfFleet(std::filesystem::path fleet) : fleet_(std::move(fleet)) {}

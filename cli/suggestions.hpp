@@ -1,4 +1,4 @@
-// What a person may have meant by words that are not known.
+// Suggestions for unknown words.
 #pragma once
 
 #include <span>
@@ -10,16 +10,16 @@
 
 namespace ddssec::cli {
 
-/// The known word that is nearest to `word`, or "" if none is near.
+/// The known word that is most similar to `word`, or "" if none is similar.
 std::string nearest(std::string_view word, const std::vector<std::string>& known);
 
-/// Commands that words which begin with no command may stand for, at most four: the same words the
-/// other way round ("create ca"), a verb without its group ("sign"), another verb of the same
-/// meaning ("ca new"), a word that is near. Behind a group: second words.
+/// Suggestions, at most four, for words that begin with no command: the same words in another order
+/// ("create ca"), a verb without its group ("sign"), another verb of the same meaning ("ca new"), a
+/// similar word. After a group: second words.
 std::vector<std::string> commands_like(std::span<const std::string> words);
 
-/// Options of the command that an unknown one may stand for, with a value where that is meant
-/// ("--format json" for "--json").
+/// Suggestions for an unknown option, with a value where that is meant ("--format json" for
+/// "--json").
 std::vector<std::string> options_like(std::string_view word, const Command& command);
 
 /// `; did you mean "a", "b" or "c"?`; "" for none.

@@ -1,4 +1,4 @@
-// What a command that is killed while it puts several files in place leaves to the next one.
+// Recovery after a command was killed while it put several files in place.
 #pragma once
 
 #include <cstdint>
@@ -10,28 +10,29 @@
 
 namespace ddssec::cli {
 
-/// A file that is complete and on the disk, and the place it is for: `draft` is `target` with an
-/// ending of digits and ".new".
+/// A file that is complete and on the disk, and its final place: `draft` is `target` with an ending
+/// of digits and ".new".
 struct Draft {
   std::filesystem::path draft, target;
 };
 
-/// Which places a list may name.
+/// The places that a list may contain.
 enum class Reach : std::uint8_t {
   folder,    ///< only files of the folder in which the list lies
   anywhere,  ///< also files of other folders: for a CA's own folder, which no participant writes
 };
 
-/// A list of drafts in a folder, on the disk before the first of them is put in place and gone
-/// after the last. A process that is killed in between leaves it, and so does one that cannot put a
+/// A list of drafts in a folder. It is on the disk before the first draft is put in place, and
+/// removed after the last one. It remains if the process is killed in between, or cannot put a
 /// draft in place.
 class Intent {
  public:
-  /// Finishes what an earlier process left there first. What cannot be finished yet stays on the
-  /// list, except for files that `drafts` has anew. Errors: those of finish_interrupted.
+  /// Writes a list; first finishes the work that an earlier process left there. Drafts that cannot
+  /// be finished yet stay on the list, except for files of which `drafts` has new versions. Errors:
+  /// those of finish_interrupted.
   static Result<Intent> write(const std::filesystem::path& folder, std::span<const Draft> drafts);
 
-  /// True if finish_interrupted() will believe the list.
+  /// True if finish_interrupted() will accept the list.
   bool is_believed() const;
   /// Leaves the list for the next command.
   void keep() { is_kept_ = true; }
@@ -48,15 +49,17 @@ class Intent {
 };
 
 /// Puts the drafts in place that a killed process listed in the folder, so that a key and its
-/// certificate, or a CA and what it signed, fit each other again. Waits some seconds for a process
-/// that is alive. Nothing in a dry run, and where the folder may not be read.
+/// certificate, or a CA and the documents that it signed, match again. Waits some seconds for a
+/// process that is alive. Does nothing in a dry run, or if the folder cannot be read.
 ///
-/// A list is believed only if this user (or root) wrote it: folder, list and drafts are theirs,
-/// the list and the drafts are plain files without further names, and no other user may write the
-/// list or replace it in the folder. A participant's folder may be another user's, or have come
-/// from its device. With Reach::anywhere a file of another folder that cannot be put in place stays
-/// on the list and is a notice (unfinished_left): no participant's folder stops the commands of the
-/// CA. Errors: unfinished_untrusted, file_unwritable.
+/// A list is accepted only if this user (or root) wrote it. Folder, list and drafts must belong to
+/// them. The list and the drafts must be regular files without further names, and no other user may
+/// be able to write the list or replace it in the folder. A participant's folder may be another
+/// user's, or have come from its device.
+///
+/// With Reach::anywhere, a file of another folder that cannot be put in place stays on the list and
+/// causes a notice (unfinished_left): no participant's folder stops the commands of the CA. Errors:
+/// unfinished_untrusted, file_unwritable.
 Status finish_interrupted(const std::filesystem::path& folder, Reach reach = Reach::folder);
 
 }  // namespace ddssec::cli
