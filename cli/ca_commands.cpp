@@ -48,7 +48,7 @@ std::string subject_of(const Arguments& arguments, const NewCa& ca, const fs::pa
   return ca_subject(folder_name(folder), ca.role == "identity" ? "Identity" : "Permissions");
 }
 
-/// What the CAs of one command have in common. `above` null: they are roots.
+/// The common properties of the CAs of one command. `above` null: they are roots.
 struct CaPlan {
   pki::Validity life;
   const OpenCa* above;
@@ -60,7 +60,7 @@ Result<pki::Authority> make_ca(const std::string& subject, const pki::PrivateKey
                                : pki::Authority::create_root(subject, key, plan.life, random);
 }
 
-// The CA above a new one: of --intermediate-of, which is one CA's own folder.
+// The CA above a new one: that of --intermediate-of, which is the folder of a single CA.
 Result<std::optional<OpenCa>> ca_above(const Arguments& arguments, CaOpener& opener) {
   if (!arguments.has("--intermediate-of")) return std::nullopt;
   auto above = DDSSEC_TRY(opener.open(ca_paths(arguments.text("--intermediate-of"), "identity")));
@@ -227,14 +227,14 @@ Result<Report> show_one(const CaPaths& paths, const Json& role, WallTime now) {
   return report;
 }
 
-// Then a folder is a CA's own, or one CA has both roles.
+// True if the folder belongs to a single CA, or one CA has both roles.
 bool is_one_ca(const fs::path& given) {
   std::error_code ignored;
   return fs::equivalent(ca_paths(given, "identity").certificate,
                         ca_paths(given, "permissions").certificate, ignored);
 }
 
-// That of --role, or all that the folder has.
+// The role of --role, or all roles in the folder.
 Result<std::vector<std::string>> shown_roles(const Arguments& arguments) {
   std::vector<std::string> out;
   if (arguments.has("--role")) {
@@ -270,8 +270,8 @@ Result<Report> ca_show(const Arguments& arguments, const Context& context) {
   return report;
 }
 
-// The present certificate stays in the file behind the new one, as long as it is valid: documents
-// that it signed are still of a listed signer.
+// The present certificate stays in the file after the new one as long as it is valid, so that the
+// signer of existing documents is still listed.
 std::string renewed_trust(const pki::Certificate& renewed, const std::string& before) {
   return renewed.pem() + before;
 }
@@ -290,8 +290,8 @@ Result<pki::Certificate> renewed_ca(const OpenCa& ca, pki::Validity life,
   return out;
 }
 
-// In their order. Documents are judged by the certificate of their signer, which is in them: ours
-// takes every certificate of the file, stock products the first (measured).
+// The steps in order. A document is verified with its signer's certificate, which it contains.
+// ddssec accepts every certificate of the file, stock products only the first (measured).
 std::string steps_for_permissions(const OpenCa& ca, const std::string& given) {
   return fmt::format(
       "The signed documents are still the old certificate's, which ends on {}. Before that day:\n"

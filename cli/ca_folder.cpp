@@ -42,7 +42,7 @@ CaPaths ca_paths(const fs::path& given, std::string_view role) {
     return {given / "public" / (name + ".cert.pem"), given / "private" / (name + ".key.pem"),
             given / "private" / (name + ".issued.jsonl"), given / "public" / (name + ".crl.pem"),
             given / "private" / (name + ".signed.jsonl")};
-  // What `init` made has the CAs one folder below.
+  // In the result of `init`, the CAs are one folder below.
   const auto inner = given / "ca";
   const bool from_init = !is_there(given / role / "ca.pem") && is_there(inner / role / "ca.pem");
   return ca_paths_in(ca_folder(from_init ? inner : given, role));
@@ -60,7 +60,7 @@ Result<std::string> one_role(const Arguments& arguments) {
               {.field = "--role", .expected = "identity or permissions", .found = role});
 }
 
-// What may have to wait for a person.
+// The part that may have to wait for user input.
 Status CaOpener::prepare(const fs::path& path) {
   DDSSEC_TRY(check_key_mode(path, arguments_));
   if (path.extension() != ".p11" && !passphrase_ && DDSSEC_TRY(is_encrypted(path)))

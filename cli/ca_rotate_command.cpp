@@ -1,4 +1,4 @@
-// ca rotate: a new CA and key in place of one whose participants have folders of their own.
+// ca rotate: replaces a CA and its key, for participants with separate folders.
 #include <filesystem>
 #include <set>
 
@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Which participants go with the CA, and which ones the log names in vain.
+/// The participants that change with the CA, and those in the log that cannot be found.
 struct Known {
   std::vector<Follower> here;
   std::vector<std::string> elsewhere;  ///< folders, or subjects of CAs below
@@ -30,8 +30,8 @@ Follower follower_in(const fs::path& folder) {
   return {folder.string(), pki::participant_folder(folder)};
 }
 
-// A folder may have moved, or be another CA's participant's by now. One that cannot be read is
-// here: the rotation reports it.
+// A folder may have been moved, or may now belong to another CA's participant. An unreadable folder
+// counts as found: the rotation reports it.
 bool is_participant_of(const pki::Certificate& ca, const pki::IssueLog& log,
                        const fs::path& folder) {
   const auto certificate = read_certificate(folder / "cert.pem");
@@ -62,7 +62,7 @@ Known known_to(const CaPaths& ca, const pki::IssueLog& log, const pki::Certifica
   return out;
 }
 
-// The folders of the command line, or all that the identity CA's log knows.
+// The folders of the command line, or all folders in the identity CA's log.
 Result<Known> followers_of(const Arguments& arguments, const fs::path& given, WallTime now) {
   Known out;
   for (const auto& folder : arguments.all("DIRS")) {
@@ -95,7 +95,7 @@ Status check_no_other_kind(const fs::path& given) {
   return {};
 }
 
-/// The new CA, and what participants are given of it.
+/// The new CA, and the certificates of it for participants.
 struct Successor {
   pki::Authority ca;
   std::string trust_pem;
@@ -123,7 +123,7 @@ Result<Successor> successor_of(const pki::Certificate& old, const Arguments& arg
   return Successor{std::move(ca), std::move(trust)};
 }
 
-// What `init` made has the signed governance document, which new participants get, beside the CAs.
+// In the result of `init`, the signed governance document for new participants is beside the CAs.
 std::vector<fs::path> shared_documents(const fs::path& given) {
   std::vector<fs::path> out;
   if (is_there(given / "ca") && is_there(given / "governance.p7s"))

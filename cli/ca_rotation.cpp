@@ -30,7 +30,7 @@ Status put_ca(Replacement& out, const Succession& change) {
   return out.put(paths.certificate, as_bytes(change.trust_pem), 0644, Links::replaced);
 }
 
-/// Signs with the new CA what the old one signed.
+/// Signs the documents of the old CA with the new one.
 class SignerAnew {
  public:
   SignerAnew(Replacement& out, const Succession& change, const pki::SigningLog& log,
@@ -63,7 +63,8 @@ class SignerAnew {
   std::vector<std::string> unlogged_;
 };
 
-// Links stay as they are, and what is not there is not made. A folder in the place is an error.
+// Symbolic links stay unchanged, and missing files are not created. A folder in the place is an
+// error.
 bool is_to_be_replaced(const fs::path& path) {
   std::error_code ignored;
   const auto type = fs::symlink_status(path, ignored).type();
@@ -74,8 +75,8 @@ Status put_if_there(Replacement& out, const fs::path& file, const std::string& t
   return is_to_be_replaced(file) ? out.put_public(file, text) : Status{};
 }
 
-// Where an earlier rotation could not write, there is still a certificate of the CA before: the log
-// has it.
+// If an earlier rotation could not write the folder, it still contains a certificate of the CA
+// before. The log contains that certificate.
 Status check_of_old_ca(const Follower& follower, const pki::Certificate& certificate,
                        const Succession& change, const pki::IssueLog& log) {
   const auto& before = change.old.certificate();
@@ -86,7 +87,7 @@ Status check_of_old_ca(const Follower& follower, const pki::Certificate& certifi
                .found = "one of " + certificate.issuer()});
 }
 
-// The old key may have signed what the CA never issued.
+// The old key may have signed certificates that the CA never issued.
 Status check_follows(const Follower& follower, const pki::Certificate& certificate,
                      const Succession& change, const pki::IssueLog& log) {
   const auto& paths = change.old.paths;
@@ -144,7 +145,7 @@ OwnDocuments documents_of(const Follower& follower, const std::vector<fs::path>&
   return out;
 }
 
-// What is true of every follower that keeps its old files.
+// Adds the consequence for every follower that keeps its old files.
 Error left_behind(const Error& error) {
   auto details = error.details();
   if (details.hint.empty())
@@ -158,7 +159,7 @@ bool is_unwritable(const Error& error) {
   return error.code() == Code::file_unwritable || error.code() == Code::would_overwrite;
 }
 
-/// Drafts the files of one follower after the other, all of each or none.
+/// Drafts the files of the followers one after the other: all files of a follower, or none.
 class Following {
  public:
   Following(Replacement& out, Followed& followed) : out_(out), followed_(followed) {}
@@ -216,7 +217,7 @@ void add_left(const Followed& followed, Report& report) {
 
 namespace {
 
-// All documents of a follower are its own, or none is signed.
+// If any document of a follower is not its own, none is signed.
 Status sign_documents_of(const Follower& follower, const std::vector<fs::path>& shared,
                          SignerAnew& signer, Followed& followed) {
   auto documents = documents_of(follower, shared, signer);
@@ -311,7 +312,7 @@ struct Reissue {
         certificate, {now - kBackdated, certificate.not_after()}, context.random));
     DDSSEC_TRY(out.put_public(files.certificate, again.pem()));
     DDSSEC_TRY(put_if_there(out, files.identity_ca, change.trust_pem));
-    if (is_to_be_replaced(files.crl))  // the old list would shut everybody out
+    if (is_to_be_replaced(files.crl))  // with the old list no peer would be accepted
       DDSSEC_TRY(
           put_list(out, files.crl, {crl, change.ca.certificate(), "", &again, trusted, now}));
     std::error_code ignored;

@@ -1,4 +1,4 @@
-// can: what the documents let a participant do, and which line decides.
+// can: reports what the documents allow a participant, and which line decides.
 #include <algorithm>
 #include <filesystem>
 
@@ -40,7 +40,7 @@ Code code_of(governance::Action action) {
                                                : Code::subscribe_not_allowed;
 }
 
-/// A participant's answer and who gave it.
+/// The answer for a participant, and the source of the answer.
 struct Answer {
   bool allowed;
   std::string because;
@@ -49,7 +49,7 @@ struct Answer {
   std::string hint = {};  ///< what to do, where the grant refuses
 };
 
-/// What is asked, and by which participant.
+/// The question and the participant.
 struct Question {
   const doctor::LoadedFolder& folder;
   governance::Action action;
@@ -58,7 +58,7 @@ struct Question {
   WallTime now;
 };
 
-/// Why the participant does not come up at all, as `doctor` and `check` see it.
+/// The reason why the participant does not start at all, as `doctor` and `check` report it.
 std::optional<Answer> by_doctor(const Question& question) {
   const auto diagnosis =
       diagnosis_of(question.folder, {.now = question.now, .domain = question.domain});
@@ -75,7 +75,7 @@ std::optional<Answer> by_doctor(const Question& question) {
   return std::nullopt;
 }
 
-/// Documents that are believed, the grant that is valid, and how they are judged.
+/// The verified documents, the valid grant, and the way to evaluate them.
 struct Documents {
   std::shared_ptr<const governance::CompiledGovernance> governance;
   std::shared_ptr<const governance::CompiledGrant> grant;
@@ -126,7 +126,7 @@ Answer by_grant(const Question& question, const governance::CompiledGrant& grant
           question.folder.paths.permissions, verdict.line(grant.grant())};
 }
 
-// As the chain verifier of ddssec's plugins leaves it out.
+// True if the chain verifier of ddssec's plugins would ignore the list.
 bool is_superseded(const pki::Crl& list, const std::vector<pki::Crl>& lists,
                    const std::vector<pki::Certificate>& cas) {
   return std::ranges::any_of(lists, [&](const pki::Crl& other) {
@@ -135,13 +135,13 @@ bool is_superseded(const pki::Crl& list, const std::vector<pki::Crl>& lists,
   });
 }
 
-// Documents give a revoked participant nothing, whatever they say: its peers refuse it. The CA's
-// own list counts where it lies beside the participant.
+// A revoked participant has no rights, whatever its documents say: its peers refuse it. The CA's
+// own list also counts if it is beside the participant.
 std::optional<Answer> by_revocation(const pki::ParticipantFolder& folder) {
   const auto certificate = read_certificate(folder.certificate);
   const auto cas = read_certificates(folder.identity_ca);
   const auto own = read_crls(folder.crl);
-  if (!certificate || !cas || !own) return std::nullopt;  // doctor's business
+  if (!certificate || !cas || !own) return std::nullopt;  // doctor reports it
   const auto newer = governance::doctor::newer_ca_list(folder, *cas, *own);
   const auto answer = [&](const pki::Crl& list, const fs::path& file) {
     return Answer{false,
@@ -156,7 +156,7 @@ std::optional<Answer> by_revocation(const pki::ParticipantFolder& folder) {
   return std::nullopt;
 }
 
-// Where they read another list than ddssec's plugins, which were judged.
+// A note if stock products use another list than ddssec's plugins, for which the answer was given.
 void note_stock_products(const doctor::LoadedFolder& folder, Report& report) {
   if (!folder.crls || !folder.certificate || !folder.identity_cas || folder.crls->size() < 2)
     return;
@@ -179,7 +179,7 @@ void note_stock_products(const doctor::LoadedFolder& folder, Report& report) {
        .severity = Severity::warning});
 }
 
-// The whole chain, as check judges it: identity, grant, joining, topic rule and rights.
+// All steps as in check: identity, grant, joining, topic rule and rights.
 Result<Answer> answer_to(const Question& question) {
   if (auto answer = by_revocation(question.folder.paths)) return *std::move(answer);
   const auto [governance, grant] = DDSSEC_TRY(documents_for(question));
@@ -208,7 +208,7 @@ Result<Answer> answer_to(const Question& question) {
   auto out = by_grant(question, *grant, verdict, "");
   const auto advice = advice_on(*grant, question.action, question.request, verdict);
   if (!advice.because.empty()) out.because += "; " + advice.because;
-  // The question names no partition: the answer must not be taken for one about partitions.
+  // The question names no partition, so the answer must not look as if it covered partitions.
   if (verdict.allowed && verdict.criteria != nullptr && question.request.partitions.empty())
     if (const auto where = partitions_of(*verdict.criteria); !where.empty())
       out.because += ", but " + where;
@@ -218,7 +218,7 @@ Result<Answer> answer_to(const Question& question) {
   return out;
 }
 
-// Not the first of several: the answer may be another in each.
+// Not simply the first of several, because the answer may differ in each.
 Result<DomainId> domain_to_ask(const Arguments& arguments, const doctor::LoadedFolder& folder,
                                WallTime now) {
   if (arguments.has("--domain")) return domain_of(arguments);

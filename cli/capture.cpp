@@ -73,7 +73,7 @@ Result<Capture> Capture::listen(const std::string& interface) {
 
 int Capture::link() const { return pcap_datalink(impl_->pcap.get()); }
 
-// Never over a file that is there.
+// Never overwrites an existing file.
 Status Capture::save_to(const std::string& file) {
   impl_->file = file;
   if (writes_nothing()) return check_nothing_at(file);

@@ -64,7 +64,8 @@ void add_parts(std::string_view text, std::vector<std::string>& out) {
   }
 }
 
-// A file that is not there would else count as a topic of that name. A comma makes it a name.
+// A missing file would otherwise count as a topic with that name. A comma shows that it is a list
+// of names.
 bool looks_like_a_file(const std::string& word) {
   if (word.find(',') != word.npos) return false;
   constexpr std::string_view kEndings[] = {".txt", ".lst", ".list", ".csv", ".topics"};
@@ -115,8 +116,8 @@ Report unpredictable(const fs::path& file) {
   return report;
 }
 
-// ddssec cannot read such a certificate, and Cyclone DDS talks with it: a "no" would be wrong where
-// it matters most. Nothing if an answer can be given.
+// ddssec cannot parse such a certificate, but Cyclone DDS accepts it, so a "no" could be seriously
+// wrong. Empty if an answer is possible.
 std::optional<Report> unpredictable(const doctor::LoadedFolder& folder) {
   const auto& certificate = folder.certificate;
   if (const auto* file = doctor::unpredictable_file(folder)) return unpredictable(*file);
@@ -166,7 +167,7 @@ Result<Report> check(const Arguments& arguments, const Context& context) {
                          .wanted = wanted,
                          .explain = arguments.has("--explain")};
   const bool talk = would_talk(view);
-  // A topic that both may use and cannot is an error also where another one works.
+  // A topic that both may use but cannot is an error even if another topic works.
   report.exit = talk && !has_topic_apart(meeting) ? Exit::done : Exit::no;
   report.text = meeting_text(view);
   report.result = meeting_json(view);

@@ -1,4 +1,4 @@
-// completion, man: what shells and man know of the commands, from the table of commands.
+// completion, man: generates completions for shells and the man page from the table of commands.
 #include <algorithm>
 #include <vector>
 

@@ -44,7 +44,7 @@ Result<Json> describe_whole(const pki::Crl& crl, const fs::path& path) {
   return out;
 }
 
-// A list, a participant's folder or a CA's: whichever holds one.
+// A list, a participant's folder or a CA's folder: the first one that contains a list.
 fs::path list_at(const fs::path& given) {
   std::error_code ignored;
   if (!fs::is_directory(given, ignored)) return given;
@@ -58,7 +58,7 @@ Result<std::vector<pki::Crl>> lists_in(const fs::path& path) {
   return lists;
 }
 
-// Before the CA's own certificate it is the clock that is wrong, not the lists.
+// If the time is before the CA's own certificate, the clock is wrong, not the lists.
 Result<ListDate> list_date(const Arguments& arguments, const OpenCa& ca, WallTime now) {
   if (!arguments.has("--date-now")) return ListDate::after_former;
   if (ca.certificate().not_before() <= now) return ListDate::now;
@@ -69,7 +69,7 @@ Result<ListDate> list_date(const Arguments& arguments, const OpenCa& ca, WallTim
                .hint = "set the clock of this machine: it is behind the CA's certificate"});
 }
 
-// Who takes such a list, and who has to be started again for it.
+// Explains which participants accept such a list, and which must be restarted for it.
 std::string after_the_future(const std::string& ca) {
   return fmt::format(
       "next: ddssec crl distribute --ca {0}; on other machines copy the list into each folder, "
@@ -118,7 +118,7 @@ std::string list_in_words(const pki::Crl& crl, const Json& described) {
   return out;
 }
 
-// Of several lists of one CA the products do not read the same.
+// The products do not use the same one of several lists of one CA.
 std::string about_several(const std::vector<pki::Crl>& lists) {
   for (const auto& list : lists)
     if (std::ranges::count_if(lists, [&](const auto& o) { return o.seems_of_same_ca(list); }) > 1)
@@ -147,7 +147,7 @@ Result<Report> crl_show(const Arguments& arguments, const Context&) {
   return report;
 }
 
-// Where --ca names the CA's folder, which has a list of its own.
+// For --ca with the CA's folder, which contains a list.
 Status check_not_ahead(const pki::Crl& crl, const fs::path& path, const fs::path& ca) {
   std::error_code ignored;
   if (!fs::is_directory(ca, ignored)) return {};
@@ -164,7 +164,7 @@ Status check_not_ahead(const pki::Crl& crl, const fs::path& path, const fs::path
                            ca.string(), path.string())});
 }
 
-// The list itself may be right, but it does not say of each certificate whether it is revoked.
+// The list itself may be right, but it does not cover every certificate.
 Status check_whole(const pki::Crl& crl, const fs::path& path) {
   if (!crl.is_partial()) return {};
   return fail(Code::crl_missing,
@@ -203,7 +203,7 @@ Result<Report> crl_verify(const Arguments& arguments, const Context& context) {
   return report;
 }
 
-// The folders of the command line, or all of this CA's participants that are here.
+// The folders of the command line, or those of all participants of this CA on this machine.
 Result<ParticipantPlaces> recipients(const Arguments& arguments, const CaPaths& ca) {
   ParticipantPlaces out;
   for (const auto& given : arguments.all("DIRS")) {
@@ -230,7 +230,7 @@ struct Distribution {
   WallTime now;
 };
 
-// The folder is held first; what it was chosen for must be true of it still.
+// The folder is opened first. The condition for which it was chosen must still be true.
 Status put_list_into(Replacement& out, const fs::path& folder, const Distribution& what) {
   DDSSEC_TRY(hold_folder(folder));
   const auto files = pki::participant_folder(folder);
@@ -242,14 +242,14 @@ Status put_list_into(Replacement& out, const fs::path& folder, const Distributio
                    std::move(trusted), what.now});
 }
 
-/// The folders that have a list now, and what is wrong with the others.
+/// The folders that now have the list, and the errors of the others.
 struct Distributed {
   std::vector<std::string> folders;
   std::vector<Error> errors;
   std::vector<WrittenFile> files;
 };
 
-// One folder that cannot be written does not keep the list from the others.
+// A folder that cannot be written does not prevent the distribution to others.
 Result<Distributed> put_lists(const std::vector<fs::path>& folders, const Distribution& what) {
   Distributed done;
   Replacement out;
@@ -271,7 +271,7 @@ Result<Distributed> put_lists(const std::vector<fs::path>& folders, const Distri
   return done;
 }
 
-// What helps at the CA itself; elsewhere its list would be fetched anew.
+// The hint for the CA's own folder; elsewhere the list would be fetched anew.
 Status with_hint_for_ca(Status status, const std::string& given) {
   if (status) return status;
   auto details = status.error().details();
@@ -293,15 +293,16 @@ Result<pki::Crl> list_to_distribute(const CaPaths& paths, const pki::Certificate
   return present;
 }
 
-/// What was distributed, and what came of it.
+/// The distributed list, and the result.
 struct Outcome {
   pki::Crl list;
   Distributed done;
 };
 
-// A user who may not open the CA's key has no lock. Another command may have made and distributed a
-// newer list meanwhile, which this one then replaced with an older one: it is in the CA's folder
-// before it is in any other, so that it is found there, and distributed after the older one.
+// A user who cannot open the CA's key has no lock. Meanwhile another command may have made and
+// distributed a newer list, which this command then replaced with an older one. The newer list is
+// in the CA's folder before it is in any other. So it is found there, and distributed after the
+// older one.
 Result<Outcome> distribute(const CaPaths& paths, const std::string& given, WallTime now,
                            const std::vector<fs::path>& folders, bool is_alone) {
   constexpr int kMostRounds = 16;
@@ -324,7 +325,7 @@ Result<Report> crl_distribute(const Arguments& arguments, const Context& context
   const auto given = arguments.text("--ca");
   DDSSEC_TRY(check_ca_folder(given, "identity"));
   const auto paths = ca_paths(given, "identity");
-  // Until every folder has it: a newer list of another command must not come in between.
+  // Held until every folder has the list: no other command may distribute a newer list in between.
   const auto lock = DDSSEC_TRY(lock_records(paths));
   const auto now = context.clock.now();
   const auto ca = DDSSEC_TRY(read_certificate(paths.certificate));

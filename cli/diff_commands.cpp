@@ -1,4 +1,4 @@
-// governance diff, permissions diff: what a change of a document changes.
+// governance diff, permissions diff: report the effect of a change of a document.
 #include <algorithm>
 
 #include "cli/diff_inputs.hpp"
@@ -36,7 +36,7 @@ bool is_narrower_to_others(const governance::Readings& readings) {
   return std::ranges::any_of(readings.all, &governance::Reading::narrows);
 }
 
-/// Where stock products read a range of domains in another way, the comparison is not theirs.
+/// If stock products read a range of domains differently, the comparison does not apply to them.
 void warn_of_open_ranges(Report& report, Rule rule, const std::vector<governance::Note>& notes,
                          const std::filesystem::path& file) {
   for (const auto& note : notes) {

@@ -1,4 +1,4 @@
-// doctor: everything that is wrong with a participant's folder, for each product.
+// doctor: finds everything that is wrong with a participant's folder, for each product.
 #include <algorithm>
 #include <filesystem>
 #include <optional>
@@ -104,7 +104,7 @@ Json ids(const Products& products) {
   return out;
 }
 
-/// What one folder comes to; findings and text are added to the report.
+/// The result for one folder; findings and text are added to the report.
 Json add_diagnosis(Report& report, const fs::path& folder, const doctor::Diagnosis& diagnosis,
                    const doctor::Settings& settings, const Products& products) {
   auto findings = findings_for(products, diagnosis);
@@ -126,8 +126,8 @@ bool is_said_by_diagnosis(Rule rule) {
   return std::ranges::find(kSaid, rule) != std::end(kSaid);
 }
 
-// Each product of the one with each product of the other. That two products do not understand each
-// other is a "no" only if --vendor names both.
+// Checks each product of one side with each product of the other. That two products are
+// incompatible is a "no" only if --vendor names both.
 void add_meetings(Report& report, const doctor::Party& self, const doctor::Party& peer,
                   const doctor::Settings& settings, const Products& products,
                   bool products_chosen) {
@@ -175,7 +175,7 @@ void add_peer(Report& report, const Arguments& arguments, const doctor::LoadedFo
                products, arguments.has("--vendor"));
 }
 
-// A node of ROS 2 asks its environment only, and runs in domain 0 if that names none.
+// A ROS 2 node uses only its environment, and runs in domain 0 if that names none.
 Result<DomainId> ros_domain() {
   const auto environment = doctor::ros_environment();
   const auto found = environment.find("ROS_DOMAIN_ID");
@@ -188,8 +188,8 @@ Result<DomainId> ros_domain() {
                .note = "a leading 0 makes it octal for a node, 0x hexadecimal"});
 }
 
-// What is at hand of the configuration that an application would run with: the environment's, or
-// the one that lies in the folder.
+// The configuration with which an application would run, as far as it is known: that of the
+// environment, or the one in the folder.
 std::optional<std::string> configuration_for(const fs::path& folder) {
   if (auto named = doctor::cyclonedds_configuration()) return named;
   const auto file = folder / "cyclonedds.xml";
@@ -204,7 +204,7 @@ std::vector<doctor::HostPlugin> host_plugins_for(const fs::path& folder, bool is
                        : std::vector<doctor::HostPlugin>();
 }
 
-// A machine without Cyclone DDS has none to tell of.
+// A machine without Cyclone DDS has no plugins to report.
 void add_host_plugins(Report& report, const std::vector<doctor::HostPlugin>& plugins,
                       bool is_configured) {
   report.result["plugins"] = Json::array();
@@ -229,8 +229,8 @@ void add_host_plugins(Report& report, const std::vector<doctor::HostPlugin>& plu
   }
 }
 
-// The domain of the node; where the documents are for others, one of those, so that the wrong
-// variable (DOC096) is not said again for each piece of them.
+// The domain of the node. If the documents do not cover it, one that they cover, so that the wrong
+// variable (DOC096) is not reported again for each document.
 Result<DomainId> domain_of_node(const doctor::LoadedFolder& folder, WallTime now) {
   const auto domain = DDSSEC_TRY(ros_domain());
   const auto named = doctor::domains_of(folder, now);

@@ -43,7 +43,7 @@ Report not_signed(const fs::path& file, std::vector<Finding> findings) {
   return report;
 }
 
-// A document that cannot be read, or that lint finds errors in, is not worth a signature.
+// A document that cannot be parsed, or in which lint finds errors, must not be signed.
 template <class Kind>
 Result<Report> sign(const Arguments& arguments, const Context& context) {
   const fs::path from = arguments.text("FILE");
@@ -74,7 +74,7 @@ Result<Report> sign(const Arguments& arguments, const Context& context) {
   return report;
 }
 
-/// What comes of the signature with each product.
+/// The verification result of the signature with each product.
 struct Beliefs {
   Result<pki::SignedDocument> ours;
   bool cyclonedds = false;
@@ -108,7 +108,7 @@ Result<Beliefs> beliefs(const fs::path& file, const fs::path& ca, WallTime now) 
   const auto verifier = named(pki::DocumentVerifier::make(*anchors), ca);
   Beliefs out{.ours = verifier ? named(verifier->verify(octets, now), file)
                                : std::unexpected(verifier.error())};
-  // From 11 on Cyclone DDS accepts no signer but the CA itself, as ours does.
+  // From version 11 on, Cyclone DDS accepts only the CA itself as signer, like ddssec.
   const auto by_another = measured(doctor::Variant::permissions_by_itself, out.lineup);
   const bool is_other_signer =
       !out.ours && out.ours.error().code() == Code::smime_signer_not_permissions_ca;
@@ -121,7 +121,8 @@ Result<Beliefs> beliefs(const fs::path& file, const fs::path& ca, WallTime now) 
   return out;
 }
 
-// Ours pins the signer, so that stock products can believe what ours does not (CVE-2023-24010).
+// ddssec accepts only the CA itself as signer, so stock products may accept a document that ddssec
+// refuses (CVE-2023-24010).
 Report refused(const Beliefs& all) {
   Report report = report_of(all.ours.error());
   report.text = fmt::format("refused; {}\n", all.in_words());
@@ -129,7 +130,8 @@ Report refused(const Beliefs& all) {
   return report;
 }
 
-// Certificates that a grant's spelling of the subject does not fit, as measured with each product.
+// Adds the products for which a grant's spelling of the subject does not match a certificate, as
+// measured with each.
 void name_vendors(std::vector<Finding>& findings, const governance::Permissions& document,
                   const pki::Certificate& certificate) {
   for (auto& finding : findings) {

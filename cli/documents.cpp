@@ -45,7 +45,7 @@ Result<pki::SignedDocument> verified(const fs::path& file, const fs::path& ca, W
   return named(verifier.verify(octets, now), file);
 }
 
-// What is no signed form is left to the reader of XML, which says best what is wrong with it.
+// A text that is not a signed form is left to the XML parser, whose error is the most helpful.
 Result<DocumentText> unverified_text(const fs::path& file) {
   auto octets = DDSSEC_TRY(read_file(file, pki::kMostDocumentOctets));
   auto form = pki::examine_document(octets);

@@ -28,7 +28,7 @@ Status check_inside(const fs::path& keystore, const fs::path& folder, const fs::
               {.found = target.string(), .note = "a link leads out of the keystore"});
 }
 
-// Of folders of deeper enclaves, and of what a command left that was ended.
+// True for folders of deeper enclaves, and for the remains of an interrupted command.
 bool is_plain_folder(const fs::path& path) {
   std::error_code ignored;
   return fs::symlink_status(path, ignored).type() == fs::file_type::directory;

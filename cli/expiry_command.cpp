@@ -1,4 +1,4 @@
-// expiry: what ends, and when, in one table; for people, cron and systemd.
+// expiry: lists everything that expires, in one table; for users, cron and systemd.
 #include <algorithm>
 #include <filesystem>
 #include <map>
@@ -27,7 +27,7 @@ constexpr int kDeepest = 16;
 constexpr std::size_t kMostFiles = 500'000;
 constexpr auto kKinds = "a certificate, a revocation list or permissions";
 
-/// Something with an end.
+/// Something that expires.
 struct Ending {
   std::string_view kind;  ///< "CA", "certificate", "revocation list", "permissions"
   std::string subject;
@@ -37,12 +37,12 @@ struct Ending {
   std::string id = {};     ///< of a certificate: issuer and serial number
 };
 
-/// All that ends below some paths; the same thing in many files is one row. A document ends with
-/// the certificate that signed it, whichever file holds that.
+/// Finds everything that expires below some paths; the same object in several files is one row. A
+/// document expires with the certificate that signed it, whichever file contains that.
 class Search {
  public:
-  /// What cannot be read, and a path under which nothing ends, is told by unreadable(): a watch
-  /// that sees nothing must not say that all is well.
+  /// Unreadable files, and paths without anything that expires, are listed in unreadable(): a watch
+  /// that sees nothing must not report success.
   void look_at(const fs::path& path) {
     const auto before = hits_ + unreadable_.size();
     std::error_code error;
@@ -70,7 +70,7 @@ class Search {
     return out;
   }
   const std::vector<Error>& unreadable() const { return unreadable_; }
-  /// True if one of the lists that were found names it, whatever its signature.
+  /// True if one of the lists found contains it, whatever the list's signature.
   bool is_revoked(const Ending& ending) const { return revoked_.contains(ending.id); }
 
  private:
@@ -79,7 +79,7 @@ class Search {
                              ErrorDetails{.document = path, .note = std::move(why)});
   }
 
-  // Folders behind symbolic links are left out.
+  // Does not follow symbolic links to folders.
   void collect(const fs::path& folder, int depth) {
     if (depth > kDeepest)
       return leave_out(folder, fmt::format("folders deeper than {} are not searched", kDeepest));
@@ -106,7 +106,7 @@ class Search {
     leave_out(file.path(), fmt::format("it is file number {}; no more are read", kMostFiles));
   }
 
-  // Keys are for their owner only, and have no end.
+  // Keys are readable by their owner only, and do not expire.
   static bool is_closed_key(const fs::path& file, Code code) {
     return code == Code::file_unreadable && file.stem().string().ends_with("key");
   }
@@ -133,8 +133,8 @@ class Search {
       unreadable_.push_back(status.error().in(file));
   }
 
-  // OpenSSL, and so stock products, read certificates under each of these labels. One for trusted
-  // certificates holds more than a certificate: it is an error.
+  // OpenSSL, and so stock products, accept certificates with each of these labels. The label for
+  // trusted certificates contains more than a certificate and is an error.
   static std::string with_usual_labels(std::string_view text) {
     std::string out(text);
     for (const std::string_view label : {"X509 CERTIFICATE-----", "TRUSTED CERTIFICATE-----"})

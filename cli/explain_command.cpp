@@ -1,4 +1,4 @@
-// explain: what a code of an error or a rule of lint and doctor means, and what to do about it.
+// explain: explains an error code or a rule of lint and doctor, and what to do about it.
 #include <algorithm>
 #include <optional>
 #include <ranges>
@@ -27,7 +27,7 @@ struct Row {
   std::string_view hint;
 };
 
-// As messages show it ("error[usage]:"), in any case.
+// Accepts the form of messages ("error[usage]:"), in any letter case.
 std::string bare(std::string_view given) {
   if (const auto open = given.find('['); open != given.npos)
     given = given.substr(open + 1, given.find(']') - open - 1);
@@ -104,7 +104,7 @@ Report about(const Row& row) {
   return report;
 }
 
-/// What a part of a name or number may stand for.
+/// The codes and rules that match a part of a name or number.
 std::vector<Row> like(const std::string& wanted) {
   constexpr std::size_t kFewest = 2;  // characters of a part
   std::vector<Row> out;

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Also of "publishes" and "topics_publish", whose beginning or end is a key.
+// Also for "publishes" and "topics_publish", which begin or end with a key.
 std::string nearest_key(std::string_view key, const std::vector<std::string>& known) {
   auto near = nearest(key, known);
   if (!near.empty()) return near;
@@ -97,7 +97,7 @@ class Table {
   const fs::path& file_;
 };
 
-// What may stand at the top as well as in each participant's table.
+// Reads the keys that are allowed both at the top and in each participant's table.
 Status read_common(const Table& table, ParticipantSpec& spec, WallTime now) {
   int domain = -1;
   DDSSEC_TRY(table.read("domain", 0, governance::kHighestDomainId, domain));
@@ -142,7 +142,8 @@ Result<ParticipantSpec> participant_of(const toml::table& node, const fs::path& 
   return spec;
 }
 
-// What failed, without the part that may quote the file: a path may lead to any file.
+// The description of the failure, without the part that may quote the file: a path may point to any
+// file.
 std::string without_content(std::string_view description) {
   return std::string(description.substr(0, description.find(": ")));
 }

@@ -21,7 +21,7 @@ struct Folder {
   bool is_held;  ///< by hold_folder(): files are read through it as well
 };
 
-// A command is one process, which closes them at its end.
+// They are closed when the process of the command ends.
 std::map<std::string, Folder>& folders() {
   static std::map<std::string, Folder> out;
   return out;
@@ -118,7 +118,7 @@ int keep_owner(int file, int folder, const fs::path& target, unsigned mode) {
   if (::geteuid() != 0 || !is_file || ::fstat(file, &draft) != 0) return 0;
   if (draft.st_uid == former.st_uid && draft.st_gid == former.st_gid) return 0;
   if (::fchown(file, former.st_uid, former.st_gid) == 0) return 0;
-  return (mode & 044) != 0 ? 0 : errno;  // everybody can read the others
+  return (mode & 044) != 0 ? 0 : errno;  // files that everyone can read do not matter
 }
 
 }  // namespace ddssec::cli

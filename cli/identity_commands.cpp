@@ -75,15 +75,15 @@ Result<Report> identity_csr(const Arguments& arguments, const Context&) {
   return report;
 }
 
-// The request's subject becomes the participant's name, so a person must have looked at it.
+// The request's subject becomes the participant's name, so the user must have checked it.
 Status confirm_request(const pki::RequestContent& content, const Arguments& arguments) {
   if (arguments.has("--yes")) return {};
   return confirm(fmt::format("issue a certificate for \"{}\", key {}?", content.subject,
                              to_string(content.key)));
 }
 
-// Permissions and revocation go by the subject: a second key for it is a second participant with
-// the rights of the first.
+// Permissions and revocation use the subject, so a second key for the same subject would be a
+// second participant with the rights of the first.
 Status check_subject_free(const pki::Certificate& certificate, const pki::IssueLog& log,
                           const Arguments& arguments, WallTime now) {
   if (arguments.has("--another-key")) return {};
@@ -101,8 +101,8 @@ Status check_subject_free(const pki::Certificate& certificate, const pki::IssueL
   return {};
 }
 
-// A participant under the name of a CA, or without one, could not be told from it, nor be revoked
-// or given permissions by its name.
+// A participant with the name of a CA, or without a name, could not be distinguished from it. It
+// could not be revoked or given permissions by its name either.
 Status check_subject_of_request(const std::string& subject, const OpenCa& ca,
                                 const Arguments& arguments) {
   if (subject.empty())
@@ -119,7 +119,7 @@ Status check_subject_of_request(const std::string& subject, const OpenCa& ca,
                                     .hint = "make a request with another subject name"});
 }
 
-// Other certificates of the same key, which count until they are revoked.
+// Other certificates of the same key, which stay valid until they are revoked.
 std::string same_key_text(const pki::Certificate& certificate, const pki::IssueLog& log,
                           WallTime now) {
   std::string out;
@@ -131,7 +131,7 @@ std::string same_key_text(const pki::Certificate& certificate, const pki::IssueL
   return out;
 }
 
-// What --ca has of a permissions CA, in words if it has an identity CA alone.
+// The next step with the permissions CA of --ca, or a text if there is only an identity CA.
 std::string after_signing(const fs::path& to, const OpenCa& ca, const std::string& given) {
   const auto permissions = ca_paths(given, "permissions").certificate;
   const bool has_both = permissions != ca.paths.certificate;

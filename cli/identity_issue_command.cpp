@@ -1,4 +1,4 @@
-// identity issue: a participant's folder, made, completed or made anew.
+// identity issue: creates, completes or renews a participant's folder.
 #include <algorithm>
 #include <filesystem>
 #include <optional>
@@ -31,8 +31,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Only what the participant will believe is copied: a document that is not signed, or by another
-// CA, would be found out at its first start.
+// Copies only a document that the participant will accept. One that is unsigned, or signed by
+// another CA, would be detected only at its first start.
 Result<Bytes> governance_of(const Arguments& arguments, WallTime now) {
   if (!arguments.has("--governance")) return Bytes();
   const auto file = document_path<GovernanceKind>(arguments.text("--governance"));
@@ -51,7 +51,7 @@ fs::path governance_file(const Arguments& arguments) {
              : pki::participant_folder(arguments.text("-o"), pki::FolderLayout::flat).governance;
 }
 
-// What counts for every participant of the command.
+// The settings for every participant of the command.
 Result<ParticipantSpec> common_spec(const Arguments& arguments, WallTime now, Findings& findings) {
   ParticipantSpec out{.name = {}, .subject = {}, .life = {}};
   out.domains = DDSSEC_TRY(granted_domains(arguments, governance_file(arguments), findings));
@@ -126,7 +126,7 @@ Status log_one(const Cas& cas, const NewParticipant& made, const fs::path& folde
                  cas.permissions ? signed_line(made, *cas.permissions, folder, now) : "");
 }
 
-// What a participant cannot start without, and this command was not told of.
+// The files without which a participant cannot start and that this command was not given.
 std::string not_in_it(bool has_permissions, bool has_governance) {
   std::string out;
   if (!has_governance)
@@ -138,7 +138,8 @@ std::string not_in_it(bool has_permissions, bool has_governance) {
   return out;
 }
 
-// One command, many participants: all of them or none. Those that a fleet has already stay.
+// Issues many participants with one command: all or none. Existing participants of a fleet stay
+// unchanged.
 Result<Report> issue_fleet(const Arguments& arguments, const Context& context, Findings& findings) {
   const auto now = context.clock.now();
   for (const auto* option : {"--subject", "--permissions"})
@@ -199,7 +200,7 @@ Report report_on(const Job& job, const pki::Certificate& certificate, std::strin
   return report;
 }
 
-/// What goes into one participant's folder, and the CAs that signed it.
+/// The contents of one participant's folder, and the CAs that signed it.
 struct Issued {
   Cas cas;
   NewParticipant made;
@@ -208,7 +209,7 @@ struct Issued {
 Result<Issued> issue(Job& job) {
   const auto now = job.context.clock.now();
   auto cas = DDSSEC_TRY(open_cas(job.arguments, job.spec.has_permissions(), now));
-  // A rotation that was waited for has signed it anew.
+  // A rotation that this command waited for has signed it anew.
   job.governance = DDSSEC_TRY(governance_of(job.arguments, now));
   auto made = DDSSEC_TRY(
       make(job.spec, cas, job.arguments, job.context, job.arguments.text("--permissions")));
@@ -262,12 +263,12 @@ Status check_pair(const Job& job) {
                      "makes both anew; or choose another folder"});
 }
 
-/// What a folder lacks that this command can give it.
+/// The missing files of a folder that this command can add.
 class Completion {
  public:
   explicit Completion(const Job& job) : job_(job) {}
 
-  /// Left as it is if the same is there; anything else that is there is in the way.
+  /// Leaves an identical file unchanged; any other existing file is an error.
   Status add(const fs::path& file, BytesView octets, unsigned mode, bool is_asked_for) {
     if (!is_there(file)) {
       ++count_;
@@ -347,7 +348,7 @@ Result<Report> complete_folder(Job& job) {
                   job, out.commit());
 }
 
-// What stays valid although no file has it any more.
+// Reports certificates that stay valid although no file contains them any more.
 std::string about_former(const Job& job) {
   const auto former = read_certificate(job.files.certificate);
   if (!former || former->not_after() < job.context.clock.now()) return {};
@@ -359,7 +360,7 @@ std::string about_former(const Job& job) {
       date(former->not_after()), former->serial(), job.arguments.text("--ca"));
 }
 
-// A *.p11 names what a token holds: PEM text in it would be of no use.
+// A *.p11 file names an object of a token, so PEM text in it would be useless.
 Status check_nothing_in_token(const Job& job) {
   for (const auto* file :
        {&job.files.certificate, &job.files.identity_ca, &job.files.permissions_ca})
@@ -371,7 +372,7 @@ Status check_nothing_in_token(const Job& job) {
                        "token: ddssec identity csr --key pkcs11:..., then identity sign-csr"});
 }
 
-// Everything that the command makes goes in place of what is there, the rest stays.
+// Everything that the command creates replaces existing files; other files stay.
 Result<Report> fill_folder(Job& job) {
   DDSSEC_TRY(check_nothing_in_token(job));
   const auto [cas, made] = DDSSEC_TRY(issue(job));
@@ -390,7 +391,7 @@ Result<Report> fill_folder(Job& job) {
                         {*cas.list, cas.identity.certificate(), job.arguments.text("--ca"),
                          &made.self.certificate, std::move(trusted), job.context.clock.now()}));
   }
-  // What a user has changed in them, such as the network interface, stays.
+  // Changes by the user, such as the network interface, stay.
   for (const auto& [name, text] : DDSSEC_TRY(missing_configuration_files(files, job.spec.dropin)))
     DDSSEC_TRY(out.put_public(job.target / name, text));
   const auto pem = DDSSEC_TRY(made.self.key.to_pem());

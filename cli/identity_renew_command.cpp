@@ -1,4 +1,4 @@
-// identity renew: a certificate with a new validity in place of the old one.
+// identity renew: replaces a certificate by one with a new validity.
 #include <algorithm>
 #include <filesystem>
 #include <optional>
@@ -32,8 +32,8 @@ struct OldPermissions {
   bool has_ended;
 };
 
-// Only what the permissions CA of --ca signed; the CA's certificate in the participant's folder is
-// the participant's word.
+// Only permissions that the permissions CA of --ca signed: the CA's certificate in the
+// participant's folder is controlled by the participant.
 Result<OldPermissions> permissions_in(const pki::ParticipantFolder& files, const fs::path& ca,
                                       const pki::Certificate& certificate, WallTime now) {
   const auto proof = DDSSEC_TRY(verified(files.permissions, ca, now));
@@ -55,7 +55,7 @@ fs::path permissions_ca(const Arguments& arguments) {
   return is_there(out) && out != ca_paths(given, "identity").certificate ? out : fs::path();
 }
 
-// What comes of the permissions is said of those that the CA signed; of others nothing is.
+// Reports about permissions only if the CA signed them.
 std::optional<OldPermissions> permissions_seen(const pki::ParticipantFolder& files,
                                                const Arguments& arguments,
                                                const pki::Certificate& certificate, WallTime now) {
@@ -65,7 +65,7 @@ std::optional<OldPermissions> permissions_seen(const pki::ParticipantFolder& fil
   return out ? std::optional(*std::move(out)) : std::nullopt;
 }
 
-// A participant that has another CA in its folder would not take what this one signs.
+// A participant with another CA in its folder would not accept what this CA signs.
 Status check_same_ca(const pki::ParticipantFolder& files, const OpenCa& ca) {
   if (!is_there(files.permissions_ca)) return {};
   const auto trusted = DDSSEC_TRY(read_certificates(ca.paths.certificate));
@@ -80,7 +80,7 @@ Status check_same_ca(const pki::ParticipantFolder& files, const OpenCa& ca) {
   return {};
 }
 
-// A right that ended may have been left to end.
+// A right that has expired may have been left to expire intentionally.
 Status check_not_ended(const OldPermissions& old, const pki::ParticipantFolder& files,
                        const Arguments& arguments) {
   if (!old.has_ended || arguments.has("--ended-permissions")) return {};
@@ -92,7 +92,7 @@ Status check_not_ended(const OldPermissions& old, const pki::ParticipantFolder& 
                        "anyway; without --permissions only the certificate is renewed"});
 }
 
-// The grant of this subject alone, and of no other that its name may match.
+// Extends only the grant of this subject, and no other grant that its name may match.
 governance::Permissions extended(const OldPermissions& old, const pki::Certificate& certificate,
                                  WallTime until) {
   auto grant = old.grant;
@@ -129,7 +129,7 @@ std::string topics_in_words(const std::vector<governance::Criteria>& criteria) {
   return topics.size() > kMost ? fmt::format("{} and {} more", out, topics.size() - kMost) : out;
 }
 
-// One line: what the CA has just put its name to.
+// One line about the document that the CA has just signed.
 std::string signed_in_words(const governance::Permissions& document, const fs::path& folder) {
   const auto& grant = document.grants.front();
   std::string out;
@@ -144,7 +144,8 @@ std::string signed_in_words(const governance::Permissions& document, const fs::p
                      grant.default_allow ? "ALLOW" : "DENY", folder.string());
 }
 
-// Where the key is here: what came back from a device may be another one's certificate.
+// If the key is here: a folder that came back from a device may contain another participant's
+// certificate.
 Status check_fits_key(const pki::ParticipantFolder& files, const pki::Certificate& certificate) {
   if (files.key.extension() == ".p11" || !is_there(files.key)) return {};
   const auto encrypted = is_encrypted(files.key);
@@ -221,7 +222,7 @@ Report renewed_report(const Renewal& job, const pki::Certificate& renewed) {
   return report;
 }
 
-// What leads nowhere cannot be extended, and must not be passed over.
+// A dangling link cannot be extended, and must not be ignored.
 Status check_no_broken_link(const fs::path& permissions) {
   std::error_code ignored;
   if (is_there(permissions) || !fs::is_symlink(as_held(permissions))) return {};

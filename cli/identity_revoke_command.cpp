@@ -1,4 +1,4 @@
-// identity revoke: the certificates of a participant count no more.
+// identity revoke: revokes the certificates of a participant.
 #include <algorithm>
 #include <filesystem>
 #include <set>
@@ -51,9 +51,9 @@ bool is_serial(std::string_view text) {
   return !text.empty() && text.find_first_not_of("0123456789ABCDEFabcdef") == text.npos;
 }
 
-// Certificates that seem to have ended are revoked as well, since the clock may be wrong.
-// What the log has for the participant is what counts: a device may have put the certificate of
-// another one into its folder. A certificate that lies by itself stands for its subject.
+// Certificates that seem to have expired are revoked as well, because the clock may be wrong. The
+// log decides which certificates belong to the participant: a device may have put another
+// participant's certificate into its folder. A separate certificate file stands for its subject.
 Result<Doomed> doomed_participant(const fs::path& given, const OpenCa& ca, const pki::IssueLog& log,
                                   const Arguments& arguments) {
   const auto certificate = DDSSEC_TRY(certificate_of(given));
@@ -66,7 +66,7 @@ Result<Doomed> doomed_participant(const fs::path& given, const OpenCa& ca, const
     DDSSEC_TRY(check_own(certificate, folder, ca.paths, log, arguments.text("--subject")));
   Doomed out{.subject = certificate.subject(), .own_serial = certificate.serial()};
   const auto* own = log.find(certificate.serial());
-  // Another tool may have issued it, or an earlier version: the key must not come back by a
+  // Another tool or an earlier version may have issued it: the key must not come back through a
   // request.
   const bool is_folder = path.filename() == pki::kCertificateFile;
   const pki::KeyDigests key(certificate);
@@ -115,7 +115,7 @@ std::string same_key_text(const Doomed& what, const std::string& ca) {
                    what.same_key_serials.front(), governance::doctor::shell_word(ca));
 }
 
-// The log may know the name; revoking by a name alone could end the wrong participant.
+// The log may contain the name, but revoking by name alone could end the wrong participant.
 std::unexpected<Error> not_there(const std::string& what, const OpenCa& ca,
                                  const pki::IssueLog& log) {
   ErrorDetails details{.document = what,
@@ -158,7 +158,7 @@ Result<pki::RevocationReason> reason_of(const Arguments& arguments) {
   return *reason;
 }
 
-// Which participants notice the new list, and when.
+// Explains which participants notice the new list, and when.
 std::string next_steps(const std::string& ca, const ParticipantPlaces& places,
                        const std::vector<std::string>& without_list, const CaPaths& paths) {
   const bool knows_none = places.is_empty();  // a CA above others
@@ -180,7 +180,7 @@ std::string next_steps(const std::string& ca, const ParticipantPlaces& places,
   return out + places_text(places, paths);
 }
 
-// A folder that may not be entered counts as one with a list: crl distribute says what is wrong.
+// A folder that cannot be entered counts as one with a list; crl distribute reports the problem.
 std::vector<std::string> without_list(const ParticipantPlaces& places) {
   std::vector<std::string> out;
   for (const auto& folder : places.here) {
@@ -246,7 +246,7 @@ Result<Report> identity_revoke(const Arguments& arguments, const Context& contex
   Replacement out;
   DDSSEC_TRY(out.put_public(ca.paths.crl, crl.pem()));
   DDSSEC_TRY(check_not_interrupted());
-  // First the log: should the machine stop here, the next list is made from it.
+  // The log comes first: if the machine stops here, the next list is made from it.
   if (!lines.empty()) DDSSEC_TRY(log_issued(ca.paths, lines));
   report.result["crl"] = {{"file", ca.paths.crl.string()},
                           {"number", number_json(crl)},

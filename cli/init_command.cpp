@@ -1,4 +1,4 @@
-// init: from nothing to two participants that talk, in one command.
+// init: creates everything for two participants that communicate, in one command.
 #include <filesystem>
 
 #include <fmt/format.h>

@@ -47,7 +47,7 @@ Result<pki::Passphrase> passphrase_from(std::string_view text) {
   return pki::Passphrase::copy_of(as_bytes(text));
 }
 
-// One line, read octet by octet: what follows is not ours.
+// Reads one line octet by octet, because the rest of the stream does not belong to this command.
 Result<pki::Passphrase> passphrase_from_stream(int file) {
   std::array<std::uint8_t, kMostPassphraseLine> line{};
   std::size_t size = 0;

@@ -1,4 +1,4 @@
-// inspect: what goes over the network, and where participants that should talk get stuck.
+// inspect: shows the network traffic, and where participants that should communicate get stuck.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -168,7 +168,7 @@ Status watch(Capture& capture, int seconds, bool is_live, Watched& out) {
       out.observer.on_datagram(datagram->payload, {datagram->from, datagram->port, frame.at});
   };
   if (!is_live) {
-    // What was read before a file breaks off counts.
+    // Frames read before the file breaks off still count.
     const auto status = capture.each({}, take);
     out.cut += status ? 0 : 1;
     return out.observer.datagrams() ? Status() : status;

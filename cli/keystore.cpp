@@ -175,7 +175,7 @@ class EnclaveSearch {
     if (out_.names.size() >= kMostEnclaves) return;
     std::error_code error;
     auto content = content_of(folder, error);
-    // Another user may remove its folder at any time.
+    // Another user may remove a folder at any time.
     if (error && error != std::errc::no_such_file_or_directory) leave_out(folder, error.message());
     if (content.has_key || content.has_other_file) add(folder, content.has_key);
     if (content.is_empty && !error && depth > 0) out_.empty.push_back(name_of(folder));
@@ -194,7 +194,7 @@ class EnclaveSearch {
       const auto name = at->path().filename().string();
       std::error_code ignored;
       out.is_empty = false;
-      // No enclave begins with a dot; what a killed command was making does.
+      // The name of an enclave never begins with a dot; unfinished folders of killed commands do.
       if (name.starts_with('.')) continue;
       if (name == "key.pem" || name == "key.p11") out.has_key = true;
       if (name == "cert.pem" || name == "permissions.p7s") out.has_other_file = true;
@@ -241,8 +241,8 @@ void add_unseen(const Enclaves& enclaves, Report& report) {
     report.errors.emplace_back(tool_code::enclave_without_key, ErrorDetails{.found = name});
 }
 
-// An enclave may be another user's, who can put a link or a further name of any file in the place
-// of the key: the mode is changed of what was looked at.
+// An enclave may belong to another user, who can replace the key by a link or a further name of any
+// file. So the mode of exactly the checked file is changed.
 Result<bool> close_key(const fs::path& key) {
   if (key.filename() == "key.pem") DDSSEC_TRY(hold_folder(key.parent_path()));
   const int file = ::openat(folder_descriptor(key.parent_path()), key.filename().c_str(),

@@ -1,4 +1,5 @@
-// keystore: what ROS 2 reads, made and kept with two real CAs and keys for their owner only.
+// keystore: creates and maintains the keystore of ROS 2, with two separate CAs and keys that only
+// their owner can read.
 #include <algorithm>
 #include <filesystem>
 #include <optional>
@@ -85,7 +86,7 @@ Result<Report> keystore_create(const Arguments& arguments, const Context& contex
   return report;
 }
 
-// Rights are given by name, in one way: an enclave that may do everything must be asked for.
+// Rights must be given explicitly, in one way: an enclave with all rights must be requested.
 Status check_one_source(const Arguments& arguments) {
   const bool given[] = {arguments.has("--publish") || arguments.has("--subscribe"),
                         arguments.has("--permissions"), arguments.has("--policy"),
@@ -96,7 +97,7 @@ Status check_one_source(const Arguments& arguments) {
                                     "--policy and --allow-all"});
 }
 
-// What the policy says of the enclave, as one grant.
+// The rights of the enclave in the policy, as one grant.
 Result<governance::Grant> grant_of_policy(const fs::path& file, const ParticipantSpec& spec,
                                           const Arguments& arguments, Report& report) {
   const auto policy = with_options(DDSSEC_TRY(read_policy(file, {spec.name})), arguments);
@@ -159,7 +160,7 @@ Status warn_of_missing_rights(std::string_view xml, const fs::path& document, Re
   return {};
 }
 
-// ROS 2 uses such names, so that they are no error: ddssec's plugins and Fast DDS tell them apart.
+// ROS 2 uses such names, so they are not an error: ddssec's plugins and Fast DDS distinguish them.
 Status warn_of_overlap(const ParticipantSpec& spec, const CaPaths& identity, const fs::path& target,
                        WallTime now, Report& report) {
   const auto log = DDSSEC_TRY(read_issue_log(identity));

@@ -43,7 +43,7 @@ bool is_for_others(const fs::path& path) {
   return ::stat(path.c_str(), &status) == 0 && (status.st_mode & 077) != 0;
 }
 
-// What is true of every enclave is said once.
+// Reports findings that apply to every enclave once.
 void add_once(const std::vector<Finding>& findings, Report& report) {
   for (const auto& finding : findings)
     if (std::ranges::find(report.findings, finding.message, &Finding::message) ==
@@ -51,7 +51,7 @@ void add_once(const std::vector<Finding>& findings, Report& report) {
       report.findings.push_back(finding);
 }
 
-// An enclave that was copied from another keystore is sound in itself, and yet a stranger here.
+// An enclave that was copied from another keystore is valid in itself, but does not belong here.
 void check_belongs(const fs::path& keystore, const doctor::LoadedFolder& enclave,
                    const std::string& name, Report& report) {
   const auto differs = [&](const fs::path& file, const fs::path& ours) {
@@ -84,7 +84,7 @@ void refuse(Rule rule, const fs::path& file, std::string message, Report& report
                              .severity = Severity::error});
 }
 
-// Everybody gets what lies in public/.
+// Files in public/ are distributed to all participants.
 void check_no_key_in_public(const fs::path& keystore, Report& report) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(keystore / "public", error)) {
@@ -211,7 +211,7 @@ struct Import {
   }
 };
 
-// A key that cannot be restricted keeps no other one open.
+// A key that cannot be restricted does not prevent restricting the others.
 void close_keys(const fs::path& keystore, const Enclaves& enclaves, Report& report) {
   for (const auto& key : private_keys(keystore, enclaves)) {
     if (!is_for_others(key)) continue;
@@ -239,7 +239,7 @@ Result<Report> keystore_import(const Arguments& arguments, const Context& contex
   Import import{.paths = paths, .ca = ca, .log = log};
   for (const auto& name : enclaves.names) {
     auto added = import.add(keystore / enclave_folder(name), name, context.clock.now(), report);
-    // Which of two enclaves has the other's certificate, the user must say: nothing is logged.
+    // The user must decide which of two enclaves has the other's certificate; nothing is logged.
     if (!added && added.error().code() == Code::certificate_of_another_folder)
       return std::unexpected(std::move(added).error());
     if (!added) add_error(std::move(added).error(), report);

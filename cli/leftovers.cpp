@@ -38,7 +38,7 @@ std::optional<std::uint64_t> take_number(std::string_view& text) {
   return out;
 }
 
-/// Who made a file, by its name.
+/// The process that made a file, by the file's name.
 struct Maker {
   std::uint64_t pid = 0, name_space = 0;
 };
@@ -74,7 +74,7 @@ std::optional<Maker> maker_of_folder(std::string_view rest) {
   return is_ours ? maker : std::nullopt;
 }
 
-/// Whether a leftover is of the kind that was made, of this user, and of no process that is alive.
+/// True if a leftover has the expected kind, belongs to this user, and its process has ended.
 bool may_go(const fs::path& path, mode_t kind, const Maker& maker) {
   struct stat status {};
   return ::lstat(path.c_str(), &status) == 0 && (status.st_mode & S_IFMT) == kind &&

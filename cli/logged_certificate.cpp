@@ -22,13 +22,13 @@ fs::path normal_folder(const fs::path& folder) {
   return out.has_filename() ? out : out.parent_path();
 }
 
-// `given` as it was opened, if it is held: its path may lead elsewhere by now.
+// Uses `given` as it was opened, if it is held: its path may lead elsewhere by now.
 bool is_same_folder(const fs::path& a, const fs::path& b, const fs::path& given) {
   std::error_code ignored;
   return a == b || fs::equivalent(a, as_held(given), ignored);
 }
 
-// A serial number alone could be anything that a stolen key signed.
+// The serial number alone is not enough, because a stolen key can sign any certificate.
 const IssuedCertificate* entry_of(const pki::Certificate& certificate, const pki::IssueLog& log) {
   const auto* entry = log.find(certificate.serial());
   if (entry == nullptr || entry->subject != certificate.subject()) return nullptr;

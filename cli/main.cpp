@@ -19,8 +19,8 @@ namespace {
 
 using namespace ddssec;
 
-// Names from files must not reach a terminal, or a log that a terminal shows later, as control
-// sequences; nor a terminal as octets that it does not take as letters.
+// Names from files must not reach a terminal, or a log that is shown on a terminal later, as
+// control sequences. Nor must a terminal receive octets that it does not interpret as letters.
 void print(std::FILE* to, const std::string& text) {
   static const bool is_utf8 = std::string_view(::nl_langinfo(CODESET)) == "UTF-8";
   const bool letters = is_utf8 || ::isatty(::fileno(to)) != 1;
@@ -82,8 +82,8 @@ Result<cli::Report> run(const cli::Request& request) {
   return report;
 }
 
-// What goes to standard output. With --quiet a command that wrote files and had no trouble says
-// nothing of them; answers stay.
+// The text for standard output. With --quiet a command that wrote files without a problem prints
+// nothing about them; answers are still printed.
 std::string text_of(const cli::Report& report, cli::Style style) {
   const bool has_written = !report.files_written.empty();
   if (has_written && cli::writes_nothing()) return cli::dry_run_text(report);
@@ -94,7 +94,7 @@ int finish(const cli::Report& report, std::string_view command, bool json, cli::
   if (json) {
     auto out = cli::envelope(report, command);
     if (cli::writes_nothing()) out["dry_run"] = true;
-    // In ASCII, so that nothing in it can do anything to a terminal.
+    // In ASCII, so that it cannot control a terminal.
     print(stdout, out.dump(1, ' ', true, cli::Json::error_handler_t::replace) + "\n");
   } else {
     print(stdout, text_of(report, style));

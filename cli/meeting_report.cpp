@@ -105,7 +105,7 @@ std::string judgement_line(const Judgement& one, const MeetingView& view) {
 
 std::string reason_apart(const Direction& direction, const MeetingView& view);
 
-// Where the lines below it do not say why.
+// The reason, if the lines below do not give it.
 std::string reason_beside(const Direction& direction, const MeetingView& view) {
   const bool is_below = view.explain || view.topics_named || !direction.differences.empty() ||
                         !direction.obstacle.reason.empty();
@@ -131,7 +131,7 @@ std::string name_of(const TopicMeeting& topic) {
   return topic.topic.empty() ? "\"\"" : topic.topic;
 }
 
-// A name that only stands for an expression is in neither document.
+// A name that is only an example of an expression is in neither document.
 std::string words_of(const TopicMeeting& topic) {
   return topic.expression.empty() ? name_of(topic)
                                   : fmt::format("{} (e.g. {})", topic.expression, name_of(topic));
@@ -147,8 +147,8 @@ bool is_idle(const TopicMeeting& topic) {
   return !topic.directions[0].ok && !topic.directions[1].ok;
 }
 
-// Both may use it in one direction or the other by their permissions, and something else keeps them
-// apart: the protection, or what a product does by itself.
+// True if the permissions allow the topic in one direction, and something else separates the
+// participants: the protection, or the behaviour of a product.
 bool is_kept_apart(const TopicMeeting& topic) {
   return is_idle(topic) && std::ranges::any_of(topic.directions, [](const Direction& one) {
            return (!one.differences.empty() || !one.obstacle.reason.empty()) &&
@@ -162,7 +162,7 @@ bool protection_differs(const TopicMeeting& topic) {
   });
 }
 
-// The first thing that keeps a writer and a reader apart; "" if nothing does.
+// The first reason why a writer and a reader do not match; "" if they do.
 std::string reason_apart(const Direction& direction, const MeetingView& view) {
   for (const auto& one : direction.steps) {
     if (one.ok) continue;
@@ -179,7 +179,7 @@ std::string reason_apart(const Direction& direction, const MeetingView& view) {
   return direction.obstacle.reason;
 }
 
-// Of the direction that comes nearest to working.
+// The reason for the direction that comes closest to working.
 std::string reason_apart(const TopicMeeting& topic, const MeetingView& view) {
   const auto refusals = [](const Direction& one) {
     return std::ranges::count_if(one.steps, [](const Judgement& step) { return !step.ok; });
@@ -188,7 +188,7 @@ std::string reason_apart(const TopicMeeting& topic, const MeetingView& view) {
   return reason_apart(topic.directions[nearest], view);
 }
 
-// What every node of ROS 2 has besides the topics that it is for.
+// The topics that every ROS 2 node has besides its own.
 bool is_of_every_node(std::string_view topic) {
   return topic == "ros_discovery_info" || topic == "rt/rosout" || topic == "rt/parameter_events" ||
          ((topic.starts_with("rq/") || topic.starts_with("rr/")) &&

@@ -29,14 +29,14 @@ std::string listed(const std::vector<std::string>& names) {
   return out;
 }
 
-// What an argument too many was probably meant for.
+// The probable intention of a surplus argument.
 std::string_view instead_of_one_more(std::string_view command) {
   if (command == "doctor") return "; ddssec check compares two participants";
   if (command == "governance show") return "; --topic names a topic";
   return {};
 }
 
-// CLI11 reads one command's arguments; which command it is was told before.
+// CLI11 parses the arguments of one command; the command itself was determined before.
 class CommandLine {
  public:
   explicit CommandLine(const Command& command) : command_(command) {
@@ -87,8 +87,8 @@ class CommandLine {
     slot.required = !positional.optional;
   }
 
-  // CLI11 takes the next word where nothing is behind the equals sign: that would be another
-  // option's name or a file.
+  // If nothing follows the equals sign, CLI11 takes the next word, which would be another option's
+  // name or a file.
   Status check_values(std::span<const std::string> words) const {
     for (const auto& word : words) {
       const std::string_view name = std::string_view(word).substr(0, word.find('='));
@@ -108,8 +108,8 @@ class CommandLine {
     return nullptr;
   }
 
-  // CLI11 takes an option's name for the value of the one before, and does not say which option is
-  // unknown, only that there are too many words.
+  // CLI11 reads an option's name as the value of the option before. It also does not report which
+  // option is unknown, only that there are too many words.
   Status check_names(std::span<const std::string> words) const {
     const Option* waits = nullptr;  // for its value
     for (const auto& word : words) {

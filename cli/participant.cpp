@@ -35,8 +35,8 @@ governance::Grant grant_from_lists(const ParticipantSpec& spec) {
   return {.name = spec.name, .rules = {std::move(rule)}};
 }
 
-// Each holder of the signed file can use each of its grants. An expression or a name that
-// cannot be read is another one.
+// Every holder of the signed file can use each of its grants. An expression, or a name that cannot
+// be parsed, counts as another subject.
 Status check_own_grants(const governance::Permissions& document, const pki::SubjectName& own,
                         std::string_view shown) {
   constexpr std::size_t kMostShown = 8;
@@ -58,7 +58,7 @@ Status check_own_grants(const governance::Permissions& document, const pki::Subj
                                          .found = std::move(names)});
 }
 
-// Its own peers would take the certificate for a self-signed one, or for the CA's.
+// Peers would read the certificate as self-signed, or as the CA's.
 Status check_not_of_ca(const pki::Certificate& certificate, const Issuers& issuers) {
   const auto name = pki::SubjectName::of(certificate).key();
   for (const auto* ca : {&issuers.identity, issuers.permissions})
@@ -116,7 +116,7 @@ Result<std::string> permissions_xml(const ParticipantSpec& spec,
   grant.subject_name = certificate.subject();
   grant.validity = {certificate.not_before(), certificate.not_after()};
   auto xml = to_xml(governance::Permissions{.grants = {std::move(grant)}});
-  // What was asked for may hold what no document can.
+  // The requested rights may contain something that no document can.
   DDSSEC_TRY(governance::read_permissions(as_bytes(xml)));
   return xml;
 }

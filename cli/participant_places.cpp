@@ -37,10 +37,10 @@ bool is_same_certificate(const fs::path& path, const pki::Certificate& certifica
   return found && std::ranges::equal(found->fingerprint(), certificate.fingerprint());
 }
 
-/// Whose certificate a folder has that is on this machine.
+/// The CA of the certificate in a folder on this machine.
 enum class Issuer : std::uint8_t { present, before_rotation, other };
 
-// One that cannot be read counts as the CA's: the command that works on the folder reports it.
+// An unreadable certificate counts as the CA's: the command that works on the folder reports it.
 Issuer issuer_in(const fs::path& folder, const pki::Certificate& ca, const pki::IssueLog& log) {
   const auto certificate = read_certificate(folder / "cert.pem");
   if (!certificate || certificate->is_issued_by(ca)) return Issuer::present;
