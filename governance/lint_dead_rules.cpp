@@ -35,7 +35,7 @@ std::vector<std::string_view> partitions_of(const Criteria& criteria) {
   return out;
 }
 
-// True if entities with partitions or data tags may do something at all.
+// True if entities with partitions or data tags have any rights.
 bool conditions_matter(const Grant& grant) {
   const auto has = [](const Criteria& c) { return c.partitions || c.data_tags; };
   return grant.default_allow || std::ranges::any_of(grant.rules, [&](const Rule& rule) {
@@ -44,8 +44,8 @@ bool conditions_matter(const Grant& grant) {
          });
 }
 
-// Whether every set of partitions that the later one takes, the earlier one takes too. An allow
-// rule wants all of an entity's partitions listed, a deny rule one.
+// True if the earlier element matches every set of partitions that the later one matches. An allow
+// rule must list all of an entity's partitions, a deny rule one.
 bool partitions_cover(const GrantEntry& earlier, const GrantEntry& later, SetEffort& effort) {
   if (!earlier.rule->allow && !earlier.criteria->partitions) return true;
   if (!later.rule->allow && (earlier.rule->allow || !later.criteria->partitions)) return false;
@@ -70,7 +70,7 @@ bool covers(const GrantEntry& earlier, const GrantEntry& later, bool with_condit
   return tags_cover(earlier, later) && partitions_cover(earlier, later, effort);
 }
 
-/// A dead expression and what is in its way.
+/// A dead expression, and the expressions that make it dead.
 struct Dead {
   GrantEntry entry;
   std::vector<GrantEntry> by;
@@ -97,7 +97,7 @@ std::vector<Dead> dead_entries(const GrantPlace& place, SetEffort& effort) {
   return out;
 }
 
-// What was to be denied and is allowed is an error; what says the same twice is harmless.
+// It is an error if something that was to be denied is allowed. A repetition is harmless.
 Severity severity_of(const Dead& dead) {
   const bool same = !dead.by.empty() && std::ranges::all_of(dead.by, [&](const GrantEntry& by) {
     return by.rule->allow == dead.entry.rule->allow;

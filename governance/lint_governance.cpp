@@ -68,7 +68,8 @@ bool has_tags(const DomainRule& rule) {
   return !rule.domains.tags.empty() || !rule.domains.tag_expressions.empty();
 }
 
-/// Domains of the rule that an earlier one takes, and the number (from 1) of the first such.
+/// Domains of the rule for which an earlier rule decides, and the number (from 1) of the first such
+/// rule.
 struct Taken {
   std::vector<DomainRange> domains = {};
   std::vector<DomainRange> by_stock = {};  ///< of these, where stock products apply the rule
@@ -141,7 +142,7 @@ Finding unmatchable(const DomainPlace& place, std::size_t topic) {
   return finding;
 }
 
-// Harmless if those in the way say the same.
+// Harmless if the earlier rules have the same effect.
 void check_dead_rules(Findings& out, const DomainPlace& place) {
   const auto& rules = place.rule.topic_rules;
   const auto found = shadows(expressions_of(place.rule), out.effort());
@@ -216,7 +217,7 @@ void check_domain_kinds(Findings& out, const DomainPlace& place) {
         "every protection kind is NONE: every host on the network can read and forge everything"));
 }
 
-// A flag that asks for what the domain rule does not give.
+// Flags that demand something that the domain rule does not provide.
 void check_flags(Findings& out, const DomainPlace& place, std::size_t i) {
   const auto& topic = place.rule.topic_rules[i];
   const auto check = [&](bool flag, ProtectionKind kind, std::string_view what) {
@@ -284,8 +285,8 @@ void check_kinds(Findings& out, const DomainPlace& place, std::size_t i) {
   }
 }
 
-// All readers of a topic share its writer's key, so that each of them can make what the others take
-// for the writer's, unless every reader is given a MAC of its own (DDS-Security 8.1.3, 9.5.3.3.4).
+// All readers of a topic share its writer's key. So each of them can forge messages that the others
+// accept as the writer's, unless every reader gets its own MAC (DDS-Security 8.1.3, 9.5.3.3.4).
 void check_origin(Findings& out, const DomainPlace& place) {
   if (is_origin_authenticated(place.rule.rtps_protection_kind)) return;
   std::vector<std::string> names;
@@ -303,8 +304,8 @@ void check_origin(Findings& out, const DomainPlace& place) {
                   fmt::join(names, ", "), more)));
 }
 
-// Cyclone's core believes clear announcements in the name of every authenticated peer, and our
-// plugins end them only where no honest peer sends any.
+// Cyclone's core trusts unprotected announcements in the name of every authenticated peer. ddssec's
+// plugins stop them only where no honest peer sends any.
 void check_clear_discovery(Findings& out, const DomainPlace& place) {
   const auto& rules = place.rule.topic_rules;
   const auto is_closed = &TopicRule::enable_discovery_protection;
@@ -323,8 +324,8 @@ void check_clear_discovery(Findings& out, const DomainPlace& place) {
   out.add(std::move(finding));
 }
 
-// The destination stands in the clear in front of a protected submessage, and one key serves all
-// receivers: only a MAC for each of them, or a protected message around both, binds the two.
+// The destination is unprotected in front of a protected submessage, and one key serves all
+// receivers. Only a MAC for each of them, or a protected message around both, connects the two.
 void check_redirection(Findings& out, const DomainPlace& place) {
   const auto& rule = place.rule;
   if (is_protected(rule.rtps_protection_kind)) return;
@@ -349,7 +350,7 @@ void check_redirection(Findings& out, const DomainPlace& place) {
                   fmt::join(kinds, ", "))));
 }
 
-// The same of the builtin writers, whose keys go to every participant that may join.
+// The same for the builtin writers, whose keys go to every participant that may join.
 void check_builtin_origin(Findings& out, const DomainPlace& place) {
   const auto& rule = place.rule;
   if (is_origin_authenticated(rule.rtps_protection_kind)) return;

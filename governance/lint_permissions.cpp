@@ -115,7 +115,7 @@ void check_stray_grants(Findings& out, const Permissions& document,
   }
 }
 
-/// What is wrong with the spelling of a subject, and who minds.
+/// A problem with the spelling of a subject, and the products that it affects.
 struct Spelling {
   std::string message = {}, right = {};
   std::vector<std::string> vendors = {};
@@ -162,7 +162,7 @@ void check_spelling(Findings& out, const GrantPlace& place) {
   out.add(std::move(finding));
 }
 
-// One grant must be for the certificate, in its own words.
+// One grant must be for the certificate, in its own spelling.
 void check_subject(Findings& out, const std::vector<GrantPlace>& places,
                    const pki::Certificate& certificate) {
   const auto subject = pki::SubjectName::of(certificate);

@@ -32,7 +32,7 @@ void check_expressions(Findings& out, const GrantPlace& place) {
       out.add_if_unportable(PERM013, *entry.topic, place.rule_path(entry.rule_number));
       out.add_if_ros_name(PERM034, *entry.topic, place.rule_path(entry.rule_number));
     }
-  // The stock products pass over relay elements.
+  // Stock products ignore relay elements.
   const auto& rules = place.grant().rules;
   for (std::size_t i = 0; i < rules.size(); ++i)
     for (const auto* list : {&rules[i].publish, &rules[i].subscribe})
@@ -173,7 +173,7 @@ void check_denials(Findings& out, const GrantPlace& place) {
   }
 }
 
-// What allow rules allow in partitions that they list, in document order.
+// The entries of allow rules with listed partitions, in document order.
 std::vector<const GrantEntry*> allowed_in_partitions(const std::vector<GrantEntry>& entries) {
   std::vector<const GrantEntry*> out;
   for (const auto& entry : entries)
@@ -181,7 +181,7 @@ std::vector<const GrantEntry*> allowed_in_partitions(const std::vector<GrantEntr
   return out;
 }
 
-// Cyclone fills an absent list of a deny rule with the default partition.
+// Cyclone replaces a missing list of a deny rule by the default partition.
 void check_open_denial(Findings& out, const GrantPlace& place,
                        const std::vector<GrantEntry>& entries) {
   const auto allowed = allowed_in_partitions(entries);

@@ -71,7 +71,8 @@ void NameAutomaton::expand(State state) {
   for (std::size_t i = 0; i < by_class_.size() && !limit_reached(); ++i) {
     const auto c = static_cast<Class>(i);
     const bool own = !by_class_[c].empty() || !moves.of(c).empty();
-    // All classes that nothing asks for lead to the same state; the first of them reads best.
+    // All classes that no expression names lead to the same state; the first of them is the most
+    // readable.
     if (!own && std::exchange(others_done, true)) continue;
     gather_arrivals(moves, own ? std::optional(c) : std::nullopt);
     arrive({state, c});
@@ -120,7 +121,7 @@ NameAutomaton::StarMoves NameAutomaton::make_moves(std::span<const Position> sta
   std::vector<std::pair<std::uint32_t, Position>> pairs;
   StarMoves moves;
   for (const Position star : stars) {
-    // A star may take nothing: what comes behind it is tried at once.
+    // A star may match nothing, so the position after it is tried at once.
     const Position p = table_.next(star);
     if (table_.kind(p) == Kind::any) moves.any.push_back(table_.next(p));
     if (table_.kind(p) == Kind::octet && table_.octet(p) != ByteClasses::kNone) {
@@ -189,7 +190,7 @@ void NameAutomaton::move_stars() {
   stars_next_ = stars_.add(new_stars_).first;
 }
 
-// After the last step what is covered is kept: it changes no answer.
+// After the last step covered positions are kept, because they change no answer.
 bool NameAutomaton::is_covered(Position p) {
   const Position before = table_.star_before(p);
   if (before != ExpressionTable::kNone && is_star_next_[before] == move_count_) return true;

@@ -41,8 +41,9 @@ constexpr std::array<Class, 12> kClasses = {{{"alpha", is_alpha},
 
 }  // namespace
 
-/// The bracket expressions of one text, read member by member. Linear in the text however many '['
-/// it holds: each looks for nothing beyond its member, and none reads on where another one failed.
+/// Reads the bracket expressions of a text member by member. Linear in the text, however many '['
+/// it contains: each member searches for nothing beyond itself, and no expression is read past the
+/// point where another one failed.
 class Pattern::SetReader {
  public:
   SetReader(std::string_view text, bool escapes)
@@ -51,8 +52,8 @@ class Pattern::SetReader {
         symbols_end_(behind_last(".]")),
         equivalences_end_(behind_last("=]")) {}
 
-  /// The octets from `begin`, behind a '[', that belong to the expression with its ']', or nothing.
-  /// Calls go from left to right.
+  /// The octets from `begin`, after a '[', that belong to the expression with its ']'; empty if
+  /// there is none. Calls go from left to right.
   std::optional<std::size_t> read(std::size_t begin, std::bitset<256>& set) {
     at_ = begin;
     const bool negated = !at_end() && (text_[at_] == '!' || text_[at_] == '^');
@@ -236,7 +237,8 @@ bool Pattern::matches(std::string_view name) const {
 
 std::optional<bool> Pattern::matches(std::string_view name, std::size_t& steps) const {
   if (is_literal()) return name == text_;
-  // Only the last star has to give way: what an earlier one could take, a later one can too.
+  // Only the last star needs backtracking: anything that an earlier one could match, a later one
+  // can match too.
   const bool star_stops = syntax_ == Syntax::subject;
   std::size_t step = 0, at = 0;
   std::size_t star = steps_.size(), star_at = 0;

@@ -54,7 +54,7 @@ Result<std::vector<std::string>> steps_of(const Node& include) {
   return out;
 }
 
-/// Expands and keeps every file that it reads.
+/// Expands includes, and stores every file that it reads.
 class Policies {
  public:
   explicit Policies(const ReadFile& read) : read_(read) {}

@@ -55,7 +55,7 @@ bool is_ros_name_of(std::string_view allowed, std::string_view topic) {
   return !topic.empty() && allowed.starts_with("rt/") && allowed.substr(3) == topic;
 }
 
-// How far apart two names are; nothing if they are too far apart to be meant as one.
+// The distance of two names; empty if they are too different to be a typo.
 std::optional<std::size_t> distance(std::string_view allowed, std::string_view topic) {
   if (is_ros_name_of(allowed, topic) || is_ros_name_of(topic, allowed)) return 0;
   const auto lower = ascii_lower(allowed);

@@ -39,7 +39,7 @@ Group action_requests(const std::string& name) {
   return out;
 }
 
-// With the topics on which the server tells how it goes.
+// Includes the topics on which the server reports progress.
 Group action_replies(const std::string& name) {
   Group out;
   for (const auto service : kActionServices)

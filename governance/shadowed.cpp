@@ -97,7 +97,7 @@ class Earlier {
     return contained(inner, outer, limits_);
   }
 
-  // One that does it alone, if there is one; else those that cannot be left out.
+  // A single one that suffices, if there is one; otherwise those that cannot be left out.
   std::vector<std::uint32_t> fewest(std::uint32_t at, std::vector<std::uint32_t> all) const {
     std::ranges::sort(all);
     for (const auto one : all)

@@ -17,8 +17,8 @@ std::vector<RankedExpression> two_sets(std::span<const std::string_view> first,
   return both;
 }
 
-/// Laying the expressions out takes time and memory for each octet, before the first step is
-/// counted. False if there is not enough for it.
+/// Laying out the expressions takes time and memory for each octet before the first step is
+/// counted. False if there is not enough left.
 bool pay_for_layout(std::span<const RankedExpression> expressions, const SetLimits& limits) {
   constexpr std::size_t kStepsForOctet = 8, kMemoryForOctet = 4;
   std::size_t octets = 0;

@@ -7,8 +7,8 @@
 namespace ddssec::governance {
 namespace {
 
-/// For each element whether what an entity has of one sort meets it. Held so that two such vectors
-/// are joined by "and": for deny rules it is the opposite.
+/// For each element: true if the entity's partitions (or tags) match it. Stored so that two such
+/// vectors are combined by "and"; for deny rules the values are inverted.
 using Meets = std::vector<bool>;
 
 Meets both(const Meets& a, const Meets& b) {
@@ -17,13 +17,13 @@ Meets both(const Meets& a, const Meets& b) {
   return out;
 }
 
-/// A set of things of one sort that an entity has, by their numbers.
+/// A set of an entity's partitions or tags, by number.
 struct Having {
   std::vector<std::uint32_t> things;
   Meets meets;
 };
 
-/// What every set of things meets, each outcome once with the smallest set.
+/// The match results of all sets, each result once with the smallest set.
 class Closure {
  public:
   Closure(std::vector<Meets> singles, SetEffort& effort)

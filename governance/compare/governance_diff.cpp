@@ -50,7 +50,7 @@ struct Count {
   std::string witness = {};
 };
 
-/// What one element of a domain rule has a part in, topic by topic.
+/// The properties that change because of one element of a domain rule, topic by topic.
 class DomainEffect {
  public:
   explicit DomainEffect(std::string_view element) : element_(element) {}
@@ -84,7 +84,7 @@ class DomainEffect {
 using TopicChangeKey =
     std::tuple<std::string_view, std::string, std::string, ChangeClass, std::string>;
 
-/// Where a change is in the result, and what it is about.
+/// The position of a change in the result, and its topics.
 struct KnownChange {
   std::size_t index;
   std::vector<TopicPair> pairs = {};
@@ -230,7 +230,7 @@ class GovernanceComparison {
     is_unknown_ = true;
     const auto& domains = region.scope.domains;
     diff_.unknown_domains.insert(diff_.unknown_domains.end(), domains.begin(), domains.end());
-    // What else can be found quickly is still shown.
+    // Further differences that can be found quickly are still shown.
     limits_.states = std::min<std::size_t>(limits_.states, 2'000);
   }
 

@@ -96,7 +96,7 @@ class GrantComparison {
   }
 
  private:
-  /// All that a change tells but its domains.
+  /// All values of a change except its domains.
   using Told = std::tuple<std::string_view, std::string_view, ChangeClass, std::string, int, int,
                           std::string>;
 

@@ -68,7 +68,7 @@ using TextPair = std::pair<const Text*, const Text*>;
 /// Class, the elements that decide, and all pairs of expressions.
 using FoundKey = std::tuple<ChangeClass, const Criteria*, const Criteria*, std::vector<TextPair>>;
 
-/// What changes for entities of one kind by two elements.
+/// The change for entities of one kind by two elements.
 struct Found {
   PermissionChange change;
   std::vector<TopicPair> pairs = {};
@@ -179,7 +179,7 @@ class OperationComparison {
 
   void give_up() {
     out_.is_known = false;
-    // What else can be found quickly is still shown.
+    // Further differences that can be found quickly are still shown.
     limits_.states = std::min<std::size_t>(limits_.states, 2'000);
   }
 

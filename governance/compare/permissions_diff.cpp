@@ -21,7 +21,7 @@ const Grant* valid_at(const Grants& grants, WallTime time) {
   return grant == grants.end() ? nullptr : *grant;
 }
 
-/// What applies at the same times.
+/// The grants that apply at the same times.
 struct GrantPairs {
   std::set<std::pair<const Grant*, const Grant*>> both;
   Grants only_old, only_new;  ///< while the other document has nothing
@@ -204,7 +204,7 @@ void PermissionsComparison::compare_rules(const Grant& o, const Grant& n) {
 void PermissionsComparison::compare_presence(const Grant& grant, const Grants& valid, bool is_new) {
   static const Grant kNothing;
   PermissionChange change{.element = "grant"};
-  // One that is never valid is as good as none.
+  // A grant that is never valid has no effect.
   if (!valid.empty()) change.change = is_new ? ChangeClass::wider : ChangeClass::narrower;
   change.old_value = is_new ? "absent" : "present";
   change.new_value = is_new ? "present" : "absent";

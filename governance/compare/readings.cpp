@@ -46,7 +46,7 @@ Constructs constructs_of(const Governance& document) {
   return out;
 }
 
-// The stock products pass over relay elements, and refuse tag expressions, which is a note.
+// Stock products ignore relay elements. They refuse tag expressions, which is a note.
 Constructs constructs_of(const Permissions& document) {
   Constructs out;
   for (const auto& grant : document.grants)

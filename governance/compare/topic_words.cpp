@@ -28,7 +28,7 @@ std::string_view beginning(std::string_view expression) {
   return expression.substr(0, expression.find_first_of("*?[\\"));
 }
 
-// What cannot be found out is said to meet.
+// If it cannot be determined, the two count as overlapping.
 bool meets(std::string_view a, std::string_view b, SetEffort* effort) {
   const auto one = beginning(a), other = beginning(b);
   const auto common = std::min(one.size(), other.size());

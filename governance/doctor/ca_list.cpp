@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 
 constexpr int kHighest = 18;  ///< folders above: the deepest enclave, enclaves/ and the keystore
 
-// Where lists of CAs lie by a folder with participants in it: keystore, init, ca create.
+// Places of CA lists relative to a folder with participants: keystore, init, ca create.
 constexpr const char* kPlaces[] = {"public/identity_ca.crl.pem", "ca/identity/crl.pem",
                                    "ca/crl.pem"};
 
@@ -39,7 +39,7 @@ std::vector<pki::Crl> lists_in(const fs::path& file) {
   return lists ? *std::move(lists) : std::vector<pki::Crl>();
 }
 
-// A list that is over still says who was revoked.
+// An expired list still shows which certificates were revoked.
 bool is_signed_by(const pki::Crl& list, const std::vector<pki::Certificate>& cas) {
   return std::ranges::any_of(cas, [&](const pki::Certificate& ca) {
     return list.is_named_after(ca) && list.check(ca, list.this_update()).has_value();

@@ -34,7 +34,7 @@ bool first_is_root_of(const pki::Certificate& certificate,
          cas.front().subject() == cas.front().issuer();
 }
 
-// What stands for the way from the certificate to a root, where it is not the usual one.
+// The variant for the path from the certificate to a root, if it is not the usual one.
 std::optional<Variant> unusual_path(const pki::Certificate& certificate,
                                     const std::vector<pki::Certificate>& cas) {
   if (first_is_root_of(certificate, cas)) return std::nullopt;
@@ -43,7 +43,7 @@ std::optional<Variant> unusual_path(const pki::Certificate& certificate,
                                                        : Variant::identity_below_intermediate;
 }
 
-// What stands for what ours refuses, if stock products may take it.
+// The variant for a certificate that ddssec refuses and stock products may accept.
 std::optional<Variant> unusual_certificate(const pki::Certificate& certificate,
                                            const std::vector<pki::Certificate>& cas, Code code) {
   if (code == Code::key_usage_forbids) return Variant::identity_key_usage;

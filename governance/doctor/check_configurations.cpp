@@ -1,4 +1,4 @@
-// Whether the configurations in a participant's folder name the files beside them.
+// Checks whether the configurations in a participant's folder name the files beside them.
 #include <algorithm>
 #include <optional>
 #include <system_error>
@@ -36,7 +36,7 @@ std::string without_escapes(std::string_view text) {
   return out;
 }
 
-// Nothing for a relative path: where that leads depends on where the application starts.
+// Empty for a relative path, which depends on where the application starts.
 std::optional<fs::path> next_path(std::string_view& text) {
   constexpr std::string_view kScheme = "file:";
   for (;;) {
@@ -79,7 +79,7 @@ constexpr Role kRoles[] = {
     {"permissions", "permissions", &Files::permissions},
 };
 
-/// What a configuration says of a role.
+/// The value in a configuration for a role.
 struct Named {
   const Role* role;
   std::string value;  ///< "file:/a/b", "data:,..." or "pkcs11:..."
@@ -89,7 +89,7 @@ std::string content_of(std::string_view after_tag) {
   return without_escapes(trimmed(after_tag.substr(0, after_tag.find("</")), " \t\r\n"));
 }
 
-// What counts for the domain; where nothing does, all that looks like it.
+// The values that apply to the domain; if there are none, everything that looks like them.
 std::vector<Named> named_by_cyclonedds(std::string_view text, const EffectiveSecurity& security) {
   std::vector<Named> out;
   if (security.problems.empty() && security.is_there) {
@@ -142,13 +142,13 @@ bool is_judged(const std::string& value, const fs::path& judged, const fs::path&
   return has_same_octets(path, judged);
 }
 
-// Of a value that is no path only its beginning: it may be a key.
+// For a value that is not a path, only its beginning: it may be a key.
 std::string shown_value(const std::string& value) {
   const auto scheme = value.substr(0, value.find(':'));
   return scheme == "data" || scheme == "pkcs11" ? "a " + scheme + ": value" : value;
 }
 
-/// A configuration and whose it is.
+/// A configuration and its owner.
 struct Configuration {
   std::string name;  ///< what sentences call it
   fs::path document;
@@ -161,7 +161,7 @@ bool has_scheme(std::string_view value) {
   return value.starts_with("file:") || value.starts_with("data:,") || value.starts_with("pkcs11:");
 }
 
-// Of a file that lies there and cannot be read, too.
+// Also for a file that exists and cannot be read.
 bool is_missing(const std::string& value) {
   if (!value.starts_with("file:") || value.contains('$')) return false;
   auto name = std::string_view(value).substr(std::string_view("file:").size());

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What the checks need of either document.
+/// The data that the checks need about each document.
 struct Subject {
   std::string_view about;  ///< "governance", "permissions"
   fs::path path;
@@ -55,14 +55,14 @@ Outcome of(bool believed, Outcome if_believed = Outcome::ok) {
   return believed ? if_believed : Outcome::fail;
 }
 
-// `accepted`: what it means if a stock product believes the document.
+// `accepted`: the outcome if a stock product accepts the document.
 Outcomes outcomes(const Subject& subject, const Outcomes& accepted = {}) {
   return {of(subject.cyclonedds_belief.has_value(), accepted.cyclonedds),
           of(subject.fastdds_belief.has_value(), accepted.fastdds),
           of(subject.our_belief.has_value())};
 }
 
-// Of stock products as measured with the variant.
+// The outcomes of stock products, as measured with the variant.
 Outcomes refused_by_ours(Variant variant, const Subject& subject) {
   auto out = measured(variant, subject.lineup);
   out.ours = Outcome::fail;
@@ -83,7 +83,7 @@ Outcomes outcomes_of_form(const Subject& subject) {
                                             : outcomes(subject);
 }
 
-// What is odd about how the document is wrapped; "" if nothing.
+// A peculiarity in the form of the document; "" if there is none.
 std::string odd_form(const Subject& subject) {
   const auto& form = subject.form;
   const auto file = subject.path.filename().string();
@@ -153,7 +153,7 @@ void report(Rule rule, const Subject& subject, const Error& error, const Outcome
              subject.about);
 }
 
-// Something that the CA file holds does not say that it is a CA.
+// A certificate in the CA file is not marked as a CA.
 void report_no_ca(const LoadedFolder& folder, const Subject& subject, const Error& error,
                   Diagnosis& out) {
   out.report(outcomes(subject, measured(Variant::permissions_ca_no_constraints, subject.lineup)),
@@ -167,7 +167,7 @@ void report_no_ca(const LoadedFolder& folder, const Subject& subject, const Erro
              subject.about);
 }
 
-// Ours believes it, and a stock product does not: the CA file is at fault.
+// ddssec accepts it and a stock product does not: the cause is the CA file.
 void report_ca_file(const LoadedFolder& folder, const Subject& subject, Diagnosis& out) {
   out.report(
       outcomes(subject),
@@ -224,7 +224,7 @@ void check_belief(const LoadedFolder& folder, const Subject& subject, Diagnosis&
   }
 }
 
-// What stands for what the reader of a document noted.
+// The variant for a note of the parser.
 std::optional<Variant> variant_of(const Note& note) {
   const auto says = [&](std::string_view words) { return note.text.find(words) != note.text.npos; };
   switch (note.kind) {
@@ -252,7 +252,7 @@ std::optional<Variant> variant_of(const Note& note) {
   }
 }
 
-// What stock products make of a text that ours does not read.
+// The outcome with stock products for a text that ddssec does not parse.
 Outcomes outcomes_of_text(const Subject& subject) {
   Outcomes out{.ours = Outcome::fail};
   if (subject.notes != nullptr) {  // without what was left out it can be read
@@ -287,7 +287,7 @@ void report_unreadable(const Subject& subject, Diagnosis& out) {
              subject.about);
 }
 
-// Of one kind the first is told in full, and how many more there are.
+// Reports the first of each kind in full, with the number of others.
 void report_notes(const Subject& subject, Diagnosis& out) {
   std::map<std::string_view, std::size_t> counts;
   for (const auto& note : *subject.notes) ++counts[note.text];

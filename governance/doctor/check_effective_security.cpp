@@ -1,4 +1,4 @@
-// Whether Cyclone DDS would start with a configuration, and secured.
+// Checks whether Cyclone DDS would start with a configuration, and with security.
 #include <array>
 #include <utility>
 
@@ -157,7 +157,7 @@ class Checks {
                    expected.finalize);
   }
 
-  // Functions that a library exports stand in it as texts.
+  // The names of exported functions are texts in the library file.
   void check_has_function(const Expected& expected, const ConfiguredText& path,
                           const std::filesystem::path& file, std::string_view function) {
     const auto text = fmt::format("{0}{1}{0}", '\0', function);

@@ -1,4 +1,4 @@
-// Files there, of the right kind, closed to others.
+// Checks that the files exist, have the right kind and are not accessible for other users.
 #include <array>
 #include <sys/stat.h>
 #include <system_error>
@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 // The most files of a folder that are looked at for keys of a CA.
 constexpr int kMostFiles = 64;
 
-// Why `path` is not there: a link may be, and lead nowhere.
+// The reason why `path` does not exist: it may be a dangling link.
 std::string absence(const fs::path& path) {
   std::error_code ignored;
   if (!fs::is_symlink(fs::symlink_status(path, ignored)))
@@ -33,7 +33,7 @@ std::string absence(const fs::path& path) {
 void report_unloaded(const fs::path& path, const Error& error, const Settings& settings,
                      Diagnosis& out) {
   const auto say = [&](Rule rule, std::string message, std::string_view hint = {}) {
-    // Fast DDS takes keys that DDS-Security does not know, short ones too.
+    // Fast DDS accepts keys that DDS-Security does not allow, including short ones.
     auto outcomes = kNobody;
     if (rule == Rule::DOC014) {
       outcomes.fastdds = measured(Variant::ed25519, settings.lineup).fastdds;
@@ -100,7 +100,7 @@ void check_tokens(const LoadedFolder& folder, Diagnosis& out) {
     look(*path, Outcome::fail);
 }
 
-// Of a key in a token the file holds at most the PIN.
+// For a key in a token, the file contains at most the PIN.
 bool is_secret(const fs::path& key) {
   if (!is_in_token(key)) return true;
   const auto uri = pki::uri_of(key);
@@ -187,8 +187,8 @@ void check_layouts(const LoadedFolder& folder, Diagnosis& out) {
   }
 }
 
-// A user who can write there can exchange the key and the CA files; a sticky bit keeps only files
-// of others.
+// A user who can write there can replace the key and the CA files; a sticky bit protects only files
+// of other users.
 void check_folder_mode(const LoadedFolder& folder, Diagnosis& out) {
   struct stat status {};
   const auto& path = folder.paths.folder;

@@ -1,4 +1,4 @@
-// Certificate, key, CA, revocation.
+// Checks certificate, key, CA and revocation.
 #include <algorithm>
 #include <optional>
 
@@ -27,7 +27,7 @@ std::string dates_wrong(const fs::path& path, const pki::Certificate& certificat
                      to_string(now));
 }
 
-// What stands for a kind of key that not every product takes.
+// The variant for a kind of key that not every product accepts.
 std::optional<Variant> unusual_key(pki::KeyAlgorithm key, bool is_ca) {
   if (key == pki::KeyAlgorithm{pki::KeyKind::rsa, 2048} || key.kind == pki::KeyKind::ec_p256)
     return std::nullopt;
@@ -84,7 +84,8 @@ void check_digest(const pki::Certificate& certificate, const fs::path& path, Var
               .document = path});
 }
 
-// A CA of X.509 version 1 has no extension that says so, and that satisfies ours as a trust anchor.
+// A CA of X.509 version 1 has no extension that marks it as a CA. ddssec accepts it as a trust
+// anchor.
 void check_version_1(const std::vector<pki::Certificate>& cas, const fs::path& path,
                      const Outcomes& outcomes, const Lineup& lineup, Diagnosis& out) {
   out.pass(Rule::DOC016);
@@ -203,7 +204,7 @@ std::string chain_broken(const LoadedFolder& folder, const Error& error) {
                      certificate.issuer(), ca_file, subjects(*folder.identity_cas));
 }
 
-// For a path that only ours, or ours and Fast DDS, can follow.
+// For a path that only ddssec, or ddssec and Fast DDS, can follow.
 std::string needs_other_ca_file(const LoadedFolder& folder, const Lineup& lineup) {
   return fmt::format(
       "{} of {} was issued by \"{}\"; {} needs that CA, self-signed, as the first "
@@ -286,7 +287,7 @@ void check_ca_list(const LoadedFolder& folder, Diagnosis& out) {
                   .severity = Severity::warning});
 }
 
-// The participants' lists are newer than the CA's: the next list of that CA would lose something.
+// The participants' lists are newer than the CA's, so the next list of that CA would lose entries.
 void check_outdated_ca(const LoadedFolder& folder, Diagnosis& out) {
   if (!folder.crls || !folder.identity_cas) return;
   const auto outdated = outdated_ca_list(folder.paths, *folder.identity_cas, *folder.crls);

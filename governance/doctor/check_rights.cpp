@@ -1,4 +1,4 @@
-// What the documents say about this participant in the domain, and what ends first.
+// Checks the participant's rights in the domain, and what expires first.
 #include <algorithm>
 #include <limits>
 #include <optional>
@@ -26,7 +26,7 @@ using namespace std::chrono_literals;
 constexpr auto kFarthestZone = 14h;
 constexpr auto kSoon = std::chrono::hours(30 * 24);
 
-/// What the checks of this file look at.
+/// The input of the checks in this file.
 struct Scene {
   const LoadedFolder& folder;
   const Settings& settings;
@@ -36,7 +36,7 @@ struct Scene {
   const fs::path& file() const { return folder.paths.permissions; }
 };
 
-/// A grant and who takes it for this participant's.
+/// A grant, and the products that apply it to this participant.
 struct Candidate {
   const Grant* grant;
   Outcomes subject;
@@ -115,7 +115,7 @@ void check_cyclones_end(const Scene& scene, const Grant& grant) {
        .hint = "write a time before 2262, in UTC, with an hour from 00 to 23"});
 }
 
-// Cyclone DDS looks at the first grant of the subject only, the others at the first valid one.
+// Cyclone DDS uses only the first grant of the subject, the others the first valid one.
 void check_grant_dates(const Scene& scene, const std::vector<Candidate>& all) {
   const auto now = scene.settings.now;
   const bool any = std::ranges::any_of(
@@ -156,7 +156,7 @@ void check_local_time(const Scene& scene, const Grant& grant) {
            .line = grant.line});
 }
 
-// Cyclone DDS takes the first grant that has all attributes of the certificate.
+// Cyclone DDS applies the first grant that has all attributes of the certificate.
 void check_cyclones_grant(const Scene& scene, const std::vector<Candidate>& all) {
   const auto taken = std::ranges::find(
       all, GrantsForCyclone(scene.permissions()).taken_for(scene.folder.certificate->subject()),
@@ -387,7 +387,7 @@ const governance::Rule* denial_elsewhere(const Grant& grant, DomainId domain) {
   return found == grant.rules.end() ? nullptr : &*found;
 }
 
-// What a denial with an open range takes away, and stock products allow.
+// Rights that a denial with an open range removes, and that stock products still allow.
 void check_open_denials(const Scene& scene, const Grant& grant) {
   const auto domain = scene.settings.domain;
   const auto* rule = denial_elsewhere(grant, domain);
@@ -437,7 +437,7 @@ void check_permissions(const Scene& scene, const DomainRule* governance) {
   check_open_denials(scene, *grant);
 }
 
-/// Something that ends.
+/// Something that expires.
 struct End {
   std::string what;
   WallTime when;

@@ -57,7 +57,7 @@ bool is_one_of(std::span<const std::string_view> names, std::string_view name) {
 
 bool is_security(std::string_view name) { return name == "security" || name == "ddssecurity"; }
 
-/// Walks through the elements and keeps what counts.
+/// Reads the elements and stores those that apply.
 class Walk {
  public:
   Walk(DomainId domain, ConfigurationPlace place) : domain_(domain), place_(place) {}

@@ -73,8 +73,8 @@ std::string version_in(std::string_view octets) {
   return std::string(rest.substr(0, rest.find_first_not_of("0123456789.")));
 }
 
-// What the file needs and the loader would not find. A missing library of these libraries is not
-// looked for: their packages bring it.
+// Libraries that the file needs and the loader would not find. Missing libraries of those libraries
+// are not searched for, because their packages install them.
 std::vector<std::string> missing_for(const fs::path& file, std::string_view octets,
                                      const LoaderPlaces& places) {
   const auto needed = needed_libraries(octets);
@@ -131,8 +131,8 @@ bool is_named_like_ours(const fs::path& folder) {
   return text.contains("ddssec") || text.contains("dropin");
 }
 
-// What shows that this folder was to give the host our plugins, although it does not; empty if
-// nothing does.
+// The evidence that this folder was intended to provide ddssec's plugins to the host, although it
+// does not; empty if there is none.
 std::string sign_of_ours(const fs::path& folder, const std::vector<HostPlugin>& plugins) {
   std::error_code ignored;
   if (!fs::is_directory(folder, ignored))
@@ -186,7 +186,8 @@ Finding cut_off(const fs::path& file, const std::vector<HostPlugin>& plugins,
   return out;
 }
 
-// The host goes on without them, and without a word; those of whole paths it does not replace.
+// The host continues without them, without a message. It does not replace plugins that are named by
+// absolute paths.
 Finding not_loadable(const std::vector<HostPlugin>& plugins) {
   std::set<std::string> missing;
   for (const auto& plugin : plugins) missing.insert(plugin.missing.begin(), plugin.missing.end());
@@ -286,7 +287,7 @@ void check_host_plugins(const std::vector<HostPlugin>& plugins, const LoaderPlac
         {.cyclonedds = Outcome::fail, .ours = Outcome::fail},
         finding_of("Cyclone DDS would not find all of its plugins: " + listed(plugins), plugins,
                    places));
-  // They work together, without what only ours refuse and report.
+  // They work together, but without the refusals and reports that only ddssec's provide.
   if (makers.size() > 1 || versions.size() > 1)
     return out.report(
         {.ours = Outcome::unsafe},

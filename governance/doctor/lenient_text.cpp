@@ -7,7 +7,7 @@
 namespace ddssec::governance::doctor {
 namespace {
 
-/// Walks over the text once and blanks out what is wrong.
+/// Goes through the text once and replaces invalid parts by blanks.
 class Cleaner {
  public:
   explicit Cleaner(std::string text) : text_(std::move(text)) {}
@@ -64,7 +64,7 @@ class Cleaner {
     if (std::ranges::find(left_out_, what) == left_out_.end()) left_out_.push_back(what);
   }
 
-  // One that ours can read stays; it may be all that says which encoding it is.
+  // A declaration that ddssec can parse stays; it may be the only one that names the encoding.
   void declaration() {
     const auto at = text_.find("<?xml ");
     constexpr std::string_view kAlone = "<a/>";
@@ -99,7 +99,7 @@ class Cleaner {
     return at == 0 ? 0 : at - 1;
   }
 
-  // Whether something else than blanks stands beside it, between two tags.
+  // True if there is text other than blanks beside it, between two tags.
   bool is_in_value(std::size_t at, std::size_t end) const {
     constexpr std::string_view kBlanks = " \t\r\n";
     const auto before = text_.find_last_not_of(kBlanks, at == 0 ? 0 : at - 1);

@@ -82,7 +82,7 @@ LibraryState state_of_header(const Elf64_Ehdr& header, const Elf64_Ehdr& own) {
              : LibraryState::refused;
 }
 
-// Pages behind the end of a file cannot be read.
+// Pages after the end of a file cannot be read.
 LibraryState state_of_segments(const OpenFile& file, const Elf64_Ehdr& header) {
   const auto page = static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
   const auto readable = (file.size() + page - 1) / page * page;

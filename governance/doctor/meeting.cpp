@@ -33,13 +33,13 @@ std::string files_missing(const LoadedFolder& folder) {
                      folder.paths.folder.string());
 }
 
-// Whether the check is about single topics: the participant comes up and uses the others.
+// True if the check concerns single topics: the participant starts and uses the others.
 bool is_about_topics(const Check& check, Vendor vendor) {
   return check.outcomes.of(vendor) == Outcome::late &&
          (check.rule == Rule::DOC052 || check.rule == Rule::DOC053);
 }
 
-// A finding of the party's own diagnosis that keeps it from coming up.
+// A finding of the party's own diagnosis that prevents its start.
 const Finding* first_obstacle(const Diagnosis& diagnosis, Vendor vendor) {
   for (const auto& check : diagnosis.checks())
     if (check.outcomes.of(vendor) >= Outcome::late && !check.findings.empty() &&
@@ -79,7 +79,7 @@ void judge_start(const MeetingScene& scene, int index) {
   scene.out.start.push_back(out);
 }
 
-// What `judge` makes of the other's certificate.
+// The judgement of `judge` about the other's certificate.
 Status judge_certificate(const Party& judge, const Party& subject, WallTime now) {
   const auto& certificate = subject.folder.certificate;
   if (!certificate) return std::unexpected(certificate.error());
@@ -139,7 +139,7 @@ void judge_authentication(const MeetingScene& scene, int judge) {
         is_out_of_date(other.folder.certificate, scene.settings.now))
       out.document = other.folder.paths.certificate.string();
     out.reason = status.error().message();
-    // Files that cannot be read are DOC090's, of whose they are.
+    // Unreadable files are reported by DOC090 for their owner.
     const auto& certificate = other.folder.certificate;
     if (certificate && self.folder.identity_cas && self.folder.crls)
       add_finding(scene, Rule::DOC080, out,
@@ -189,7 +189,7 @@ Status judge_permissions_of(const Party& judge, const Party& subject, WallTime n
               {.expected = certificate.subject(), .found = (*found)->subject_name});
 }
 
-// Where this product refuses a grant of another subject, Cyclone DDS may take it.
+// If this product refuses a grant of another subject, Cyclone DDS may still apply it.
 void note_taken_by_cyclonedds(const MeetingScene& scene, int judge, const Error& error) {
   const auto& subject = scene.party(1 - judge).folder;
   if (error.code() != Code::no_grant_for_subject || !subject.permissions.model) return;
@@ -362,7 +362,7 @@ bool all_ok(const std::vector<Judgement>& judgements) {
 }
 
 void report_no_topic(const MeetingScene& scene) {
-  // Where the permissions allow it, something else keeps them apart and has its own finding.
+  // If the permissions allow it, something else separates them and has its own finding.
   const auto is_allowed = [](const Direction& one) { return all_ok(one.steps); };
   const bool any = std::ranges::any_of(scene.out.topics, [&](const TopicMeeting& topic) {
     return std::ranges::any_of(topic.directions, is_allowed);

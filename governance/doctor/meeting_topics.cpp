@@ -1,4 +1,4 @@
-// Step five: who may write and read which topic, by whose judgement.
+// Step five: which party may write and read which topic, according to which party.
 #include <algorithm>
 #include <array>
 #include <memory>
@@ -52,7 +52,7 @@ std::string matching_expression(Vendor vendor, const Criteria& criteria, std::st
   return found == criteria.topics.end() ? "" : found->text;
 }
 
-/// One question about a topic: may `about`, in the eyes of `judge`?
+/// One question about a topic: does `judge` allow it to `about`?
 struct Question {
   int judge;
   int about;
@@ -111,7 +111,7 @@ Judgement by_grant(const MeetingScene& scene, const Question& question) {
   return out;
 }
 
-// The judge's governance decides whether permissions are asked for at all.
+// The judge's governance decides whether permissions are checked at all.
 Judgement judge(const MeetingScene& scene, const Question& question) {
   const auto* rule = topic_rule(scene, question.judge, question.topic);
   Judgement out{.judge = question.judge, .about = question.about};
@@ -210,8 +210,8 @@ Direction meet_in_direction(const MeetingScene& scene, const TopicMeeting& topic
   return out;
 }
 
-/// Does it matter that this direction does not work? Where the other one does, and neither was
-/// asked for, that is what the permissions are meant to say.
+/// Whether it matters that this direction does not work. If the other one works and neither was
+/// requested, the permissions are probably meant that way.
 bool is_missed(const MeetingScene& scene, const TopicMeeting& topic, const Direction& direction) {
   const auto& asked = scene.settings.writes;
   if (direction.ok) return false;
@@ -249,7 +249,7 @@ std::vector<std::string> partitions_of(const CompiledGrant& grant, Action action
   return out;
 }
 
-// Both may use the topic without partitions, so that it counts as working. Said once.
+// Both may use the topic without partitions, so it counts as working. Reported once.
 void note_partitions(const MeetingScene& scene, const TopicMeeting& topic) {
   const bool is_said =
       std::ranges::find(scene.out.notes, Rule::DOC099, &Finding::rule) != scene.out.notes.end();
@@ -291,7 +291,7 @@ std::string example_of_rule(const TopicMeeting& topic) {
                      topic.topic);
 }
 
-// Every topic under the same two rules has the same difference: it is said once.
+// All topics under the same two rules have the same difference, so it is reported once.
 void report_differences(const MeetingScene& scene, const TopicMeeting& topic) {
   for (const auto& difference : topic.directions[0].differences) {
     const auto message = sentence(scene, difference);
@@ -306,7 +306,7 @@ void report_differences(const MeetingScene& scene, const TopicMeeting& topic) {
   }
 }
 
-// What the permissions refuse anyway is no matter of the products. The same is said once.
+// A topic that the permissions refuse anyway is not a question of products. Reported once.
 void report_obstacles(const MeetingScene& scene, const TopicMeeting& topic) {
   for (const auto& direction : topic.directions) {
     const auto& obstacle = direction.obstacle;
@@ -424,7 +424,7 @@ std::vector<TopicOfInterest> topics_of_interest(const MeetingScene& scene) {
   const auto found = find_name_atoms(expressions);
   scene.out.topics_complete = found.is_complete;
   std::vector<TopicOfInterest> out;
-  // Where the search was given up there may be many, most of them of no use.
+  // If the search was stopped early there may be many, most of them useless.
   constexpr std::size_t kMostOfMany = 2'000;
   const auto most = found.is_complete ? found.atoms.size() : kMostOfMany;
   for (const auto& atom : found.atoms | std::views::take(most)) {

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 constexpr int kMostMilliseconds = 5000;
 constexpr std::size_t kMostDetail = 1024;
 
-/// What a child process says before it ends; its first octet is the result.
+/// The output of a child process before it ends; its first octet is the result.
 std::string ask_child(void (*work)(int, const std::string&, const std::string&),
                       const std::string& first, const std::string& second) {
   std::array<int, 2> ends{};
@@ -39,7 +39,7 @@ std::string ask_child(void (*work)(int, const std::string&, const std::string&),
   }
   ::close(ends[0]);
   if (child > 0) {
-    ::kill(child, SIGKILL);  // it has said what it had to say, or hangs
+    ::kill(child, SIGKILL);  // it has written its result, or hangs
     ::waitpid(child, nullptr, 0);
   }
   return out;
@@ -47,7 +47,7 @@ std::string ask_child(void (*work)(int, const std::string&, const std::string&),
 
 void say(int to, char result, std::string_view detail) {
   const auto text = fmt::format("{}{}", result, detail.substr(0, kMostDetail - 1));
-  // A failure could not be reported; the parent takes silence for one.
+  // A failure could not be reported; the parent treats missing output as failure.
   [[maybe_unused]] const auto written = ::write(to, text.data(), text.size());
 }
 

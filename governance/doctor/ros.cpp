@@ -126,7 +126,7 @@ std::string reason_without_ours(std::string_view path, const char* library,
   return file + " comes first on LD_LIBRARY_PATH and is not of ddssec";
 }
 
-// Without ddssec's plugins a node still runs, on those of the installation.
+// Without ddssec's plugins a node still runs, with the installed ones.
 void check_plugins_of_node(const Environment& environment, Diagnosis& out) {
   const auto rmw = value(environment, "RMW_IMPLEMENTATION");
   if (rmw != "rmw_cyclonedds_cpp")

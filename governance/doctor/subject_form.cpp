@@ -34,7 +34,7 @@ bool has_same_attributes(std::string_view text, const pki::Certificate& certific
          sorted(name->attributes()) == sorted(pki::SubjectName::of(certificate).attributes());
 }
 
-// A grant that says something else than the certificate is taken, and ought not to be.
+// A grant for another subject than the certificate's is applied although it should not be.
 Outcome cyclonedds_outcome(std::string_view text, const pki::Certificate& certificate) {
   if (!cyclonedds_takes(text, certificate.subject())) return Outcome::fail;
   return has_same_attributes(text, certificate) ? Outcome::ok : Outcome::unsafe;
@@ -43,7 +43,7 @@ Outcome cyclonedds_outcome(std::string_view text, const pki::Certificate& certif
 // Fast DDS knows no blanks but spaces.
 std::string_view without_spaces(std::string_view part) { return trimmed(part, " "); }
 
-// It goes part by part and ends at an empty one: of what follows nothing counts.
+// It goes part by part and stops at an empty one; the rest does not count.
 bool fastdds_reads(std::string_view text, std::string_view subject) {
   const auto parts_of = [](std::string_view name) {
     auto parts = split(name);
