@@ -30,7 +30,7 @@ std::string pem_text(BytesView der) {
   return std::string(as_text(bio_octets(bio)));
 }
 
-// One certificate in other octets would be another by its fingerprint.
+// The same certificate in a different encoding would have another fingerprint.
 bool is_distinguished(const X509* x509, BytesView der) {
   unsigned char* again = nullptr;
   const int size = i2d_X509(x509, &again);
@@ -40,7 +40,8 @@ bool is_distinguished(const X509* x509, BytesView der) {
 
 Result<X509Ptr> decode(BytesView der) {
   const auto* position = der.data();
-  // What is no certificate, OpenSSL frees; what is one with bad extensions, not.
+  // OpenSSL frees the object if the octets are not a certificate, but not if only its extensions
+  // are invalid.
   X509* made = X509_new_ex(certificate_context(), nullptr);
   const bool read =
       made != nullptr && d2i_X509(&made, &position, static_cast<long>(der.size())) != nullptr;
@@ -64,14 +65,15 @@ Result<WallTime> time_of(const ASN1_TIME* time, const char* field) {
   return out;
 }
 
-// How the certificate itself calls its key: of a type that we do not allow, that is all there is.
+// The key type as named in the certificate: for a key type that is not allowed, nothing else is
+// known.
 std::string_view key_type(const X509* x509) {
   ASN1_OBJECT* algorithm = nullptr;
   X509_PUBKEY_get0_param(&algorithm, nullptr, nullptr, nullptr, X509_get_X509_PUBKEY(x509));
   return OBJ_nid2ln(OBJ_obj2nid(algorithm));
 }
 
-// Everything that can be asked later is worked out once; a certificate is used many times.
+// Computes all values once, because a certificate is used many times.
 Result<std::unique_ptr<const Certificate::Impl>> finish(X509Ptr x509, BytesView der) {
   auto out = std::make_unique<Certificate::Impl>();
   const X509_NAME* subject = X509_get_subject_name(x509.get());
@@ -98,8 +100,8 @@ Result<std::unique_ptr<const Certificate::Impl>> finish(X509Ptr x509, BytesView 
   return out;
 }
 
-/// The certificates in use. Parsing one takes longer than verifying a signature, so a certificate
-/// that is met again is shared. Thread-safe.
+/// The certificates in use. Parsing one takes longer than verifying a signature, so certificates
+/// are shared. Thread-safe.
 class Held {
  public:
   static Held& by_anybody() {

@@ -51,7 +51,7 @@ bool about_a_missing_or_old_crl(int error) {
          error == X509_V_ERR_CRL_HAS_EXPIRED || error == X509_V_ERR_CRL_NOT_YET_VALID;
 }
 
-// OpenSSL asks here about every fault it finds; an untouched `ok` of 0 refuses.
+// OpenSSL calls this for every error that it finds; an unchanged `ok` of 0 refuses.
 template <CrlPolicy policy>
 int on_fault(int ok, X509_STORE_CTX* context) {
   if (ok == 1) return 1;
@@ -67,9 +67,9 @@ int on_fault(int ok, X509_STORE_CTX* context) {
   return 1;
 }
 
-// OpenSSL asks for the lists of a name, and judges by one of them. Where several CAs have that
-// name, only those count that the issuer of this certificate signed; if it signed none, OpenSSL
-// refuses the one that it takes.
+// OpenSSL asks for the lists of a name, and uses one of them. If several CAs have that name, only
+// lists that this certificate's issuer signed count. If it signed none, OpenSSL refuses the one
+// that it uses.
 STACK_OF(X509_CRL) * lists_of_issuer(const X509_STORE_CTX* context, const X509_NAME* name) {
   auto* lists = X509_STORE_CTX_get1_crls(context, name);
   const auto* chain = X509_STORE_CTX_get0_chain(context);
@@ -92,8 +92,8 @@ std::string subject_of(const X509* x509) {
   return x509 != nullptr ? name_rfc2253(X509_get_subject_name(x509)) : "";
 }
 
-// Two CAs of one name, as a keystore that was made twice has them: OpenSSL finds no issuer, or one
-// whose key does not fit. Empty if no anchor has the issuer's name, or the keys do not differ.
+// Two CAs with one name, as in a keystore that was made twice: OpenSSL finds no issuer, or one
+// whose key does not match. Empty if no anchor has the issuer's name, or the keys do not differ.
 std::string same_name_other_key(const X509* x509, const std::vector<Certificate>& anchors) {
   const auto named = key_id_text(X509_get0_authority_key_id(const_cast<X509*>(x509)));
   const auto issuer = name_rfc2253(X509_get_issuer_name(x509));
@@ -116,7 +116,7 @@ std::string list_words(X509_CRL* crl) {
          name_rfc2253(X509_CRL_get_issuer(crl));
 }
 
-// The two values a person needs to see, by the kind of refusal.
+// Adds the two values that explain the refusal, by its kind.
 Error explain(X509_STORE_CTX* context, const std::vector<Certificate>& anchors, WallTime now) {
   const int error = X509_STORE_CTX_get_error(context);
   const X509* at = X509_STORE_CTX_get_current_cert(context);
@@ -183,10 +183,10 @@ struct ChainVerifier::Impl {
   void remember(const ChainValid& proof);
 };
 
-// OpenSSL takes any list that holds at the time. An older one beside the newest would count again
-// once the newest has ended, and a certificate that was revoked meanwhile would be believed. What
-// an authority did not sign takes no list's place, and a list of another key of the same name does
-// not either.
+// Drops lists that a newer one supersedes. OpenSSL uses any list that is valid at the time. An
+// older list beside the newest would count again after the newest has expired, and a certificate
+// that was revoked meanwhile would be accepted. A list that the authority did not sign supersedes
+// nothing, and neither does a list of another key with the same name.
 void ChainVerifier::Impl::drop_superseded() {
   const auto is_genuine = [&](const Crl& crl) {
     return std::ranges::any_of(anchors, [&](const auto& ca) { return crl.is_signed_by(ca); });
@@ -226,7 +226,7 @@ Status ChainVerifier::Impl::fill_store(CrlPolicy policy) {
   return {};
 }
 
-// An entry counts by the name and issuer in the list: `verify` knows better.
+// An entry counts by serial number and issuer name only; `verify` checks the rest.
 bool ChainVerifier::Impl::is_listed(const Certificate& certificate) const {
   return std::ranges::any_of(crls, [&](const Crl& crl) {
     X509_REVOKED* entry = nullptr;
@@ -243,8 +243,8 @@ bool ChainVerifier::Impl::is_in_force(const Crl& crl, const X509* issuer, WallTi
          });
 }
 
-// OpenSSL judges by one list of each issuer, the one whose scope and time fit best. A certificate
-// that another one names, which is as genuine and in force, must not pass for that.
+// OpenSSL uses one list of each issuer, the one with the best scope and time. A certificate in
+// another list, which is equally genuine and in force, must not pass.
 Status ChainVerifier::Impl::check_every_list(X509_STORE_CTX* context, WallTime now) const {
   const auto* chain = X509_STORE_CTX_get0_chain(context);
   for (int i = 0; i < sk_X509_num(chain); ++i) {
@@ -309,9 +309,9 @@ Result<ChainValid> ChainVerifier::Impl::judge_path(const Certificate& certificat
 
 Result<ChainValid> ChainVerifier::Impl::judge(const Certificate& certificate, WallTime now) const {
   DDSSEC_TRY(check_key_usage(certificate));
-  // First up to a root, so that an expired root in the file counts. Only where the file holds no
-  // root for it, a subordinate CA is the end of the path (with the flag, OpenSSL would stop at it
-  // even if its issuer were there).
+  // Verifies up to a root first, so that an expired root in the file counts. Only if the file has
+  // no root for it, a subordinate CA is the end of the path (with the flag, OpenSSL would stop at
+  // it even if its issuer were in the file).
   auto proof = judge_path(certificate, now, 0);
   if (proof || proof.error().code() != Code::issuer_unknown) return proof;
   return judge_path(certificate, now, X509_V_FLAG_PARTIAL_CHAIN);

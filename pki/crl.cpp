@@ -54,7 +54,7 @@ Status check_entry(const X509_REVOKED* entry) {
                .hint = "have the CA issue a list without that entry"});
 }
 
-/// What OpenSSL does not look at, or only when it judges a certificate by the list.
+/// Checks that OpenSSL does not make, or makes only when it verifies a certificate with the list.
 Status check_extensions(X509_CRL* crl) {
   for (int i = 0; i < X509_CRL_get_ext_count(crl); ++i)
     DDSSEC_TRY(check_critical(X509_CRL_get_ext(crl, i),

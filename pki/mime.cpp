@@ -20,8 +20,8 @@ constexpr std::size_t kMostLineBreakOctets = 16;
 constexpr std::size_t kMostHeaders = 32;
 constexpr std::size_t kMostBoundaryOctets = 70;  // RFC 2046 5.1.1
 
-// A path may lead to any file of the machine, one with secrets too: what did not parse is never
-// quoted. `found` describes it.
+// A path may point to any file on the machine, including secrets, so unparsed text is never quoted.
+// `found` describes it.
 Error refusal(Code code, std::string_view expected, std::string_view found = {}) {
   return Error(code, {.expected = std::string(expected), .found = std::string(found)});
 }
@@ -39,7 +39,7 @@ std::string_view without_carriage_returns(std::string_view line) {
   return line;
 }
 
-// The next line without its break; `text` moves behind it.
+// The next line without its line break; `text` moves past it.
 std::string_view take_line(std::string_view& text) {
   const auto end = text.find('\n');
   const auto line = text.substr(0, end);
@@ -77,7 +77,7 @@ bool may_continue(std::string_view value) {
          std::ranges::count(value, '"') % 2 == 0;
 }
 
-// The header lines up to the blank line; `text` moves behind it.
+// The header lines up to the blank line; `text` moves past it.
 Result<std::vector<Header>> take_headers(std::string_view& text) {
   std::vector<Header> headers;
   const std::size_t before = text.size();
@@ -107,7 +107,7 @@ Result<std::vector<Header>> take_headers(std::string_view& text) {
   return std::unexpected(refusal(Code::smime_malformed, "a short header and a blank line"));
 }
 
-// The value of the only header of that name; two of a kind read differently to different readers.
+// The value of the only header with that name; different parsers read two of them differently.
 Result<std::string> only_header(const std::vector<Header>& headers, std::string_view name) {
   std::optional<std::string> value;
   for (const auto& header : headers) {
@@ -247,8 +247,8 @@ Result<std::vector<Delimiter>> find_delimiters(std::string_view body, const std:
 
 bool only_blank(std::string_view text) { return text.find_first_not_of(" \t\r\n") == text.npos; }
 
-// Text before the first boundary is not signed. Only what the signing tools write there is let
-// pass: OpenSSL and the libraries that imitate it.
+// Text before the first boundary is not signed. Only the text that signing tools write there is
+// accepted: OpenSSL and libraries that imitate it.
 bool is_known_preamble(std::string_view text) {
   constexpr std::string_view kOpenssl = "This is an S/MIME signed message";
   const auto first = text.find_first_not_of(" \t\r\n");
@@ -280,7 +280,7 @@ bool is_plain_encoding(const std::string& encoding) {
   return encoding.empty() || encoding == "7bit" || encoding == "8bit" || encoding == "binary";
 }
 
-// What a file begins with that does not begin with a header line.
+// Describes a file that does not begin with a header line.
 std::string_view kind_of_file(std::string_view text) {
   const auto first = text.find_first_not_of(" \t\r\n");
   if (first == text.npos) return "an empty file";

@@ -30,7 +30,7 @@ bool is_relative(const DIST_POINT* point) {
   return point->distpoint != nullptr && point->distpoint->type == kRelative;
 }
 
-/// What OpenSSL would copy.
+/// The amount of data that OpenSSL would copy.
 struct Copies {
   std::size_t points = 0, octets = 0;
 };

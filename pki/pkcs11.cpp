@@ -21,7 +21,7 @@
 namespace ddssec::pki {
 namespace {
 
-// PKCS#11's own words for what went wrong (CK_RV), which the engine hands on as OpenSSL's reasons.
+// PKCS#11 return values (CK_RV), which the engine passes on as OpenSSL's reasons.
 constexpr int kPinIncorrect = 0xa0, kPinInvalid = 0xa1, kPinLengthRange = 0xa2, kPinLocked = 0xa4;
 
 /// While it lives, its thread answers the engine with `pin`, once.
@@ -111,7 +111,7 @@ Result<ENGINE*> engine() {
     return fail(Code::pkcs11_unavailable, {.note = take_reasons().first});
   }
   ENGINE_free(made);  // what ENGINE_init took stays
-  // By itself it asks a person at the terminal, even in a daemon.
+  // By default it asks the user at the terminal, even in a daemon.
   ENGINE_ctrl_cmd(made, "SET_USER_INTERFACE", 0, pin_method(), nullptr, 1);
   return ready = made;
 }
@@ -150,12 +150,13 @@ std::size_t find_attribute(std::string_view uri, std::string_view name) {
   return uri.npos;
 }
 
-// What names no object would be whatever the token holds first.
+// Without an object name, the engine would use the first object in the token.
 bool names_object(std::string_view uri) {
   return find_attribute(uri, "object=") != uri.npos || find_attribute(uri, "id=") != uri.npos;
 }
 
-// RFC 7512 allows each attribute once. The engine would take another one than is read here.
+// RFC 7512 allows each attribute once. If one is repeated, the engine would use another one than
+// this code.
 Status check_attributes_once(std::string_view uri) {
   std::set<std::string_view> names;
   for (auto rest = uri.substr(std::string_view("pkcs11:").size());;) {

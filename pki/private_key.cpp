@@ -38,7 +38,7 @@ Result<PrivateKey> finish(PkeyPtr pkey) {
   return PrivateKey(std::make_shared<PrivateKey::Impl>(std::move(pkey), algorithm));
 }
 
-// An engine's key does not tell how it calls its curve; its public half, read again, does.
+// The key of an engine does not report the name of its curve. Its public half, decoded again, does.
 Result<KeyAlgorithm> judge_token_key(EVP_PKEY* key) {
   unsigned char* der = nullptr;
   const int size = i2d_PUBKEY(key, &der);
@@ -125,7 +125,7 @@ Status PrivateKey::matches(const Certificate& certificate) const {
   EVP_PKEY* expected = X509_get0_pubkey(certificate.impl().x509.get());
   if (EVP_PKEY_eq(impl_->pkey.get(), expected) != 1)
     return openssl_failure(Code::key_mismatch, details);
-  // A key file may carry the right public half beside a wrong private one.
+  // A key file may contain the right public half with a wrong private half.
   const auto signature = sign(*this, self_test_message());
   if (!signature || !verify(certificate, self_test_message(), *signature))
     return fail(Code::key_mismatch, details);

@@ -62,8 +62,8 @@ bool SigningLog::is_last_of(const std::string& file, BytesView text) const {
   return found != last_in_.end() && found->second == document_digest(text);
 }
 
-// A new CA that signs the same text anew supersedes nothing: until its document is in place, the
-// old one is there.
+// A new CA that signs the same text again supersedes nothing: the old document is used until the
+// new one is in place.
 SigningLog::Standing SigningLog::standing(BytesView text, const Certificate& ca) const {
   const auto document = document_digest(text);
   const bool is_signed = std::ranges::any_of(KeyDigests(ca).all(), [&](const auto& key) {

@@ -32,7 +32,7 @@ Result<CmsPtr> decode_signature(BytesView der) {
     return openssl_failure(Code::smime_signature_malformed);
   if (OBJ_obj2nid(CMS_get0_type(cms.get())) != NID_pkcs7_signed)
     return fail(Code::smime_signature_malformed, {.expected = "PKCS#7 SignedData"});
-  // Content inside the signature would be a second document beside the one that is read.
+  // Content inside the signature would be a second document besides the one that is parsed.
   ASN1_OCTET_STRING** inner = CMS_get0_content(cms.get());
   if (inner == nullptr || *inner != nullptr ||
       OBJ_obj2nid(CMS_get0_eContentType(cms.get())) != NID_pkcs7_data)
@@ -88,7 +88,8 @@ std::string describe(CMS_SignerInfo* signer) {
   return "certificate " + std::string(hex ? hex.get() : "?") + " issued by " + name_rfc2253(issuer);
 }
 
-// A root signs as itself: its own name as issuer with another serial number is one of before.
+// A root signs with its own name as issuer. Another serial number means an earlier certificate of
+// that root.
 bool is_of_other_key(CMS_SignerInfo* signer, const std::vector<Certificate>& cas) {
   X509_NAME* issuer = nullptr;
   if (CMS_SignerInfo_get0_signer_id(signer, nullptr, &issuer, nullptr) != 1 || issuer == nullptr)

@@ -265,7 +265,7 @@ SubjectName SubjectName::of(const Certificate& certificate) {
   int last_set = -1;
   for (int i = 0; i < X509_NAME_entry_count(subject); ++i) {
     const X509_NAME_ENTRY* entry = X509_NAME_get_entry(subject, i);
-    // A certificate whose names are not text does not come into being.
+    // No Certificate object exists with names that are not text.
     auto value = to_utf8(X509_NAME_ENTRY_get_data(entry));
     name.attributes_.push_back(
         {type_name(X509_NAME_ENTRY_get_object(entry)), value.value_or(std::string())});

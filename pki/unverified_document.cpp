@@ -59,8 +59,8 @@ Result<BytesView> check_octets(BytesView file) {
   return fail(Code::smime_nul);
 }
 
-// Header lines, boundaries and blanks around the parts, and carriage returns before line feeds, are
-// not signed: a sender of the document can add to them, to take memory and to look new.
+// Header lines, boundaries, blanks around the parts, and carriage returns before line feeds are not
+// signed. The sender of a document could add more of them, to use up memory or to make it look new.
 Status check_unsigned(BytesView file, BytesView content, BytesView signature) {
   const auto lines = static_cast<std::size_t>(std::ranges::count(content, '\n'));
   const auto base64_size = (signature.size() + 2) / 3 * 4;
