@@ -21,7 +21,7 @@ using cryptography::Passphrase;
 using doctor::LoadedFolder;
 using doctor::Outcome;
 
-/// What a folder's properties say, and what there is to warn of.
+/// The passphrases from a folder's properties, and the warnings about them.
 struct PreSharedKeys final : EventSink {
   std::vector<Passphrase> passphrases;
   std::string cipher;
@@ -35,7 +35,7 @@ struct PreSharedKeys final : EventSink {
   }
 };
 
-/// NONE: it asks for none.
+/// The protection kind that the governance demands; NONE: no pre-shared keys.
 ProtectionKind asked_for(const LoadedFolder& folder, DomainId domain) {
   if (!folder.governance.model) return ProtectionKind::none;
   const auto* const rule = folder.governance.model->find(domain);
@@ -63,7 +63,7 @@ Finding missing(const LoadedFolder& folder, ProtectionKind kind, const Error& er
           .line = error.details().line};
 }
 
-/// Why the second does not hear the first; empty: it does.
+/// The reason why the second cannot decrypt the first's messages; empty if it can.
 std::string obstacle(const doctor::Party& from, const PreSharedKeys& of_from,
                      const doctor::Party& to, const PreSharedKeys& of_to) {
   const auto& sends = of_from.passphrases.front();
@@ -104,8 +104,8 @@ void compare(const doctor::Party& a, const doctor::Party& b, DomainId domain,
           {.rule = Rule::DOC092, .message = why, .document = b.folder.paths.properties.string()});
 }
 
-// What meet() cannot know: the environment, and the properties. Missing passphrases are compared
-// below.
+// Adds what meet() cannot know: the environment and the properties. Missing passphrases are
+// compared below.
 void refuse_beyond_folder(const doctor::Party& party, const doctor::Settings& settings,
                           doctor::Meeting& out) {
   const auto diagnosis = diagnosis_beyond_folder(party.folder, settings);
@@ -117,7 +117,8 @@ void refuse_beyond_folder(const doctor::Party& party, const doctor::Settings& se
   }
 }
 
-// One participant of the drop-in refuses to make its writer or its reader.
+// Reports topics for which a participant with the drop-in plugins refuses to create its writer or
+// reader.
 void refuse_topics(const doctor::Party& a, const doctor::Party& b, doctor::Meeting& out) {
   const doctor::Party* const parties[] = {&a, &b};
   for (int i = 0; i < 2; ++i) {

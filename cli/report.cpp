@@ -13,7 +13,7 @@ namespace {
 
 bool is_between(Code code, Code first, Code last) { return first <= code && code <= last; }
 
-// Some hints of the library speak of a participant's properties, which the tool does not have.
+// Some hints of the library mention a participant's properties, which the tool does not have.
 std::string_view hint_of(Code code) {
   switch (code) {
     case Code::file_not_found:
@@ -57,7 +57,7 @@ struct Diagnostic {
   std::vector<std::string> vendors;
 };
 
-// What is wrong with a command line is in the details; the code's summary adds nothing to them.
+// The details describe the error in a command line; the code's summary adds nothing to them.
 std::string message_of(const Error& error) {
   const auto& details = error.details();
   if (error.code() != Code::usage) return error.message();
@@ -203,7 +203,7 @@ Exit exit_of(Code code) {
 
 namespace {
 
-// Which command reads the document that was given to another.
+// Names the command that reads a document which was given to the wrong command.
 Error with_right_command(const Error& error) {
   auto details = error.details();
   for (const auto& [body, kind] : {std::pair("<permissions>", "permissions"),

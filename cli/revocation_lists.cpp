@@ -92,21 +92,21 @@ Result<bool> lists_all(const CaPaths& ca, const pki::IssueLog& log) {
 
 namespace {
 
-/// What the next list has to go on from: all lists of the CA that were found.
+/// The basis of the next list: all lists of the CA that were found.
 class Former {
  public:
   /// `before`: the CA's certificate in its folder, which is the old one while the CA is rotated.
   Former(const OpenCa& ca, const pki::Certificate& before)
       : ca_(ca.certificate()), before_(before) {}
 
-  /// The CA's own file is taken at its word: only its owner can write it.
+  /// The CA's own file is trusted, because only its owner can write it.
   Status add_own(const fs::path& file) {
     for (const auto& list : DDSSEC_TRY(read_crls(file)))
       if (list.is_named_after(ca_) || list.is_named_after(before_)) DDSSEC_TRY(add(list));
     return {};
   }
 
-  /// A participant's file: a fault in it does not concern the CA.
+  /// A participant's file: an error in it does not concern the CA.
   void add_of_participant(const fs::path& file) {
     const auto lists = read_crls(file);
     if (!lists) return;
@@ -131,8 +131,8 @@ class Former {
   }
 
   pki::CrlNumber next_number() const { return number_.next(); }
-  /// Of the list with the highest number: another one may have been made under a clock that was
-  /// ahead, and that one after it.
+  /// The date of the list with the highest number. Another list may have been made with a clock
+  /// that was ahead, and this one after it.
   WallTime this_update(WallTime now) const {
     return newest_ ? std::max(now, newest_->this_update()) : now;
   }
@@ -147,7 +147,7 @@ class Former {
     const auto entries = DDSSEC_TRY(list.revoked());
     entries_.insert(entries_.end(), entries.begin(), entries.end());
     number_ = std::max(number_, list.number().value_or(0));
-    // Lists of another key do not follow one another.
+    // Lists of another key are a separate sequence.
     if (is_list_of(list, ca_) && (!newest_ || order(*newest_) < order(list))) newest_ = list;
     return {};
   }
@@ -172,7 +172,8 @@ Result<Former> former_lists(const OpenCa& ca, const pki::IssueLog& log,
 
 Result<pki::Crl> following(const OpenCa& ca, const Former& former,
                            std::vector<pki::Revocation> entries, WallTime date, WallTime until) {
-  // Nothing was revoked after its list: a product may take such an entry for one of the future.
+  // No entry is later than its list, because a product may read such an entry as a future
+  // revocation.
   for (auto& entry : entries) entry.time = std::min(entry.time, date);
   return ca.authority.make_crl({.this_update = date,
                                 .next_update = until,
@@ -180,7 +181,7 @@ Result<pki::Crl> following(const OpenCa& ca, const Former& former,
                                 .entries = std::move(entries)});
 }
 
-// The log first: it has the reasons and times as they were.
+// The log comes first, because it has the original reasons and times.
 std::vector<pki::Revocation> all_entries(const pki::IssueLog& log, const Former& former) {
   auto out = log.revocations();
   out.insert(out.end(), former.entries().begin(), former.entries().end());
@@ -254,7 +255,7 @@ Result<std::vector<pki::Crl>> lists_to_replace(const fs::path& file) {
   return is_damaged ? std::vector<pki::Crl>() : std::move(lists);
 }
 
-// By the trusted certificates in between.
+// True if the trusted certificates form a chain from the participant to the CA.
 bool is_under(const pki::Certificate& participant, const ListForFolder& what) {
   const auto* at = &participant;
   for (std::size_t steps = 0; steps <= what.trusted.size(); ++steps) {
@@ -298,7 +299,7 @@ bool is_of_issuer(const pki::Crl& list, const ListForFolder& what) {
   return is_by(what.ca) || std::ranges::any_of(what.trusted, is_by);
 }
 
-// Stock products read the first list of a file only.
+// Stock products read only the first list of a file.
 Status put_own_first(std::vector<pki::Crl>& lists, const fs::path& file,
                      const ListForFolder& what) {
   if (what.participant == nullptr) return {};

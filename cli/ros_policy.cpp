@@ -35,8 +35,8 @@ bool has_dds_prefix(std::string_view name) {
   return name.starts_with("rt/") || name.starts_with("rq/") || name.starts_with("rr/");
 }
 
-// A policy may have come from elsewhere: what it includes may not be a link to another file of this
-// machine.
+// A policy may come from another person, so an included file must not be a link to another file of
+// this machine.
 Status check_inside(const fs::path& included, const fs::path& policy) {
   std::error_code ignored;
   const auto root =

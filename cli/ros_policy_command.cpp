@@ -1,4 +1,4 @@
-// permissions from-ros-policy: what sros2's policy files come to in DDS.
+// permissions from-ros-policy: converts sros2's policy files to DDS permissions.
 #include <algorithm>
 #include <filesystem>
 

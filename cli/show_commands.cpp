@@ -1,4 +1,4 @@
-// governance show, permissions show: what a document comes to.
+// governance show, permissions show: display the effect of a document.
 #include <algorithm>
 #include <optional>
 
@@ -101,7 +101,7 @@ Report whole(const Governance& document, const fs::path& file) {
   return report;
 }
 
-/// What decides for one topic of one domain.
+/// The rules that decide for one topic of one domain.
 struct Deciding {
   const DomainRule& domain;
   const TopicRule& topic;

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using Standing = pki::SigningLog::Standing;
 
-// The CA may have ended since; what it signed while it was valid is for its successor to sign.
+// The CA may have expired since; its successor signs what it signed while it was valid.
 WallTime within(const pki::Certificate& ca, WallTime now) {
   return std::clamp(now, ca.not_before(), std::max(ca.not_before(), ca.not_after()));
 }

@@ -39,13 +39,13 @@ std::string whole_path(const fs::path& path) {
 
 std::string xml_path(const fs::path& path) { return xml_text(whole_path(path)); }
 
-// A key in a token has no file: what a product must be given is the key's own URI.
+// A key in a token has no file, so a product must be given the key's own URI.
 std::string xml_uri(const fs::path& path) {
   const auto uri = path.extension() == ".p11" ? pki::uri_of(path) : Result<std::string>();
   return uri && !uri->empty() ? xml_text(*uri) : "file:" + xml_path(path);
 }
 
-// A path with a slash in it is opened as it is; a name is looked for by the loader.
+// The loader opens a path with a slash literally, and searches for a name without one.
 std::string library(const fs::path& dropin, std::string_view name, std::string_view what) {
   const auto path = dropin.empty() ? fmt::format("dds_security_{}", name)
                                    : (dropin / fmt::format("libdds_security_{}.so", name)).string();

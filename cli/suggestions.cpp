@@ -13,7 +13,8 @@ namespace {
 constexpr std::size_t kMostGuesses = 4;
 constexpr std::size_t kMostOctets = 64;  // of a word that is compared
 
-// Verbs that other tools have for one of ours; the first that a group has is meant.
+// Verbs of other tools, with the corresponding verbs of this tool; the first one that the group has
+// is meant.
 struct Verb {
   std::string_view typed;
   std::array<std::string_view, 4> meant;
@@ -43,7 +44,7 @@ constexpr Verb kVerbs[] = {
     {"copy", {"distribute"}},
 };
 
-// What another group does for this one.
+// Commands that belong to another group.
 struct Elsewhere {
   std::string_view group, typed, meant;
 };
@@ -93,7 +94,7 @@ bool has_group(std::string_view group) {
   return std::ranges::find(commands(), group, &Command::group) != commands().end();
 }
 
-// The group's command that is called so, or by a word of the same meaning; null if none is.
+// The group's command with this name, or with a word of the same meaning; null if there is none.
 const Command* in_group(std::string_view group, std::string_view verb) {
   if (const auto* command = command_of(group, verb)) return command;
   for (const auto& row : kVerbs)
@@ -166,7 +167,7 @@ std::vector<std::string> options_like(std::string_view word, const Command& comm
   for (const auto* options : {&command.options, &common_options()})
     for (const auto& option : *options) {
       known.emplace_back(option.name);
-      // A letter stands for what begins with it.
+      // A letter means an option that begins with it.
       if (word.size() == 2 && option.name.starts_with(fmt::format("-{}", word)))
         add(out, std::string(option.name));
     }

@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 volatile std::sig_atomic_t interrupted_by = 0;
-// How many folders and sets of files are drafted and neither in place nor removed.
+// The number of folders and sets of files that are drafted, and neither in place nor removed.
 std::atomic<int> unfinished = 0;
 static_assert(std::atomic<int>::is_always_lock_free);
 constexpr itimerval kTimeToNotice = {.it_interval = {}, .it_value = {0, 200'000}};
@@ -38,8 +38,8 @@ void remember(int signal) {
   interrupted_by = signal;
 }
 
-// A command that only computes does not look whether it was interrupted. One that writes does, at
-// each file, and removes its drafts.
+// A command that only computes does not check for interruptions. One that writes does, at each
+// file, and removes its drafts.
 void end_unless_writing(int) {
   if (unfinished != 0) return await_notice();
   ::signal(interrupted_by, SIG_DFL);
@@ -79,7 +79,7 @@ Status check_nothing_at(const fs::path& path) {
   if (error == std::errc::not_a_directory) return unwritable(path, ENOTDIR);
   if (type == fs::file_type::not_found)
     return fs::exists(folder_of(path), error) ? Status() : unwritable(path, ENOENT);
-  // A name that is too long, a folder that may not be entered.
+  // For example a name that is too long, or a folder that cannot be entered.
   if (type == fs::file_type::none) return unwritable(path, error.value());
   return fail(Code::would_overwrite, {.document = path});
 }
@@ -127,7 +127,7 @@ int open_new(const Place& at, unsigned mode) {
                   mode);
 }
 
-// Into an open file, which it closes. Errors name the file that is meant in the end.
+// Writes to an open file and closes it. Errors name the final file.
 Status write_and_close(int file, const Place& at, const fs::path& meant, BytesView octets,
                        Flush flush) {
   int error = write_all(file, octets);
@@ -146,9 +146,9 @@ Status write_exclusively(const fs::path& path, const fs::path& meant, BytesView 
   return write_and_close(file, at, meant, octets, flush);
 }
 
-// Beside the target, in its folder as it was opened first, on the disk. A process that was killed
-// may have left a draft, and its number comes again: soon in a container, where each start may have
-// the same. remove_drafts_of() knows these names.
+// Writes a draft beside the target, in the folder that was opened first, and flushes it to the
+// disk. A killed process may have left a draft with the same process number; this happens soon in a
+// container, where each start may have the same number. remove_drafts_of() knows these names.
 Result<fs::path> write_draft(const fs::path& target, BytesView octets, unsigned mode) {
   constexpr int kMostTries = 100;
   DDSSEC_TRY(check_not_interrupted());
@@ -190,7 +190,7 @@ fs::path target_in_open_folder(const fs::path& target) {
   return fs::path(fmt::format("/proc/self/fd/{}", folder)) / target.filename();
 }
 
-// What is at the target, which may be a link: 0 if there is nothing. Error: the number in errno.
+// The kind of file at the target, which may be a link: 0 if there is none. Error: errno.
 std::expected<mode_t, int> kind_at(const fs::path& target) {
   const int folder = folder_descriptor(folder_of(target));
   struct stat status {};
@@ -207,7 +207,7 @@ std::unexpected<Error> draft_lost(const Draft& draft) {
                .note = "another user or program removed the new file before it got its place"});
 }
 
-// A sticky folder's files are replaced by their owners, the folder's owner and root alone.
+// In a sticky folder, only a file's owner, the folder's owner and root can replace a file.
 bool is_protected(int folder, const struct stat& file) {
   struct stat place {};
   const auto user = ::geteuid();
@@ -243,7 +243,7 @@ bool are_there(const std::vector<Draft>& drafts) {
                              [](const auto& one) { return one.draft.empty() || is_waiting(one); });
 }
 
-// After the commit: until then another list may name them.
+// Called after the commit, because until then another list may contain them.
 void remove_former_drafts(const std::vector<Draft>& drafts) {
   std::vector<fs::path> targets;
   for (const auto& draft : drafts) targets.push_back(target_in_open_folder(draft.target));
@@ -337,7 +337,8 @@ Status NewFolder::link(const fs::path& name, const fs::path& to) {
   return {};
 }
 
-// A few files are flushed each; for a fleet one call for the whole file system is quicker by far.
+// A few files are flushed separately; for a fleet one call for the whole file system is much
+// faster.
 Status NewFolder::flush() const {
   constexpr std::size_t kFew = 32;
   if (drafts_.size() > kFew) {
@@ -441,8 +442,8 @@ Result<std::vector<WrittenFile>> Replacement::commit_each() {
   return put_in_place(nullptr);
 }
 
-// Looks first, so that a folder gets all of its files or none. What its owner does between the look
-// and a rename can still end it half way: the rest is for the next command then.
+// Checks first, so that a folder gets all of its files or none. Changes by its owner between the
+// check and a rename can still stop this half way; then the next command does the rest.
 Status Replacement::put_in_place(Folder& folder) {
   for (const auto& draft : folder.drafts)
     if (!draft.draft.empty()) DDSSEC_TRY(check_can_be_put(draft));

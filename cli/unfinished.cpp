@@ -100,7 +100,7 @@ std::string_view next_part(std::string_view& rest) {
   return out;
 }
 
-// Whatever a list says, no other file than a draft is moved, and only to the place beside it.
+// Whatever a list contains, only drafts are moved, and only to the place beside them.
 bool is_ending(std::string_view ending) {
   return ending.starts_with('.') && ending.ends_with(".new") &&
          ending.substr(0, ending.size() - 3).find_first_not_of(".0123456789") == ending.npos;
@@ -112,7 +112,7 @@ struct Entry {
   std::string ending;
 };
 
-// Nothing of a list that was cut short: nothing had been put in place yet.
+// Empty for a list that was cut short: then nothing had been put in place yet.
 std::vector<Entry> entries_of(std::string_view text) {
   std::vector<Entry> out;
   if (!text.ends_with(kEnd)) return out;
@@ -133,7 +133,8 @@ bool others_may_write(const struct stat& status) { return (status.st_mode & 022)
 
 bool is_plain(const struct stat& status) { return S_ISREG(status.st_mode) && status.st_nlink == 1; }
 
-// Empty if the list is this user's. In a sticky folder only its owner can replace it.
+// The reason why the list is not trusted; empty if it belongs to this user. In a sticky folder only
+// its owner can replace it.
 std::string doubt_about(int folder, int list) {
   struct stat place {};
   struct stat file {};
@@ -154,8 +155,7 @@ struct List {
   int folder;
   Reach reach;
 
-  // Both look-ups are in one folder that is open, so that no link in a path leads the second one
-  // elsewhere.
+  // Both lookups use one open folder, so that no link in a path redirects the second one.
   Status put_in_place(int in, const std::string& name, std::string_view ending) const {
     const auto draft = std::string(name).append(ending);
     struct stat status {};
@@ -169,8 +169,8 @@ struct List {
     return put_in_place(folder, entry.target.string(), entry.ending);
   }
 
-  // The folder's owner may not want the file, or may have put another one in the draft's place.
-  // False if the draft waits on.
+  // The folder's owner may prevent the file, or may have replaced the draft. False if the draft
+  // stays on the list.
   bool put_elsewhere(const Entry& entry) const {
     const Descriptor parent(open_folder(entry.target.parent_path()));
     if (!parent) return errno == ENOENT || errno == ENOTDIR;
@@ -181,7 +181,7 @@ struct List {
     return false;
   }
 
-  /// What could not be put in place.
+  /// The entries that could not be put in place.
   Result<std::vector<Entry>> finish(std::string_view text) const {
     std::vector<Entry> left;
     for (auto& entry : entries_of(text)) {
@@ -214,7 +214,8 @@ Reach reach_of(const fs::path& folder, std::span<const Draft> drafts) {
   return is_inside ? Reach::folder : Reach::anywhere;
 }
 
-// What is left of a list, if it is there. A draft for a file that there is a newer draft for goes.
+// The remaining entries of a list whose drafts exist. A draft is dropped if there is a newer one
+// for its file.
 std::vector<Draft> left_besides(std::vector<Entry> left, std::span<const Draft> drafts) {
   std::vector<Draft> out;
   std::error_code ignored;
@@ -240,7 +241,7 @@ Result<std::vector<Entry>> finish_list(const fs::path& given, Reach reach) {
       ::openat(folder.number(), kListName, O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
   if (!file || !is_still_there(file.number())) return std::vector<Entry>();
   const List list{at / kListName, folder.number(), reach};
-  // First, whose it is: another user may hold a lock on a file of its own for ever.
+  // The owner is checked first, because another user may hold a lock on their own file forever.
   DDSSEC_TRY(check_trusted(list, file.number()));
   DDSSEC_TRY(lock_file(file.number(), list.path, kListPatience));
   if (!is_still_there(file.number())) return std::vector<Entry>();

@@ -1,5 +1,4 @@
-// version: which ddssec this is, which form its JSON has, and what is known of the OpenSSL that
-// runs.
+// version: the version of ddssec, the schema of its JSON, and known flaws of the running OpenSSL.
 #include <fmt/format.h>
 
 #include "base/openssl_advice.hpp"
