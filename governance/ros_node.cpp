@@ -105,8 +105,8 @@ std::vector<Criteria> only_about(const std::vector<std::string>& topics,
   return out;
 }
 
-/// The grant without expressions that match none of `topics`: it judges those alike. To compile
-/// tens of thousands of other expressions takes longer than all the rest of lint.
+/// The grant without the expressions that match none of `topics`: for these topics it decides the
+/// same. Compiling tens of thousands of other expressions takes longer than the rest of lint.
 Grant only_about(const std::vector<std::string>& topics, const Grant& grant) {
   Grant out{.default_allow = grant.default_allow};
   for (const auto& rule : grant.rules)
@@ -128,7 +128,7 @@ std::vector<DomainId> domains_of(const Grant& grant) {
   return out;
 }
 
-/// What the grant lets a node do in one domain.
+/// The rights of a node in one domain, by the grant.
 class NodeRights {
  public:
   /// `grant` outlives this object.

@@ -117,8 +117,8 @@ class MarkupCheck {
     return fail(Code::xml_not_well_formed,
                 {.line = line(), .expected = std::move(expected), .found = std::move(found)});
   }
-  /// What stands here, for a person. One character, since a path may lead to any file of the
-  /// machine: what is no XML must not be quoted.
+  /// The character at this position, for an error message. Only one, because a path may point to
+  /// any file on the machine, and text that is not XML must not be quoted.
   std::string shown() const {
     if (at_ >= all_.size()) return "the end of the document";
     const char c = all_[at_];
@@ -126,7 +126,7 @@ class MarkupCheck {
     return c > ' ' && c <= '~' ? std::string{'\'', c, '\''} : "another character";
   }
 
-  /// Moves behind the next `end`, or fails.
+  /// Moves past the next `end`, or fails.
   Status skip_past(std::string_view end) {
     const auto found = all_.find(end, at_);
     if (found == all_.npos) return ill(std::string(end), "the end of the document");
