@@ -97,12 +97,12 @@ struct Crl::Impl {
 /// OpenSSL's own last reason (its queue is empty afterwards); "" if there is none.
 std::string take_openssl_reason();
 
-/// Where certificates are read. OpenSSL 3.0 asks every decoder of every provider for the public key
-/// of a certificate, which takes several times as long as to verify the certificate's signature.
-/// This context has the algorithms of OpenSSL's default provider, but of its decoders only those of
-/// public keys that we allow (see judge_key). nullptr, OpenSSL's own context, if that is configured
-/// for FIPS or without the default provider, or memory is short. Never freed: certificates outlive
-/// all else. Thread-safe.
+/// The library context for reading certificates. OpenSSL 3.0 asks every decoder of every provider
+/// for the public key of a certificate, which takes several times as long as verifying the
+/// certificate's signature. This context has the algorithms of OpenSSL's default provider, but only
+/// the decoders of allowed public keys (see judge_key). nullptr (OpenSSL's own context) if that is
+/// configured for FIPS or without the default provider, or if memory is short. Never freed, because
+/// certificates outlive everything else. Thread-safe.
 OSSL_LIB_CTX* certificate_context();
 
 /// An error with OpenSSL's last reason as its note.
@@ -114,10 +114,10 @@ BioPtr bio_over(BytesView octets);
 /// A key identifier in hexadecimal digits; "" for null.
 std::string key_id_text(const ASN1_OCTET_STRING* id);
 
-/// The number of a list; nothing if it does not say or the number is negative.
+/// The number of a list; empty if it has none or a negative one.
 std::optional<CrlNumber> number_of(const X509_CRL* crl);
 
-/// What has been written into a memory BIO; valid until it changes.
+/// The content of a memory BIO; valid until it changes.
 BytesView bio_octets(const BioPtr& bio);
 
 /// A time of a certificate or revocation list; malformed when OpenSSL cannot read it.
@@ -129,18 +129,18 @@ Result<Asn1TimePtr> to_asn1_time(WallTime time);
 /// RFC 2253 text: last RDN first, non-ASCII octets escaped.
 std::string name_rfc2253(const X509_NAME* name);
 
-/// Success if a subject or issuer name has a form that we allow. Error: name_not_allowed.
+/// Success if a subject or issuer name has an allowed form. Error: name_not_allowed.
 Status check_name(const X509_NAME* name, const char* which);
 
 /// A serial number in upper-case hexadecimal digits; "" if it cannot be read.
 std::string serial_text(const ASN1_INTEGER* serial);
 
-/// A UTF-8 copy of an attribute's value, or nothing if it is no text or holds a NUL.
+/// A UTF-8 copy of an attribute's value; empty if it is not text or contains a NUL.
 std::optional<std::string> to_utf8(const ASN1_STRING* value);
 
-/// The kind of a public key by our rules: RSA of 2048 to 16384 bits, EC P-256 and P-384 with a
-/// named curve. Else key_not_allowed with algorithm and size, or with `type` if OpenSSL could not
-/// decode it (nullptr).
+/// The kind of an allowed public key: RSA of 2048 to 16384 bits, EC P-256 and P-384 with a named
+/// curve. Error: key_not_allowed with algorithm and size, or with `type` if OpenSSL could not
+/// decode the key (nullptr).
 Result<KeyAlgorithm> judge_key(EVP_PKEY* key, std::string_view type = "unknown type");
 
 /// One block of a PEM text.

@@ -1,5 +1,5 @@
-// What we refuse before OpenSSL reads it, because some patch levels of OpenSSL come to harm by it.
-// base/openssl_advice.cpp lists which. Only sources of pki/ include this.
+// Checks that refuse input before OpenSSL reads it, because some patch levels of OpenSSL have flaws
+// with it. base/openssl_advice.cpp lists them. Only sources of pki/ include this.
 #pragma once
 
 #include "base/result.hpp"
@@ -13,9 +13,9 @@ namespace ddssec::pki {
 /// below.
 inline constexpr std::size_t kMostDistributionPointOctets = 64 * 1024;
 
-/// Success if OpenSSL may read the certificate's extensions (CVE-2026-35189: a certificate of 64
-/// KiB takes hundreds of MiB). Call it before anything else that does: X509_check_purpose and most
-/// functions that say something about extensions. Errors: certificate_distribution_points,
+/// Success if OpenSSL can safely read the certificate's extensions (CVE-2026-35189: a certificate
+/// of 64 KiB takes hundreds of MiB). Call it before any other function that reads them:
+/// X509_check_purpose and most functions about extensions. Errors: certificate_distribution_points,
 /// certificate_malformed.
 Status check_distribution_points(const X509* x509);
 

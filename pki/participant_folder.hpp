@@ -1,4 +1,4 @@
-// Where a participant's files lie, in either of the two layouts that folders have.
+// The paths of a participant's files, in either of the two layouts of folders.
 #pragma once
 
 #include <cstdint>
@@ -6,15 +6,15 @@
 
 namespace ddssec::pki {
 
-/// How the files of a participant's folder are called.
+/// The names of the files in a participant's folder.
 enum class FolderLayout : std::uint8_t {
   flat,   ///< identity_ca.pem, permissions_ca.pem
   sros2,  ///< identity_ca.cert.pem, permissions_ca.cert.pem: an enclave of a ROS 2 keystore
 };
 
-/// The paths of a participant's files. They are where the files would be: none of them must exist.
-/// Keys and certificates end in .pem, or in .p11 where there is only a file of that name, which
-/// says in which token they are (see uri_of).
+/// The paths of a participant's files; none of the files must exist. Keys and certificates end in
+/// .pem, or in .p11 if only a file of that name exists, which names the object in a token (see
+/// uri_of).
 struct ParticipantFolder {
   FolderLayout layout;
   std::filesystem::path folder;
@@ -25,18 +25,19 @@ struct ParticipantFolder {
   std::filesystem::path governance;
   std::filesystem::path permissions;
   std::filesystem::path crl;         ///< optional in both layouts
-  std::filesystem::path properties;  ///< security.properties; optional, and ours alone
+  std::filesystem::path properties;  ///< security.properties; optional, used by ddssec only
 };
 
-/// `file`, a key or certificate; or, where there is none, the *.p11 in its place that says in which
-/// token it is.
+/// The path of a key or certificate: `file`, or if it does not exist, the *.p11 file in its place
+/// that names the object in a token.
 std::filesystem::path or_in_token(const std::filesystem::path& file);
 
 /// The paths of `folder` in a layout.
 ParticipantFolder participant_folder(const std::filesystem::path& folder, FolderLayout layout);
 
-/// The paths of `folder` in the layout that it has: sros2 if one of the CA files has its sros2 name
-/// and the same one not its flat name, else flat. Symbolic links count as they stand.
+/// The paths of `folder` in its layout: sros2 if one of the CA files exists under its sros2 name
+/// and not under its flat name, otherwise flat. A symbolic link counts as existing even if it is
+/// dangling.
 ParticipantFolder participant_folder(const std::filesystem::path& folder);
 
 }  // namespace ddssec::pki

@@ -1,6 +1,6 @@
-// Internal to pki/: private keys and certificates that a PKCS#11 token holds (a smart card, a TPM,
-// a hardware security module), named by an RFC 7512 URI as DDS-Security 9.3.1 allows; blanks may
-// stand before it.
+// Internal to pki/: private keys and certificates in a PKCS#11 token (a smart card, a TPM, a
+// hardware security module), named by an RFC 7512 URI as DDS-Security 9.3.1 allows. Leading blanks
+// are allowed.
 #pragma once
 
 #include <string_view>
@@ -9,11 +9,11 @@
 
 namespace ddssec::pki {
 
-/// The private key that `uri` names. It stays in the token, which signs. The token is logged in to
-/// with the PIN that the URI names (pin-source=file:PATH, pin-value), else with `pin`, which may be
-/// null; there is no prompt, and a PIN that was refused is not tried again. A login lasts
-/// for the whole process. Modules are those of p11-kit, or the one in PKCS11_MODULE_PATH.
-/// Errors: pkcs11_unavailable, pkcs11_not_found, pkcs11_pin_missing, pkcs11_pin_wrong.
+/// The private key that `uri` names. It stays in the token, which signs. The login uses the PIN
+/// that the URI names (pin-source=file:PATH, pin-value), otherwise `pin`, which may be null. There
+/// is no prompt, and a PIN that was refused is not tried again. A login lasts for the whole
+/// process. Modules are those of p11-kit, or the one in PKCS11_MODULE_PATH. Errors:
+/// pkcs11_unavailable, pkcs11_not_found, pkcs11_pin_missing, pkcs11_pin_wrong.
 Result<PkeyPtr> token_private_key(std::string_view uri, const Passphrase* pin);
 
 /// The certificate that `uri` names. Errors: pkcs11_unavailable, pkcs11_not_found.

@@ -11,15 +11,15 @@
 
 namespace ddssec::pki {
 
-/// What opens an encrypted key.
+/// The passphrase of an encrypted key.
 using Passphrase = Secret<struct PassphraseTag, 1024>;
 
-/// An immutable private key; copies share it. OpenSSL wipes it when the last one dies.
+/// An immutable private key; copies share it. OpenSSL wipes it when the last copy is destroyed.
 class PrivateKey {
  public:
-  /// From PEM text: PKCS#8 plain or encrypted, or the traditional RSA and EC forms. Never asks a
-  /// person. `passphrase` may be null; it is not used for a plain key.
-  /// Errors: passphrase_missing, passphrase_wrong, private_key_malformed, key_not_allowed.
+  /// From PEM text: PKCS#8 plain or encrypted, or the traditional RSA and EC forms. Never prompts.
+  /// `passphrase` may be null; it is not used for a plain key. Errors: passphrase_missing,
+  /// passphrase_wrong, private_key_malformed, key_not_allowed.
   static Result<PrivateKey> from_pem(BytesView pem, const Passphrase* passphrase = nullptr);
   static Result<PrivateKey> from_pem(const KeyPem& pem, const Passphrase* passphrase = nullptr);
 
@@ -38,7 +38,7 @@ class PrivateKey {
   Result<KeyPem> to_pem(const Passphrase* passphrase = nullptr) const;
 
   KeyAlgorithm algorithm() const;
-  /// It is in a token, which does not give it away.
+  /// True if the key is in a token, from which it cannot be exported.
   bool in_token() const;
 
   /// Success if this is the private half of the certificate's key: the public halves are equal and
