@@ -293,7 +293,7 @@ Result<Followed> follow_present_permissions_ca(Replacement& out, const Successio
 
 namespace {
 
-/// What the followers of an identity CA get.
+/// The new files for the followers of an identity CA.
 struct Reissue {
   const Succession& change;
   const pki::IssueLog& log;

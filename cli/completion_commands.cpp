@@ -87,7 +87,7 @@ std::vector<Place> values_of_options() {
   return out;
 }
 
-// At which place behind commands of one word, counted from the program's name at 0.
+// The positions after commands of one word, counted from the program's name at 0.
 std::vector<Place> values_of_places() {
   std::vector<Place> out;
   for (const auto& command : commands())
@@ -98,7 +98,7 @@ std::vector<Place> values_of_places() {
   return out;
 }
 
-// One arm each: `before` and `after` make the words what the shell keeps them in.
+// One case arm each: `before` and `after` turn the words into the shell's form.
 std::string cases(const std::vector<Place>& places, std::string_view before,
                   std::string_view after) {
   std::string out;
@@ -146,7 +146,7 @@ std::string bash() {
       cases(values_of_places(), "words='", "'"));
 }
 
-// One entry of _describe: a colon parts the word from what it is.
+// One entry of _describe: a colon separates the word from its description.
 std::string zsh_entry(std::string_view word, std::string_view summary) {
   return single_quoted(fmt::format("{}:{}", word, replaced(summary, ':', "\\:")));
 }

@@ -58,7 +58,7 @@ Result<DocumentText> unverified_text(const fs::path& file) {
 
 std::size_t signed_size(BytesView octets) {
   if (pki::examine_document(octets).wrapping != pki::DocumentWrapping::none) return octets.size();
-  // Lines of what is signed end in CR LF.
+  // Lines of signed text end in CR LF.
   const auto text = as_text(octets);
   return text.size() + static_cast<std::size_t>(std::ranges::count(text, '\n')) -
          static_cast<std::size_t>(std::ranges::count(text, '\r'));

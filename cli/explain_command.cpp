@@ -83,7 +83,7 @@ Json other_severities_of(const Row& row) {
 
 Report about(const Row& row) {
   Report report;
-  // A rule's title says what is looked at, not what was found.
+  // A rule's title names the check, not its result.
   const bool is_rule = row.number == 0;
   report.text =
       fmt::format("{}{} ({})\n  {}{}\n  {}{}\n", row.name,
@@ -165,8 +165,8 @@ std::vector<Row> saying(const std::string& wanted) {
   return out;
 }
 
-/// Names of which the given one, in capitals and without what stands between words, is a part or
-/// nearly one: at most three.
+/// Names that contain the given one, in capitals and without separators between words, or nearly
+/// contain it: at most three.
 std::vector<std::string> names_like(const std::string& wanted) {
   const auto bones = [](std::string_view name) {
     auto out = ascii_upper(name);

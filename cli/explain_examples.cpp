@@ -4,7 +4,7 @@ namespace ddssec::cli {
 namespace {
 
 constexpr Example kExamples[] = {
-    // What is where, and what is wrong with it.
+    // Files and their places.
     {"openssl_known_unsafe", "ddssec version"},
     {"openssl_known_unsafe", "sudo apt install --only-upgrade libssl3"},
     {"DOC001 DOC002 file_not_found file_unreadable DOC090", "ddssec doctor demo/talker"},

@@ -75,8 +75,8 @@ Status set_key(TopicRule& rule, const std::string& text, std::string_view pair) 
   return {};
 }
 
-// EXPR:key=value,...; what is not said is as the profile has it. The last colon counts, so an
-// expression with colons and nothing to say ends with one.
+// EXPR:key=value,...; missing keys have the values of the profile. The last colon counts, so an
+// expression with colons and without keys ends with one.
 Result<TopicRule> topic_rule_from(const std::string& text, governance::Profile profile) {
   const auto colon = std::min(text.rfind(':'), text.size());
   auto rule = governance::topic_rule_of(profile, text.substr(0, colon));
@@ -120,7 +120,7 @@ Result<governance::Governance> document_from(const Arguments& arguments) {
 
 Result<Report> governance_new(const Arguments& arguments, const Context& context) {
   const auto xml = to_xml(DDSSEC_TRY(document_from(arguments)));
-  // What was typed may hold what no document can.
+  // The arguments may contain something that no document can.
   const auto document = DDSSEC_TRY(governance::read_governance(as_bytes(xml)));
   Report report;
   add_findings(report, lint(document), arguments.text("-o"));

@@ -15,7 +15,7 @@ using governance::ChangeClass;
 using governance::GovernanceChange;
 using governance::Interop;
 
-/// Whatever is not harmless stands out.
+/// Everything that is not harmless is emphasized.
 std::string class_word(ChangeClass change) {
   const auto word = governance::to_string(change);
   return change == ChangeClass::neutral ? std::string(word) : ascii_upper(word);
@@ -23,7 +23,7 @@ std::string class_word(ChangeClass change) {
 
 std::string hex(std::uint32_t mask) { return fmt::format("0x{:08x}", mask); }
 
-/// What discovery announces under one document, and under the other; null without a rule.
+/// The masks that discovery announces with one document and with the other; null without a rule.
 Json masks(const governance::DomainRule* domain, const governance::TopicRule* topic,
            bool is_about_topics) {
   if (is_about_topics ? topic == nullptr : domain == nullptr) return {{"mask", nullptr}};
@@ -96,7 +96,7 @@ std::string of_which(const GovernanceChange& change, governance::Property proper
              : fmt::format(" (of some topics, such as {})", shown(found->witness));
 }
 
-/// What becomes possible, or impossible, where the properties do not say it.
+/// The consequence of a change, if the properties do not show it.
 std::string_view consequence(const GovernanceChange& change) {
   const bool wider = change.element.change == ChangeClass::wider;
   if (change.element.element == "domain_rule")

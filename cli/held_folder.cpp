@@ -40,7 +40,7 @@ bool raise_limit() {
   return ::setrlimit(RLIMIT_NOFILE, &limit) == 0;
 }
 
-// O_PATH: a user who may not list a folder may still write into it.
+// O_PATH, because a user without the right to list a folder may still write into it.
 int open_folder(const std::string& name, int flags) {
   return ::open(name.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC | flags);
 }

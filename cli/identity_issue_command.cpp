@@ -216,7 +216,8 @@ Result<Issued> issue(Job& job) {
   return Issued{std::move(cas), std::move(made)};
 }
 
-// What the folder lacks is said when everything has its place. Of a dry run nothing is said of it.
+// Reports what the folder lacks after everything is in place; in a dry run it reports nothing about
+// that.
 Result<Report> finished(Report report, const Job& job, Result<std::vector<WrittenFile>> committed) {
   report.files_written = DDSSEC_TRY(std::move(committed));
   const bool has_permissions = is_there(job.files.permissions);
@@ -325,7 +326,7 @@ Status add_permissions(const Job& job, const pki::Certificate& certificate, Comp
   return log_signed(ca, as_bytes(xml), job.files.permissions, now);
 }
 
-// Key and certificate stay: only what is missing is added.
+// Key and certificate stay; only missing files are added.
 Result<Report> complete_folder(Job& job) {
   const auto certificate = DDSSEC_TRY(read_certificate(job.files.certificate));
   const auto paths = ca_paths(job.arguments.text("--ca"), "identity");

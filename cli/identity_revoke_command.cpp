@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What is to be revoked.
+/// The certificates to revoke.
 struct Doomed {
   std::string subject;
   std::vector<std::string> serials = {};   ///< that are not revoked yet

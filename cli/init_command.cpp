@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What the command line asks for.
+/// The request of the command line.
 struct Plan {
   fs::path target;
   std::string title;  ///< in the CAs' names
@@ -103,7 +103,7 @@ Result<OpenCa> make_ca(const Plan& plan, std::string_view role, const Context& c
   return OpenCa{{}, std::move(authority), std::move(pem)};
 }
 
-/// What the finished folder will know of everybody.
+/// The participants that the finished folder will contain.
 struct Members {
   Json rows = Json::array();
   std::string log;         ///< of the identity CA

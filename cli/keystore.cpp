@@ -165,7 +165,7 @@ class EnclaveSearch {
   }
 
  private:
-  /// What one folder holds.
+  /// The contents of one folder.
   struct Content {
     bool has_key = false, has_other_file = false, is_empty = true;
     std::vector<fs::path> folders = {}, links = {};
@@ -186,7 +186,7 @@ class EnclaveSearch {
     for (const auto& inner : content.folders) look_into(inner, depth + 1);
   }
 
-  // What could be read before an error counts.
+  // Entries that were read before an error count.
   static Content content_of(const fs::path& folder, std::error_code& error) {
     Content out;
     fs::directory_iterator at(folder, error);

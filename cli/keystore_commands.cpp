@@ -150,7 +150,7 @@ Status read_rights(ParticipantSpec& spec, const Arguments& arguments, Report& re
   return {};
 }
 
-// What was just made is valid, so that it can be read.
+// The document was just made, so it is valid and can be parsed.
 Status warn_of_missing_rights(std::string_view xml, const fs::path& document, Report& report) {
   if (xml.empty()) return {};
   auto finding = missing_node_defaults(DDSSEC_TRY(governance::read_permissions(as_bytes(xml))));

@@ -29,7 +29,7 @@ std::uint64_t pid_namespace() {
   return ::stat("/proc/self/ns/pid", &status) == 0 ? status.st_ino : 0;
 }
 
-/// Takes a number and the dot behind it from the front of `text`.
+/// Takes a number and the following dot from the front of `text`.
 std::optional<std::uint64_t> take_number(std::string_view& text) {
   std::uint64_t out = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), out);
@@ -59,7 +59,7 @@ bool is_gone(const Maker& maker, std::time_t modified) {
   return modified + kDay < std::time(nullptr);
 }
 
-// The maker of a draft, from what stands behind the target's name and a dot.
+// The maker of a draft, from the text after the target's name and a dot.
 std::optional<Maker> maker_of_draft(std::string_view rest) {
   const auto maker = take_maker(rest);
   if (!maker) return std::nullopt;

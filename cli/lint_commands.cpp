@@ -1,4 +1,4 @@
-// governance lint, permissions lint: what is wrong in a document that can be read.
+// governance lint, permissions lint: find problems in a document that can be parsed.
 #include <optional>
 
 #include <fmt/format.h>

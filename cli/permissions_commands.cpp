@@ -82,7 +82,7 @@ Result<Report> permissions_new(const Arguments& arguments, const Context& contex
   const auto grant = grant_of("participant", certificate, DDSSEC_TRY(rights_from(arguments)),
                               DDSSEC_TRY(life(arguments, certificate, context.clock.now())));
   const auto xml = to_xml(governance::Permissions{.grants = {grant}});
-  // What was typed may hold what no document can.
+  // The arguments may contain something that no document can.
   const auto document = DDSSEC_TRY(governance::read_permissions(as_bytes(xml)));
   Report report;
   add_findings(report, lint(document, {.now = context.clock.now(), .certificate = &certificate}),

@@ -23,7 +23,7 @@ Json data_tags_json(const std::vector<governance::DataTag>& tags) {
   return out;
 }
 
-/// Null for what is not about endpoints.
+/// Null for a change that does not concern endpoints.
 Json entities_json(const PermissionChange& change) {
   if (!change.is_about_topics) return {};
   const auto& entities = change.entities;
@@ -59,7 +59,7 @@ std::string decided_by(const std::vector<std::string>& expressions) {
   return expressions.empty() ? "the default" : shown(expressions);
 }
 
-/// What happened, as the parts of a line.
+/// The description of a change, as the parts of a line.
 std::vector<std::string> parts_of(const PermissionChange& change) {
   const auto values = fmt::format("{} -> {}", change.old_value, change.new_value);
   if (change.element == "rule" && change.change == ChangeClass::unknown) {
@@ -125,7 +125,7 @@ std::string verdict_text(const governance::PermissionsDiff& diff) {
 
 Report report_of(const governance::PermissionsDiff& diff, const DiffSides& sides) {
   Report report;
-  // The most worrying subject first, each with all that changes for it.
+  // The most serious subject first, each with all its changes.
   std::vector<std::string> subjects;
   std::map<std::string_view, std::string> texts;
   report.result = {{"verdict", governance::to_string(diff.verdict)},

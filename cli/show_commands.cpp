@@ -128,7 +128,7 @@ std::string sentence(const governance::Properties& p) {
       achieved(has(p, relay_payload_secrecy), has(p, relay_payload_integrity)));
 }
 
-/// Who may read or write a topic.
+/// The requirement for reading or writing a topic.
 std::string_view asked_of(bool access_control) {
   return access_control ? "by permission" : "free: every participant of the domain";
 }

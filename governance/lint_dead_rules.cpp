@@ -61,8 +61,8 @@ bool tags_cover(const GrantEntry& earlier, const GrantEntry& later) {
          earlier.criteria->data_tags == later.criteria->data_tags;
 }
 
-// Where conditions do not matter, what a rule without them allows is all that is allowed, and no
-// later denial takes anything away.
+// If conditions do not matter, the allow rules without them define all rights, and no later denial
+// removes anything.
 bool covers(const GrantEntry& earlier, const GrantEntry& later, bool with_conditions,
             SetEffort& effort) {
   if (!within(later.rule->domains, earlier.rule->domains)) return false;

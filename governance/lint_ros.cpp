@@ -14,7 +14,8 @@ using enum ddssec::Rule;
 
 constexpr std::string_view kRequest = "Request", kReply = "Reply";
 
-/// Names a ROS topic; the discovery topic alone does not count, since it is what is looked for.
+/// True if the grant names a ROS topic. The discovery topic alone does not count, because its
+/// absence is what is checked.
 bool names_ros_topics(const GrantPlace& place) {
   return std::ranges::any_of(place.actions(), [](const auto& entries) {
     return std::ranges::any_of(entries, [](const GrantEntry& entry) {

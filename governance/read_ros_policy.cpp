@@ -68,7 +68,7 @@ class Policies {
     return Node{documents_.emplace_back(*std::move(document)).root(), file};
   }
 
-  // The children, with what they include in their place.
+  // The children; includes are replaced by their content.
   Result<std::vector<Node>> children(const Node& parent, int depth = 0) {
     if (auto plain = parent.element.check_no_text(); !plain)
       return std::unexpected(plain.error().in(parent.file));
@@ -126,7 +126,7 @@ class Policies {
   std::size_t octets_ = 0;  ///< of all files together
 };
 
-/// What the policy's elements are called.
+/// The names of the policy's elements.
 struct Words {
   RosKind kind;
   std::string_view list, item, first, second;

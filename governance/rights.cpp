@@ -34,7 +34,7 @@ Grant grant_of(std::string name, const pki::Certificate& certificate, const Righ
   const std::vector<std::string> none;
   Grant grant{.name = std::move(name), .subject_name = certificate.subject(), .validity = validity};
   if (!rights.deny_publish.empty() || !rights.deny_subscribe.empty()) {
-    // The first rule for a domain decides who joins it (DDS-Security 1.2 table 70).
+    // The first rule for a domain decides which participants join it (DDS-Security 1.2 table 70).
     grant.rules.push_back(rule(true, none, none, {}));
     grant.rules.push_back(rule(false, rights.deny_publish, rights.deny_subscribe, {}));
   }

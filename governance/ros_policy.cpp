@@ -18,7 +18,7 @@ constexpr std::string_view kActionServices[] = {"cancel_goal", "get_result", "se
 /// names only.
 using Group = std::vector<std::string>;
 
-/// What is published and subscribed with one qualifier.
+/// The topics that are published and subscribed with one qualifier.
 struct Uses {
   std::vector<Group> publish = {}, subscribe = {};
   bool empty() const { return publish.empty() && subscribe.empty(); }
@@ -49,7 +49,7 @@ Group action_replies(const std::string& name) {
   return out;
 }
 
-/// What one way of use publishes and subscribes (ROS 2 design: ROS and DDS names).
+/// The topics that one kind of use publishes and subscribes (ROS 2 design: ROS and DDS names).
 struct Way {
   Group (*publish)(const std::string&);
   Group (*subscribe)(const std::string&);
@@ -127,8 +127,9 @@ void add_rule(Grant& grant, bool allow, DomainId domain, std::vector<Text> publi
   grant.rules.push_back(std::move(rule));
 }
 
-// Denials of any profile win over what others allow. The first rule for the domain decides who
-// joins it (DDS-Security 1.2 table 70), so an allow rule without topics comes before denials.
+// A denial in any profile overrides the rights in others. The first rule for the domain decides
+// which participants join it (DDS-Security 1.2 table 70), so an allow rule without topics comes
+// before denials.
 Grant grant_of(const RosEnclave& enclave, const Rights& rights,
                const RosPermissionsOptions& options, Order order) {
   Grant grant{

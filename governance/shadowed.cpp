@@ -28,7 +28,8 @@ std::optional<std::string> sample(std::string_view expression) {
   return out;
 }
 
-// The usual case without an automaton: a beginning and a star, and what has the same beginning.
+// The usual case needs no automaton: a prefix and a star, and a later expression with the same
+// prefix.
 bool is_plainly_within(std::string_view inner, std::string_view outer) {
   if (inner == outer) return true;
   constexpr std::string_view kSpecial = "*?[";

@@ -34,7 +34,7 @@ std::vector<std::vector<std::size_t>> rdns_from_root(const SubjectName& subject)
   return rdns;
 }
 
-// What is issued must fit into the line of the CA's log about it.
+// An issued subject must fit into its line of the CA's log.
 Status check_subject_length(const X509_NAME* subject) {
   const auto text = name_rfc2253(subject);
   if (text.size() <= kMaxIssuedSubjectOctets) return {};

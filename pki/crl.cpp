@@ -147,7 +147,7 @@ bool have_same_scope(const X509_CRL* a, const X509_CRL* b) {
   return of_a == nullptr || of_b == nullptr ? of_a == of_b : ASN1_OCTET_STRING_cmp(of_a, of_b) == 0;
 }
 
-// After a rotation both have one name: the keys tell them apart.
+// After a rotation both have the same name; only the keys distinguish them.
 std::unexpected<Error> not_signed_by(const Crl& crl, const Certificate& ca) {
   ErrorDetails details{.expected = "a list signed by " + ca.subject(),
                        .found = "a list of " + crl.issuer()};

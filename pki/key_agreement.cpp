@@ -49,7 +49,7 @@ PkeyPtr make_parameters(KeyAgreementKind kind) {
   return PkeyPtr(out);
 }
 
-// Parameters are made once; keys copy them. What could not be made is tried again at the next call.
+// Parameters are created once; keys copy them. After a failure, the next call tries again.
 EVP_PKEY* parameters_for(KeyAgreementKind kind) {
   static std::mutex mutex;
   static std::array<PkeyPtr, 3> made;

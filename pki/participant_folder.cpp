@@ -7,8 +7,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A dangling link stands for a file that was meant to be there: it is reported as broken when it is
-// read.
+// A dangling link counts as an intended file: it is reported as broken when it is read.
 bool is_there(const fs::path& path) {
   std::error_code ignored;
   return fs::symlink_status(path, ignored).type() > fs::file_type::not_found;

@@ -137,7 +137,7 @@ std::optional<std::string> percent_decoded(std::string_view text) {
   return out;
 }
 
-/// A URI without its pin-source, and what that names.
+/// A URI without its pin-source, and the PIN from that source.
 struct SplitUri {
   std::string uri;
   std::optional<Passphrase> pin;

@@ -48,7 +48,8 @@ Result<CMS_SignerInfo*> only_signer(CMS_ContentInfo* cms) {
   return sk_CMS_SignerInfo_value(signers, 0);
 }
 
-// The signature algorithm only repeats what key and digest say and is not signed, so it must fit.
+// The signature algorithm only repeats the key and digest types and is not signed, so it must match
+// them.
 bool fits(int signature_algorithm, int digest) {
   switch (signature_algorithm) {
     case NID_rsaEncryption:

@@ -106,7 +106,7 @@ void describe_embedded(PKCS7* pkcs7, DocumentForm& form) {
     form.embedded.push_back(name_rfc2253(X509_get_subject_name(sk_X509_value(certificates, i))));
 }
 
-// PKCS#7 cannot say what CMS can: that the signer is named by the identifier of its key.
+// CMS, unlike PKCS#7, can name the signer by the identifier of its key.
 void describe_cms(CMS_ContentInfo* cms, DocumentForm& form) {
   auto* signers = CMS_get0_SignerInfos(cms);
   auto* certificates = CMS_get1_certs(cms);
@@ -160,7 +160,7 @@ Bytes der_of(PKCS7* pkcs7) {
   return out;
 }
 
-// What the plugins read.
+// Reads the text as the plugins do.
 bool take_as_plugins_do(BytesView file, DocumentForm& form) {
   const auto document = read_document(file);
   const auto pkcs7 = document ? parse_der(document->signature) : nullptr;

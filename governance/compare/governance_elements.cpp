@@ -19,7 +19,7 @@ ChangeClass moved(bool up, bool down) {
 std::string_view word(bool value) { return value ? "true" : "false"; }
 std::string_view covered(const void* rule) { return rule ? "covered" : "uncovered"; }
 
-/// Collects what differs.
+/// Collects the differences.
 class Changes {
  public:
   void add_coverage(std::string_view element, const void* old_rule, const void* new_rule,

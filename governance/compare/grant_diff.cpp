@@ -32,7 +32,7 @@ RulePointers pointers(const Grant& grant, const RuleNumbers& numbers) {
   return rules;
 }
 
-/// Whether a participant may join, and the rule that says so; as CompiledGrant::judge_participant.
+/// Whether a participant may join, and the deciding rule; as CompiledGrant::judge_participant.
 std::pair<bool, const Rule*> may_join(const Grant& grant, const RulePointers& rules) {
   for (const Rule* rule : rules)
     if (decides_joining(*rule)) return {rule->allow, rule};
@@ -51,7 +51,7 @@ void append(std::string& text, const NameSet& set) {
   append(text, set.examples);
 }
 
-/// What tells one set of topics, endpoints and tags from another.
+/// A text that is different for different sets of topics, endpoints and tags.
 std::string words_of(const PermissionChange& change, const DomainScope& scope) {
   std::string text;
   append(text, change.expressions_old);

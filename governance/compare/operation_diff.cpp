@@ -47,7 +47,7 @@ struct ItemList {
   }
 };
 
-/// Those at the end that do what the default does have no effect.
+/// Removes items at the end that have the same effect as the default.
 std::span<const RuleList::Item> effective(const RuleList& list) {
   std::span<const RuleList::Item> items = list.items;
   while (!items.empty() && items.back().effect == list.default_effect) {

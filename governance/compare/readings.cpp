@@ -14,7 +14,7 @@ namespace {
 /// Each may take some milliseconds.
 constexpr std::size_t kMostTried = 1'000;
 
-/// What one document holds, and the line where each stands first.
+/// The constructs of one document, and the line of each one's first occurrence.
 struct Constructs {
   std::map<std::string, int> expressions = {};
   /// The element that a note is about: the same words at another place, or about another value,

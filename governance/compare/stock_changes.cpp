@@ -41,7 +41,7 @@ void put(Readings& readings, Reading reading) {
     readings.is_complete = false;
 }
 
-// The same element in the same domains, at least, and not less worrying.
+// True for the same element in at least the same domains that is not less serious.
 bool is_same(const GovernanceChange& ours, const GovernanceChange& theirs) {
   return ours.element.element == theirs.element.element &&
          ours.element.old_value == theirs.element.old_value &&

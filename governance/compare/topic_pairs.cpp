@@ -9,8 +9,8 @@
 namespace ddssec::governance {
 namespace {
 
-/// Where the rules one by one need more than this, rules of equal effect are taken together: that
-/// is what time is left for.
+/// If the rules need more than this one by one, rules with the same effect are combined, which
+/// takes the time that is left.
 constexpr SetLimits kForEachRule = {.states = 50'000, .steps = 50'000'000, .memory = 12'000'000};
 /// As many rules are proved dead one by one.
 constexpr std::size_t kMostProofs = 64;
@@ -20,8 +20,8 @@ void add_each_rule(std::vector<RankedExpression>& to, const RuleList& rules, std
   for (const auto& item : rules.items) to.push_back({item.expression, list, item.rule});
 }
 
-/// Neighbours of equal effect get one rank, and the last ones, if they do what would be done
-/// without them, none.
+/// Adjacent rules with the same effect get one rank. The last ones get none if their effect is that
+/// of the default.
 void add_effects(std::vector<RankedExpression>& to, const RuleList& rules, std::uint32_t list) {
   std::size_t count = rules.items.size();
   while (count > 0 && rules.items[count - 1].effect == rules.default_effect) --count;
@@ -172,7 +172,7 @@ TopicPairs topic_pairs(const RuleList& old_list, const RuleList& new_list,
   add_effects(expressions, old_list, 0);
   add_effects(expressions, new_list, 1);
   auto found = find_name_atoms(expressions, limits);
-  // What single rules do shows most of what cannot be listed.
+  // Looking up single rules shows most of the pairs that cannot be listed.
   PairsByName pairs(old_list, new_list, limits.shared);
   for (auto& atom : found.atoms) pairs.add(std::move(atom.witness));
   pairs.add_examples(old_list);

@@ -329,7 +329,7 @@ std::string plain_lines(BytesView octets) {
   return out.substr(0, out.find_last_not_of(" \t\n") + 1);
 }
 
-// The XML beside a signed document, or beside what a link to one leads to: after an edit it shows
+// The XML beside a signed document, or beside the target of a link to one: after an edit it shows
 // rights that are not signed.
 void check_plain_text(const Subject& subject, Diagnosis& out) {
   if (subject.form.unverified_text.empty()) return;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr Outcomes kCycloneFails{.cyclonedds = Outcome::fail, .ours = Outcome::fail};
 
-/// What Cyclone DDS 0.10.2 asks of a plugin's element.
+/// The requirements of Cyclone DDS 0.10.2 for a plugin's element.
 struct Expected {
   std::string_view element;
   std::optional<ConfiguredPlugin> EffectiveSecurity::*plugin;

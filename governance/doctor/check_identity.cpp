@@ -68,7 +68,7 @@ void check_key_types(const LoadedFolder& folder, const Lineup& lineup, Diagnosis
   });
 }
 
-// SHA-1, which ours refuses, is check_chain's.
+// SHA-1, which ddssec refuses, is reported by check_chain.
 void check_digest(const pki::Certificate& certificate, const fs::path& path, Variant variant,
                   const Lineup& lineup, Diagnosis& out) {
   const auto digest = certificate.signature_digest();

@@ -21,7 +21,7 @@ struct HostPlugin {
   Maker maker = Maker::none;
   std::string version = {};  ///< of a ddssec library; empty: unknown
   std::vector<std::string> missing =
-      {};                   ///< libraries that ours needs and the loader would not find
+      {};                   ///< libraries that a ddssec library needs and the loader would not find
   bool is_cut_off = false;  ///< the process that loads it crashes
   std::filesystem::path obstacle =
       {};  ///< a file that is no library and at which the loader's search ended

@@ -29,7 +29,7 @@ constexpr Outcome kRows[][std::size(kColumns)] = {
 #undef COLUMN
 };
 
-// The column of the version that stands for `version`: the versions of a vendor rise.
+// The column of the version that represents `version`; the versions of a vendor are ascending.
 std::size_t column_for(Vendor vendor, Version version) {
   std::size_t best = std::size(kColumns);
   for (std::size_t i = 0; i < std::size(kColumns); ++i)

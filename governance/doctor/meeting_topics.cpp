@@ -322,7 +322,8 @@ void report_obstacles(const MeetingScene& scene, const TopicMeeting& topic) {
   }
 }
 
-// Once for each topic rule. What such a participant runs under is not known here, so it is a note.
+// Once for each topic rule. The environment of such a participant is not known here, so it is a
+// note.
 void note_unguarded(const MeetingScene& scene, const TopicMeeting& topic) {
   for (const int i : kBoth) {
     const auto* rule = topic.rules[i];

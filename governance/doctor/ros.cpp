@@ -106,7 +106,7 @@ void check_names(const LoadedFolder& folder, const Environment& environment, Dia
                   .document = folder.paths.folder / file});
 }
 
-// What rmw_cyclonedds_cpp makes the loader look for.
+// The libraries that rmw_cyclonedds_cpp loads.
 constexpr std::array<const char*, 3> kPluginFiles{
     "libdds_security_auth.so", "libdds_security_ac.so", "libdds_security_crypto.so"};
 

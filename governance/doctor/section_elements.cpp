@@ -7,7 +7,7 @@
 namespace ddssec::governance::doctor {
 namespace {
 
-// What Cyclone DDS 0.10.2 and 0.10.5 know, which does not differ.
+// The elements that Cyclone DDS 0.10.2 and 0.10.5 know; both versions know the same.
 constexpr std::string_view kGeneral[] = {"allowmulticast",
                                          "dontroute",
                                          "enablemulticastloopback",

@@ -1,15 +1,18 @@
-// Reading shared objects without locks: what was replaced dies when no thread can still hold it.
+// Reading shared objects without locks: a replaced object is destroyed when no thread can still
+// hold it.
 //
-// Every thread that reads has a slot of its own with the epoch at which it entered, 0 outside. Who
-// replaces an object first unlinks it (a seq_cst store to the pointer that led to it), then retires
-// it: the object is stamped with the epoch, which moves on, and dies once no slot holds an epoch up
-// to its stamp. Why that is safe, with all operations named here sequentially consistent, hence in
-// one total order S:
-//   reader:    (1) reads the epoch E   (2) stores E to its slot   (3) reads the pointer
-//   replacer:  (a) unlinks             (b) epoch r -> r + 1       (c) reads all slots
+// Every reading thread has its own slot with the epoch at which it entered, 0 outside. A thread
+// that replaces an object first unlinks it (a seq_cst store to the pointer that led to it), then
+// retires it. The object is stamped with the epoch, which is then increased. It is destroyed once
+// no slot holds an epoch up to its stamp. Why that is safe, with all operations named here
+// sequentially consistent, hence in one total order S:
+//
+// - reader: (1) reads the epoch E, (2) stores E to its slot, (3) reads the pointer
+// - replacer: (a) unlinks, (b) epoch r -> r + 1, (c) reads all slots
+//
 // If (c) does not see (2), then (c) precedes (2) in S, so does (a), and (3) finds the new object.
 // If (c) sees E <= r, the object stays. If (c) sees E > r, then (1) followed (b), so (3) followed
-// (a) and finds the new object. In no case does a reader hold what dies.
+// (a) and finds the new object. In no case does a reader hold a destroyed object.
 //
 // The message path therefore writes nothing that other threads write: one exchange and one store to
 // its own cache line.

@@ -289,7 +289,7 @@ DDS_Security_boolean get_topic_sec_attributes(Instance* instance, const CPermiss
   });
 }
 
-/// Does access control decide who has keys of such an endpoint?
+/// True if access control decides which peers get the keys of such an endpoint.
 bool needs_gate(const spi::EndpointSecurityAttributes& endpoint) {
   return !endpoint.is_builtin &&
          (endpoint.topic.is_read_protected || endpoint.topic.is_write_protected) &&
@@ -355,7 +355,7 @@ DDS_Security_boolean get_datareader_sec_attributes(
   return ask_endpoint(instance, topic_name, partition, tags, attributes, ex, tell);
 }
 
-/// What ac_endpoint_properties holds of these lives as long as the library.
+/// The values in ac_endpoint_properties of these live as long as the library.
 template <class Attributes>
 DDS_Security_boolean return_attributes(Instance* instance, const Attributes*, Exception* ex) {
   return allow(instance, ex);

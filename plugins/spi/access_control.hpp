@@ -97,8 +97,9 @@ class AccessControl {
                                                            const EndpointRequest& request) = 0;
   /// A match for which cryptography is about to hand out keys.
   struct Match {
-    bool remote_writes;     ///< true: its writer and our reader; false: its reader and our writer
-    EndpointRequest local;  ///< what the local endpoint requests
+    /// True: its writer, the local reader; false: its reader, the local writer.
+    bool remote_writes;
+    EndpointRequest local;             ///< what the local endpoint requests
     std::optional<GuidPrefix> remote;  ///< for the event only
   };
   /// May a peer have the keys of this match, whether or not the host asked about the peer's

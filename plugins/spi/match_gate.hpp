@@ -19,7 +19,7 @@ class MatchGate {
     PermissionsHandle permissions;  ///< of the remote participant
     /// Of the remote participant; empty if authentication did not provide it.
     std::optional<GuidPrefix> prefix;
-    bool writes;  ///< true: its writer and our reader; false: its reader and our writer
+    bool writes;  ///< true: its writer, the local reader; false: its reader, the local writer
   };
   /// Success if the peer may have the keys. Errors: keys_not_permitted, after an event that names
   /// the peer and the rule; access_control_missing.
