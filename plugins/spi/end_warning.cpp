@@ -25,6 +25,7 @@ std::optional<int> number(std::string_view text) {
 
 std::optional<WarningDays> parse(std::string_view text) {
   if (text == "0") return WarningDays{};
+  if (text.empty()) return std::nullopt;
   WarningDays out;
   for (const auto part : std::views::split(text, ',')) {
     const auto value = number(std::string_view(part.begin(), part.end()));
