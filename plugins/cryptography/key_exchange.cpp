@@ -96,14 +96,30 @@ void share_payload_position(const Shared& shared, RemoteKeys& next, RemoteEndpoi
 }
 
 /// A host passes a submessage that one local endpoint can decrypt to all endpoints that receive
-/// from the same sender, so they share the position.
-void share_position(RemoteKeys& next, const RemoteEndpoint& remote) {
+/// from the same sender, so they share the position. One that trusts what it decrypts asks for each
+/// submessage once, so they share the window of repetitions, too: with the MAC for one endpoint
+/// broken, a recorded submessage would be new to the next.
+void share_state(const Shared& shared, RemoteKeys& next, const RemoteEndpoint& remote) {
   const auto* const present = remote.remote_keys.read();
   if (!next.submessage) return;
   if (present != nullptr && are_same(next.submessage, present->submessage))
     return keep_position(next, present);
   const auto* const other = remote.participant.routes.same_sender_key(next.submessage->material());
-  if (other != nullptr) next.submessage->count_with(*other);
+  if (other == nullptr) return;
+  next.submessage->count_with(*other);
+  if (!shared.host_checks_sources) next.submessage->share_window(*other);
+}
+
+/// The same for the messages of a participant that several local participants know.
+void share_window(RemoteKeys& next, const RemoteParticipant& remote) {
+  for (const auto& [local, pair] : remote.pairs) {
+    const auto* const keys = pair->remote_keys.read();
+    if (keys == nullptr || !keys->submessage) continue;
+    const auto& theirs = keys->submessage->material();
+    const auto& own = next.submessage->material();
+    if (theirs.sender_key_id == own.sender_key_id && theirs.kind == own.kind)
+      return next.submessage->share_window(*keys->submessage);
+  }
 }
 
 /// True if submessages under either key find the same route.
@@ -211,6 +227,8 @@ Status KeyExchange::take(const LocalParticipant& participant, spi::ParticipantCr
   auto keys = std::make_unique<RemoteKeys>();
   keys->submessage = DDSSEC_TRY(receive_key(std::move(material), participant.rtps, pair));
   DDSSEC_TRY(check_replacement(*keys, pair.remote_keys.read(), &pair));
+  if (!shared_.host_checks_sources)
+    share_window(*keys, *DDSSEC_TRY(shared_.remote_participant(remote)));
   keep_position(*keys, pair.remote_keys.read());
   DDSSEC_TRY(inherit(*keys, pair.remote_keys.read(), shared_.environment.clock.monotonic()));
   shared_.note_former(remote.value, *keys);
@@ -301,7 +319,7 @@ Status KeyExchange::set(Local local, Remote remote, std::span<const spi::Token> 
     keys->owner = present->owner;
   DDSSEC_TRY(check_owner(endpoint, *keys));
   DDSSEC_TRY(check_replacement(*keys, endpoint.remote_keys.read(), pair));
-  share_position(*keys, endpoint);
+  share_state(shared_, *keys, endpoint);
   share_payload_position(shared_, *keys, endpoint);
   DDSSEC_TRY(inherit(*keys, endpoint.remote_keys.read(), shared_.environment.clock.monotonic()));
   shared_.note_former(remote.value, *keys);

@@ -101,6 +101,11 @@ class ReceiveKey final : public Retirable {
   /// caller at a time.
   void count_with(const ReceiveKey& other) { count_with(other.position_); }
   void count_with(const std::shared_ptr<NewestPosition>& of_other);
+  /// The same key at another place where the host takes each message once: a message that one of
+  /// them accepted is a repetition for all. Call it before publication.
+  void share_window(const ReceiveKey& other) {
+    if (window_ && other.window_) window_ = other.window_;
+  }
   /// The sender's position; nullptr if the sender did not send it.
   const std::shared_ptr<NewestPosition>& position() const { return position_; }
 

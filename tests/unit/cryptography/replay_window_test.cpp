@@ -142,5 +142,75 @@ TEST_F(Repeated, WithoutOriginAuthentication_NothingIsJudged) {
   EXPECT_TRUE(got(first));
 }
 
+// Two places of one process where the host takes each message once.
+struct RepeatedElsewhere : ::testing::Test {
+  static constexpr auto kOrigin = ProtectionKind::encrypt_with_origin_authentication;
+
+  /// What the two readers say of one message of the writer, one after the other.
+  std::pair<Code, Code> both_readers(const Options& options) {
+    testing::TwoSides two(ProtectionKind::none, {}, options);
+    const auto attributes = testing::endpoint_attributes(kOrigin, ProtectionKind::none);
+    const auto first = two.endpoints(attributes);
+    auto second = first;
+    second.reader =
+        two.b.factory().register_local_datareader(two.b.participant, {}, attributes).value();
+    two.match_endpoints(second);
+    const spi::DatareaderCryptoHandle readers[] = {first.remote_reader, second.remote_reader};
+    const auto plain = testing::DataMessage{.writer = {{0, 0, 1, 2}}}.octets();
+    const auto message =
+        testing::into_bytes(plain.size() + spi::protection_overhead(2), [&](MutableBytes out) {
+          return two.a.transform().encode_datawriter_submessage(first.writer, readers, plain, out);
+        }).value();
+    const auto one = testing::decode_submessage(two, first, message);
+    return {testing::code_of(one),
+            testing::code_of(testing::decode_submessage(two, second, message))};
+  }
+
+  /// The same of two participants of one process and one RTPS message.
+  std::pair<Code, Code> both_participants(const Options& options) {
+    testing::TwoSides two(kOrigin, {}, options);
+    auto& a = two.a;
+    auto& b = two.b;
+    const auto second =
+        b.factory()
+            .register_local_participant({2}, {2}, {}, testing::participant_attributes(kOrigin))
+            .value();
+    const auto secret = testing::shared_secret(9);
+    const auto at_a =
+        a.factory().register_matched_remote_participant(a.participant, {8}, {8}, secret).value();
+    const auto at_b =
+        b.factory().register_matched_remote_participant(second, {7}, {7}, secret).value();
+    const auto tokens =
+        a.exchange().create_local_participant_crypto_tokens(a.participant, at_a).value();
+    b.exchange().set_remote_participant_crypto_tokens(second, at_b, tokens).value();
+    const spi::ParticipantCryptoHandle receivers[] = {a.remote, at_a};
+    const auto plain = testing::rtps_message({testing::data_submessage(32)});
+    const auto message =
+        testing::into_bytes(plain.size() + spi::protection_overhead(2), [&](MutableBytes out) {
+          return a.transform().encode_rtps_message(a.participant, receivers, plain, out);
+        }).value();
+    const auto one = testing::decode_message(two, message);
+    const auto other = testing::into_bytes(message.size(), [&](MutableBytes out) {
+      return b.transform().decode_rtps_message(second, at_b, message, out);
+    });
+    return {testing::code_of(one), testing::code_of(other)};
+  }
+};
+
+TEST_F(RepeatedElsewhere, HostThatTakesEachMessageOnce_IsToldByTheSecondReader) {
+  EXPECT_EQ(both_readers({.host_checks_sources = false}),
+            std::pair(Code{}, Code::message_repeated));
+}
+
+TEST_F(RepeatedElsewhere, HostThatTakesEachMessageOnce_IsToldByTheSecondParticipant) {
+  EXPECT_EQ(both_participants({.host_checks_sources = false}),
+            std::pair(Code{}, Code::message_repeated));
+}
+
+TEST_F(RepeatedElsewhere, HostThatAsksForEachPlace_GetsItForBoth) {
+  EXPECT_EQ(both_readers({.host_checks_sources = true}), std::pair(Code{}, Code{}));
+  EXPECT_EQ(both_participants({.host_checks_sources = true}), std::pair(Code{}, Code{}));
+}
+
 }  // namespace
 }  // namespace ddssec::cryptography
