@@ -13,6 +13,7 @@ constexpr std::uint16_t kParticipantGuid = 0x0050, kEndpointGuid = 0x005a, kKeyH
                         kCycloneTopicGuid = 0x801b;
 constexpr std::uint16_t kSentinel = 0x0001;
 constexpr std::uint16_t kPartition = 0x0029;
+constexpr std::uint16_t kPropertyList = 0x0059;
 constexpr std::uint16_t kTypeInformation = 0x0075;  ///< DDS-XTypes 7.6.3.2.1
 }  // namespace parameter_id
 
@@ -32,13 +33,14 @@ constexpr std::array kTopics = {
 struct LocatorKind {
   std::uint16_t id;
   const char* name;
+  bool is_multicast = false;
 };
 constexpr std::array kLocators = {LocatorKind{0x002f, "PID_UNICAST_LOCATOR"},
-                                  LocatorKind{0x0030, "PID_MULTICAST_LOCATOR"},
+                                  LocatorKind{0x0030, "PID_MULTICAST_LOCATOR", true},
                                   LocatorKind{0x0031, "PID_DEFAULT_UNICAST_LOCATOR"},
-                                  LocatorKind{0x0048, "PID_DEFAULT_MULTICAST_LOCATOR"},
+                                  LocatorKind{0x0048, "PID_DEFAULT_MULTICAST_LOCATOR", true},
                                   LocatorKind{0x0032, "PID_METATRAFFIC_UNICAST_LOCATOR"},
-                                  LocatorKind{0x0033, "PID_METATRAFFIC_MULTICAST_LOCATOR"}};
+                                  LocatorKind{0x0033, "PID_METATRAFFIC_MULTICAST_LOCATOR", true}};
 
 /// PID_METATRAFFIC_MULTICAST_IPADDRESS, PID_DEFAULT_UNICAST_IPADDRESS,
 /// PID_METATRAFFIC_UNICAST_PORT, PID_DEFAULT_UNICAST_PORT, PID_MULTICAST_IPADDRESS,
@@ -116,7 +118,9 @@ Status ParameterWalk::check_end(const BuiltinTopic& topic) const {
 
 std::size_t ParameterWalk::cost(std::size_t octets) const {
   const auto locators = std::accumulate(locators_.begin(), locators_.end(), std::size_t{0});
-  return octets + kOctetsOfLocator * (std::max(locators, kFreeLocators) - kFreeLocators);
+  const auto properties = (kOctetsOfProperty - 1) * properties_;
+  return octets + properties +
+         kOctetsOfLocator * (std::max(locators, kFreeLocators) - kFreeLocators);
 }
 
 Status ParameterWalk::take(const BuiltinTopic& topic, const Owner& owner) {
@@ -157,6 +161,7 @@ Status ParameterWalk::begin_parameter(const BuiltinTopic& topic) {
   if (id_ == parameter_id::kTypeInformation) DDSSEC_TRY(note_type_information(topic));
   if (id_ == parameter_id::kPartition) return begin_partitions(topic);
   DDSSEC_TRY(count_locator(topic));
+  if (id_ == parameter_id::kPropertyList) properties_ += length_;
   if (name_of(topic, id_) == nullptr) {
     to_skip_ = length_;
     return {};
@@ -171,10 +176,10 @@ Status ParameterWalk::count_locator(const BuiltinTopic& topic) {
   static_assert(kLocators.size() == kLocatorKinds);
   const auto kind = std::ranges::find(kLocators, id_, &LocatorKind::id);
   if (kind == kLocators.end()) return {};
+  const auto most = kind->is_multicast ? kMostMulticastLocators : kMostLocators;
   auto& count = locators_[static_cast<std::size_t>(kind - kLocators.begin())];
-  if (++count <= kMostLocators) return {};
-  return unreadable_name(topic,
-                         "it has more than " + std::to_string(kMostLocators) + ' ' + kind->name);
+  if (++count <= most) return {};
+  return unreadable_name(topic, "it has more than " + std::to_string(most) + ' ' + kind->name);
 }
 
 Status ParameterWalk::begin_partitions(const BuiltinTopic& topic) {

@@ -16,6 +16,11 @@ using namespace testing;
 constexpr EntityId kPublications{{0xff, 0, 3, 0xc2}};
 constexpr std::uint16_t kPartition = 0x29, kEndpointGuid = 0x5a, kSentinel = 1;
 constexpr std::uint16_t kLocators[] = {0x2f, 0x30, 0x31, 0x32, 0x33, 0x48};
+/// The largest number of locators of one kind.
+constexpr std::size_t most_of(std::uint16_t id) {
+  const bool is_multicast = id == 0x30 || id == 0x33 || id == 0x48;
+  return is_multicast ? ParameterWalk::kMostMulticastLocators : ParameterWalk::kMostLocators;
+}
 
 using Names = std::vector<std::string>;
 
@@ -178,10 +183,10 @@ TEST(CostlyPartitions, WhatPassesIsCheapToAMatcherThatTriesAll) {
   EXPECT_GT(steps("*0*0*0*0*0*x", name.c_str(), fits), worst);
 }
 
-TEST(CostlyLocators, SixteenOfEachKindPass) {
+TEST(CostlyLocators, SixteenUnicastAndFourMulticastOfEachKindPass) {
   List list;
   for (const auto id : kLocators)
-    for (std::size_t i = 0; i < ParameterWalk::kMostLocators; ++i) list.add(id, Bytes(24, 1));
+    for (std::size_t i = 0; i < most_of(id); ++i) list.add(id, Bytes(24, 1));
   for (const auto piece : kPieces) EXPECT_EQ(code_of(read(list, piece)), Code{}) << piece;
   for (const auto id : kLocators) {
     auto more = list;
@@ -195,7 +200,7 @@ TEST(CostlyLocators, ThoseBeyondFourCountAsFourKibibytesEach) {
   const auto cost = [](std::size_t each) {
     List list;
     for (const auto id : kLocators)
-      for (std::size_t i = 0; i < each; ++i) list.add(id, Bytes(24, 1));
+      for (std::size_t i = 0; i < std::min(each, most_of(id)); ++i) list.add(id, Bytes(24, 1));
     const auto octets = list.ended();
     ParameterWalk walk;
     EXPECT_TRUE(walk.read(*builtin_topic_of(kPublications), kPeer, octets));
@@ -203,7 +208,15 @@ TEST(CostlyLocators, ThoseBeyondFourCountAsFourKibibytesEach) {
   };
   EXPECT_EQ(cost(0), 1000u);
   EXPECT_EQ(cost(1), 1000u + 2 * 4096);
-  EXPECT_EQ(cost(16), 1000u + 92 * 4096);
+  EXPECT_EQ(cost(16), 1000u + (3 * 16 + 3 * 4 - 4) * 4096);
+}
+
+TEST(CostlyProperties, EachOctetCountsSixTimes) {
+  List list;
+  list.add(0x59, Bytes(160));
+  ParameterWalk walk;
+  EXPECT_TRUE(walk.read(*builtin_topic_of(kPublications), kPeer, list.ended()));
+  EXPECT_EQ(walk.cost(1000), 1000u + 5 * 160);
 }
 
 // Cyclone DDS frees memory that it never wrote.
