@@ -105,21 +105,28 @@ std::optional<TagView> CryptoFooter::receiver_mac(KeyId id) const {
 }
 
 Result<Protected> read_protected_payload(BytesView encoded) {
+  constexpr std::size_t kLengthSize = 4;
+  // Fast DDS fills the submessage up to whole words after the footer, so the footer is found by the
+  // length before the ciphertext. A signed payload has no length: it must be exact.
+  constexpr std::size_t kMaxPadding = 3;
   if (encoded.size() < kCryptoHeaderSize + kFooterSize) return fail(Code::secure_group_malformed);
   Protected out{
       .header = crypto_header_at(encoded), .is_encrypted = false, .content = {}, .footer = {}};
   out.is_encrypted = DDSSEC_TRY(encrypts(out.header));
-  const auto footer = encoded.last(kFooterSize);
+  auto rest = encoded.subspan(kCryptoHeaderSize);
+  auto size = rest.size() - kFooterSize;
+  if (out.is_encrypted) {
+    if (size < kLengthSize) return fail(Code::secure_group_malformed);
+    const auto room = size - kLengthSize;
+    size = u32_at(rest, 0);
+    if (size > room || room - size > kMaxPadding) return fail(Code::secure_group_malformed);
+    rest = rest.subspan(kLengthSize);
+  }
+  const auto footer = rest.subspan(size, kFooterSize);
   // A list of MACs for all readers would not authenticate the origin (DDS-Security 9.5.3.3.4.4).
   if (u32_at(footer, kTagSize) != 0) return fail(Code::receiver_specific_macs_not_allowed);
   out.footer = DDSSEC_TRY(footer_from(footer));
-  const auto inside =
-      encoded.subspan(kCryptoHeaderSize, encoded.size() - kCryptoHeaderSize - kFooterSize);
-  out.content = inside;
-  if (!out.is_encrypted) return out;
-  if (inside.size() < 4 || u32_at(inside, 0) != inside.size() - 4)
-    return fail(Code::secure_group_malformed);
-  out.content = inside.subspan(4);
+  out.content = rest.first(size);
   return out;
 }
 

@@ -314,8 +314,9 @@ def run(case, programs, pki, number):
                 (case.subscriber, "--subscribe", subscribe, subscriber_side),
                 (case.publisher, "--publish", publish, publisher_side)):
             log = os.path.join(programs.logs, f"{number}{role}.log")
-            hold = ["--hold"] if case.expires else []
-            peers.append(start(programs, namespace, kind, [role, *hold, *arguments], log,
+            more = ["--hold"] if case.expires else []
+            more += ["--payload", str(case.payload)] if case.payload else []
+            peers.append(start(programs, namespace, kind, [role, *more, *arguments], log,
                                _variables(side)))
         subscriber, publisher = peers
         watch = _Watch(publisher, subscriber, case, _revocation(case, pki, subscribe))

@@ -157,6 +157,7 @@ TITLES = {"governance": "Governance rows: valid documents, data must flow",
           "negative": "Negatives: what must be refused",
           "accepted": "Unusual but valid, with one control",
          "expiry": "The publisher's right ends while data flows: it must be cut off",
+         "sizes": "Samples that end within a word",
          "cipher": "ChaCha20-Poly1305: between ours, and refused towards who did not announce it"}
 
 

@@ -36,6 +36,7 @@ class Case:
     known: tuple = ()   # (outcome, reason)
     expires: bool = False  # data must flow first and stop later
     reason: str = ""       # a code that the log of a peer of ours must show
+    payload: int = 0       # octets in each sample; 0: as the peers send them
 
     @property
     def pair(self):
@@ -439,7 +440,20 @@ def cipher_cases():
     return cases
 
 
+# ---- sizes --------------------------------------------------------------------------------------
+
+def size_cases():
+    """Samples that do not end with a whole word: Fast DDS leaves octets between a protected payload and the next
+    submessage."""
+    for row in ("data-encrypt", "sros2", "everything-encrypt-oa"):
+        side = Side(GOVERNANCES[row])
+        for pair in (("fast", "ours"), ("ours", "fast"), ("stock", "ours")):
+            for size in (5, 6, 7, 17):
+                yield Case("sizes", row, f"{size} octets", *pair, (side, side), Keys(), pair[0] != "fast", frozenset({DATA}),
+                           chosen=pair[0] == "fast" and size in (5, 7), payload=size)
+
+
 def all_cases():
     """Every case, those of two stock peers included."""
     return (_choose_governance(governance_cases()) + mixed_cases() + negative_cases() +
-            cipher_cases())
+            cipher_cases() + list(size_cases()))
