@@ -13,7 +13,7 @@ packages=(g++ cmake ninja-build ccache pkg-config git ca-certificates
 while [ $# -gt 0 ]; do
   case "$1" in
     --dev) packages+=(libgtest-dev libgmock-dev libbenchmark-dev libxml2-utils faketime python3 python3-jsonschema tshark zsh fish
-                      libengine-pkcs11-openssl softhsm2 opensc iceoryx)
+                      libengine-pkcs11-openssl softhsm2 opensc iceoryx dpkg-dev file)
            # For the ROS 2 nodes that tests/ros2 runs, which are made for Debian 12.
            # shellcheck source=/dev/null
            [ "$(. /etc/os-release && echo "${VERSION_ID:-}")" = 12 ] && packages+=(libconsole-bridge1.0 libyaml-0-2) ;;
