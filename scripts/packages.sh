@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Builds the Debian packages ddssec-plugins, ddssec-tools, ddssec-dev and ddssec-keeper for this machine's Debian.
+# Builds the Debian packages ddssec-plugins, ddssec-tools, ddssec-dev and ddssec-keeper for this machine's Debian,
+# and their bill of materials.
 # Usage: scripts/packages.sh [--out DIR]     default build/packages/out
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -17,8 +18,8 @@ while [ $# -gt 0 ]; do
 done
 
 scripts/bootstrap.sh
-for program in dpkg-shlibdeps file; do
-  command -v "$program" >/dev/null || die "$program is missing: apt-get install dpkg-dev file"
+for program in dpkg-shlibdeps file python3; do
+  command -v "$program" >/dev/null || die "$program is missing: apt-get install dpkg-dev file python3"
 done
 # As scripts/test.sh has it, whose compiled files ccache then serves.
 strict=OFF
@@ -32,4 +33,5 @@ out=$(realpath "$out")
 rm -f "$out"/ddssec-*.deb
 (cd "$build" && umask 022 && cpack -G DEB -B "$out" >cpack.log 2>&1) || { cat "$build/cpack.log"; die "cpack failed"; }
 rm -rf "$out/_CPack_Packages"
+scripts/sbom.sh --build "$build" --out "$out/ddssec.cdx.json"
 ls -l "$out"/ddssec-*.deb
