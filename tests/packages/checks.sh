@@ -7,19 +7,20 @@ die() { printf 'checks.sh: %s\n' "$*" >&2; exit 1; }
 step() { printf '\n== %s\n' "$*"; }
 
 step "install"
-rm -f /etc/default/ddssec-keeper
+rm -f /etc/default/ddssec-keeper /etc/dpkg/dpkg.cfg.d/*  # images of containers leave manual pages and more out
 case "$1" in
   --dpkg) dpkg --install ddssec-*.deb >install.log 2>&1 || { cat install.log; die "dpkg --install"; } ;;
-  --apt) apt-get install -y -qq --no-download --no-install-recommends ./ddssec-*.deb >install.log 2>&1 ||
+  --apt) apt-get install -y -qq --no-install-recommends /packages/ddssec-*.deb >install.log 2>&1 ||
            { cat install.log; die "apt-get install"; } ;;
   *) die "--dpkg or --apt" ;;
 esac
 dpkg-query --show 'ddssec-*'
 [ -z "$(dpkg --audit)" ] || die "dpkg --audit reports something"
 for package in plugins tools dev keeper; do
-  dpkg --verify "ddssec-$package" || die "dpkg --verify ddssec-$package"
+  changed=$(dpkg --verify "ddssec-$package")
+  [ -z "$changed" ] || die "dpkg --verify: $changed"
   for file in copyright changelog.gz changelog.Debian.gz; do
-    [ -s "/usr/share/doc/ddssec-$package/$file" ] || [ -e /etc/dpkg/dpkg.cfg.d/docker ] || die "ddssec-$package has no $file"
+    [ -s "/usr/share/doc/ddssec-$package/$file" ] || die "ddssec-$package has no $file"
   done
 done
 dpkg --listfiles ddssec-plugins ddssec-tools ddssec-dev ddssec-keeper | sort -u >files

@@ -53,9 +53,9 @@ fi
 source=$2 scratch=$3
 rm -rf "$scratch"
 mkdir -p "$scratch/debs"
-nice "$source/scripts/packages.sh" --out "$scratch/debs" >"$scratch/build.log" 2>&1 || { cat "$scratch/build.log"; die "scripts/packages.sh"; }
+"$source/scripts/packages.sh" --out "$scratch/debs" >"$scratch/build.log" 2>&1 || { cat "$scratch/build.log"; die "scripts/packages.sh"; }
 if command -v lintian >/dev/null; then
-  nice lintian --allow-root --fail-on error "$scratch"/debs/*.deb || die "lintian reports errors"
+  lintian --allow-root --fail-on error "$scratch"/debs/*.deb || die "lintian reports errors"
 else
   echo "not checked by lintian, which is not installed"
 fi
