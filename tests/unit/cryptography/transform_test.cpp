@@ -36,7 +36,9 @@ TEST(Payload, OctetsUpToAWholeWordAfterItsFooter_AreNoPartOfIt) {
     encoded.resize(encoded.size() + padding);
     const auto decoded = decode_payload(two, e, encoded);
     EXPECT_EQ(code_of(decoded), padding < 4 ? Code{} : Code::secure_group_malformed) << padding;
-    if (decoded) EXPECT_EQ(*decoded, plain);
+    if (decoded) {
+      EXPECT_EQ(*decoded, plain);
+    }
   }
 }
 
