@@ -295,9 +295,10 @@ Bytes deprecated_address() {
 void add_address_to_sample(Bytes& octets) {
   constexpr std::size_t kKindAt = 15, kInlineQosAt = 24;
   const bool is_sample = octets[0] == 0x15 && (octets[kKindAt] == 0x02 || octets[kKindAt] == 0x03);
-  if (!is_sample || (octets[1] & kInlineQosFlag) != 0) return;
+  if (!is_sample) return;
   auto qos = deprecated_address();
-  qos.insert(qos.end(), {1, 0, 0, 0});
+  const bool has_qos = (octets[1] & kInlineQosFlag) != 0;
+  if (!has_qos) qos.insert(qos.end(), {1, 0, 0, 0});
   octets.insert(octets.begin() + kInlineQosAt, qos.begin(), qos.end());
   octets[1] |= kInlineQosFlag;
   set_length(octets);
