@@ -35,7 +35,8 @@ DurableStore::~DurableStore() {
 }
 
 Result<DurableStore::Opened> DurableStore::open_stream(StreamKey key,
-                                                       const DurabilityService& service) {
+                                                       const DurabilityService& service,
+                                                       bool watch) {
   DDSSEC_TRY(flush(kLongestOpen));  // what an earlier writer appended
   const std::lock_guard store(store_mutex_);
   forget_closed();
@@ -46,8 +47,9 @@ Result<DurableStore::Opened> DurableStore::open_stream(StreamKey key,
       if (!open_.insert(id).second) continue;
       closed_.erase(id);
     }
+    if (watch) store_.watch(id);
     auto history = store_.load(id);
-    if (history) return Opened{id, *std::move(history)};
+    if (history) return Opened{id, std::move(history->changes), std::move(history->rows)};
     close_stream(id);
     return std::unexpected(history.error());
   }
@@ -57,9 +59,24 @@ Result<DurableStore::Opened> DurableStore::open_stream(StreamKey key,
                                         .found = "one more"});
 }
 
+std::vector<StoreEffect> DurableStore::take_effects(StreamId stream) {
+  const std::lock_guard held(mutex_);
+  const auto at = effects_.find(stream);
+  if (at == effects_.end()) return {};
+  auto out = std::move(at->second);
+  effects_.erase(at);
+  return out;
+}
+
+void DurableStore::note(const std::vector<StoreEffect>& effects) {
+  for (const auto& effect : effects)
+    if (open_.contains(effect.stream)) effects_[effect.stream].push_back(effect);
+}
+
 void DurableStore::close_stream(StreamId stream) {
   const std::lock_guard held(mutex_);
   open_.erase(stream);
+  effects_.erase(stream);
   closed_[stream] = appended_;
 }
 
@@ -166,14 +183,15 @@ void DurableStore::report(std::uint64_t beyond_limits,
                                                         .expected = "samples within its limits",
                                                         .found = std::to_string(more) + " more"})));
   for (const auto& [identity, samples] : refusals)
-    events_.raise(Event(
-        Error(Code::rtps_store_failed,
-              {.document = store_.path(),
-               .field = "share of the participants whose GUIDs begin with " +
-                        to_hex(BytesView(identity.octets).first(6)),
-               .expected = "at most as many octets as are free",
-               .found = std::to_string(samples) + " samples more",
-               .note = "they are not kept; another event follows when they are twice as many"})));
+    events_.raise(Event(Error(
+        Code::rtps_store_failed,
+        {.document = store_.path(),
+         .field = "share of the participants whose GUIDs begin with " +
+                  to_hex(BytesView(identity.octets).first(6)),
+         .expected = "at most as many octets as are free in the store, and as many samples of "
+                     "a topic as are free in it",
+         .found = std::to_string(samples) + " samples more",
+         .note = "they are not kept; another event follows when they are twice as many"})));
 }
 
 // A group that fails is kept and committed before later ones.
@@ -187,6 +205,7 @@ void DurableStore::commit(std::unique_lock<std::mutex>& held) {
   auto written = store_.commit(group, now);
   const auto beyond_limits = store_.left_out(), left_out = beyond_limits + store_.over_share();
   const auto refusals = store_.take_refusals();
+  const auto effects = store_.take_effects();
   store.unlock();
   if (!written && status_) events_.raise(Event(written.error()));
   report(beyond_limits, refusals);
@@ -195,6 +214,7 @@ void DurableStore::commit(std::unique_lock<std::mutex>& held) {
   status_ = std::move(written);
   if (status_) {
     committed_ += group.size();
+    note(effects);
     ++groups_;
   } else {
     group.insert(group.end(), std::make_move_iterator(pending_.begin()),

@@ -31,10 +31,14 @@ class DurableStore {
   struct Opened {
     StreamId id;
     std::vector<Change> history;
+    std::vector<std::int64_t> rows;  ///< identify the samples of `history`
   };
   /// Opens the first stream of `key` that no other writer has open; its ordinal is chosen here.
+  /// `watch`: what commits do to the stream is noted, and the caller must take it again and again.
   /// Errors: those of SampleStore, and those of flush.
-  Result<Opened> open_stream(StreamKey key, const DurabilityService& service);
+  Result<Opened> open_stream(StreamKey key, const DurabilityService& service, bool watch = false);
+  /// In the order in which it happened. `stored` in an effect is the number that append returned.
+  std::vector<StoreEffect> take_effects(StreamId stream);
   /// Once everything that was appended to the stream is committed, a stream without samples is
   /// removed.
   void close_stream(StreamId stream);
@@ -67,6 +71,7 @@ class DurableStore {
   DurableStore(SampleStore store, EventSink& events);
   void run();
   void commit(std::unique_lock<std::mutex>& held);
+  void note(const std::vector<StoreEffect>& effects);
   void report(std::uint64_t beyond_limits, const std::vector<StoreShares::Refusals>& refusals);
   /// The caller holds the store's mutex.
   void forget_closed();
@@ -86,6 +91,7 @@ class DurableStore {
   std::uint64_t beyond_limits_ = 0, left_out_ = 0;
   Status status_;
   std::set<StreamId> open_;
+  std::map<StreamId, std::vector<StoreEffect>> effects_;  ///< of open streams
   /// With the number of the change that must be committed before.
   std::map<StreamId, std::uint64_t> closed_;
   bool stopping_ = false;

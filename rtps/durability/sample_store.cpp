@@ -258,6 +258,7 @@ Status SampleStore::read_index(StreamId id, Stream& stream) {
   stream.instances.clear();
   stream.ended.clear();
   stream.samples = 0;
+  stream.samples_of.clear();
   auto rows = DDSSEC_TRY(
       database_.prepare("SELECT id, key, disposed, seconds, length(payload), identity FROM sample "
                         "WHERE stream = ? ORDER BY id"));
@@ -268,9 +269,9 @@ Status SampleStore::read_index(StreamId id, Stream& stream) {
     KeyHash hash{};
     std::ranges::copy(key, hash.begin());
     const auto octets = StoreShares::cost(static_cast<std::size_t>(rows.number(4)));
-    stream.instances[hash].push_back(
-        {rows.number(0), static_cast<std::uint32_t>(octets), account_of(rows.octets(5))});
-    ++stream.samples;
+    count(stream,
+          stream.instances[hash].emplace_back(rows.number(0), static_cast<std::uint32_t>(octets),
+                                              account_of(rows.octets(5))));
     if (rows.number(2) == 0 || stream.service.cleanup_delay.is_infinite()) continue;
     const auto since = std::chrono::seconds(rows.number(3));
     stream.ended.push_back({(since + stream.service.cleanup_delay.to_nanoseconds()).count(), hash});
@@ -312,16 +313,29 @@ Result<bool> SampleStore::has_share(StoreShares::Account account, std::size_t oc
   return shares_.octets(account) - freed + octets <= free_;
 }
 
+bool SampleStore::has_place(const Stream& stream, StoreShares::Account account,
+                            std::size_t freed) const {
+  const bool shared = stream.service.limits.max_samples == kLengthUnlimited;
+  if (account == StoreShares::kNone || !shared || freed > 0) return true;
+  const auto own = stream.samples_of.find(account);
+  return own == stream.samples_of.end() || own->second + stream.samples < most_samples_;
+}
+
+void SampleStore::count(Stream& stream, const Row& row) {
+  ++stream.samples;
+  if (row.account != StoreShares::kNone) ++stream.samples_of[row.account];
+}
+
 std::unexpected<Error> SampleStore::damaged(std::int64_t row) const {
   return unusable(path_, "what was stored", "sample " + std::to_string(row) + " is damaged");
 }
 
-Result<std::vector<Change>> SampleStore::load(StreamId stream) {
+Result<StoredHistory> SampleStore::load(StreamId stream) {
   auto rows = DDSSEC_TRY(
       database_.prepare("SELECT id, key, keyed, disposed, seconds, fraction, payload, sum, "
                         "writer, number FROM sample WHERE stream = ? ORDER BY id"));
   rows.bind(1, stream.value);
-  std::vector<Change> out;
+  StoredHistory out;
   while (DDSSEC_TRY(rows.step())) {
     Change change;
     const auto key = rows.octets(1), payload = rows.octets(6), writer = rows.octets(8);
@@ -338,7 +352,8 @@ Result<std::vector<Change>> SampleStore::load(StreamId stream) {
     change.payload = Payload::copy_of(payload);
     if (!std::ranges::equal(sum_of(rows.number(0), stream, change), rows.octets(7)))
       return damaged(rows.number(0));
-    out.push_back(std::move(change));
+    out.changes.push_back(std::move(change));
+    out.rows.push_back(rows.number(0));
   }
   return out;
 }
@@ -349,7 +364,9 @@ Status SampleStore::commit(std::span<const StoredChange> changes, Time now) {
   const auto write = [&]() -> Status {
     auto transaction = DDSSEC_TRY(Database::Transaction::begin(database_));
     DDSSEC_TRY(measure_room());
+    place_ = committed_;
     for (const auto& stored : changes) {
+      ++place_;
       const auto id = stored.stream;
       const auto found = streams_.find(id);
       if (found == streams_.end()) continue;
@@ -360,14 +377,17 @@ Status SampleStore::commit(std::span<const StoredChange> changes, Time now) {
       stream.has_row = true;
       inserted.push_back(&stream);
     }
-    for (auto& [id, stream] : streams_) DDSSEC_TRY(clean_up(stream, now.to_nanoseconds().count()));
+    for (auto& [id, stream] : streams_)
+      DDSSEC_TRY(clean_up(id, stream, now.to_nanoseconds().count()));
     return transaction.commit();
   };
   auto written = write();
+  if (written) committed_ += changes.size();
   if (written) return written;
   left_out_ = left_out;
   over_share_ = over_share;
   for (auto* stream : inserted) stream->has_row = false;
+  effects_.clear();
   for (auto& [id, stream] : streams_) DDSSEC_TRY(read_index(id, stream));
   DDSSEC_TRY(read_shares());
   return written;
@@ -376,10 +396,10 @@ Status SampleStore::commit(std::span<const StoredChange> changes, Time now) {
 bool SampleStore::has_room(const Stream& stream, const KeyHash& key) const {
   const auto& limits = stream.service.limits;
   const auto held = stream.instances.find(key);
-  if (stream.samples >= limit_of(limits.max_samples, kMostSamples)) return false;
+  if (stream.samples >= limit_of(limits.max_samples, most_samples_)) return false;
   if (held == stream.instances.end())
-    return stream.instances.size() < limit_of(limits.max_instances, kMostSamples);
-  return held->second.size() < limit_of(limits.max_samples_per_instance, kMostSamples);
+    return stream.instances.size() < limit_of(limits.max_instances, most_samples_);
+  return held->second.size() < limit_of(limits.max_samples_per_instance, most_samples_);
 }
 
 std::size_t SampleStore::replaced(const Stream& stream, const Rows& rows) {
@@ -394,21 +414,21 @@ Status SampleStore::add(StreamId id, Stream& stream, const StoredChange& stored,
   const auto key = change.key_hash.value_or(KeyHash{});
   if (!change.is_alive() && !change.status.disposed) return {};
   if (change.status.disposed && stream.service.cleanup_delay == kDurationZero)
-    return erase_instance(stream, key);
+    return erase_instance(id, stream, key);
   const auto held = stream.instances.find(key);
-  std::size_t count = 0, freed = 0;
+  std::size_t count = 0, freed = 0, own = 0;
   const auto account = stored.identity ? shares_.account(*stored.identity) : StoreShares::kNone;
   if (held != stream.instances.end()) count = replaced(stream, held->second);
   for (std::size_t i = 0; i < count; ++i)
-    if (held->second[i].account == account) freed += held->second[i].octets;
+    if (held->second[i].account == account) freed += held->second[i].octets, ++own;
   const auto octets = StoreShares::cost(change.payload.size());
-  if (!DDSSEC_TRY(has_share(account, octets, freed))) {
+  if (!has_place(stream, account, own) || !DDSSEC_TRY(has_share(account, octets, freed))) {
     ++over_share_;
     shares_.refuse(account);
-    return change.status.disposed ? erase_instance(stream, key) : Status{};
+    return change.status.disposed ? erase_instance(id, stream, key) : Status{};
   }
-  for (; count > 0; --count, --stream.samples) {
-    DDSSEC_TRY(erase_row(held->second.front()));
+  for (; count > 0; --count) {
+    DDSSEC_TRY(erase_row(id, stream, held->second.front()));
     held->second.pop_front();
   }
   if (!has_room(stream, key)) return ++left_out_, Status{};
@@ -441,8 +461,9 @@ Status SampleStore::insert(StreamId id, Stream& stream, const StoredChange& stor
   const auto octets = StoreShares::cost(change.payload.size());
   shares_.add(account, octets);
   free_ -= std::min(free_, 2 * octets);
-  stream.instances[key].push_back({last_row_, static_cast<std::uint32_t>(octets), account});
-  ++stream.samples;
+  count(stream,
+        stream.instances[key].emplace_back(last_row_, static_cast<std::uint32_t>(octets), account));
+  if (stream.watched) effects_.push_back({id, last_row_, place_});
   std::erase_if(stream.ended, [&](const Ended& ended) { return ended.key == key; });
   const auto delay = stream.service.cleanup_delay;
   if (change.status.disposed && !delay.is_infinite())
@@ -450,26 +471,34 @@ Status SampleStore::insert(StreamId id, Stream& stream, const StoredChange& stor
   return {};
 }
 
-Status SampleStore::erase_row(const Row& row) {
+Status SampleStore::erase_row(StreamId id, Stream& stream, const Row& row) {
   DDSSEC_TRY(erase_.bind(1, row.id).run());
   shares_.remove(row.account, row.octets);
+  --stream.samples;
+  if (const auto own = stream.samples_of.find(row.account); own != stream.samples_of.end())
+    if (--own->second == 0) stream.samples_of.erase(own);
+  if (stream.watched) effects_.push_back({.stream = id, .row = row.id});
   return {};
 }
 
-Status SampleStore::erase_instance(Stream& stream, const KeyHash& key) {
+Status SampleStore::erase_instance(StreamId id, Stream& stream, const KeyHash& key) {
   const auto held = stream.instances.find(key);
   if (held == stream.instances.end()) return {};
-  for (const auto& row : held->second) DDSSEC_TRY(erase_row(row));
-  stream.samples -= held->second.size();
+  for (const auto& row : held->second) DDSSEC_TRY(erase_row(id, stream, row));
   stream.instances.erase(held);
   std::erase_if(stream.ended, [&](const Ended& ended) { return ended.key == key; });
   return {};
 }
 
-Status SampleStore::clean_up(Stream& stream, std::int64_t now) {
+Status SampleStore::clean_up(StreamId id, Stream& stream, std::int64_t now) {
   while (!stream.ended.empty() && stream.ended.front().due <= now)
-    DDSSEC_TRY(erase_instance(stream, KeyHash(stream.ended.front().key)));
+    DDSSEC_TRY(erase_instance(id, stream, KeyHash(stream.ended.front().key)));
   return {};
+}
+
+void SampleStore::watch(StreamId stream) {
+  if (const auto found = streams_.find(stream); found != streams_.end())
+    found->second.watched = true;
 }
 
 std::size_t SampleStore::size(StreamId stream) const {

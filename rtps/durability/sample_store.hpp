@@ -39,12 +39,28 @@ struct StoredChange {
   std::optional<GuidPrefix> identity = {};
 };
 
+/// Something that a commit did to a stream.
+struct StoreEffect {
+  StreamId stream;
+  std::int64_t row = 0;  ///< identifies a sample
+  /// The change that the row holds now, by its place among all that were committed (from 1).
+  /// 0: the row was removed.
+  std::uint64_t stored = 0;
+};
+
+/// The samples of a stream, and the rows that hold them.
+struct StoredHistory {
+  std::vector<Change> changes;
+  std::vector<std::int64_t> rows;
+};
+
 /// Committed changes survive the end of the process or, for a file, of the machine. Changes that
 /// were not committed leave no trace. One thread at a time; one process for each file.
 class SampleStore {
  public:
   static constexpr std::size_t kMostStreams = 1024;
-  static constexpr std::size_t kMostSamples = 1 << 20;  ///< of a stream without RESOURCE_LIMITS
+  /// Limit for a stream without RESOURCE_LIMITS. Of it, one identity gets no more than is free.
+  static constexpr std::size_t kMostSamples = 1 << 20;
   static constexpr std::size_t kDefaultOctets = std::size_t{4} << 30;
 
   /// An empty path opens a store in memory. A file that is missing or empty becomes a store that
@@ -65,15 +81,23 @@ class SampleStore {
   /// Returns the samples in the order in which they were stored, oldest first, each with its
   /// original writer. Errors: rtps_store_unusable (a sample differs from what was stored),
   /// rtps_store_failed.
-  Result<std::vector<Change>> load(StreamId stream);
+  Result<StoredHistory> load(StreamId stream);
   /// Stores all changes or, if it fails, none. Exceptions:
   /// - A change above the limits of DURABILITY_SERVICE is left out and counted. With KEEP_LAST the
   ///   oldest one is removed instead.
-  /// - A change above the share of its identity is left out and counted. If it is the end of an
-  ///   instance, the instance is removed.
+  /// - A change above the share of its identity, in octets or in samples of the stream, is left out
+  ///   and counted. If it is the end of an instance, the instance is removed.
   /// Disposed instances are removed after service_cleanup_delay; `now` is the calendar time.
   /// Errors: rtps_store_failed, rtps_store_unusable.
   Status commit(std::span<const StoredChange> changes, Time now);
+
+  /// From now on, what commits do to the stream is noted, until the stream is closed.
+  void watch(StreamId stream);
+  /// What the last commits did to watched streams, in the order in which it happened. Must be taken
+  /// before the next commit.
+  std::vector<StoreEffect> take_effects() { return std::exchange(effects_, {}); }
+  /// For tests: another limit than kMostSamples.
+  void limit_samples(std::size_t most) { most_samples_ = most; }
 
   /// The number of writers that have samples in it, or will have: at most kMostStreams.
   Result<std::size_t> streams();
@@ -104,6 +128,8 @@ class SampleStore {
     std::map<KeyHash, Rows> instances;
     std::deque<Ended> ended;  ///< disposed instances that have not been removed yet
     std::size_t samples = 0;
+    std::map<StoreShares::Account, std::size_t> samples_of;  ///< without those of kNone
+    bool watched = false;
   };
 
   SampleStore(Database database, std::string path)
@@ -129,11 +155,14 @@ class SampleStore {
   /// With KEEP_LAST: how many of an instance's rows the next one replaces.
   static std::size_t replaced(const Stream& stream, const Rows& rows);
   Result<bool> has_share(StoreShares::Account account, std::size_t octets, std::size_t freed);
+  /// The same for the samples of a stream. `freed`: how many of its own the next one replaces.
+  bool has_place(const Stream& stream, StoreShares::Account account, std::size_t freed) const;
+  void count(Stream& stream, const Row& row);
   Status measure_room();
   bool has_room(const Stream& stream, const KeyHash& key) const;
-  Status erase_instance(Stream& stream, const KeyHash& key);
-  Status erase_row(const Row& row);
-  Status clean_up(Stream& stream, std::int64_t now);
+  Status erase_instance(StreamId id, Stream& stream, const KeyHash& key);
+  Status erase_row(StreamId id, Stream& stream, const Row& row);
+  Status clean_up(StreamId id, Stream& stream, std::int64_t now);
   std::unexpected<Error> damaged(std::int64_t row) const;
 
   Database database_;
@@ -146,6 +175,10 @@ class SampleStore {
   std::size_t free_ = 0, measured_free_ = 0;
   std::int64_t last_row_ = 0, last_stream_ = 0;
   std::uint64_t left_out_ = 0, over_share_ = 0;
+  std::size_t most_samples_ = kMostSamples;
+  std::uint64_t committed_ = 0;  ///< number of changes, including those that were left out
+  std::uint64_t place_ = 0;      ///< of the change that is being committed
+  std::vector<StoreEffect> effects_;
 };
 
 }  // namespace ddssec::rtps

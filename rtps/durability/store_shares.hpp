@@ -1,5 +1,6 @@
-// How much of a store the samples of each identity use. No identity may use more than is free, so
-// that there is always room for another identity.
+// How much of a store the samples of each identity use. No identity may use more octets of the
+// store than are free, and no more places of a stream than are free in it. So there is always room
+// for another identity.
 #pragma once
 
 #include <map>

@@ -45,6 +45,10 @@ class Keeper final : private DataReaderListener {
   /// left_out() because of the limits of DURABILITY_SERVICE or the share of their identity.
   std::uint64_t dropped() const;
   std::uint64_t left_out() const { return store_->left_out(); }
+  /// What late joiners get: the number of samples, and the octets of their payloads. At most what
+  /// the store holds.
+  std::uint64_t served() const;
+  std::uint64_t served_octets() const;
   /// Number of samples that are not in the store yet, and so were not acknowledged.
   std::uint64_t unstored() const { return store_->pending(); }
   /// Waits until everything that arrived before is stored. Errors: those of DurableStore::flush.

@@ -10,14 +10,18 @@ namespace {
 
 // A commit takes about this long.
 constexpr MonotonicTime kLook = std::chrono::milliseconds(5);
+// How often samples are looked for that the store removes later.
+constexpr MonotonicTime kRareLook = std::chrono::seconds(1);
 
 // The policies of the original writer, so that every reader that matches it also matches this
-// writer. With OWNERSHIP EXCLUSIVE, this writer has the lowest strength.
+// writer. With OWNERSHIP EXCLUSIVE, this writer has the lowest strength. It has no limits of its
+// own: DURABILITY_SERVICE limits what is stored, and only that is served.
 Qos serving_qos(const Qos& original) {
   auto qos = original;
   qos.reliability.kind = ReliabilityKind::reliable;
-  qos.history = qos.durability_service.history;
-  qos.resource_limits = qos.durability_service.limits;
+  qos.history.kind = HistoryKind::keep_all;
+  const auto most = std::numeric_limits<std::int32_t>::max();
+  qos.resource_limits = {.max_samples = most, .max_samples_per_instance = most};
   qos.ownership_strength = std::numeric_limits<std::int32_t>::min();
   qos.presentation = {};
   qos.user_data.clear();
@@ -60,11 +64,13 @@ Status KeptTopic::open(DomainId domain) {
                 .topic = like_.topic_name,
                 .type = like_.type_name,
                 .partition = like_.qos.partition};
-  auto opened = DDSSEC_TRY(store_.open_stream(std::move(key), like_.qos.durability_service));
+  auto opened = DDSSEC_TRY(store_.open_stream(std::move(key), like_.qos.durability_service, true));
   stream_ = opened.id;
   const std::lock_guard held(context_.mutex());
   has_samples_ = !opened.history.empty();
   for (const auto& change : opened.history) seen_.add(SeenOriginals::of(change));
+  for (std::size_t i = 0; i < opened.rows.size(); ++i)
+    rows_[opened.rows[i]] = {static_cast<std::int64_t>(i) + 1};
   auto serving = request(serving_qos(like_.qos));
   serving.history = std::move(opened.history);
   serving.history_only = true;
@@ -74,6 +80,7 @@ Status KeptTopic::open(DomainId domain) {
       DDSSEC_TRY(context_.protocol().create_reader(request(reading_qos(like_.qos)), *this, now));
   context_.protocol().local_endpoints().reader(reader_)->acknowledge_before(
       [this](const Guid& from, SequenceNumber next) { return first_unstored(from, next); });
+  look_again(now);
   context_.reschedule();
   return {};
 }
@@ -105,12 +112,11 @@ bool KeptTopic::on_change(Change& change) {
   change.coherence = {};
   const auto [now, wall] = context_.moment();
   if (!change.source_time) change.source_time = wall;
-  unstored_.push_back({store_.append(*stream_, change, wall, identity_of(change.writer.prefix)),
-                       change.writer, change.sequence_number});
-  call_at(now + kLook);
-  auto& writer = *context_.protocol().local_endpoints().writer(writer_);
-  if (writer.has_room(change.payload.size(), change.key_hash.value_or(KeyHash{})))
-    writer.write(change, now);
+  const auto number = store_.append(*stream_, change, wall, identity_of(change.writer.prefix));
+  const auto writer = change.writer;
+  const auto original = change.sequence_number;
+  unstored_.push_back({number, writer, original, server().write(change, now)});
+  look_again(now);
   return true;
 }
 
@@ -131,16 +137,48 @@ SequenceNumber KeptTopic::first_unstored(const Guid& writer, SequenceNumber next
   return at == unstored_.end() ? next : at->change;
 }
 
+StatefulWriter& KeptTopic::server() const {
+  return *context_.protocol().local_endpoints().writer(writer_);
+}
+
+std::uint64_t KeptTopic::served() const { return server().history().size(); }
+std::uint64_t KeptTopic::served_octets() const { return server().history().octets(); }
+
+void KeptTopic::serve(const std::vector<StoreEffect>& effects) {
+  auto& writer = server();
+  for (const auto& effect : effects) {
+    if (effect.stored == 0) {
+      if (const auto gone = rows_.extract(effect.row)) writer.discard(gone.mapped());
+      continue;
+    }
+    const auto at = std::ranges::lower_bound(unstored_, effect.stored, {}, &Unstored::number);
+    if (at == unstored_.end() || at->number != effect.stored) continue;
+    at->stored = true;
+    rows_[effect.row] = at->served;
+  }
+}
+
+// What is disposed is removed from the store after service_cleanup_delay, by any later commit.
+void KeptTopic::look_again(MonotonicTime now) {
+  const auto delay = like_.qos.durability_service.cleanup_delay;
+  if (!unstored_.empty())
+    call_at(now + kLook);
+  else if (!rows_.empty() && delay != kDurationZero && !delay.is_infinite())
+    call_at(now + kRareLook);
+}
+
 void KeptTopic::on_time(MonotonicTime now) {
   const auto stored = store_.committed();
+  serve(store_.take_effects(*stream_));
   const auto before = unstored_.size();
-  while (!unstored_.empty() && unstored_.front().number <= stored) unstored_.pop_front();
+  for (; !unstored_.empty() && unstored_.front().number <= stored; unstored_.pop_front())
+    if (!unstored_.front().stored) server().discard(unstored_.front().served);
   auto* reader = context_.protocol().local_endpoints().reader(reader_);
   if (unstored_.size() != before && reader != nullptr) {
     reader->offer_again();
     reader->acknowledge_again();
   }
-  if (!unstored_.empty()) call_at(now + kLook);
+  look_again(now);
 }
 
 void KeptTopic::on_sample_dropped(const Guid& writer, std::uint32_t octets) {

@@ -12,7 +12,9 @@
 namespace ddssec::rtps {
 
 /// A sample is acknowledged only when it is stored, because a writer may leave once its samples are
-/// acknowledged. Called by the participant, with its lock held.
+/// acknowledged. Late joiners get what is stored, and what is being stored: the limits of the
+/// store, with the shares of all identities, are those of the memory as well. Called by the
+/// participant, with its lock held.
 class KeptTopic final : private EndpointListener, private Timed {
  public:
   /// `writer`: the announcement of one of its writers. `on_first_sample` is called with the lock
@@ -27,6 +29,9 @@ class KeptTopic final : private EndpointListener, private Timed {
   /// The caller holds the lock:
   std::uint64_t without_key() const { return without_key_; }
   std::uint64_t dropped() const { return dropped_; }
+  /// What late joiners get: the number of samples, and the octets of their payloads.
+  std::uint64_t served() const;
+  std::uint64_t served_octets() const;
   bool has_samples() const { return has_samples_; }
   const std::string& name() const { return like_.topic_name; }
   /// True if a writer that may write to it matched, or if it has samples.
@@ -43,6 +48,10 @@ class KeptTopic final : private EndpointListener, private Timed {
   void on_sample_lost(std::int64_t) override {}
   void on_sample_dropped(const Guid& writer, std::uint32_t octets) override;
   void on_time(MonotonicTime now) override;
+  StatefulWriter& server() const;
+  /// Does to what is served what was done to the store.
+  void serve(const std::vector<StoreEffect>& effects);
+  void look_again(MonotonicTime now);
   SequenceNumber first_unstored(const Guid& writer, SequenceNumber next);
   void on_alive(const Guid&) override {}
   void on_acknowledged() override {}
@@ -66,8 +75,12 @@ class KeptTopic final : private EndpointListener, private Timed {
     std::uint64_t number;  ///< see DurableStore::append
     Guid writer;
     SequenceNumber change;
+    SequenceNumber served;  ///< its number in what is served
+    bool stored = false;
   };
   std::deque<Unstored> unstored_;
+  /// What is served, by its row in the store.
+  std::map<std::int64_t, SequenceNumber> rows_;
 };
 
 }  // namespace ddssec::rtps

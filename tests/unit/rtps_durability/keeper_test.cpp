@@ -167,6 +167,45 @@ TEST_P(KeeperTest, DurabilityServiceSaysHowMuchIsKept) {
   EXPECT_EQ(late_joiner(*service, b, 2), (Values{7, 8}));
 }
 
+// Beyond 65,536 samples, the next ones were stored and acknowledged, and given to no late joiner.
+TEST_P(KeeperTest, AllThatIsStoredIsServed) {
+  if (GetParam() == testing::Way::network) return;  // takes long, and the keeper is the same
+  constexpr std::uint64_t kCount = WriterHistory::kMostChanges + 500;
+  auto service = Keeper::create(options(), {}, environment).value();
+  auto qos = durable(DurabilityKind::transient, 100);
+  qos.durability_service.history.kind = HistoryKind::keep_all;
+  auto& writer = a.writer(qos);
+  ASSERT_TRUE(keeps(*service, 1));
+  for (std::uint64_t i = 0; i < kCount; ++i) {
+    ASSERT_TRUE(writer.write({"north", static_cast<std::int64_t>(i)}));
+    if (i % 50 == 0) service->poll(0ms), a.participant->poll(0ms);
+  }
+  for (int i = 0; i < 500 && service->served() < kCount; ++i) both(*service, 1);
+  ASSERT_TRUE(service->flush(10s));
+  both(*service);
+  EXPECT_EQ(service->served(), kCount);
+}
+
+TEST_P(KeeperTest, WhatTheStoreRemovesIsNoLongerServed) {
+  const auto service = keeper();
+  auto& writer = a.writer(durable(DurabilityKind::transient, 2));
+  ASSERT_TRUE(keeps(*service, 1));
+  for (int i = 0; i < 9; ++i) ASSERT_TRUE(writer.write({"north", i}));
+  ASSERT_TRUE(writer.write({"south", 9}));
+  both(*service);
+  ASSERT_TRUE(service->flush(10s));
+  both(*service);
+  EXPECT_EQ(service->served(), 3u);
+  ASSERT_TRUE(writer.dispose({"north"}));
+  both(*service);
+  ASSERT_TRUE(service->flush(10s));
+  both(*service);
+  EXPECT_EQ(service->served(), 1u);
+  ASSERT_TRUE(a.publisher->delete_contained_entities());
+  both(*service);
+  EXPECT_EQ(late_joiner(*service, b, 1), (Values{9}));
+}
+
 TEST_P(KeeperTest, OnlyDurableWritersOfTheWantedTopicsAreKept) {
   const auto other = keeper({"Other*"});
   a.writer(durable(DurabilityKind::transient));

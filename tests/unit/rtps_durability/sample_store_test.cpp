@@ -20,7 +20,7 @@ struct SampleStoreTest : StoreTest {
     if (!store) return {};
     const auto held = store->load(*store->stream(kMap, service));
     EXPECT_TRUE(held) << held.error().to_sentence();
-    return held ? numbers(*held, instances) : Numbers{};
+    return held ? numbers(held->changes, instances) : Numbers{};
   }
   /// Stores samples `from` up to `to` in one commit.
   void store(std::uint32_t from, std::uint32_t to, const DurabilityService& service = keep_all(),
@@ -79,7 +79,7 @@ TEST_F(SampleStoreTest, StreamsDoNotMix) {
   for (std::uint32_t i = 0; i < 5; ++i)
     ASSERT_TRUE(opened->commit({{StoredChange{ids[i], sample(i)}}}, seconds(0)));
   for (std::uint32_t i = 0; i < 5; ++i)
-    EXPECT_EQ(numbers(*opened->load(*opened->stream(keys[i], keep_all()))), Numbers{i});
+    EXPECT_EQ(numbers(opened->load(*opened->stream(keys[i], keep_all()))->changes), Numbers{i});
 }
 
 StreamKey junk(std::size_t number) {
@@ -107,7 +107,7 @@ TEST_F(SampleStoreTest, StreamsWithoutSamplesLeaveNothingBehind) {
   EXPECT_EQ(*opened.streams(), 2u);
   ASSERT_TRUE(opened.close(emptied));
   EXPECT_EQ(*opened.streams(), 1u);
-  EXPECT_EQ(numbers(*opened.load(*opened.stream(kMap, keep_all()))), Numbers{0});
+  EXPECT_EQ(numbers(opened.load(*opened.stream(kMap, keep_all()))->changes), Numbers{0});
 }
 
 // 1024 announcements filled a store for good.
@@ -126,8 +126,8 @@ TEST_F(SampleStoreTest, AStoreThatWasFilledWithEmptyStreamsHasRoomAgain) {
   const auto id = opened.stream(junk(0), keep_all());
   ASSERT_TRUE(id);
   ASSERT_TRUE(opened.commit({{StoredChange{*id, sample(7)}}}, seconds(0)));
-  EXPECT_EQ(numbers(*opened.load(*opened.stream(kMap, keep_all()))), (Numbers{0, 1, 2}));
-  EXPECT_EQ(numbers(*opened.load(*id)), Numbers{7});
+  EXPECT_EQ(numbers(opened.load(*opened.stream(kMap, keep_all()))->changes), (Numbers{0, 1, 2}));
+  EXPECT_EQ(numbers(opened.load(*id)->changes), Numbers{7});
 }
 
 TEST_F(SampleStoreTest, LimitsLeaveOutWhatDoesNotFit) {
@@ -164,7 +164,7 @@ TEST_F(SampleStoreTest, DisposedInstancesGoWhenTheirDelayIsOver) {
   ASSERT_TRUE(
       opened.commit({{StoredChange{id, sample(0)}, StoredChange{id, dispose(0)}}}, seconds(0)));
   EXPECT_EQ(opened.size(id), 2u);
-  const auto held = *opened.load(id);
+  const auto held = opened.load(id)->changes;
   EXPECT_TRUE(held[1].status.disposed);
   EXPECT_TRUE(held[1].key_only);
   ASSERT_TRUE(opened.commit({}, seconds(9)));
@@ -269,6 +269,53 @@ TEST_F(ShareTest, OneIdentityLeavesRoomForAnother) {
     open();  // it is known of before, too
     EXPECT_EQ(fill(1, octets, 10), 0u) << octets;
     EXPECT_GT(fill(3, octets, most), 0u);
+  }
+}
+
+// One identity filled a stream with a million small samples. Samples of others were acknowledged
+// and not stored.
+TEST_F(ShareTest, OneIdentityLeavesPlacesOfAStreamForAnother) {
+  open();
+  store->limit_samples(100);
+  EXPECT_EQ(fill(1, 10, 200, 7), 50u);
+  EXPECT_EQ(store->over_share(), 150u);
+  EXPECT_EQ(fill(2, 10, 100), 25u);
+  EXPECT_EQ(store->left_out(), 0u);
+  EXPECT_EQ(std::ranges::count(store->take_refusals(), 1u, &StoreShares::Refusals::samples), 2);
+  open();
+  store->limit_samples(100);
+  EXPECT_EQ(fill(1, 10, 10), 0u) << "what is stored from before counts";
+  EXPECT_EQ(fill(3, 10, 20), 13u);
+  ASSERT_TRUE(store->commit({{StoredChange{id, dispose(0), identity(1)}}}, seconds(2)));
+  EXPECT_GT(fill(1, 10, 10), 0u) << "what is removed makes room";
+}
+
+TEST_F(ShareTest, WithKeepLastOwnSamplesGiveWayInAFullStream) {
+  service = keep_last(1);
+  open();
+  store->limit_samples(100);
+  EXPECT_EQ(fill(1, 10, 100, 100), 50u);
+  const auto refused = store->over_share();
+  fill(1, 10, 50, 50);
+  EXPECT_EQ(store->size(id), 50u);
+  EXPECT_EQ(store->over_share(), refused);
+}
+
+TEST_F(ShareTest, WhatCommitsDoToAWatchedStreamIsNoted) {
+  service = keep_last(1);
+  open();
+  fill(1, 10, 10, 10);
+  EXPECT_TRUE(store->take_effects().empty());
+  const auto rows = store->load(id)->rows;
+  ASSERT_EQ(rows.size(), 10u);
+  store->watch(id);
+  fill(1, 10, 10, 5);
+  const auto effects = store->take_effects();
+  ASSERT_EQ(effects.size(), 20u);
+  for (std::size_t i = 0; i < 5; ++i) {
+    EXPECT_EQ(effects[2 * i].row, rows[i]);
+    EXPECT_EQ(effects[2 * i].stored, 0u) << "removed";
+    EXPECT_EQ(effects[2 * i + 1].stored, 11 + i);
   }
 }
 
@@ -425,11 +472,11 @@ TEST_F(SampleStoreTest, DamageIsNoticed) {
       continue;
     }
     const auto id = opened->stream(kMap, keep_all());
-    const auto held = id ? opened->load(*id) : Result<std::vector<Change>>(std::vector<Change>{});
+    const auto held = id ? opened->load(*id) : Result<StoredHistory>(StoredHistory{});
     const bool good = id && held;
     noticed += good ? 0 : 1;
-    if (good && !held->empty()) {
-      EXPECT_EQ(numbers(*held), before);
+    if (good && !held->changes.empty()) {
+      EXPECT_EQ(numbers(held->changes), before);
     }
   }
   EXPECT_GT(noticed, 50);

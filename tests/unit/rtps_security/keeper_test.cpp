@@ -129,6 +129,8 @@ TEST_F(SecuredKeeper, OneIdentityDoesNotFillTheStore) {
   write(alice, 1'000'000, 20);
   EXPECT_EQ(keeper->left_out(), before) << process.events.text();
   ASSERT_TRUE(keeper->flush(5s));
+  run(5);
+  EXPECT_EQ(keeper->served(), 3020 - before) << "what is not stored was held in memory";
 }
 
 }  // namespace
