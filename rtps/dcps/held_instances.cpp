@@ -46,7 +46,8 @@ HeldInstances::HeldInstances(const Qos& qos)
       max_instances_(limit_of(qos.resource_limits.max_instances, kMaxInstances)),
       max_per_instance_(limit_of(qos.resource_limits.max_samples_per_instance, kMaxSamples)),
       by_source_(qos.destination_order == DestinationOrderKind::by_source),
-      shares_(qos.resource_limits.max_instances == kLengthUnlimited) {}
+      shares_(qos.resource_limits.max_instances == kLengthUnlimited),
+      shares_samples_(qos.resource_limits.max_samples == kLengthUnlimited) {}
 
 HeldInstance* HeldInstances::find(const KeyHash& key) const {
   const auto at = by_key_.find(key);
@@ -65,17 +66,32 @@ bool HeldInstances::has_room_for_instance(const std::optional<GuidPrefix>& ident
   return own == of_identity_.end() || own->second < free;
 }
 
-SampleRejectedReason HeldInstances::rejects(const HeldInstance* instance, const Change& change,
-                                            const std::optional<GuidPrefix>& identity) const {
+bool HeldInstances::has_room_for_octets(std::size_t octets, const HeldShareOf& share,
+                                        const Freed& freed) const {
+  const auto held = octets_ - freed.octets;
+  if (held + octets > kMaxOctets) return false;
+  if (!share || octets <= freed.own) return true;
+  return share->octets - freed.own + octets <= kMaxOctets - held;
+}
+
+HeldInstances::Rejection HeldInstances::rejects(const HeldInstance* instance, const Change& change,
+                                                const Payer& payer, std::size_t key_octets) const {
   using Reason = SampleRejectedReason;
-  if (instance == nullptr && !has_room_for_instance(identity)) return Reason::by_instances_limit;
+  if (instance == nullptr && !has_room_for_instance(payer.identity))
+    return {Reason::by_instances_limit, true};
   const bool replaces = change.is_alive() && instance != nullptr && is_full(*instance);
-  const auto freed = replaces ? instance->oldest()->change.payload.size() : 0;
-  if (octets_ - freed + change.payload.size() > kMaxOctets) return Reason::by_samples_limit;
-  if (replaces || !change.is_alive()) return Reason::not_rejected;
+  Freed freed;
+  if (replaces) freed.octets = instance->oldest()->change.payload.size();
+  if (replaces && instance->oldest()->share == payer.share) freed.own = freed.octets;
+  const auto octets = key_octets + (change.is_alive() ? change.payload.size() : 0);
+  if (!has_room_for_octets(octets, payer.share, freed)) return {Reason::by_samples_limit, true};
+  if (replaces || !change.is_alive()) return {};
   if (instance != nullptr && instance->valid() >= max_per_instance_)
-    return Reason::by_samples_per_instance_limit;
-  return samples_ < max_samples_ ? Reason::not_rejected : Reason::by_samples_limit;
+    return {Reason::by_samples_per_instance_limit};
+  if (samples_ >= max_samples_) return {Reason::by_samples_limit};
+  const bool has_share =
+      !shares_samples_ || !payer.share || payer.share->samples < max_samples_ - samples_;
+  return has_share ? Rejection{} : Rejection{Reason::by_samples_limit, true};
 }
 
 bool HeldInstances::is_full(const HeldInstance& instance) const {
@@ -83,26 +99,51 @@ bool HeldInstances::is_full(const HeldInstance& instance) const {
          instance.valid() >= static_cast<std::size_t>(history_.depth);
 }
 
-Room HeldInstances::room_for(std::size_t samples, std::size_t octets) const {
+// If they are stored one after the other, the last one is within the share if all of them together
+// are no more than what is free afterwards.
+Room HeldInstances::room_for(std::size_t samples, std::size_t octets,
+                             const HeldShareOf& share) const {
   const bool replaces = history_.kind == HistoryKind::keep_last;
-  const auto fits = [&](std::size_t held, std::size_t held_octets) {
-    return (replaces || held + samples <= max_samples_) && held_octets + octets <= kMaxOctets;
+  const auto fits = [&](const HeldShare& all, const HeldShare& own) {
+    const HeldShare then{all.samples + samples, all.octets + octets};
+    if (then.octets > kMaxOctets || (!replaces && then.samples > max_samples_)) return false;
+    if (!share) return true;
+    const bool has_places =
+        replaces || !shares_samples_ || own.samples + samples <= max_samples_ - then.samples;
+    return has_places && own.octets + octets <= kMaxOctets - then.octets;
   };
-  return fits(samples_, octets_) ? Room::now : fits(0, 0) ? Room::later : Room::never;
+  if (fits({samples_, octets_}, share ? *share : HeldShare{})) return Room::now;
+  return fits({}, {}) ? Room::later : Room::never;
 }
 
-HeldInstance& HeldInstances::create(const KeyHash& key, Payload key_value,
-                                    const std::optional<GuidPrefix>& identity) {
+void HeldInstances::hold(const HeldShareOf& share, std::size_t octets) {
+  octets_ += octets;
+  if (share) share->octets += octets;
+}
+
+void HeldInstances::let_go(const HeldShareOf& share, std::size_t octets) {
+  octets_ -= octets;
+  if (share) share->octets -= octets;
+}
+
+void HeldInstances::count_sample(const HeldSample& sample, int sign) {
+  const auto change = [sign](std::size_t& count) { sign > 0 ? ++count : --count; };
+  change(samples_);
+  if (sample.share) change(sample.share->samples);
+}
+
+HeldInstance& HeldInstances::create(const KeyHash& key, Payload key_value, const Payer& payer) {
   if (instances_.size() >= max_instances_) forget(*idle_.front());
   const InstanceHandle handle{next_handle_++};
   auto& instance = instances_[handle];
   instance.handle = handle;
   instance.key = key;
   instance.key_value = std::move(key_value);
-  octets_ += instance.key_value.size();
+  instance.share = payer.share;
+  hold(instance.share, instance.key_value.size());
   by_key_[key] = &instance;
-  instance.identity = identity;
-  if (shares_ && identity) ++of_identity_[*identity];
+  instance.identity = payer.identity;
+  if (shares_ && payer.identity) ++of_identity_[*payer.identity];
   return instance;
 }
 
@@ -122,7 +163,7 @@ void HeldInstances::settle(HeldInstance& instance) {
 
 void HeldInstances::forget(HeldInstance& instance) {
   by_key_.erase(instance.key);
-  octets_ -= instance.key_value.size();
+  let_go(instance.share, instance.key_value.size());
   if (const auto& identity = instance.identity; shares_ && identity)
     if (--of_identity_.at(*identity) == 0) of_identity_.erase(*identity);
   for (const auto& writer : instance.writers) joined_.erase({writer, instance.handle});
@@ -139,8 +180,11 @@ void HeldInstances::insert(HeldInstance& instance, HeldSample held) {
   }
   ++instance.unread;
   if (arrivals_ != nullptr) held.arrival = ++*arrivals_;
-  octets_ += held.change.payload.size();
-  ++(held.valid ? samples_ : instance.invalid);
+  hold(held.share, held.change.payload.size());
+  if (held.valid)
+    count_sample(held, 1);
+  else
+    ++instance.invalid;
   if (held.expires != kNever) held.expiry = ++expiries_;
   if (spare_.empty()) {
     instance.held.insert(before, std::move(held));
@@ -168,12 +212,16 @@ void HeldInstances::insert_invalid(HeldInstance& instance, const Guid& writer,
 
 HeldSamples::iterator HeldInstances::erase(HeldInstance& instance, HeldSamples::const_iterator at) {
   instance.unread -= at->is_read ? 0 : 1;
-  octets_ -= at->change.payload.size();
-  --(at->valid ? samples_ : instance.invalid);
+  let_go(at->share, at->change.payload.size());
+  if (at->valid)
+    count_sample(*at, -1);
+  else
+    --instance.invalid;
   if (at->expires != kNever) expiring_.erase({at->expires, at->expiry});
   const auto next = instance.held.erase(at, at);  // converts the const_iterator to an iterator
   if (spare_.size() >= kMaxSpare) return instance.held.erase(next);
   next->change.payload = {};
+  next->share.reset();
   const auto after = std::next(next);
   spare_.splice(spare_.end(), instance.held, next);
   return after;
@@ -192,15 +240,18 @@ void HeldInstances::erase_all(HeldInstance& instance) {
   for (auto at = instance.held.begin(); at != instance.held.end();) at = erase(instance, at);
 }
 
-void HeldInstances::hold_back(HeldInstance& instance, std::optional<Change> change) {
+void HeldInstances::hold_back(HeldInstance& instance, std::optional<Change> change,
+                              const HeldShareOf& share) {
   take_held_back(instance);
-  if (!change || octets_ + change->payload.size() > kMaxOctets) return;
-  octets_ += change->payload.size();
+  if (!change || !has_room_for_octets(change->payload.size(), share, {})) return;
+  hold(share, change->payload.size());
   instance.held_back = std::move(change);
+  instance.share_of_held_back = share;
 }
 
 std::optional<Change> HeldInstances::take_held_back(HeldInstance& instance) {
-  if (instance.held_back) octets_ -= instance.held_back->payload.size();
+  if (instance.held_back) let_go(instance.share_of_held_back, instance.held_back->payload.size());
+  instance.share_of_held_back.reset();
   return std::exchange(instance.held_back, std::nullopt);
 }
 

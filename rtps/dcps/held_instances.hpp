@@ -10,6 +10,7 @@
 #include <set>
 #include <vector>
 
+#include "rtps/dcps/held_shares.hpp"
 #include "rtps/dcps/link.hpp"
 #include "rtps/dcps/status.hpp"
 #include "rtps/qos/qos.hpp"
@@ -26,6 +27,7 @@ struct HeldSample {
   MonotonicTime expires = kNever;
   std::uint64_t expiry = 0;   ///< distinguishes samples that expire at the same time
   std::uint64_t arrival = 0;  ///< position in the order of arrival, if that order is kept
+  HeldShareOf share = {};     ///< of its writer's identity
   std::int32_t generations() const { return disposed_generations + no_writers_generations; }
 };
 using HeldSamples = std::list<HeldSample>;
@@ -60,13 +62,15 @@ struct HeldInstance {
   std::size_t unread = 0, invalid = 0;
   /// Of the first sample's writer; see ReaderCache::set_writer.
   std::optional<GuidPrefix> identity;
+  HeldShareOf share;               ///< the same; its key counts for it
   std::vector<Guid> writers;       ///< those that are alive and have not unregistered the instance
   std::optional<Guid> owner;       ///< only with OWNERSHIP EXCLUSIVE
   std::optional<Time> seen_until;  ///< source time of the newest sample that was read or taken
   MonotonicTime deadline = kNever;
   MonotonicTime quiet_until{};      ///< TIME_BASED_FILTER
   std::optional<Change> held_back;  ///< kept until quiet_until
-  Link<HeldInstance> ready{this};   ///< list of the instances that have samples
+  HeldShareOf share_of_held_back;
+  Link<HeldInstance> ready{this};  ///< list of the instances that have samples
   /// List of the instances without samples that are not alive: the first to be removed.
   Link<HeldInstance> idle{this};
   Link<HeldInstance> due{this};    ///< list in the order of deadlines
@@ -86,11 +90,12 @@ enum class Room : std::uint8_t {
 
 class HeldInstances {
  public:
-  /// The limit where RESOURCE_LIMITS says "unlimited", so that memory stays bounded.
-  static constexpr std::size_t kMaxSamples = 65536;
-  /// The same for instances. In addition, no identity may have the first sample of more instances
-  /// than are still free, so that there is always room for another identity.
+  /// The limits where RESOURCE_LIMITS says "unlimited", so that memory stays bounded. No identity
+  /// may have more samples than are still free, nor the first sample of more instances than are
+  /// still free. So there is always room for another identity.
+  static constexpr std::size_t kMaxSamples = 131072;
   static constexpr std::size_t kMaxInstances = 131072;
+  /// Limit for the octets of samples and keys, with the same rule.
   static constexpr std::size_t kMaxOctets = std::size_t{256} << 20;
 
   explicit HeldInstances(const Qos& qos);
@@ -103,17 +108,25 @@ class HeldInstances {
   /// The instances with samples. An instance may be removed while the list is iterated.
   const LinkedList<HeldInstance>& ready() const { return ready_; }
 
+  /// Whose shares a change uses.
+  struct Payer {
+    const std::optional<GuidPrefix>& identity;
+    const HeldShareOf& share;
+  };
+  struct Rejection {
+    SampleRejectedReason reason = SampleRejectedReason::not_rejected;
+    bool crowded = false;  ///< due to a limit that identities share
+  };
   /// Returns the limit that leaves no room for the change, or not_rejected. `instance`: the
-  /// instance of the change; nullptr: a new instance of `identity`.
-  SampleRejectedReason rejects(const HeldInstance* instance, const Change& change,
-                               const std::optional<GuidPrefix>& identity = {}) const;
+  /// instance of the change; nullptr: a new one with a key of so many octets.
+  Rejection rejects(const HeldInstance* instance, const Change& change, const Payer& payer,
+                    std::size_t key_octets) const;
   /// With KEEP_LAST: the next sample replaces the oldest one.
   bool is_full(const HeldInstance& instance) const;
-  /// Whether this many more samples can be stored, of any instances.
-  Room room_for(std::size_t samples, std::size_t octets) const;
+  /// Whether this many more samples of an identity can be stored, of any instances.
+  Room room_for(std::size_t samples, std::size_t octets, const HeldShareOf& share) const;
   /// Must be called only if `rejects` found room. May remove the oldest idle instance to make room.
-  HeldInstance& create(const KeyHash& key, Payload key_value,
-                       const std::optional<GuidPrefix>& identity = {});
+  HeldInstance& create(const KeyHash& key, Payload key_value, const Payer& payer);
   /// Must be called after a change to the instance. Moves it to the lists where it belongs, or
   /// forgets it.
   void settle(HeldInstance& instance);
@@ -135,7 +148,8 @@ class HeldInstances {
   MonotonicTime next_expiry() const;
   void erase_all(HeldInstance& instance);
   /// Keeps a change for later, instead of the one kept before. Keeps none if there is no room.
-  void hold_back(HeldInstance& instance, std::optional<Change> change);
+  void hold_back(HeldInstance& instance, std::optional<Change> change,
+                 const HeldShareOf& share = {});
   std::optional<Change> take_held_back(HeldInstance& instance);
 
   void join(HeldInstance& instance, const Guid& writer);
@@ -151,7 +165,11 @@ class HeldInstances {
   /// True if any sample is in these states.
   bool any(const States& states) const;
   std::size_t samples() const { return samples_; }
-  std::size_t max_samples() const { return max_samples_; }
+  /// The most samples and octets that one identity can have, if no other has any.
+  std::size_t most_samples_of_one() const {
+    return shares_samples_ ? max_samples_ / 2 : max_samples_;
+  }
+  static constexpr std::size_t kMostOctetsOfOne = kMaxOctets / 2;
   std::size_t octets() const { return octets_; }
 
   /// Keeps the counts by state correct across any change to an instance. The instance must outlive
@@ -173,10 +191,18 @@ class HeldInstances {
  private:
   void count(const HeldInstance& instance, int sign);
   bool has_room_for_instance(const std::optional<GuidPrefix>& identity) const;
+  /// `freed`: octets that go at the same time; `own`: those of them of the same share.
+  struct Freed {
+    std::size_t octets = 0, own = 0;
+  };
+  bool has_room_for_octets(std::size_t octets, const HeldShareOf& share, const Freed& freed) const;
+  void hold(const HeldShareOf& share, std::size_t octets);
+  void let_go(const HeldShareOf& share, std::size_t octets);
+  void count_sample(const HeldSample& sample, int sign);
 
   const History history_;
   const std::size_t max_samples_, max_instances_, max_per_instance_;
-  const bool by_source_, shares_;
+  const bool by_source_, shares_, shares_samples_;
   std::uint64_t* arrivals_ = nullptr;
   LinkedList<HeldInstance> ready_, idle_;  ///< must outlive the instances that are in them
   std::map<InstanceHandle, HeldInstance> instances_;

@@ -145,7 +145,7 @@ void Presenter::give_up(Batch& batch, const Source& source, const WantedByReader
   for (const auto& item : batch.items) refund(source, price_of(item));
   for (const auto& [reader, its] : wanted) {
     const bool is_cause = limit != PresentedReader::Limit::samples ||
-                          reader->room_for(its.samples, its.octets) == Room::never;
+                          reader->room_for(its.samples, its.octets, its.writer) == Room::never;
     is_cause ? reader->give_up(its.writer, its.samples, limit) : reader->lose(its.samples);
   }
 }
@@ -274,7 +274,7 @@ Presenter::WantedByReader Presenter::wanted_of(const Batch& batch) {
 Room Presenter::room_for(const WantedByReader& wanted) {
   auto out = Room::now;
   for (const auto& [reader, its] : wanted)
-    out = std::max(out, reader->room_for(its.samples, its.octets));
+    out = std::max(out, reader->room_for(its.samples, its.octets, its.writer));
   return out;
 }
 

@@ -23,8 +23,9 @@ class PresentedReader {
   };
 
   virtual ~PresentedReader() = default;
-  /// Whether this many samples with this many octets of payload can be stored.
-  virtual Room room_for(std::size_t samples, std::size_t octets) const = 0;
+  /// Whether this many samples with this many octets of payload can be stored. `writer`: one of
+  /// their writers, all of which have the same identity.
+  virtual Room room_for(std::size_t samples, std::size_t octets, const Guid& writer) const = 0;
   virtual void present(Change& change) = 0;
   /// Reports samples of a set that will never be complete.
   virtual void lose(std::size_t samples) = 0;

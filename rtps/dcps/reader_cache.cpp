@@ -19,17 +19,13 @@ ReaderCache::ReaderCache(const Qos& qos, KeyOf key_of)
 
 void ReaderCache::set_writer(const Guid& writer, std::int32_t strength, Duration lifespan,
                              const std::optional<GuidPrefix>& identity) {
-  writers_[writer] = {strength, lifespan, identity};
+  writers_[writer] = {strength, lifespan, identity, identity ? shares_.of(*identity) : nullptr};
 }
 
-std::optional<GuidPrefix> ReaderCache::identity_of(const Guid& writer) const {
-  const auto at = writers_.find(writer);
-  return at == writers_.end() ? std::nullopt : at->second.identity;
-}
-
-std::int32_t ReaderCache::strength_of(const Guid& writer) const {
-  const auto at = writers_.find(writer);
-  return at == writers_.end() ? 0 : at->second.strength;
+const ReaderCache::Writer& ReaderCache::writer_of(const Guid& guid) const {
+  static const Writer kUnknown{};
+  const auto at = writers_.find(guid);
+  return at == writers_.end() ? kUnknown : at->second;
 }
 
 InstanceHandle ReaderCache::lookup(const KeyHash& key) const {
@@ -46,7 +42,7 @@ const Payload* ReaderCache::key_value(InstanceHandle instance) const {
 // that every reader chooses the same.
 bool ReaderCache::may_own(const Instance& instance, const Guid& writer) const {
   if (!exclusive_ || !instance.owner || *instance.owner == writer) return true;
-  const auto ours = strength_of(writer), theirs = strength_of(*instance.owner);
+  const auto ours = writer_of(writer).strength, theirs = writer_of(*instance.owner).strength;
   return ours > theirs || (ours == theirs && writer < *instance.owner);
 }
 
@@ -72,6 +68,10 @@ MonotonicTime ReaderCache::expiry_of(const Change& change, const Moment& at) con
 }
 
 ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at) {
+  return store(change, at, writer_of(change.writer).share);
+}
+
+ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at, const HeldShareOf& share) {
   const auto key = change.key_hash.value_or(KeyHash{});
   auto* instance = held_.find(key);
   const auto handle = instance == nullptr ? InstanceHandle{} : instance->handle;
@@ -88,17 +88,21 @@ ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at) {
   }
   if (instance != nullptr && is_too_old(*instance, change)) return dropped;
   if (instance != nullptr && at.now < instance->quiet_until && change.is_alive()) {
-    if (reliable_) held_.hold_back(*instance, std::move(change));
+    if (reliable_) held_.hold_back(*instance, std::move(change), share);
     return dropped;
   }
-  const auto identity = instance == nullptr ? identity_of(change.writer) : std::nullopt;
-  const auto reason = held_.rejects(instance, change, identity);
-  if (reason != SampleRejectedReason::not_rejected) return {Outcome::rejected, reason, handle};
-  if (instance == nullptr)
-    instance =
-        &held_.create(key, key_of_ ? Payload::copy_of(key_of_(change)) : Payload{}, identity);
+  Payload key_value;
+  if (instance == nullptr && key_of_) key_value = Payload::copy_of(key_of_(change));
+  const std::optional<GuidPrefix> known_instance;
+  const HeldInstances::Payer payer{
+      instance == nullptr ? writer_of(change.writer).identity : known_instance, share};
+  const auto [reason, crowded] = held_.rejects(instance, change, payer, key_value.size());
+  if (reason != SampleRejectedReason::not_rejected)
+    return {Outcome::rejected, reason, handle, crowded};
+  if (instance == nullptr) instance = &held_.create(key, std::move(key_value), payer);
   if (change.is_alive())
-    store_alive(*instance, change, expires, at.now);
+    store_alive(*instance, {.change = std::move(change), .expires = expires, .share = share},
+                at.now);
   else
     store_end(*instance, change, at.now);
   const Stored stored{Outcome::stored, {}, instance->handle};
@@ -106,20 +110,18 @@ ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at) {
   return stored;
 }
 
-void ReaderCache::store_alive(Instance& instance, Change& change, MonotonicTime expires,
-                              MonotonicTime now) {
+void ReaderCache::store_alive(Instance& instance, HeldSample sample, MonotonicTime now) {
   const Recount recount(held_, instance);
   revive(instance);
-  held_.join(instance, change.writer);
-  if (exclusive_) instance.owner = change.writer;
+  held_.join(instance, sample.change.writer);
+  if (exclusive_) instance.owner = sample.change.writer;
   // The sample that reports the instance's end is obsolete once it has been read.
   if (instance.invalid > 0 && instance.invalid_sample()->is_read)
     held_.erase(instance, instance.invalid_sample());
   if (held_.is_full(instance)) held_.erase(instance, instance.oldest());
-  held_.insert(instance, {.change = std::move(change),
-                          .disposed_generations = instance.disposed_generations,
-                          .no_writers_generations = instance.no_writers_generations,
-                          .expires = expires});
+  sample.disposed_generations = instance.disposed_generations;
+  sample.no_writers_generations = instance.no_writers_generations;
+  held_.insert(instance, std::move(sample));
   restart_deadline(instance, now);
   if (separation_.count() > 0) begin_quiet(instance, now);
 }
@@ -290,13 +292,14 @@ bool ReaderCache::release(const Moment& at) {
   while (!quiet_.empty() && quiet_.front()->quiet_until <= at.now) {
     auto& instance = *quiet_.front();
     instance.quiet.leave();
+    const auto share = instance.share_of_held_back;  // its writer may be gone
     auto change = held_.take_held_back(instance);
     if (!change) continue;
-    const auto outcome = store(*change, at).outcome;
+    const auto outcome = store(*change, at, share).outcome;
     any = any || outcome == Outcome::stored;
     if (outcome != Outcome::rejected) continue;
     begin_quiet(instance, at.now);
-    held_.hold_back(instance, std::move(change));
+    held_.hold_back(instance, std::move(change), share);
   }
   return any;
 }

@@ -23,7 +23,8 @@ class ReaderCache {
   explicit ReaderCache(const Qos& qos, KeyOf key_of = nullptr);
 
   /// Adds a matched writer, or changes its OWNERSHIP_STRENGTH. `identity`: the identity whose share
-  /// its new instances count for (ParticipantCore::identity_of); empty: they are not counted.
+  /// its samples and new instances count for (ParticipantCore::identity_of); empty: they are not
+  /// counted.
   void set_writer(const Guid& writer, std::int32_t strength, Duration lifespan,
                   const std::optional<GuidPrefix>& identity = {});
   /// The writer was unmatched or is no longer alive: it leaves all its instances. Returns true if
@@ -35,6 +36,7 @@ class ReaderCache {
     Outcome outcome = Outcome::stored;
     SampleRejectedReason reason = SampleRejectedReason::not_rejected;
     InstanceHandle instance;
+    bool crowded = false;  ///< rejected due to a limit that identities share
   };
   /// Stores the change, unless it is rejected: then nothing has changed, and it may be offered
   /// again. A change is dropped if readers must not see it: its writer is not the owner, or it is
@@ -48,12 +50,12 @@ class ReaderCache {
   std::vector<std::uint64_t> arrivals(const States& states) const {
     return rtps::arrivals(held_, states);
   }
-  /// Whether this many more samples can be stored, of any instances.
-  Room room_for(std::size_t samples, std::size_t octets) const {
-    return held_.room_for(samples, octets);
+  /// Whether this many more samples of a writer's identity can be stored, of any instances.
+  Room room_for(std::size_t samples, std::size_t octets, const Guid& writer) const {
+    return held_.room_for(samples, octets, writer_of(writer).share);
   }
-  /// The largest number of samples that it can hold.
-  std::size_t max_samples() const { return held_.max_samples(); }
+  /// The largest number of samples that it can hold of one identity.
+  std::size_t most_samples_of_one() const { return held_.most_samples_of_one(); }
   /// Appends the samples that match the query to `out`; samples of one instance are adjacent.
   void select(const Query& query, const Moment& at, std::vector<OctetSample>& out);
   /// True if a select with these states would find something.
@@ -100,14 +102,16 @@ class ReaderCache {
     std::int32_t strength = 0;
     Duration lifespan = kDurationInfinite;
     std::optional<GuidPrefix> identity = {};
+    HeldShareOf share = {};
   };
 
+  Stored store(Change& change, const Moment& at, const HeldShareOf& share);
+  /// Returns the default values for a writer that is not matched.
+  const Writer& writer_of(const Guid& guid) const;
   bool may_own(const Instance& instance, const Guid& writer) const;
-  std::int32_t strength_of(const Guid& writer) const;
-  std::optional<GuidPrefix> identity_of(const Guid& writer) const;
   bool is_too_old(const Instance& instance, const Change& change) const;
   MonotonicTime expiry_of(const Change& change, const Moment& at) const;
-  void store_alive(Instance& instance, Change& change, MonotonicTime expires, MonotonicTime now);
+  void store_alive(Instance& instance, HeldSample sample, MonotonicTime now);
   void store_end(Instance& instance, const Change& change, MonotonicTime now);
   void revive(Instance& instance);
   bool leave(Instance& instance, const Guid& writer, MonotonicTime now);
@@ -121,6 +125,7 @@ class ReaderCache {
   ReaderDataLifecycle lifecycle_;
   KeyOf key_of_;
   MonotonicTime separation_{};  ///< TIME_BASED_FILTER; 0: none
+  HeldShares shares_;
   std::map<Guid, Writer> writers_;
   InstanceTimes purges_;
   LinkedList<Instance> due_, quiet_;

@@ -109,20 +109,25 @@ void SampleReception::reject(const Change& change, const ReaderCache::Stored& st
   rejected_.last_reason = stored.reason;
   rejected_.last_instance_handle = stored.instance;
   reports_.of_reader.note(StatusKind::sample_rejected);
-  if (stored.reason == SampleRejectedReason::by_instances_limit) report_crowded(change.writer);
+  if (stored.crowded) report_crowded(change.writer, stored.reason);
 }
 
 /// Reported rarely (on the 1st, 2nd, 4th, 8th ... time), because a writer that takes all places
 /// offers more changes than the reader can report.
-void SampleReception::report_crowded(const Guid& writer) {
-  if (!std::has_single_bit(++crowded_)) return;
+void SampleReception::report_crowded(const Guid& writer, SampleRejectedReason reason) {
+  const bool instances = reason == SampleRejectedReason::by_instances_limit;
+  auto& count = instances ? crowded_ : crowded_samples_;
+  if (!std::has_single_bit(++count)) return;
+  const auto limit = instances ? std::string("RESOURCE_LIMITS.max_instances")
+                               : fmt::format("{} and {} octets", HeldInstances::kMaxSamples,
+                                             HeldInstances::kMaxOctets);
   context_.protocol().remote_participants().raise_about(
-      Error(Code::rtps_instances_crowded,
+      Error(instances ? Code::rtps_instances_crowded : Code::rtps_samples_crowded,
             {.document = "topic " + topic_.name(),
-             .field = "instances",
-             .expected = "at most RESOURCE_LIMITS.max_instances, and of one identity no more than "
-                         "are free",
-             .found = fmt::format("{} samples of further ones so far", crowded_),
+             .field = instances ? "instances" : "samples and their octets",
+             .expected = "at most " + limit + ", and of one identity no more than are free",
+             .found = fmt::format("{} samples {}so far", count,
+                                  instances ? "of further ones " : "more "),
              .note = "another event follows when they are twice as many"}),
       reader_.entity, writer);
 }
@@ -135,8 +140,8 @@ void SampleReception::give_up(const Guid& writer, std::size_t samples, Limit lim
   const auto expected =
       limit == Limit::samples ? fmt::format(
                                     "at most {} samples and {} octets, all of which the "
-                                    "reader can hold",
-                                    cache().max_samples(), HeldInstances::kMaxOctets)
+                                    "reader can hold of one identity",
+                                    cache().most_samples_of_one(), HeldInstances::kMostOctetsOfOne)
       : limit == Limit::share ? "open sets of one identity that take no more than is free"
                               : "room in the reader before its writer ends";
   context_.protocol().remote_participants().raise_about(

@@ -76,8 +76,8 @@ class SampleReception final : private PresentedReader, private Timed {
   SampleRejectedStatus& rejected_status() { return rejected_; }
 
  private:
-  Room room_for(std::size_t samples, std::size_t octets) const override {
-    return cache().room_for(samples, octets);
+  Room room_for(std::size_t samples, std::size_t octets, const Guid& writer) const override {
+    return cache().room_for(samples, octets, writer);
   }
   void present(Change& change) override { store(change); }
   void lose(std::size_t samples) override { on_lost(static_cast<std::int64_t>(samples)); }
@@ -85,7 +85,7 @@ class SampleReception final : private PresentedReader, private Timed {
   void on_time(MonotonicTime now) override;
   bool store(Change& change);
   void reject(const Change& change, const ReaderCache::Stored& stored);
-  void report_crowded(const Guid& writer);
+  void report_crowded(const Guid& writer, SampleRejectedReason reason);
   void report_unreadable_key(const Change& change);
   void note_data();
 
@@ -102,7 +102,8 @@ class SampleReception final : private PresentedReader, private Timed {
   std::pair<Guid, SequenceNumber> last_rejected_;
   SampleLostStatus lost_;
   SampleRejectedStatus rejected_;
-  std::uint64_t crowded_ = 0;   ///< changes rejected by the limit on instances
+  /// Changes rejected by the limits that identities share: on instances, and on samples.
+  std::uint64_t crowded_ = 0, crowded_samples_ = 0;
   std::uint64_t given_up_ = 0;  ///< sets that were given up
 };
 

@@ -135,7 +135,7 @@ TEST_F(ReceivedSamplesTest, Reset_OtherPolicies_Count) {
 
 struct Presented final : PresentedReader {
   std::vector<std::int64_t> seen;
-  Room room_for(std::size_t, std::size_t) const override { return Room::now; }
+  Room room_for(std::size_t, std::size_t, const Guid&) const override { return Room::now; }
   void present(Change& change) override { seen.push_back(change.sequence_number.value); }
   void lose(std::size_t) override {}
   void give_up(const Guid&, std::size_t, Limit) override {}

@@ -24,7 +24,7 @@ struct Reader final : PresentedReader {
   std::size_t lost = 0;
   std::vector<Limit> limits;  ///< that ended sets
   explicit Reader(std::vector<std::int64_t>& to) : seen(&to) {}
-  Room room_for(std::size_t samples, std::size_t) const override {
+  Room room_for(std::size_t samples, std::size_t, const Guid&) const override {
     return samples > most ? Room::never : samples > room ? Room::later : Room::now;
   }
   void present(Change& change) override { seen->push_back(change.payload.view()[0]); }
