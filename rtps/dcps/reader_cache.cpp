@@ -46,6 +46,13 @@ bool ReaderCache::may_own(const Instance& instance, const Guid& writer) const {
   return ours > theirs || (ours == theirs && writer < *instance.owner);
 }
 
+void ReaderCache::limit_source_time(Change& change, const Moment& at) {
+  if (!by_source_ || !change.source_time) return;
+  if (change.source_time->to_nanoseconds() - at.wall.to_nanoseconds() <= kMostAhead) return;
+  change.source_time = at.wall;
+  ++times_ahead_;
+}
+
 // True if the change is older than what was already read or taken. Also true if it ends the
 // instance but is older than a later sample, or if a full history would drop it first.
 bool ReaderCache::is_too_old(const Instance& instance, const Change& change) const {
@@ -76,6 +83,7 @@ ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at, const H
   auto* instance = held_.find(key);
   const auto handle = instance == nullptr ? InstanceHandle{} : instance->handle;
   const Stored dropped{Outcome::dropped, {}, handle};
+  limit_source_time(change, at);
   const auto expires = change.is_alive() ? expiry_of(change, at) : kNever;
   const bool of_nobody = instance == nullptr && !change.is_alive() && !change.status.disposed;
   if (expires <= at.now || of_nobody) return dropped;

@@ -20,6 +20,10 @@ class ReaderCache {
   /// Returns the serialized key of a change, which identifies the instance when there is no data
   /// any more.
   using KeyOf = std::function<Bytes(const Change&)>;
+  /// With DESTINATION_ORDER BY_SOURCE_TIMESTAMP: how far a source time may be ahead of our clock. A
+  /// later one counts as the time of arrival (DDS 1.4, 2.2.3.17), so that no sample from the far
+  /// future ends what others write to its instance.
+  static constexpr std::chrono::seconds kMostAhead{10};
   explicit ReaderCache(const Qos& qos, KeyOf key_of = nullptr);
 
   /// Adds a matched writer, or changes its OWNERSHIP_STRENGTH. `identity`: the identity whose share
@@ -91,6 +95,8 @@ class ReaderCache {
   /// Removes all trace of the instance, if it has ended.
   void forget_ended(const KeyHash& key);
 
+  /// Number of changes whose source time was more than kMostAhead ahead; never reset.
+  std::uint64_t times_ahead() const { return times_ahead_; }
   std::size_t samples() const { return held_.samples(); }
   std::size_t instances() const { return held_.all().size(); }
   std::size_t octets() const { return held_.octets(); }
@@ -109,6 +115,7 @@ class ReaderCache {
   /// Returns the default values for a writer that is not matched.
   const Writer& writer_of(const Guid& guid) const;
   bool may_own(const Instance& instance, const Guid& writer) const;
+  void limit_source_time(Change& change, const Moment& at);
   bool is_too_old(const Instance& instance, const Change& change) const;
   MonotonicTime expiry_of(const Change& change, const Moment& at) const;
   void store_alive(Instance& instance, HeldSample sample, MonotonicTime now);
@@ -125,6 +132,7 @@ class ReaderCache {
   ReaderDataLifecycle lifecycle_;
   KeyOf key_of_;
   MonotonicTime separation_{};  ///< TIME_BASED_FILTER; 0: none
+  std::uint64_t times_ahead_ = 0;
   HeldShares shares_;
   std::map<Guid, Writer> writers_;
   InstanceTimes purges_;

@@ -81,7 +81,9 @@ void SampleReception::on_group(const Guid& writer, SequenceNumber group) {
 
 bool SampleReception::store(Change& change) {
   using Outcome = ReceivedSamples::Outcome;
+  const auto times_ahead = cache().times_ahead();
   const auto received = samples_.take(change, filter_.filter(), keys_, context_.moment());
+  if (cache().times_ahead() != times_ahead) report_time_ahead(change.writer);
   call_at(cache().next_tick());
   switch (received.outcome) {
     case Outcome::rejected:
@@ -150,6 +152,21 @@ void SampleReception::give_up(const Guid& writer, std::size_t samples, Limit lim
              .field = "coherent set",
              .expected = expected,
              .found = fmt::format("{} samples; {} sets are given up so far", samples, given_up_),
+             .note = "another event follows when they are twice as many"}),
+      reader_.entity, writer);
+}
+
+/// Reported rarely (on the 1st, 2nd, 4th, 8th ... time): a clock that is wrong stays so.
+void SampleReception::report_time_ahead(const Guid& writer) {
+  const auto count = cache().times_ahead();
+  if (!std::has_single_bit(count)) return;
+  context_.protocol().remote_participants().raise_about(
+      Error(Code::rtps_source_time_ahead,
+            {.document = "topic " + topic_.name(),
+             .field = "source timestamp",
+             .expected =
+                 fmt::format("at most {} s ahead of our clock", ReaderCache::kMostAhead.count()),
+             .found = fmt::format("{} samples that are further ahead so far", count),
              .note = "another event follows when they are twice as many"}),
       reader_.entity, writer);
 }

@@ -86,6 +86,7 @@ class SampleReception final : private PresentedReader, private Timed {
   bool store(Change& change);
   void reject(const Change& change, const ReaderCache::Stored& stored);
   void report_crowded(const Guid& writer, SampleRejectedReason reason);
+  void report_time_ahead(const Guid& writer);
   void report_unreadable_key(const Change& change);
   void note_data();
 
