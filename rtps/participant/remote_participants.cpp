@@ -158,7 +158,7 @@ void RemoteParticipants::renew_lease(RemoteParticipant& remote, const Participan
 
 MonotonicTime RemoteParticipants::next_time(const ParticipantData& data, int share) const {
   if (data.lease_duration.is_infinite()) return kNever;
-  return core_.now + data.lease_duration.to_nanoseconds() / share;
+  return core_.now + std::max(data.lease_duration.to_nanoseconds() / share, kLeastPause);
 }
 
 void RemoteParticipants::shorten_lease(RemoteParticipant& remote, MonotonicTime end) {
@@ -174,8 +174,10 @@ std::vector<GuidPrefix> RemoteParticipants::to_ask() {
   next_question_ = kNever;
   for (auto& [prefix, remote] : remotes_) {
     if (remote.next_question <= core_.now) {
-      if (core_.is_authenticated(prefix)) out.push_back(prefix);
-      remote.next_question = next_time(remote.data, kQuestionsPerLease);
+      const bool is_asked = core_.is_authenticated(prefix);
+      if (is_asked) out.push_back(prefix);
+      const auto next = next_time(remote.data, kQuestionsPerLease);
+      remote.next_question = is_asked ? next : std::max(next, core_.now + kPauseOfUnproven);
     }
     next_question_ = std::min(next_question_, remote.next_question);
   }

@@ -79,6 +79,10 @@ class RemoteParticipants {
   /// frequent that losing most queries and answers does not end the lease.
   static constexpr int kSilentPartOfLease = 3;
   static constexpr int kQuestionsPerLease = 15;
+  /// The shortest time between two queries of a peer, however short a lease is announced.
+  static constexpr MonotonicTime kLeastPause = std::chrono::milliseconds(100);
+  /// How often a participant that is not queried is looked at: it may have authenticated.
+  static constexpr MonotonicTime kPauseOfUnproven = std::chrono::seconds(1);
 
   explicit RemoteParticipants(ParticipantCore& core);
 
@@ -151,7 +155,8 @@ class RemoteParticipants {
   const EndpointData* endpoint(const Guid& guid) const;
 
  private:
-  /// The time after this share of the lease; kNever if the lease does not end.
+  /// The time after this share of the lease, or after kLeastPause if that is later; kNever if the
+  /// lease does not end.
   MonotonicTime next_time(const ParticipantData& data, int share) const;
   /// From now on the participant does not count as unproven.
   void discharge(RemoteParticipant& remote);

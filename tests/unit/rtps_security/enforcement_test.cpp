@@ -128,6 +128,22 @@ TEST(Enforcement, AClearAnnouncementDoesNotShortenTheLeaseOfAnAuthenticatedParti
   for (const auto& [port, octets] : pair.b.post.sent) EXPECT_NE(port, 7666u);
 }
 
+// One such datagram from a stranger kept a participant busy for ten seconds.
+TEST(Enforcement, ALeaseOfNoTimeCausesNoEndlessWork) {
+  Matched pair({});
+  auto data = secured_data(fake_prefix(1));
+  data.lease_duration = Duration{{0, 1}};
+  pair.b->receive(announcement(data), pair.world.now);
+  ASSERT_EQ(pair.b->remote_participants().size(), 2u);
+  int ticks = 0;
+  for (auto now = pair.world.now; now < pair.world.now + std::chrono::seconds(5) && ticks < 5000;
+       ++ticks) {
+    now = std::max(now, pair.b->next_tick());
+    pair.b->tick(now);
+  }
+  EXPECT_LT(ticks, 500);
+}
+
 TEST(Enforcement, WhatSecureDiscoverySaidIsNotUnsaidInTheClear) {
   Matched pair({.discovery = kEncrypt});
   Bytes buffer(64);
