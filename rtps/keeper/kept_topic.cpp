@@ -170,13 +170,15 @@ void KeptTopic::look_again(MonotonicTime now) {
 void KeptTopic::on_time(MonotonicTime now) {
   const auto stored = store_.committed();
   serve(store_.take_effects(*stream_));
-  const auto before = unstored_.size();
-  for (; !unstored_.empty() && unstored_.front().number <= stored; unstored_.pop_front())
+  std::set<Guid> writers;
+  for (; !unstored_.empty() && unstored_.front().number <= stored; unstored_.pop_front()) {
+    writers.insert(unstored_.front().writer);
     if (!unstored_.front().stored) server().discard(unstored_.front().served);
+  }
   auto* reader = context_.protocol().local_endpoints().reader(reader_);
-  if (unstored_.size() != before && reader != nullptr) {
+  if (!writers.empty() && reader != nullptr) {
     reader->offer_again();
-    reader->acknowledge_again();
+    for (const auto& writer : writers) reader->acknowledge_again(writer);
   }
   look_again(now);
 }

@@ -162,9 +162,10 @@ void StatefulReader::acknowledge(WriterProxy& proxy, SequenceNumber last) {
   sender_.flush();
 }
 
-void StatefulReader::acknowledge_again() {
-  for (auto& [guid, proxy] : writers_)
-    if (proxy.is_reliable() && proxy.was_heard()) acknowledge(proxy, proxy.announced());
+void StatefulReader::acknowledge_again(const Guid& writer) {
+  auto* proxy = find(writer);
+  if (proxy != nullptr && proxy->is_reliable() && proxy->was_heard())
+    acknowledge(*proxy, proxy->announced());
 }
 
 void StatefulReader::offer_again() {

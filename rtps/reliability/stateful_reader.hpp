@@ -43,8 +43,8 @@ class StatefulReader final : private Timed {
   /// `next` if there is none before it.
   using Unfinished = std::function<SequenceNumber(const Guid& writer, SequenceNumber next)>;
   void acknowledge_before(Unfinished unfinished) { unfinished_ = std::move(unfinished); }
-  /// Must be called when fewer changes are unfinished: acknowledges to the writers that were heard.
-  void acknowledge_again();
+  /// Must be called when fewer changes of a writer are unfinished: acknowledges to it.
+  void acknowledge_again(const Guid& writer);
   /// Called for a sample that was given up because it is larger than the limit.
   using Dropped = std::function<void(const Guid& writer, std::uint32_t octets)>;
   void on_dropped(Dropped dropped) { dropped_ = std::move(dropped); }

@@ -282,7 +282,10 @@ TEST(Reliability, WhatIsUnfinishedIsNotAcknowledged) {
   EXPECT_EQ(pair.writer.history().first(), SequenceNumber{3});
   EXPECT_FALSE(pair.writer.all_acknowledged());
   unfinished = {100};
-  pair.reader.acknowledge_again();
+  pair.reader.acknowledge_again({pair.writer.guid().prefix, EntityId{{0, 0, 99, 2}}});
+  pair.run(1);
+  EXPECT_FALSE(pair.writer.all_acknowledged()) << "another writer causes no ACKNACK";
+  pair.reader.acknowledge_again(pair.writer.guid());
   pair.run(1);
   EXPECT_TRUE(pair.writer.all_acknowledged());
   EXPECT_THAT(pair.numbers(), ElementsAre(1, 2, 3, 4, 5));
