@@ -12,10 +12,14 @@ namespace {
 constexpr MonotonicTime kLook = std::chrono::milliseconds(5);
 // How often samples are looked for that the store removes later.
 constexpr MonotonicTime kRareLook = std::chrono::seconds(1);
+// What a late joiner is offered at least, because assertions go to all participants for as long as
+// the topic is kept.
+constexpr Duration kLeastLease{{1, 0}};
 
 // The policies of the original writer, so that every reader that matches it also matches this
-// writer. With OWNERSHIP EXCLUSIVE, this writer has the lowest strength. It has no limits of its
-// own: DURABILITY_SERVICE limits what is stored, and only that is served.
+// writer (unless it requests a lease of less than kLeastLease). With OWNERSHIP EXCLUSIVE, this
+// writer has the lowest strength. It has no limits of its own: DURABILITY_SERVICE limits what is
+// stored, and only that is served.
 Qos serving_qos(const Qos& original) {
   auto qos = original;
   qos.reliability.kind = ReliabilityKind::reliable;
@@ -23,6 +27,7 @@ Qos serving_qos(const Qos& original) {
   const auto most = std::numeric_limits<std::int32_t>::max();
   qos.resource_limits = {.max_samples = most, .max_samples_per_instance = most};
   qos.ownership_strength = std::numeric_limits<std::int32_t>::min();
+  qos.liveliness.lease_duration = std::max(qos.liveliness.lease_duration, kLeastLease);
   qos.presentation = {};
   qos.user_data.clear();
   return qos;

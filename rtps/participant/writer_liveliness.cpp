@@ -11,8 +11,13 @@ constexpr std::uint8_t kManualByParticipant = 2;
 /// GUID prefix and kind.
 constexpr std::size_t kKeySize = 16;
 
-/// Several assertions fit into the shortest lease.
+/// Several assertions fit into the shortest lease, but no lease causes more than one in this time.
 constexpr int kAssertionsPerLease = 3;
+constexpr MonotonicTime kLeastPeriod = std::chrono::milliseconds(1);
+
+MonotonicTime period_of(MonotonicTime lease) {
+  return std::max(lease / kAssertionsPerLease, kLeastPeriod);
+}
 
 }  // namespace
 
@@ -25,8 +30,8 @@ WriterLiveliness::WriterLiveliness(ParticipantCore& core, LocalEndpoints& local,
 void WriterLiveliness::expect(const Liveliness& liveliness) {
   if (liveliness.kind != LivelinessKind::automatic || liveliness.lease_duration.is_infinite())
     return;
-  const auto period = liveliness.lease_duration.to_nanoseconds() / kAssertionsPerLease;
-  next_assertion_ = std::min(next_assertion_, core_.now + period);
+  next_assertion_ =
+      std::min(next_assertion_, core_.now + period_of(liveliness.lease_duration.to_nanoseconds()));
 }
 
 void WriterLiveliness::tick() {
@@ -41,7 +46,7 @@ void WriterLiveliness::assert_liveliness(LivelinessKind kind) {
       shortest = std::min(shortest, liveliness.lease_duration.to_nanoseconds());
   }
   if (kind == LivelinessKind::automatic)
-    next_assertion_ = shortest == kNever ? kNever : core_.now + shortest / kAssertionsPerLease;
+    next_assertion_ = shortest == kNever ? kNever : core_.now + period_of(shortest);
   if (shortest == kNever || kind == LivelinessKind::manual_by_topic) return;
   note_alive(remotes_.self(), kind);
   KeyHash key{};

@@ -80,6 +80,21 @@ TEST(Participant, NothingIsDueBeforeABacklogIsRead) {
   EXPECT_FALSE(a.post.sent.empty());
 }
 
+TEST(Participant, AWritersLeaseOfNoTimeCausesNoEndlessWork) {
+  Node a(1), b(2);
+  World world{{&a, &b}};
+  auto qos = default_writer_qos();
+  qos.liveliness.lease_duration = Duration{{0, 1}};
+  ASSERT_TRUE(a.participant.create_writer(square(qos), a.listener, world.now));
+  world.run();
+  int ticks = 0;
+  for (auto now = world.now; now < world.now + seconds(1) && ticks < 20'000; ++ticks) {
+    now = std::max(now, a.participant.next_tick());
+    a.participant.tick(now);
+  }
+  EXPECT_LT(ticks, 5000);
+}
+
 TEST(Participant, ASilentParticipantIsGoneAfterItsLease) {
   Node a(1), b(2);
   World world{{&a, &b}};

@@ -206,6 +206,25 @@ TEST_P(KeeperTest, WhatTheStoreRemovesIsNoLongerServed) {
   EXPECT_EQ(late_joiner(*service, b, 1), (Values{9}));
 }
 
+// A lease of some nanoseconds kept the keeper busy with assertions for good.
+TEST_P(KeeperTest, AVeryShortLeaseIsNotOffered) {
+  const auto service = keeper();
+  auto qos = durable(DurabilityKind::transient);
+  qos.liveliness.lease_duration = Duration{{0, 13}};
+  auto& writer = a.writer(qos);
+  ASSERT_TRUE(keeps(*service, 1));
+  ASSERT_TRUE(writer.write({"north", 1}));
+  both(*service);
+  ASSERT_TRUE(a.publisher->delete_contained_entities());
+  auto& reader = b.reader(late(DurabilityKind::transient));
+  both(*service);
+  const auto writers = reader.matched_publications();
+  ASSERT_EQ(writers.size(), 1u);
+  const auto offered = reader.matched_publication_data(writers.front());
+  ASSERT_TRUE(offered);
+  EXPECT_EQ(offered->qos.liveliness.lease_duration, (Duration{{1, 0}}));
+}
+
 TEST_P(KeeperTest, OnlyDurableWritersOfTheWantedTopicsAreKept) {
   const auto other = keeper({"Other*"});
   a.writer(durable(DurabilityKind::transient));
