@@ -272,9 +272,10 @@ Status SampleStore::read_index(StreamId id, Stream& stream) {
     count(stream,
           stream.instances[hash].emplace_back(rows.number(0), static_cast<std::uint32_t>(octets),
                                               account_of(rows.octets(5))));
+    stream.ended.remove(hash);
     if (rows.number(2) == 0 || stream.service.cleanup_delay.is_infinite()) continue;
     const auto since = std::chrono::seconds(rows.number(3));
-    stream.ended.push_back({(since + stream.service.cleanup_delay.to_nanoseconds()).count(), hash});
+    stream.ended.add(hash, (since + stream.service.cleanup_delay.to_nanoseconds()).count());
   }
   return {};
 }
@@ -464,10 +465,10 @@ Status SampleStore::insert(StreamId id, Stream& stream, const StoredChange& stor
   count(stream,
         stream.instances[key].emplace_back(last_row_, static_cast<std::uint32_t>(octets), account));
   if (stream.watched) effects_.push_back({id, last_row_, place_});
-  std::erase_if(stream.ended, [&](const Ended& ended) { return ended.key == key; });
+  stream.ended.remove(key);
   const auto delay = stream.service.cleanup_delay;
   if (change.status.disposed && !delay.is_infinite())
-    stream.ended.push_back({(now.to_nanoseconds() + delay.to_nanoseconds()).count(), key});
+    stream.ended.add(key, (now.to_nanoseconds() + delay.to_nanoseconds()).count());
   return {};
 }
 
@@ -486,14 +487,39 @@ Status SampleStore::erase_instance(StreamId id, Stream& stream, const KeyHash& k
   if (held == stream.instances.end()) return {};
   for (const auto& row : held->second) DDSSEC_TRY(erase_row(id, stream, row));
   stream.instances.erase(held);
-  std::erase_if(stream.ended, [&](const Ended& ended) { return ended.key == key; });
+  stream.ended.remove(key);
   return {};
 }
 
 Status SampleStore::clean_up(StreamId id, Stream& stream, std::int64_t now) {
-  while (!stream.ended.empty() && stream.ended.front().due <= now)
-    DDSSEC_TRY(erase_instance(id, stream, KeyHash(stream.ended.front().key)));
+  for (auto key = stream.ended.due(now); key; key = stream.ended.due(now)) {
+    stream.ended.remove(*key);
+    DDSSEC_TRY(erase_instance(id, stream, *key));
+  }
   return {};
+}
+
+void SampleStore::Ended::add(const KeyHash& key, std::int64_t due) {
+  remove(key);
+  by_key_.emplace(key, due);
+  by_time_.emplace(due, key);
+}
+
+void SampleStore::Ended::remove(const KeyHash& key) {
+  const auto at = by_key_.find(key);
+  if (at == by_key_.end()) return;
+  by_time_.erase({at->second, key});
+  by_key_.erase(at);
+}
+
+void SampleStore::Ended::clear() {
+  by_key_.clear();
+  by_time_.clear();
+}
+
+std::optional<KeyHash> SampleStore::Ended::due(std::int64_t now) const {
+  if (by_time_.empty() || by_time_.begin()->first > now) return std::nullopt;
+  return by_time_.begin()->second;
 }
 
 void SampleStore::watch(StreamId stream) {

@@ -4,6 +4,8 @@
 
 #include <deque>
 #include <map>
+#include <optional>
+#include <set>
 #include <span>
 #include <vector>
 
@@ -117,16 +119,27 @@ class SampleStore {
     StoreShares::Account account;
   };
   using Rows = std::deque<Row>;
-  struct Ended {
-    std::int64_t due = 0;  ///< calendar time in nanoseconds
-    KeyHash key{};
+  /// The disposed instances that have not been removed yet. Each costs the same, however many there
+  /// are.
+  class Ended {
+   public:
+    /// `due`: calendar time in nanoseconds.
+    void add(const KeyHash& key, std::int64_t due);
+    void remove(const KeyHash& key);
+    void clear();
+    /// The next one that is due at `now`.
+    std::optional<KeyHash> due(std::int64_t now) const;
+
+   private:
+    std::map<KeyHash, std::int64_t> by_key_;
+    std::set<std::pair<std::int64_t, KeyHash>> by_time_;
   };
   struct Stream {
     StreamKey key;
     bool has_row = false;
     DurabilityService service;
     std::map<KeyHash, Rows> instances;
-    std::deque<Ended> ended;  ///< disposed instances that have not been removed yet
+    Ended ended;
     std::size_t samples = 0;
     std::map<StoreShares::Account, std::size_t> samples_of;  ///< without those of kNone
     bool watched = false;

@@ -1,4 +1,5 @@
 #include <csignal>
+#include <ctime>
 #include <numeric>
 #include <random>
 #include <sys/resource.h>
@@ -183,6 +184,43 @@ TEST_F(SampleStoreTest, AnInstanceThatComesBackStays) {
       seconds(0)));
   ASSERT_TRUE(opened.commit({}, seconds(100)));
   EXPECT_EQ(opened.size(id), 3u);
+}
+
+TEST_F(SampleStoreTest, AnInstanceThatCameBackStaysAlsoInAStoreThatIsOpenedAgain) {
+  auto service = keep_all();
+  service.cleanup_delay = Duration{{10, 0}};
+  {
+    auto before = *SampleStore::open(path);
+    const auto id = *before.stream(kMap, service);
+    ASSERT_TRUE(before.commit(
+        {{StoredChange{id, sample(0)}, StoredChange{id, dispose(0)}, StoredChange{id, sample(0)}}},
+        seconds(0)));
+  }
+  auto opened = *SampleStore::open(path);
+  const auto id = *opened.stream(kMap, service);
+  ASSERT_TRUE(opened.commit({}, seconds(100)));
+  EXPECT_EQ(opened.size(id), 3u);
+}
+
+// With each one that was ended, samples of all topics were stored later.
+TEST_F(SampleStoreTest, ManyEndedInstancesCostEachTheirOwn) {
+  constexpr std::uint32_t kMany = 60'000;
+  auto service = keep_all();
+  service.cleanup_delay = Duration{{10, 0}};
+  auto opened = *SampleStore::open("");
+  std::vector<StoredChange> group;
+  const auto id = *opened.stream(kMap, service);
+  for (std::uint32_t i = 0; i < kMany; ++i) {
+    group.push_back({id, dispose(0)});
+    auto& key = *group.back().change.key_hash;
+    for (std::size_t at = 0; at < 4; ++at) key[at] = static_cast<std::uint8_t>(i >> (8 * at));
+  }
+  const auto begin = std::clock();
+  ASSERT_TRUE(opened.commit(group, seconds(0)));
+  EXPECT_EQ(opened.size(id), kMany);
+  ASSERT_TRUE(opened.commit({}, seconds(10)));
+  EXPECT_EQ(opened.size(id), 0u);
+  EXPECT_LT(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC, 3);
 }
 
 TEST_F(SampleStoreTest, WithoutDelayDisposedInstancesGoAtOnce) {
