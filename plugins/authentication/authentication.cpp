@@ -89,6 +89,11 @@ class PkiDh final : public spi::Authentication {
   }
 
   void drop_credentials_given_out();
+  void renew_identities(IdentityHandle local);
+  bool has_outlived(const std::vector<IdentityTable::Ended>& all,
+                    const IdentityTable::Ended& session) const;
+  bool may_go_on(const Pair& pair, const PairHandshake& handshake,
+                 const std::shared_ptr<const Presented>& own) const;
   Result<LocalIdentity> load_local(const spi::PropertyList& properties, const Guid& candidate);
   Result<RemoteIdentity> admit(IdentityHandle local, const std::optional<Token>& auth_request,
                                const Token& identity_token, const Guid& guid);
@@ -98,6 +103,7 @@ class PkiDh final : public spi::Authentication {
                               BytesView participant_data);
   Result<HandshakeStep> step(HandshakeHandle handle, const Token& message);
   Result<HandshakeContext> context(const Pair& pair) const;
+  Status note_authenticated(const Pair& pair, const Established& done);
   void take_up_request(const std::shared_ptr<Pair>& pair);
   Status check_room(const Pair& pair) const;
   void make_room(Pair& pair);
@@ -201,8 +207,37 @@ Status PkiDh::return_identity_handle(IdentityHandle identity) {
   return {};
 }
 
+/// Before anything is judged by the certificate in force.
+void PkiDh::renew_identities(IdentityHandle which) {
+  for (const auto& local : table_.locals(which)) {
+    auto& identity = *local.identity;
+    const auto us = our_name(identity.guid());
+    const auto renewed = identity.renew_identity(environment_.clock);
+    if (!renewed) environment_.events.raise(event_about(us, renewed.error()));
+    if (!renewed || !*renewed) continue;
+    const auto chain = identity.verify(environment_.clock.now());
+    if (!chain) continue;  // it has just ended, and `expire` says so
+    table_.note_renewed(local.handle, *chain);
+    environment_.events.raise(event_about(
+        us,
+        Error(Code::identity_renewed, {.document = identity.identity_path(),
+                                       .field = "notAfter",
+                                       .found = to_string(chain->not_after()),
+                                       .note = "serial number " + chain->certificate().serial()})));
+  }
+}
+
+/// True if our own end is not what ended the session: it would have its own event.
+bool PkiDh::has_outlived(const std::vector<IdentityTable::Ended>& all,
+                         const IdentityTable::Ended& session) const {
+  const auto pair = table_.pair_of(session.handle);
+  return pair && table_.local(pair->local_handle) &&
+         std::ranges::find(all, pair->local_handle, &IdentityTable::Ended::handle) == all.end();
+}
+
 std::vector<IdentityHandle> PkiDh::expire(IdentityHandle local) {
   drop_credentials_given_out();
+  renew_identities(local);
   const auto now = environment_.clock.now();
   const auto revocations = find_revocations(table_, local, stores_, environment_);
   const auto all = table_.ended_by(now, local);
@@ -223,12 +258,13 @@ std::vector<IdentityHandle> PkiDh::expire(IdentityHandle local) {
   }
   for (const auto& ended : all) {
     tell(ended.handle);
+    if (ended.with_ours && !has_outlived(all, ended)) continue;
     events.push_back(event_about(
-        ended.peer,
-        Error(Code::identity_ended, {.document = ended.whose,
-                                     .field = "notAfter",
-                                     .expected = "a time before " + to_string(ended.end),
-                                     .found = to_string(now)})));
+        ended.peer, Error(ended.with_ours ? Code::session_outlived_documents : Code::identity_ended,
+                          {.document = ended.whose,
+                           .field = "notAfter",
+                           .expected = "a time before " + to_string(ended.end),
+                           .found = to_string(now)})));
   }
   for (const auto& own : table_.locals(local))
     for (const auto& error : own.identity->ends_soon(now))
@@ -257,6 +293,14 @@ void PkiDh::take_up_request(const std::shared_ptr<Pair>& pair) {
   pair->handshakes.reserve(pair->handshakes.size() + 1);
   request->handle = table_.add_handshake(pair);
   pair->handshakes.push_back(std::move(*request));
+}
+
+/// A handshake under way goes on with what it began with. If what we present was renewed since, it
+/// has kPendingAge for that; then the same message begins another.
+bool PkiDh::may_go_on(const Pair& pair, const PairHandshake& handshake,
+                      const std::shared_ptr<const Presented>& own) const {
+  return own == pair.local->presented() ||
+         environment_.clock.monotonic() - handshake.since < kPendingAge;
 }
 
 /// Only one that waited long gives way to another.
@@ -322,7 +366,8 @@ Result<PkiDh::HandshakeStep> PkiDh::request(IdentityHandle local, IdentityHandle
   const std::scoped_lock lock(pair->mutex);
   for (const auto& handshake : pair->handshakes) {
     const auto* waiting = std::get_if<AwaitReply>(&handshake.state);
-    if (waiting != nullptr && std::ranges::equal(handshake.participant_data, participant_data))
+    if (waiting != nullptr && may_go_on(*pair, handshake, waiting->own) &&
+        std::ranges::equal(handshake.participant_data, participant_data))
       return HandshakeStep{handshake.handle, ValidationResult::pending_handshake_message,
                            waiting->request};
   }
@@ -351,6 +396,7 @@ Result<PkiDh::HandshakeStep> PkiDh::reply(const Token& request, IdentityHandle l
     if (waiting == nullptr)
       return fail(Code::unexpected_message,
                   {.document = "handshake request", .note = "after the handshake that it began"});
+    if (!may_go_on(*pair, handshake, waiting->own)) continue;
     return HandshakeStep{handshake.handle, ValidationResult::pending_handshake_message,
                          waiting->reply};
   }
@@ -377,6 +423,12 @@ Result<UnprovenOctets::Share> PkiDh::share_of(const Pair& pair, const Token& req
                .found = std::to_string(octets) + " more octets"});
 }
 
+/// Our certificate may have ended since the handshake began, if it was renewed.
+Status PkiDh::note_authenticated(const Pair& pair, const Established& done) {
+  const auto own = DDSSEC_TRY(pair.local->verify(done.own->certificate, environment_.clock.now()));
+  return table_.note_authenticated(pair.remote_handle, {done.peer.chain(), own});
+}
+
 Result<PkiDh::HandshakeStep> PkiDh::process_handshake(HandshakeHandle handshake,
                                                       const Token& message) {
   const auto pair = DDSSEC_TRY(reported(table_.pair_of(handshake)));
@@ -392,7 +444,7 @@ Result<PkiDh::HandshakeStep> PkiDh::step(HandshakeHandle handle, const Token& me
   auto outcome = DDSSEC_TRY(process(handshake->state, what, message));
   if (outcome.next) {
     if (const auto* done = std::get_if<Established>(&*outcome.next))
-      DDSSEC_TRY(table_.note_authenticated(pair->remote_handle, done->peer.chain()));
+      DDSSEC_TRY(note_authenticated(*pair, *done));
     static_assert(std::is_nothrow_move_assignable_v<HandshakeState>);
     handshake->state = std::move(*outcome.next);
     if (!is_pending(*handshake)) handshake->unproven = {};

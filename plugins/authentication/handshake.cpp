@@ -57,15 +57,15 @@ Status check_announced(const HandshakeContext& context, const spi::Challenge& ch
                .found = to_hex(BytesView(challenge).first(16))});
 }
 
-Credentials own_credentials(const LocalIdentity& local, BytesView permissions,
-                            BytesView participant_data, BytesView key_agreement_name) {
-  return {.id = as_bytes(local.certificate().pem()),
-          .permissions = permissions,
-          .participant_data = participant_data,
-          .signature_algorithm =
-              as_bytes(signature_algorithm_name(local.certificate().key_algorithm())),
-          .key_agreement_algorithm = key_agreement_name,
-          .key_agreement = {}};
+Credentials own_credentials(const Presented& own, BytesView participant_data,
+                            BytesView key_agreement_name) {
+  return {
+      .id = as_bytes(own.certificate.pem()),
+      .permissions = own.permissions,
+      .participant_data = participant_data,
+      .signature_algorithm = as_bytes(signature_algorithm_name(own.certificate.key_algorithm())),
+      .key_agreement_algorithm = key_agreement_name,
+      .key_agreement = {}};
 }
 
 std::unexpected<Error> unexpected_message(TokenClass token_class, std::string_view state) {
@@ -104,9 +104,10 @@ Result<HandshakeOutcome> on(const AwaitReply& state, const HandshakeReply& reply
   auto proof =
       DDSSEC_TRY(pki::verify(peer.certificate(), transcript.reply_input(), reply.signature));
   auto secret = DDSSEC_TRY(shared_secret(state.key, peer_key, transcript, peer, context));
-  auto final = DDSSEC_TRY(HandshakeFinal::write(transcript, context.local.key()));
+  auto final = DDSSEC_TRY(HandshakeFinal::write(transcript, state.own->key));
   HandshakeOutcome outcome{ValidationResult::ok_final_message, final};
   outcome.next = Established{.secret = std::move(secret),
+                             .own = state.own,
                              .proof = std::move(proof),
                              .peer = std::move(peer),
                              .transcript = std::move(transcript),
@@ -136,6 +137,7 @@ Result<HandshakeOutcome> on(const AwaitFinal& state, const HandshakeFinal& final
       DDSSEC_TRY(shared_secret(state.key, state.peer_key, state.transcript, state.peer, context));
   HandshakeOutcome outcome{ValidationResult::ok};
   outcome.next = Established{.secret = std::move(secret),
+                             .own = state.own,
                              .proof = std::move(proof),
                              .peer = state.peer,
                              .transcript = state.transcript,
@@ -183,15 +185,16 @@ Result<HandshakeOutcome> start_request(const HandshakeContext& context,
                                        BytesView participant_data) {
   constexpr auto kKind = pki::KeyAgreementKind::ecdh_p256;
   auto key = DDSSEC_TRY(pki::EphemeralKey::generate(kKind));
-  const auto permissions = context.local.permissions();
-  const auto credentials = own_credentials(context.local, *permissions, participant_data,
-                                           as_bytes(key_agreement_name(kKind)));
-  Transcript transcript{.hash_c1 = context.local.hash_of(credentials),
+  auto own = context.local.presented();
+  const auto credentials =
+      own_credentials(*own, participant_data, as_bytes(key_agreement_name(kKind)));
+  Transcript transcript{.hash_c1 = context.local.hash_of(own, credentials),
                         .challenge1 = context.own_challenge,
                         .dh1 = DDSSEC_TRY(public_octets(key, pki::PublicKeyEncoding::point))};
   auto request = HandshakeRequest::write(credentials, transcript);
   HandshakeOutcome outcome{ValidationResult::pending_handshake_message, request};
-  outcome.next = AwaitReply{std::move(key), std::move(transcript), std::move(request)};
+  outcome.next =
+      AwaitReply{std::move(own), std::move(key), std::move(transcript), std::move(request)};
   return outcome;
 }
 
@@ -206,16 +209,17 @@ Result<HandshakeOutcome> start_reply(const HandshakeContext& context, const spi:
   const auto kind = request.credentials.key_agreement;
   auto peer_key = DDSSEC_TRY(pki::PeerPublicKey::parse(kind, request.dh1));
   auto key = DDSSEC_TRY(pki::EphemeralKey::generate(kind));
-  const auto permissions = context.local.permissions();
+  auto own = context.local.presented();
   // Fast DDS demands its own name back, octet for octet. Cyclone DDS accepts it without the NUL.
   const auto name = as_bytes(algorithm_text(request.credentials.key_agreement_algorithm));
-  const auto credentials = own_credentials(context.local, *permissions, participant_data, name);
-  transcript.hash_c2 = context.local.hash_of(credentials);
+  const auto credentials = own_credentials(*own, participant_data, name);
+  transcript.hash_c2 = context.local.hash_of(own, credentials);
   transcript.challenge2 = context.own_challenge;
   transcript.dh2 = DDSSEC_TRY(public_octets(key, peer_key.encoding()));
-  auto reply = DDSSEC_TRY(HandshakeReply::write(credentials, transcript, context.local.key()));
+  auto reply = DDSSEC_TRY(HandshakeReply::write(credentials, transcript, own->key));
   HandshakeOutcome outcome{ValidationResult::pending_handshake_message, reply};
-  outcome.next = AwaitFinal{.key = std::move(key),
+  outcome.next = AwaitFinal{.own = std::move(own),
+                            .key = std::move(key),
                             .peer_key = std::move(peer_key),
                             .transcript = std::move(transcript),
                             .peer = std::move(peer),

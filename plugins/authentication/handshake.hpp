@@ -27,6 +27,7 @@ struct HandshakeContext {
 
 /// The request was sent. The ephemeral key is destroyed with the state.
 struct AwaitReply {
+  std::shared_ptr<const Presented> own;
   pki::EphemeralKey key;
   Transcript transcript;  ///< hash_c1, challenge1, dh1
   spi::Token request;
@@ -34,6 +35,7 @@ struct AwaitReply {
 
 /// The reply was sent.
 struct AwaitFinal {
+  std::shared_ptr<const Presented> own;
   pki::EphemeralKey key;
   pki::PeerPublicKey peer_key;
   Transcript transcript;  ///< complete
@@ -44,6 +46,7 @@ struct AwaitFinal {
 /// The handshake has ended: both sides have proven that they hold the key of their certificate.
 struct Established {
   std::shared_ptr<const spi::SharedSecret> secret;
+  std::shared_ptr<const Presented> own;  ///< what it was proven with
   pki::SignatureValid proof;
   JudgedPeer peer;
   Transcript transcript;

@@ -38,9 +38,9 @@ Result<const IdentityTable::Remote*> IdentityTable::live_remote(spi::IdentityHan
 
 void IdentityTable::set_end(std::int64_t handle, Common& identity, WallTime end,
                             std::string whose) {
-  if (identity.ends && *identity.ends <= end) return;
+  if (identity.has_ended || identity.ends == end) return;
   // The step that can run out of memory comes first, so that an expiry is never lost.
-  if (!identity.has_ended) ends_.emplace(end, handle);
+  ends_.emplace(end, handle);
   drop_end(handle, identity);
   identity.ends = end;
   identity.first_to_end = std::move(whose);
@@ -48,6 +48,13 @@ void IdentityTable::set_end(std::int64_t handle, Common& identity, WallTime end,
 
 void IdentityTable::drop_end(std::int64_t handle, const Common& identity) {
   if (identity.ends) ends_.erase({*identity.ends, handle});
+}
+
+void IdentityTable::note_renewed(spi::IdentityHandle handle, const pki::ChainValid& chain) {
+  const std::unique_lock lock(mutex_);
+  const auto local = locals_.find(handle.value);
+  if (local == locals_.end() || local->second.has_ended) return;
+  set_end(handle.value, local->second, chain.not_after(), chain.first_to_expire());
 }
 
 Result<spi::IdentityHandle> IdentityTable::add_local(std::shared_ptr<LocalIdentity> identity,
@@ -158,7 +165,8 @@ void IdentityTable::drop_handshakes(const Pair& pair) {
   handshakes_of_.erase(handles);
 }
 
-Status IdentityTable::note_authenticated(spi::IdentityHandle handle, const pki::ChainValid& chain) {
+Status IdentityTable::note_authenticated(spi::IdentityHandle handle, const Proofs& proofs) {
+  const auto& [chain, own] = proofs;
   const std::unique_lock lock(mutex_);
   const auto found = remotes_.find(handle.value);
   if (found == remotes_.end()) return {};
@@ -168,7 +176,10 @@ Status IdentityTable::note_authenticated(spi::IdentityHandle handle, const pki::
     DDSSEC_TRY(counts.check_authenticated(remote.pair->remote_guid, remote_limits_));
   auto subject = chain.certificate().subject();
   auto certificate = chain.certificate();
-  set_end(handle.value, remote, chain.not_after(), chain.first_to_expire());
+  const bool ends_with_ours = own.not_after() < chain.not_after();
+  const auto& first = ends_with_ours ? own : chain;
+  set_end(handle.value, remote, first.not_after(), first.first_to_expire());
+  remote.ends_with_ours = ends_with_ours;
   if (!remote.authenticated) counts.authenticate(remote.pair->remote_guid, subject);
   remote.authenticated = std::move(certificate);
   remote.claim.subject = std::move(subject);
@@ -228,7 +239,8 @@ std::vector<IdentityTable::Ended> IdentityTable::ended_by(WallTime now,
     const auto owner = is_remote ? remote->second.pair->local_handle : spi::IdentityHandle{handle};
     if (local && owner != local) continue;
     if (is_remote) {
-      ended.push_back({{handle}, remote->second.name(), remote->second.first_to_end, end});
+      const auto& one = remote->second;
+      ended.push_back({{handle}, one.name(), one.first_to_end, end, one.ends_with_ours});
     } else {
       const auto& own = locals_.at(handle);
       ended.push_back({{handle}, our_name(own.identity->guid()), own.first_to_end, end});

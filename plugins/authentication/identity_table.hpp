@@ -93,9 +93,18 @@ class IdentityTable {
   /// False if there is no such handshake.
   bool remove_handshake(spi::HandshakeHandle handle);
 
-  /// The remote identity has authenticated: from now on it expires with `chain`. Also success if it
-  /// was removed meanwhile. Errors: too_many_remote_identities, too_many_identities_of_subject.
-  Status note_authenticated(spi::IdentityHandle remote, const pki::ChainValid& chain);
+  /// A local identity has a renewed certificate: from now on it expires with `chain`. Its remote
+  /// identities do so when they have authenticated again. Nothing if it has expired.
+  void note_renewed(spi::IdentityHandle local, const pki::ChainValid& chain);
+
+  struct Proofs {
+    const pki::ChainValid& peer;
+    const pki::ChainValid& own;  ///< of the certificate that the peer has seen
+  };
+  /// The remote identity has authenticated: from now on it expires with the certificate that ends
+  /// first. With ours, because then the peer ends the session. Also success if it was removed
+  /// meanwhile. Errors: too_many_remote_identities, too_many_identities_of_subject.
+  Status note_authenticated(spi::IdentityHandle remote, const Proofs& proofs);
 
   /// Removes an identity; a local one with its remote ones. False if there is no such identity.
   bool remove(spi::IdentityHandle handle);
@@ -108,6 +117,7 @@ class IdentityTable {
     PeerName peer;      ///< subject empty for a local identity
     std::string whose;  ///< subject whose certificate ended
     WallTime end;
+    bool with_ours = false;  ///< a remote one whose session our certificate ended
   };
   /// Identities that expired at `now` or earlier and are not marked yet: of one local identity and
   /// its remote ones, or of all (nil).
@@ -162,6 +172,7 @@ class IdentityTable {
     /// The certificate with which it authenticated.
     std::optional<pki::Certificate> authenticated = {};
     std::shared_ptr<Pair> pair;
+    bool ends_with_ours = false;
     PeerName name() const;
   };
   using Remotes = std::unordered_map<std::int64_t, Remote>;

@@ -6,7 +6,9 @@
 
 #include "pki/source.hpp"
 #include "plugins/authentication/adjusted_guid.hpp"
+#include "plugins/authentication/document_errors.hpp"
 #include "plugins/authentication/identity_token.hpp"
+#include "plugins/authentication/identity_watch.hpp"
 #include "plugins/spi/property_names.hpp"
 
 namespace ddssec::authentication {
@@ -16,22 +18,6 @@ namespace property = spi::property;
 
 /// Most certificates that a trusted_ca_dir may hold, as in Cyclone DDS.
 constexpr std::size_t kMostTrustedCas = 100;
-
-/// The property's value; hosts pass an empty text for what is not configured.
-/// An error in what a property names is about that property first.
-Error in(const Error& error, std::string_view document) {
-  auto details = error.details();
-  if (!details.document.empty() && details.document != document)
-    details.note += (details.note.empty() ? "" : "; ") + details.document;
-  details.document = document;
-  return {error.code(), std::move(details)};
-}
-
-template <class T>
-Result<T> in(Result<T> result, std::string_view document) {
-  if (result) return result;
-  return std::unexpected(in(result.error(), document));
-}
 
 /// Says in an error which files the properties name, unless it does already: a folder with the
 /// wrong file in it is found by its path. Never what a property holds itself.
@@ -58,27 +44,6 @@ Result<T> locate(Result<T> result, const spi::PropertyList& properties,
 Result<std::vector<pki::Certificate>> load_bundle(std::string_view uri, std::string_view name) {
   const Bytes octets = DDSSEC_TRY(pki::load_certificates(uri, name, pki::kMostBundleOctets));
   return in(pki::Certificate::bundle_from_pem(octets), name);
-}
-
-Result<pki::Certificate> load_certificate(const spi::PropertyList& properties) {
-  constexpr auto kName = property::kIdentityCertificate;
-  const Bytes octets = DDSSEC_TRY(pki::load_certificates(spi::property_value(properties, kName),
-                                                         kName, pki::kMostCertificateOctets));
-  return in(pki::Certificate::from_pem(octets), kName);
-}
-
-Result<pki::PrivateKey> load_key(const spi::PropertyList& properties) {
-  constexpr auto kName = property::kPrivateKey;
-  const auto uri = spi::property_value(properties, kName);
-  const auto password = spi::property_value(properties, property::kPassword);
-  if (password.empty()) return in(pki::PrivateKey::load(uri, kName), kName);
-  if (password.size() > pki::Passphrase::capacity)
-    return fail(Code::invalid_property,
-                {.document = std::string(property::kPassword),
-                 .expected = "at most " + std::to_string(pki::Passphrase::capacity) + " octets",
-                 .found = std::to_string(password.size())});
-  const auto passphrase = DDSSEC_TRY(pki::Passphrase::copy_of(as_bytes(password)));
-  return in(pki::PrivateKey::load(uri, kName, &passphrase), kName);
 }
 
 /// Certificate authorities among the readable PEM files of a folder, the others passed over.
@@ -146,38 +111,48 @@ Status check_belongs(const pki::PrivateKey& key, const pki::Certificate& certifi
 Result<IdentityFiles> IdentityFiles::load(const spi::PropertyList& properties, TrustStores& stores,
                                           WallTime now) {
   auto warn_before_end = DDSSEC_TRY(spi::warning_days(properties));
+  auto watch = DDSSEC_TRY(IdentityWatch::of(properties));
   auto lists = DDSSEC_TRY(RevocationLists::load(properties));
   constexpr auto kCa = property::kIdentityCa, kKey = property::kPrivateKey;
   constexpr auto kCertificate = property::kIdentityCertificate;
   auto own = DDSSEC_TRY(locate(load_own_trust(properties, lists, stores), properties, {kCa}));
   auto peers = DDSSEC_TRY(load_peer_trust(properties, lists, own, stores));
-  auto certificate = DDSSEC_TRY(locate(load_certificate(properties), properties, {kCertificate}));
-  auto key = DDSSEC_TRY(locate(load_key(properties), properties, {kKey}));
+  auto certificate =
+      DDSSEC_TRY(locate(load_identity_certificate(properties), properties, {kCertificate}));
+  auto key = DDSSEC_TRY(locate(load_identity_key(properties), properties, {kKey}));
   DDSSEC_TRY(locate(check_belongs(key, certificate), properties, {kKey, kCertificate}));
   DDSSEC_TRY(
       locate(in(own->verify(certificate, now), kCertificate), properties, {kCertificate, kCa}));
-  return IdentityFiles{std::move(certificate), std::move(key),   std::move(lists),
-                       std::move(own),         std::move(peers), std::move(warn_before_end)};
+  return IdentityFiles{.certificate = std::move(certificate),
+                       .key = std::move(key),
+                       .watch = std::move(watch),
+                       .revocation_lists = std::move(lists),
+                       .own_trust = std::move(own),
+                       .peer_trust = std::move(peers),
+                       .warn_before_end = std::move(warn_before_end)};
 }
 
 LocalIdentity::LocalIdentity(IdentityFiles files, const Guid& candidate)
-    : files_(std::move(files)),
-      guid_(adjusted_guid(files_.certificate.subject_digest(), candidate)),
-      certificate_warning_(files_.warn_before_end),
-      list_warning_(files_.warn_before_end),
-      permissions_(std::make_shared<const Bytes>(1)) {}
+    : guid_(adjusted_guid(files.certificate.subject_digest(), candidate)),
+      watch_(std::move(files.watch)),
+      revocation_lists_(std::move(files.revocation_lists)),
+      certificate_warning_(files.warn_before_end),
+      list_warning_(files.warn_before_end),
+      own_trust_(std::move(files.own_trust)),
+      peer_trust_(std::move(files.peer_trust)),
+      presented_(std::make_shared<const Presented>(
+          Presented{std::move(files.certificate), std::move(files.key), Bytes(1)})) {}
 
 spi::Token LocalIdentity::identity_token(spi::CipherMask ciphers) const {
   const auto trust = own_trust();
+  const auto own = certificate();
   const auto& anchors = trust->anchors();
-  const auto issuer =
-      std::ranges::find(anchors, files_.certificate.issuer(), &pki::Certificate::subject);
-  return write_identity_token(files_.certificate,
-                              issuer == anchors.end() ? anchors.front() : *issuer, ciphers);
+  const auto issuer = std::ranges::find(anchors, own.issuer(), &pki::Certificate::subject);
+  return write_identity_token(own, issuer == anchors.end() ? anchors.front() : *issuer, ciphers);
 }
 
-Result<pki::ChainValid> LocalIdentity::verify(WallTime now) const {
-  return in(own_trust()->verify(files_.certificate, now), property::kIdentityCertificate);
+Result<pki::ChainValid> LocalIdentity::verify(const pki::Certificate& own, WallTime now) const {
+  return in(own_trust()->verify(own, now), property::kIdentityCertificate);
 }
 
 std::vector<Error> LocalIdentity::ends_soon(WallTime now) {
@@ -187,14 +162,14 @@ std::vector<Error> LocalIdentity::ends_soon(WallTime now) {
   const std::scoped_lock lock(renewal_mutex_);
   std::vector<Error> out;
   const auto end = chain->not_after();
-  if (certificate_warning_.is_due(files_.certificate.not_before(), end, now))
+  if (certificate_warning_.is_due(chain->certificate().not_before(), end, now))
     out.emplace_back(Code::identity_ends_soon, ErrorDetails{.document = chain->first_to_expire(),
                                                             .field = "notAfter",
                                                             .found = spi::in_time(end, now)});
-  const auto* const list = files_.revocation_lists.first_to_end(chain->crl_next_update());
+  const auto* const list = revocation_lists_.first_to_end(chain->crl_next_update());
   if (list != nullptr && list_warning_.is_due(list->this_update(), *list->next_update(), now))
     out.emplace_back(Code::crl_ends_soon,
-                     ErrorDetails{.document = files_.revocation_lists.path(),
+                     ErrorDetails{.document = revocation_lists_.path(),
                                   .field = "nextUpdate",
                                   .found = spi::in_time(*list->next_update(), now)});
   return out;
@@ -202,27 +177,27 @@ std::vector<Error> LocalIdentity::ends_soon(WallTime now) {
 
 std::shared_ptr<const TrustStore> LocalIdentity::own_trust() const {
   const std::scoped_lock lock(mutex_);
-  return files_.own_trust;
+  return own_trust_;
 }
 
 std::shared_ptr<const TrustStore> LocalIdentity::peer_trust() const {
   const std::scoped_lock lock(mutex_);
-  return files_.peer_trust;
+  return peer_trust_;
 }
 
 std::string LocalIdentity::revocation_list_path() const {
   const std::scoped_lock lock(renewal_mutex_);
-  return files_.revocation_lists.path();
+  return revocation_lists_.path();
 }
 
 std::string LocalIdentity::revocation_lists() const {
   const std::scoped_lock lock(renewal_mutex_);
-  return files_.revocation_lists.description();
+  return revocation_lists_.description();
 }
 
 Result<bool> LocalIdentity::renew_revocation_lists(TrustStores& stores, const Clock& clock) {
   const std::scoped_lock lock(renewal_mutex_);
-  return files_.revocation_lists.look(clock.monotonic(), [&](const std::vector<pki::Crl>& lists) {
+  return revocation_lists_.look(clock.monotonic(), [&](const std::vector<pki::Crl>& lists) {
     return adopt(lists, stores, clock.now());
   });
 }
@@ -231,12 +206,12 @@ Result<bool> LocalIdentity::renew_revocation_lists(TrustStores& stores, const Cl
 Status LocalIdentity::adopt(const std::vector<pki::Crl>& lists, TrustStores& stores, WallTime now) {
   const auto former = own_trust();
   if (peer_trust() != former) return fail(Code::trusted_ca_dir_with_crl);
-  DDSSEC_TRY(check_renewal(lists, files_.revocation_lists.in_force(), former->anchors(), now));
+  DDSSEC_TRY(check_renewal(lists, revocation_lists_.in_force(), former->anchors(), now));
   auto renewed = DDSSEC_TRY(stores.open(former->anchors(), lists));
-  const auto own = renewed->verify(files_.certificate, now);
+  const auto own = renewed->verify(certificate(), now);
   if (!own && own.error().code() != Code::certificate_revoked) return std::unexpected(own.error());
   const std::scoped_lock lock(mutex_);
-  files_.own_trust = files_.peer_trust = std::move(renewed);
+  own_trust_ = peer_trust_ = std::move(renewed);
   ++renewals_;
   return {};
 }
@@ -266,28 +241,75 @@ Status LocalIdentity::set_permissions(const spi::Token& credential) {
                  .field = "dds.perm.cert",
                  .expected = "at most " + std::to_string(kMostPermissionsOctets) + " octets",
                  .found = std::to_string(text.size()) + " octets"});
-  auto octets = std::make_shared<const Bytes>(text.empty() ? Bytes(1) : to_bytes(as_bytes(text)));
+  auto octets = text.empty() ? Bytes(1) : to_bytes(as_bytes(text));
   const std::scoped_lock lock(mutex_);
-  permissions_ = std::move(octets);
+  presented_ = std::make_shared<const Presented>(
+      Presented{presented_->certificate, presented_->key, std::move(octets)});
   return {};
 }
 
-std::shared_ptr<const Bytes> LocalIdentity::permissions() const {
+std::shared_ptr<const Presented> LocalIdentity::presented() const {
   const std::scoped_lock lock(mutex_);
-  return permissions_;
+  return presented_;
 }
 
-Sha256Digest LocalIdentity::hash_of(const Credentials& own) const {
+// ---- a renewed certificate
+
+/// The subject is what the GUID, the permissions and the peers' counts go by; the identity token
+/// that discovery announces names the algorithm. An older certificate would end sooner, or bring
+/// back a key that was replaced for a reason.
+Status LocalIdentity::check_renewed(const IdentityWatch::Found& found, WallTime now) const {
+  const auto former = certificate();
+  const auto& renewed = found.certificate;
+  const auto differs = [](std::string_view field, std::string expected, std::string is) {
+    return fail(Code::identity_renewal_refused,
+                {.document = std::string(property::kIdentityCertificate),
+                 .field = std::string(field),
+                 .expected = std::move(expected),
+                 .found = std::move(is)});
+  };
+  if (renewed.subject_digest() != former.subject_digest())
+    return differs("subject", former.subject(), renewed.subject());
+  if (renewed.key_algorithm() != former.key_algorithm())
+    return differs("key algorithm", to_string(former.key_algorithm()),
+                   to_string(renewed.key_algorithm()));
+  if (renewed.not_before() < former.not_before())
+    return differs("notBefore", to_string(former.not_before()) + " or later",
+                   to_string(renewed.not_before()));
+  if (renewed.not_after() < former.not_after())
+    return differs("notAfter", to_string(former.not_after()) + " or later",
+                   to_string(renewed.not_after()));
+  DDSSEC_TRY(check_belongs(found.key, renewed));
+  DDSSEC_TRY(verify(renewed, now));
+  return {};
+}
+
+Result<bool> LocalIdentity::renew_identity(const Clock& clock) {
+  const std::scoped_lock lock(renewal_mutex_);
+  const auto former = presented();
+  const auto found = DDSSEC_TRY(watch_.look(
+      clock.monotonic(), {former->certificate, former->key},
+      [&](const IdentityWatch::Found& one) { return check_renewed(one, clock.now()); }));
+  if (!found) return false;
+  const std::scoped_lock presenting(mutex_);
+  presented_ = std::make_shared<const Presented>(
+      Presented{found->certificate, found->key, presented_->permissions});
+  return true;
+}
+
+// ---- what is presented
+
+Sha256Digest LocalIdentity::hash_of(const std::shared_ptr<const Presented>& presented,
+                                    const Credentials& own) const {
   Bytes variable = to_bytes(own.participant_data);
   const auto name = own.key_agreement_algorithm;
   variable.insert(variable.end(), name.begin(), name.end());
   const std::scoped_lock lock(mutex_);
-  // The permissions meant are the current ones, or others that came meanwhile.
-  const bool current = own.permissions && own.permissions->data() == permissions_->data();
-  if (!current) return own.hash();
-  if (known_hash_ && known_hash_->permissions == permissions_ && known_hash_->variable == variable)
+  // Something else may have been presented since.
+  if (presented != presented_) return own.hash();
+  if (known_hash_ && known_hash_->presented == presented && known_hash_->variable == variable)
     return known_hash_->digest;
-  known_hash_ = KnownHash{std::move(variable), permissions_, own.hash()};
+  known_hash_ = KnownHash{std::move(variable), presented, own.hash()};
   return known_hash_->digest;
 }
 

@@ -8,6 +8,7 @@
 #include "base/ids.hpp"
 #include "pki/private_key.hpp"
 #include "plugins/authentication/credentials.hpp"
+#include "plugins/authentication/identity_watch.hpp"
 #include "plugins/authentication/revocation_lists.hpp"
 #include "plugins/authentication/trust_store.hpp"
 #include "plugins/spi/end_warning.hpp"
@@ -20,6 +21,7 @@ namespace ddssec::authentication {
 struct IdentityFiles {
   pki::Certificate certificate;
   pki::PrivateKey key;
+  IdentityWatch watch;  ///< of the files of certificate and key
   RevocationLists revocation_lists;
   std::shared_ptr<const TrustStore> own_trust;   ///< identity_ca, with the revocation lists
   std::shared_ptr<const TrustStore> peer_trust;  ///< the same, or the trusted_ca_dir
@@ -34,20 +36,32 @@ struct IdentityFiles {
                                     WallTime now);
 };
 
-/// Thread-safe; immutable but for the permissions and the revocation lists.
+/// What a handshake presents. A handshake takes it when it begins and keeps it to its end: what is
+/// renewed meanwhile counts for the next one, and the two never mix.
+struct Presented {
+  pki::Certificate certificate;
+  pki::PrivateKey key;
+  /// c.perm; one NUL as long as there are no permissions, as Cyclone DDS sends and demands.
+  Bytes permissions;
+};
+
+/// Thread-safe; immutable but for what is presented and the revocation lists.
 class LocalIdentity {
  public:
   LocalIdentity(IdentityFiles files, const Guid& candidate);
 
   const Guid& guid() const { return guid_; }
-  const pki::Certificate& certificate() const { return files_.certificate; }
-  const pki::PrivateKey& key() const { return files_.key; }
+  /// What handshakes present that begin now.
+  std::shared_ptr<const Presented> presented() const;
+  pki::Certificate certificate() const { return presented()->certificate; }
   /// The certificates that are trusted now.
   std::shared_ptr<const TrustStore> peer_trust() const;
   spi::Token identity_token(spi::CipherMask ciphers) const;
 
   /// Judges our own certificate again. Errors of ChainVerifier::verify.
-  Result<pki::ChainValid> verify(WallTime now) const;
+  Result<pki::ChainValid> verify(WallTime now) const { return verify(certificate(), now); }
+  /// The same for a certificate that a handshake presents.
+  Result<pki::ChainValid> verify(const pki::Certificate& own, WallTime now) const;
 
   /// The warnings that are due now, each once: identity_ends_soon, crl_ends_soon.
   std::vector<Error> ends_soon(WallTime now);
@@ -62,6 +76,14 @@ class LocalIdentity {
   /// Number and date of each, for a person.
   std::string revocation_lists() const;
 
+  /// Takes a renewed certificate, with its key, if their files hold one: from then on handshakes
+  /// present it. True: it did. Errors: those of IdentityWatch::look. What makes it refuse a
+  /// certificate stands at check_renewed.
+  Result<bool> renew_identity(const Clock& clock);
+
+  /// The path of the certificate; empty if it is no file.
+  const std::string& identity_path() const { return watch_.path(); }
+
   /// How often lists came into force, if no peer was judged by the last ones yet.
   std::optional<std::uint64_t> unapplied_renewal() const;
   void note_applied(std::uint64_t renewal);
@@ -69,33 +91,36 @@ class LocalIdentity {
   /// From a PermissionsCredentialToken. Errors: permissions_credential_wrong, token_field_length.
   Status set_permissions(const spi::Token& credential);
 
-  /// c.perm for the next handshake; one NUL as long as there are no permissions, as Cyclone DDS
-  /// sends and demands.
-  std::shared_ptr<const Bytes> permissions() const;
-
-  /// `own.hash()`, remembered: it is the same for every peer as long as permissions, participant
-  /// data and key agreement are.
-  Sha256Digest hash_of(const Credentials& own) const;
+  /// `own.hash()`, remembered: it is the same for every peer as long as what is presented,
+  /// participant data and key agreement are. `own` is made of `presented`.
+  Sha256Digest hash_of(const std::shared_ptr<const Presented>& presented,
+                       const Credentials& own) const;
 
  private:
   struct KnownHash {
     Bytes variable;  ///< c.pdata and c.kagree_algo
-    std::shared_ptr<const Bytes> permissions;
+    std::shared_ptr<const Presented> presented;
     Sha256Digest digest;
   };
 
   std::shared_ptr<const TrustStore> own_trust() const;
   Status adopt(const std::vector<pki::Crl>& lists, TrustStores& stores, WallTime now);
+  Status check_renewed(const IdentityWatch::Found& found, WallTime now) const;
 
-  IdentityFiles files_;  ///< the trust stores: guarded by mutex_
-  Guid guid_;
-  mutable std::mutex renewal_mutex_;  ///< guards the revocation lists and warnings; before mutex_
+  const Guid guid_;
+  /// Guards watch, lists and warnings; before mutex_. Files are read under it: no handshake waits
+  /// for it.
+  mutable std::mutex renewal_mutex_;
+  IdentityWatch watch_;
+  RevocationLists revocation_lists_;
   spi::EndWarning certificate_warning_;
   spi::EndWarning list_warning_;
   mutable std::mutex mutex_;
+  std::shared_ptr<const TrustStore> own_trust_;
+  std::shared_ptr<const TrustStore> peer_trust_;
   std::uint64_t renewals_ = 0;
   std::uint64_t applied_renewals_ = 0;
-  std::shared_ptr<const Bytes> permissions_;
+  std::shared_ptr<const Presented> presented_;
   mutable std::optional<KnownHash> known_hash_;
 };
 

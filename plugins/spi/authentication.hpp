@@ -35,7 +35,8 @@ inline bool refusal_passes(Code code) {
 /// Nothing that happens to one pair affects another. Only verified documents are shared.
 ///
 /// Thread-safe. A call reads files in only two cases: validate_local_identity reads the configured
-/// files, and `expire` reads a revocation list that has changed. No call does other I/O, waits, or
+/// files, and `expire` reads those of them that have changed: a revocation list, the certificate
+/// and its key. No call does other I/O, waits, or
 /// calls back into the host. The host is responsible for retransmission: it sends the same token
 /// again. A refused message changes nothing: an honest message still succeeds afterwards.
 ///
@@ -145,13 +146,17 @@ class Authentication {
   virtual Status return_identity_handle(IdentityHandle identity) = 0;
 
   /// When the next certificate in use expires; empty if none does. The host calls `expire` at that
-  /// time, and once a second in any case: the clock may be set, or a certificate revoked.
+  /// time, and once a second in any case: the clock may be set, or a certificate revoked or
+  /// renewed.
   virtual std::optional<WallTime> next_expiry() = 0;
+  /// First takes a renewed certificate of a local identity: handshakes that begin later present it.
   /// Raises the events for identities that expired or were revoked, and returns their handles, each
-  /// once. The host then revokes them. A local identity is followed by all its remote ones: a host
-  /// may keep the writers of a participant that it removed (Cyclone DDS does), and no peer may
-  /// remain that receives from them. `local`: only that identity and its remote ones, for a host
-  /// that must not touch other users of the engine. Nil: all.
+  /// once. A remote identity expires also with the local certificate that it has seen, because the
+  /// peer then ends the session; after a renewal both sides authenticate again. The host then
+  /// revokes them. A local identity is followed by all its remote ones: a host may keep the writers
+  /// of a participant that it removed (Cyclone DDS does), and no peer may remain that receives from
+  /// them. `local`: only that identity and its remote ones, for a host that must not touch other
+  /// users of the engine. Nil: all.
   virtual std::vector<IdentityHandle> expire(IdentityHandle local = {}) = 0;
 };
 

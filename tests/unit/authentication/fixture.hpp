@@ -245,6 +245,10 @@ struct Pairing {
   }
   void expect_finish(const spi::Authentication::HandshakeStep& req,
                      const spi::Authentication::HandshakeStep& rep) {
+    expect_finish_of(two, req, rep);
+  }
+  static void expect_finish_of(Two& two, const spi::Authentication::HandshakeStep& req,
+                               const spi::Authentication::HandshakeStep& rep) {
     const auto fin = two.at_low(req.handle, *rep.message);
     ASSERT_OK(fin);
     EXPECT_EQ(fin->result, ValidationResult::ok_final_message);

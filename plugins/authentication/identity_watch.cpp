@@ -1,0 +1,117 @@
+#include "plugins/authentication/identity_watch.hpp"
+
+#include "base/rollback.hpp"
+#include "pki/source.hpp"
+#include "plugins/authentication/document_errors.hpp"
+#include "plugins/spi/files_poll_interval.hpp"
+#include "plugins/spi/property_names.hpp"
+
+namespace ddssec::authentication {
+namespace {
+
+namespace property = spi::property;
+
+Result<Bytes> load_octets(std::string_view uri) {
+  return pki::load_certificates(uri, property::kIdentityCertificate, pki::kMostCertificateOctets);
+}
+
+Result<pki::PrivateKey> load_key(std::string_view uri, const OwnPassphrase& passphrase) {
+  constexpr auto kName = property::kPrivateKey;
+  return in(pki::PrivateKey::load(uri, kName, passphrase.get()), kName);
+}
+
+std::string uri_of(const std::string& path) { return path.empty() ? "" : "file:" + path; }
+
+std::string path_in(const spi::PropertyList& properties, std::string_view name) {
+  const auto uri = spi::property_value(properties, name);
+  return names_token(uri) ? std::string() : file_named_by(uri).value_or("");
+}
+
+}  // namespace
+
+Result<pki::Certificate> load_identity_certificate(const spi::PropertyList& properties) {
+  constexpr auto kName = property::kIdentityCertificate;
+  const Bytes octets = DDSSEC_TRY(load_octets(spi::property_value(properties, kName)));
+  return in(pki::Certificate::from_pem(octets), kName);
+}
+
+Result<pki::PrivateKey> load_identity_key(const spi::PropertyList& properties) {
+  const auto passphrase = DDSSEC_TRY(own_passphrase(properties));
+  return load_key(spi::property_value(properties, property::kPrivateKey), passphrase);
+}
+
+Result<OwnPassphrase> own_passphrase(const spi::PropertyList& properties) {
+  const auto password = spi::property_value(properties, property::kPassword);
+  if (password.empty()) return nullptr;
+  if (password.size() > pki::Passphrase::capacity)
+    return fail(Code::invalid_property,
+                {.document = std::string(property::kPassword),
+                 .expected = "at most " + std::to_string(pki::Passphrase::capacity) + " octets",
+                 .found = std::to_string(password.size())});
+  auto passphrase = DDSSEC_TRY(pki::Passphrase::copy_of(as_bytes(password)));
+  return std::make_shared<const pki::Passphrase>(std::move(passphrase));
+}
+
+Result<IdentityWatch> IdentityWatch::of(const spi::PropertyList& properties) {
+  const auto interval = DDSSEC_TRY(spi::files_poll_interval(properties));
+  IdentityWatch out(path_in(properties, property::kIdentityCertificate),
+                    path_in(properties, property::kPrivateKey), interval);
+  if (!out.key_path_.empty()) out.passphrase_ = DDSSEC_TRY(own_passphrase(properties));
+  return out;
+}
+
+IdentityWatch::IdentityWatch(std::string path, std::string key_path, std::chrono::seconds interval)
+    : path_(std::move(path)),
+      key_path_(path_.empty() ? "" : std::move(key_path)),
+      certificate_(uri_of(path_), interval),
+      key_(uri_of(key_path_), interval) {}
+
+const std::string& IdentityWatch::path_of(const Error& error) const {
+  const bool is_about_key = error.details().document == property::kPrivateKey;
+  return is_about_key && !key_path_.empty() ? key_path_ : path_;
+}
+
+Result<std::optional<IdentityWatch::Found>> IdentityWatch::look(std::chrono::nanoseconds now,
+                                                                const Found& in_force,
+                                                                const Accept& accept) {
+  const bool certificate_may = certificate_.may_have_changed(now);
+  const bool key_may = key_.may_have_changed(now);
+  if (!certificate_may && !key_may) return std::nullopt;
+  Rollback again([&] {
+    certificate_.look_again();
+    key_.look_again();
+  });
+  Sha256Digest content{};
+  auto found = read(in_force, accept, content);
+  if (found) {
+    refusals_.clear();
+    again.release();
+    return found;
+  }
+  if (!refusals_.is_due(found.error().code(), content)) return std::nullopt;
+  return std::unexpected(spi::renewal_refused(Code::identity_renewal_refused, found.error(),
+                                              path_of(found.error()),
+                                              "the certificate read before stays in force"));
+}
+
+Result<std::optional<IdentityWatch::Found>> IdentityWatch::read(const Found& in_force,
+                                                                const Accept& accept,
+                                                                Sha256Digest& content) const {
+  const Bytes octets = DDSSEC_TRY(load_octets(uri_of(path_)));
+  content = sha256(octets);
+  auto certificate =
+      DDSSEC_TRY(in(pki::Certificate::from_pem(octets), property::kIdentityCertificate));
+  if (certificate == in_force.certificate && key_path_.empty()) return std::nullopt;
+  auto key =
+      key_path_.empty() ? in_force.key : DDSSEC_TRY(load_key(uri_of(key_path_), passphrase_));
+  if (certificate == in_force.certificate) {
+    // The key of a certificate that has not come yet, or the old one in another form.
+    DDSSEC_TRY(in(key.matches(certificate), property::kPrivateKey));
+    return std::nullopt;
+  }
+  Found found{std::move(certificate), std::move(key)};
+  DDSSEC_TRY(accept(found));
+  return found;
+}
+
+}  // namespace ddssec::authentication

@@ -1,0 +1,64 @@
+// The files of a local identity, whose certificate and key may be renewed while it runs.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "base/file_watch.hpp"
+#include "pki/private_key.hpp"
+#include "plugins/spi/renewal_refusals.hpp"
+#include "plugins/spi/token.hpp"
+
+namespace ddssec::authentication {
+
+/// Null: the key has none.
+using OwnPassphrase = std::shared_ptr<const pki::Passphrase>;
+/// The passphrase of the key. Error: invalid_property.
+Result<OwnPassphrase> own_passphrase(const spi::PropertyList& properties);
+/// The certificate and the key that the properties name. Errors name the property: those of pki,
+/// invalid_property.
+Result<pki::Certificate> load_identity_certificate(const spi::PropertyList& properties);
+Result<pki::PrivateKey> load_identity_key(const spi::PropertyList& properties);
+
+/// Only a certificate that a `file:` URI names is watched. A key that is no file (in a token, or in
+/// the property itself) stays, and a renewed certificate must be for it. Not thread-safe.
+class IdentityWatch {
+ public:
+  /// Before the files are read for the first time. Error: invalid_property (the poll interval).
+  static Result<IdentityWatch> of(const spi::PropertyList& properties);
+
+  struct Found {
+    pki::Certificate certificate;
+    pki::PrivateKey key;
+  };
+  /// Judges what would take the place of what is in force.
+  using Accept = std::function<Status(const Found&)>;
+  /// Reads the files if one of them may have changed; what was read is what is judged and returned.
+  /// Nothing: they hold the certificate in force. The files may be replaced one after the other:
+  /// what does not fit together is an error only if it is found at two looks in a row. `now`:
+  /// Clock::monotonic. Error, once as long as the files stay the same: identity_renewal_refused,
+  /// about the file, with what is wrong.
+  Result<std::optional<Found>> look(std::chrono::nanoseconds now, const Found& in_force,
+                                    const Accept& accept);
+
+  /// The path of the certificate; empty if it is no file.
+  const std::string& path() const { return path_; }
+
+ private:
+  IdentityWatch(std::string path, std::string key_path, std::chrono::seconds interval);
+  Result<std::optional<Found>> read(const Found& in_force, const Accept& accept,
+                                    Sha256Digest& content) const;
+  const std::string& path_of(const Error& error) const;
+
+  std::string path_;
+  std::string key_path_;  ///< empty if the key is no file
+  OwnPassphrase passphrase_;
+  FileWatch certificate_;
+  FileWatch key_;
+  spi::RenewalRefusals refusals_;
+};
+
+}  // namespace ddssec::authentication

@@ -1,0 +1,40 @@
+// When to report that a file with a renewed document cannot be used, and what to say.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "base/hash.hpp"
+#include "base/result.hpp"
+
+namespace ddssec::spi {
+
+/// A file is reported if it was wrong at two looks in a row, so not if it is just being written;
+/// and once, as long as it stays the same. Not thread-safe.
+class RenewalRefusals {
+ public:
+  /// The file was wrong at this look. True: report it. `content`: of what could be read.
+  bool is_due(Code why, const Sha256Digest& content) {
+    const bool is_lasting = std::exchange(was_refused_, true);
+    if (!is_lasting || told_ == std::pair{why, content}) return false;
+    told_ = {why, content};
+    return true;
+  }
+  /// The file was good.
+  void clear() {
+    was_refused_ = false;
+    told_.reset();
+  }
+
+ private:
+  bool was_refused_ = false;  ///< at the last look
+  std::optional<std::pair<Code, Sha256Digest>> told_;
+};
+
+/// The event about a file that stays refused: `code`, with what `why` says. `stays`: what is still
+/// in force.
+Error renewal_refused(Code code, const Error& why, const std::string& path, std::string_view stays);
+
+}  // namespace ddssec::spi
