@@ -160,7 +160,7 @@ class Plugin final : public spi::AccessControl {
   Result<spi::Token> permissions_credential_token(PermissionsHandle local) override {
     const Holder holder = DDSSEC_TRY(known(local));
     return spi::Token{.class_id = std::string(spi::class_id::kPermissionsCredential),
-                      .properties = {{"dds.perm.cert", holder->participant()->permissions_text}}};
+                      .properties = {{"dds.perm.cert", holder->text()}}};
   }
 
   Result<spi::ParticipantSecurityAttributes> participant_sec_attributes(
@@ -185,6 +185,11 @@ class Plugin final : public spi::AccessControl {
     // Hosts return handles of peers more than once: that is no event.
     if (!handles_.remove(permissions)) return fail(Code::unknown_permissions_handle);
     return {};
+  }
+
+  std::uint64_t renewals(PermissionsHandle local) override {
+    const Holder holder = handles_.find(local);
+    return holder && !holder->remote() ? holder->renewals() : 0;
   }
 
   std::optional<WallTime> next_expiry() override;
@@ -243,6 +248,8 @@ class Plugin final : public spi::AccessControl {
   Status judge_topic(PermissionsHolder& holder, std::string_view topic);
   std::vector<PermissionsHandle> peers_of_only(const Participants& gone, const Entries& all,
                                                WallTime now);
+  void renew_permissions(const Entries& all, PermissionsHandle local);
+  Status judge_own(const PermissionsHolder& remote, const Match& match);
   bool may_as_announced(PermissionsHolder& holder, Action action, const EndpointRequest& local);
   bool may_relay(PermissionsHolder& holder, const EndpointRequest& request);
   Result<spi::EndpointSecurityAttributes> attributes(PermissionsHandle local,
@@ -279,6 +286,7 @@ Result<PermissionsHandle> Plugin::validate_remote_permissions(spi::IdentityHandl
   }
   auto holder = std::make_shared<PermissionsHolder>(participant, remote_identity,
                                                     std::move(subject), name, std::move(document));
+  holder->note_seen(local);
   // So that next_expiry knows its end before the first check; an error will come again there.
   if (holder->has_document()) static_cast<void>(grant_now(*holder));
   return add(std::move(holder));
@@ -329,8 +337,19 @@ bool Plugin::may_as_announced(PermissionsHolder& holder, Action action,
   });
 }
 
+/// Our endpoint was judged when it was made. Renewed permissions may give less.
+Status Plugin::judge_own(const PermissionsHolder& remote, const Match& match) {
+  const Holder own = handles_.find_local(remote.participant()->identity);
+  if (!own || own->renewals() == 0) return {};
+  const auto action = match.remote_writes ? Action::subscribe : Action::publish;
+  const auto status = judge_endpoint(*own, action, match.local);
+  if (!status) environment_.events.raise(event_about({}, status.error()));
+  return status;
+}
+
 Status Plugin::check_remote_match(PermissionsHandle remote, const Match& match) {
   const Holder holder = DDSSEC_TRY(known(remote));
+  DDSSEC_TRY(judge_own(*holder, match));
   const auto action = match.remote_writes ? Action::publish : Action::subscribe;
   if (may_as_announced(*holder, action, match.local)) return {};
   const auto status = judge_endpoint(*holder, action, match.local);
@@ -413,10 +432,26 @@ std::vector<PermissionsHandle> Plugin::peers_of_only(const Participants& gone, c
   return peers;
 }
 
+/// Before anything is judged by the permissions in force.
+void Plugin::renew_permissions(const Entries& all, PermissionsHandle which) {
+  for (const auto& [handle, holder] : all) {
+    if (holder->remote() || (which && handle != which)) continue;
+    const auto renewed = holder->renew(documents_, environment_.clock);
+    if (!renewed) environment_.events.raise(event_about({}, renewed.error()));
+    if (!renewed || !*renewed) continue;
+    const auto end = holder->ends();
+    environment_.events.raise(event_about(
+        {}, Error(Code::permissions_renewed, {.document = holder->document_name(),
+                                              .field = "not_after",
+                                              .found = end ? to_string(*end) : std::string()})));
+  }
+}
+
 std::vector<PermissionsHandle> Plugin::expire(PermissionsHandle local) {
-  const WallTime now = environment_.clock.now();
   const auto all = handles_.all();
   const Holder own = handles_.find(local);
+  renew_permissions(all, local);
+  const WallTime now = environment_.clock.now();
   // Without the memory to tell, none is marked: the next call finds them again.
   std::vector<PermissionsHandle> ended;
   Participants gone;

@@ -9,6 +9,7 @@
 #include "pki/source.hpp"
 #include "plugins/access_control/allowed_algorithms.hpp"
 #include "plugins/access_control/protection.hpp"
+#include "plugins/spi/files_poll_interval.hpp"
 #include "plugins/spi/property_names.hpp"
 
 namespace ddssec::access_control {
@@ -127,6 +128,7 @@ Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context
   participant->domain = domain;
   participant->domain_tag = domain_tag;
   participant->warn_before_end = DDSSEC_TRY(spi::warning_days(properties));
+  const auto poll_interval = DDSSEC_TRY(spi::files_poll_interval(properties));
   participant->ca = DDSSEC_TRY(in_document(PermissionsCa::load(ca_uri),
                                            document_name(spi::property::kPermissionsCa, ca_uri)));
   participant->governance_name = document_name(spi::property::kGovernance, governance_uri);
@@ -137,13 +139,15 @@ Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context
   DDSSEC_TRY(in_document(check_own_algorithms(*participant, certificate, properties),
                          participant->governance_name));
   const auto name = document_name(spi::property::kPermissions, permissions_uri);
+  auto watch = std::make_unique<PermissionsWatch>(permissions_uri, name, poll_interval);
   const auto file =
       DDSSEC_TRY(pki::load(permissions_uri, spi::property::kPermissions, pki::kMostDocumentOctets));
-  participant->permissions_text = as_text(file);
+  watch->note_read(file);
   auto document = DDSSEC_TRY(
       in_document(context.documents.permissions(*participant->ca, file, context.now), name));
   auto holder = std::make_shared<PermissionsHolder>(std::move(participant), std::nullopt,
                                                     std::move(subject), name, std::move(document));
+  holder->set_own(std::string(as_text(file)), std::move(watch));
   DDSSEC_TRY(holder->grant(context.now));
   return holder;
 }

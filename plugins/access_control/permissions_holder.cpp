@@ -32,12 +32,21 @@ bool PermissionsHolder::is_over(WallTime now) const {
   return now >= grant_->grant().validity.not_after || now > document_->signer_not_after();
 }
 
-Result<Grant> PermissionsHolder::grant(WallTime now) {
-  if (!document_) return fail(Code::peer_has_no_permissions);
+std::shared_ptr<PermissionsDocument> PermissionsHolder::document() const {
   const std::lock_guard lock(mutex_);
+  return document_;
+}
+
+Result<Grant> PermissionsHolder::grant_in(PermissionsDocument& document, WallTime now) const {
+  return document.grant_for(subject_.name, subject_.shown, participant_->domain,
+                            participant_->domain_tag, now);
+}
+
+Result<Grant> PermissionsHolder::grant(WallTime now) {
+  const std::lock_guard lock(mutex_);
+  if (!document_) return fail(Code::peer_has_no_permissions);
   if (grant_ && !is_over(now)) return grant_;
-  auto found = document_->grant_for(subject_.name, subject_.shown, participant_->domain,
-                                    participant_->domain_tag, now);
+  auto found = grant_in(*document_, now);
   if (!found) return std::unexpected(found.error().in(document_name_));
   // Hosts do not judge again what they have matched.
   if (remote_ && grant_ && !give_the_same(grant_->grant(), (*found)->grant()))
@@ -56,7 +65,8 @@ std::optional<WallTime> PermissionsHolder::ends() const {
 }
 
 std::optional<Error> PermissionsHolder::newly_ended(WallTime now) {
-  if (!document_) return std::nullopt;
+  if (auto over = outlived(now)) return over;
+  if (!has_document()) return std::nullopt;
   auto valid = grant(now);
   const std::lock_guard lock(mutex_);
   if (valid || reported_) return std::nullopt;
@@ -68,12 +78,65 @@ std::optional<Error> PermissionsHolder::ends_soon(WallTime now) {
   if (!end) return std::nullopt;
   const std::lock_guard lock(mutex_);
   if (!warning_.is_due(grant_->grant().validity.not_before, *end, now)) return std::nullopt;
-  if (document_->grant_for(subject_.name, subject_.shown, participant_->domain,
-                           participant_->domain_tag, *end))
-    return std::nullopt;
+  if (grant_in(*document_, *end)) return std::nullopt;
   return Error(
       Code::permissions_end_soon,
       {.document = document_name_, .field = "not_after", .found = spi::in_time(*end, now)});
+}
+
+std::string PermissionsHolder::text() const {
+  const std::lock_guard lock(mutex_);
+  return text_;
+}
+
+std::uint64_t PermissionsHolder::renewals() const {
+  const std::lock_guard lock(mutex_);
+  return renewals_;
+}
+
+Result<bool> PermissionsHolder::renew(DocumentCache& documents, const Clock& clock) {
+  const std::lock_guard lock(renewal_mutex_);
+  if (!watch_) return false;
+  return watch_->look(clock.monotonic(), [&](BytesView file) -> Status {
+    const auto now = clock.now();
+    auto document = DDSSEC_TRY(documents.permissions(*participant_->ca, file, now));
+    return take(std::move(document), file, now);
+  });
+}
+
+Status PermissionsHolder::take(std::shared_ptr<PermissionsDocument> document, BytesView file,
+                               WallTime now) {
+  auto renewed = DDSSEC_TRY(grant_in(*document, now));
+  std::string text(as_text(file));
+  const std::lock_guard lock(mutex_);
+  // The host has cut the participant off, and keeps to that.
+  if (reported_)
+    return fail(Code::permissions_renewal_refused, {.note = "the participant has ended"});
+  const auto begin = renewed->grant().validity.not_before;
+  if (grant_ && begin < grant_->grant().validity.not_before)
+    return fail(Code::permissions_renewal_refused,
+                {.field = "not_before",
+                 .expected = to_string(grant_->grant().validity.not_before) + " or later",
+                 .found = to_string(begin)});
+  document_ = std::move(document);
+  grant_ = std::move(renewed);
+  text_ = std::move(text);
+  ++renewals_;
+  return {};
+}
+
+std::optional<Error> PermissionsHolder::outlived(WallTime now) const {
+  if (!own_ || !seen_ || own_->document() == seen_) return std::nullopt;
+  const auto still = own_->grant_in(*seen_, now);
+  if (still) return std::nullopt;
+  {
+    const std::lock_guard lock(mutex_);
+    if (reported_) return std::nullopt;
+  }
+  auto details = still.error().details();
+  details.document = own_->document_name_;
+  details.hint.clear();
+  return Error(Code::session_outlived_documents, std::move(details));
 }
 
 void PermissionsHolder::mark_reported() {

@@ -9,6 +9,7 @@
 
 #include "plugins/access_control/announced.hpp"
 #include "plugins/access_control/documents.hpp"
+#include "plugins/access_control/permissions_watch.hpp"
 #include "plugins/spi/end_warning.hpp"
 #include "plugins/spi/handles.hpp"
 
@@ -22,7 +23,6 @@ struct Participant {
   std::shared_ptr<const governance::CompiledGovernance> governance;
   std::string governance_name;  ///< the document's name in errors
   std::shared_ptr<const PermissionsCa> ca;
-  std::string permissions_text;  ///< the signed file as it goes to peers
   spi::WarningDays warn_before_end;
   /// identity_ca, if the governance restricts algorithms
   std::vector<pki::Certificate> identity_authorities;
@@ -59,7 +59,29 @@ class PermissionsHolder {
   const std::optional<spi::IdentityHandle>& remote() const { return remote_; }
   /// Subject of a peer, for events; empty for a local participant.
   std::string peer_subject() const { return remote_ ? subject_.shown : std::string(); }
-  bool has_document() const { return document_ != nullptr; }
+  bool has_document() const { return document() != nullptr; }
+
+  /// Of a local participant: the signed file as it goes to peers, and where a renewed one may come.
+  /// Before the holder is shared.
+  void set_own(std::string text, std::unique_ptr<PermissionsWatch> watch) {
+    text_ = std::move(text);
+    watch_ = std::move(watch);
+  }
+  std::string text() const;
+  /// Takes renewed permissions of a local participant, if the file holds any. True: it did. A
+  /// document is taken if its signature is that of the permissions CA and it has a grant for the
+  /// subject that is valid now and does not begin earlier than the one in force: an older document
+  /// that was put back would give again what was taken away. It may give less, and end earlier.
+  /// Errors: those of PermissionsWatch::look. Nothing is taken after the end was reported.
+  Result<bool> renew(DocumentCache& documents, const Clock& clock);
+  /// How often it did.
+  std::uint64_t renewals() const;
+
+  /// Of a peer: it has seen what `own` presents now. Before the holder is shared.
+  void note_seen(std::shared_ptr<const PermissionsHolder> own) {
+    seen_ = own->document();
+    own_ = std::move(own);
+  }
   /// Of a peer.
   AnnouncedEndpoints& announced() { return announced_; }
   const std::string& document_name() const { return document_name_; }
@@ -74,7 +96,9 @@ class PermissionsHolder {
 
   /// When the grant found last ends, if it was not reported as ended.
   std::optional<WallTime> ends() const;
-  /// The error why nothing is valid now, if that was not reported.
+  /// The error why nothing is valid now, if that was not reported. Of a peer also
+  /// session_outlived_documents: what it has seen of us has ended and was renewed since, so it ends
+  /// the session, too.
   std::optional<Error> newly_ended(WallTime now);
   /// permissions_end_soon, once for each time that the participant's properties ask for. Nothing
   /// if another grant of the document takes over.
@@ -87,11 +111,22 @@ class PermissionsHolder {
   const std::optional<spi::IdentityHandle> remote_;
   const Subject subject_;
   const std::string document_name_;
-  const std::shared_ptr<PermissionsDocument> document_;
   AnnouncedEndpoints announced_;
-  bool is_over(WallTime now) const;
+  std::shared_ptr<const PermissionsHolder> own_;  ///< of a peer: what we are to it
+  std::shared_ptr<PermissionsDocument> seen_;     ///< and what it has seen of that
 
+  bool is_over(WallTime now) const;
+  std::shared_ptr<PermissionsDocument> document() const;
+  Result<Grant> grant_in(PermissionsDocument& document, WallTime now) const;
+  Status take(std::shared_ptr<PermissionsDocument> document, BytesView file, WallTime now);
+  std::optional<Error> outlived(WallTime now) const;
+
+  std::mutex renewal_mutex_;  ///< before mutex_: no check waits while a file is read
+  std::unique_ptr<PermissionsWatch> watch_;
   mutable std::mutex mutex_;
+  std::shared_ptr<PermissionsDocument> document_;
+  std::string text_;
+  std::uint64_t renewals_ = 0;
   Grant grant_;
   bool reported_ = false;
   spi::EndWarning warning_;

@@ -105,7 +105,9 @@ class AccessControl {
   /// May a peer have the keys of this match, whether or not the host asked about the peer's
   /// endpoint? Yes if the peer announced an endpoint of that topic that was allowed, is still
   /// allowed, and has partitions that meet those of the local endpoint. Otherwise the peer is
-  /// judged as if it were in the local endpoint's partitions. Error: match_not_permitted.
+  /// judged as if it were in the local endpoint's partitions. Once the local participant's
+  /// permissions were renewed, they must allow the local endpoint, too. Errors:
+  /// match_not_permitted; for the local endpoint publish_not_allowed or subscribe_not_allowed.
   virtual Status check_remote_match(PermissionsHandle remote, const Match& match) = 0;
   /// May a peer create the topic (DDS-Security 8.4.2.9.12)? Errors: length_out_of_range,
   /// topic_not_covered, topic_not_allowed, peer_has_no_permissions, those of the grant as above.
@@ -117,6 +119,10 @@ class AccessControl {
   /// The signed permissions document in property dds.perm.cert, for
   /// Authentication::set_permissions_credential_and_token (DDS-Security 8.4.2.9.18).
   virtual Result<Token> permissions_credential_token(PermissionsHandle local) = 0;
+
+  /// How often `expire` has taken renewed permissions of a local participant. When it has, the host
+  /// passes the new permissions_credential_token to authentication. 0 for any other handle.
+  virtual std::uint64_t renewals(PermissionsHandle) { return 0; }
 
   /// What the governance demands of the participant (DDS-Security 8.4.2.9.22).
   virtual Result<ParticipantSecurityAttributes> participant_sec_attributes(
@@ -137,7 +143,9 @@ class AccessControl {
 
   /// When the next grant in use ends, or the certificate that signed it; empty if none does.
   virtual std::optional<WallTime> next_expiry() = 0;
-  /// Raises the events for permissions that ended, and returns their handles, each once. The host
+  /// First takes renewed permissions of local participants from the file that their properties
+  /// name, if it has changed; no other call reads files later on. Then
+  /// raises the events for permissions that ended, and returns their handles, each once. The host
   /// then revokes them. As with Authentication::expire, a local participant's handle is followed by
   /// those of its peers. Excepted are peers for whose remote identity another local participant has
   /// permissions too: a host that gives all its participants one remote identity (Cyclone DDS) can

@@ -1,0 +1,221 @@
+// Permissions that are renewed while a participant runs.
+#include <sys/stat.h>
+
+#include <gmock/gmock.h>
+
+#include "tests/support/temporary_folder.hpp"
+#include "tests/unit/access_control/fixture.hpp"
+
+namespace ddssec::access_control {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+class Renewal : public AccessControlTest {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(own_) << own_.error().to_sentence();
+    log.events.clear();
+  }
+
+  /// The talker may publish and subscribe `names`, from then on for so long.
+  std::string document(std::vector<std::string> names, std::chrono::seconds from = -24h,
+                       std::chrono::seconds until = 24h, const char* subject = kTalker) const {
+    auto all = rule(true);
+    all.publish = {topics(names)};
+    all.subscribe = {topics(names)};
+    auto out = grant(subject, {all});
+    out.validity = {kNow + from, kNow + until};
+    return signed_permissions({out});
+  }
+  spi::PropertyList with_file(spi::PropertyList properties) const {
+    for (auto& one : properties)
+      if (one.name == spi::property::kPermissions) one.value = "file:" + path_;
+    return properties;
+  }
+  Result<spi::PermissionsHandle> from_file() {
+    return plugin->validate_local_permissions(
+        kLocalIdentity, 0,
+        with_file(properties(signed_document(governance::to_xml(governance_document)), "")));
+  }
+  std::vector<spi::PermissionsHandle> look() {
+    clock.advance(5s);
+    return plugin->expire();
+  }
+  /// As often as a host would in a quarter of a minute.
+  std::vector<Code> codes_after_looking() {
+    log.events.clear();
+    for (int i = 0; i < 3; ++i) look();
+    std::vector<Code> out;
+    for (const auto& event : log.events) out.push_back(event.error.code());
+    return out;
+  }
+  void expect_refused(const std::string& text, std::string_view why) {
+    const auto before = presented();
+    folder_.replace("permissions.p7s", text);
+    EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewal_refused));
+    ASSERT_FALSE(log.events.empty());
+    EXPECT_THAT(log.events.front().error.to_sentence(), HasSubstr(why));
+    EXPECT_EQ(log.events.front().error.details().document, path_);
+    EXPECT_THAT(codes_after_looking(), IsEmpty()) << "told twice";
+    EXPECT_EQ(presented(), before);
+    EXPECT_EQ(plugin->renewals(*own_), 0u);
+  }
+  std::string presented() {
+    const auto token = plugin->permissions_credential_token(*own_);
+    return token ? token->properties.front().value : std::string();
+  }
+  bool may_publish(std::string_view topic) {
+    return plugin->check_create_datawriter(*own_, 0, {.topic_name = topic}).has_value();
+  }
+
+  const test::TemporaryFolder folder_;
+  const std::string path_ = folder_.write("permissions.p7s", document({"t"}));
+  Result<spi::PermissionsHandle> own_ = from_file();
+};
+
+TEST_F(Renewal, LaterDocument_IsInForceAndPresented) {
+  EXPECT_FALSE(may_publish("u"));
+  const auto next = document({"t", "u"}, 0s, 48h);
+  folder_.replace("permissions.p7s", next);
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewed));
+  const auto& event = log.events.front();
+  EXPECT_EQ(event.severity, Severity::informational);
+  EXPECT_EQ(event.error.details().document, path_);
+  EXPECT_EQ(event.error.details().found, to_string(kNow + 48h));
+  EXPECT_TRUE(may_publish("u"));
+  EXPECT_EQ(presented(), next);
+  EXPECT_EQ(plugin->renewals(*own_), 1u);
+  EXPECT_EQ(plugin->next_expiry(), kNow + 48h);
+}
+
+TEST_F(Renewal, SecondRenewal_IsTakenToo) {
+  folder_.replace("permissions.p7s", document({"t"}, 0s, 48h));
+  codes_after_looking();
+  folder_.replace("permissions.p7s", document({"t"}, 10s, 72h));
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewed));
+  EXPECT_EQ(plugin->renewals(*own_), 2u);
+}
+
+TEST_F(Renewal, DocumentThatGivesLess_CountsForNewEndpointsAndNewMatches) {
+  const auto peer = remote(open_permissions(kListener));
+  ASSERT_TRUE(peer);
+  const spi::AccessControl::Match match{
+      .remote_writes = false, .local = {.topic_name = "t"}, .remote = {}};
+  EXPECT_TRUE(plugin->check_remote_match(*peer, match));
+  folder_.replace("permissions.p7s", document({"u"}, 0s, 48h));
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewed));
+  EXPECT_FALSE(may_publish("t"));
+  EXPECT_REFUSED(plugin->check_remote_match(*peer, match), publish_not_allowed);
+  const spi::AccessControl::Match reads{
+      .remote_writes = true, .local = {.topic_name = "t"}, .remote = {}};
+  EXPECT_REFUSED(plugin->check_remote_match(*peer, reads), subscribe_not_allowed);
+  const spi::AccessControl::Match allowed{
+      .remote_writes = true, .local = {.topic_name = "u"}, .remote = {}};
+  EXPECT_TRUE(plugin->check_remote_match(*peer, allowed));
+}
+
+TEST_F(Renewal, EarlierEnd_IsTaken) {
+  folder_.replace("permissions.p7s", document({"t"}, 0s, 1h));
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewed));
+  EXPECT_EQ(plugin->next_expiry(), kNow + 1h);
+}
+
+TEST_F(Renewal, EarlierBegin_IsRefusedAsARollBack) {
+  expect_refused(document({"t", "u"}, -25h, 48h), to_string(kNow - 24h) + " or later");
+}
+
+TEST_F(Renewal, AnotherCa_IsRefused) {
+  const auto xml = governance::to_xml(governance::Permissions{.grants = {grant(kTalker, {})}});
+  expect_refused(signed_by(authorities().other_ca, xml), "the permissions read before stay");
+}
+
+TEST_F(Renewal, AnotherSubject_IsRefused) {
+  expect_refused(document({"t"}, 0s, 48h, kListener), kTalker);
+}
+
+TEST_F(Renewal, GrantThatIsNotValidYet_IsTakenWhenItIs) {
+  folder_.replace("permissions.p7s", document({"t"}, 60s, 48h));
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewal_refused));
+  EXPECT_THAT(codes_after_looking(), IsEmpty());
+  clock.advance(60s);
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewed));
+}
+
+TEST_F(Renewal, WhatIsNoDocument_IsReportedOnceAndNothingIsLost) {
+  for (const auto& text : {std::string(), std::string("nonsense"), document({"t"}).substr(0, 500),
+                           std::string(2'000'000, 'x')}) {
+    folder_.replace("permissions.p7s", text);
+    EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewal_refused));
+    EXPECT_THAT(codes_after_looking(), IsEmpty());
+  }
+  std::filesystem::remove(path_);
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewal_refused));
+  ASSERT_EQ(::mkfifo(path_.c_str(), 0600), 0);
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewal_refused));
+  EXPECT_TRUE(may_publish("t"));
+}
+
+TEST_F(Renewal, FileThatIsJustBeingWritten_IsNoEvent) {
+  const auto next = document({"t"}, 0s, 48h);
+  folder_.write("permissions.p7s", next.substr(0, 500));
+  look();
+  folder_.write("permissions.p7s", next);
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewed));
+}
+
+TEST_F(Renewal, SameDocument_IsNoEvent) {
+  folder_.replace("permissions.p7s", presented());
+  EXPECT_THAT(codes_after_looking(), IsEmpty());
+}
+
+TEST_F(Renewal, DocumentThatComesTooLate_IsNotTaken) {
+  clock.advance(24h);
+  EXPECT_THAT(look(), ElementsAre(*own_));
+  folder_.replace("permissions.p7s", document({"t"}, 0s, 72h));
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewal_refused));
+  EXPECT_FALSE(may_publish("t"));
+}
+
+TEST_F(Renewal, DocumentOfTheLastSecond_IsTaken) {
+  folder_.replace("permissions.p7s", document({"t"}, 0s, 72h));
+  clock.advance(24h);
+  EXPECT_THAT(look(), IsEmpty());
+  EXPECT_TRUE(may_publish("t"));
+}
+
+TEST_F(Renewal, Session_EndsWithTheDocumentThatThePeerHasSeen) {
+  auto long_lived = grant(kListener, {rule(true)});
+  long_lived.validity.not_after = kNow + 100h;
+  const auto peer = remote(signed_permissions({long_lived}));
+  ASSERT_TRUE(peer);
+  folder_.replace("permissions.p7s", document({"t"}, 0s, 72h));
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewed));
+  const auto later = remote(signed_permissions({long_lived}));
+  ASSERT_TRUE(later);
+  clock.advance(23h);
+  EXPECT_THAT(look(), IsEmpty());
+  clock.advance(1h);
+  log.events.clear();
+  EXPECT_THAT(look(), ElementsAre(*peer));
+  ASSERT_EQ(log.events.size(), 1u);
+  EXPECT_EQ(log.events.front().error.code(), Code::session_outlived_documents);
+  EXPECT_EQ(log.events.front().peer_subject, kListener);
+  EXPECT_THAT(look(), IsEmpty()) << "ended twice";
+}
+
+TEST_F(Renewal, Warnings_FollowTheNewEnd) {
+  folder_.replace("permissions.p7s", document({"t"}, 0s, 24h * 10));
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewed));
+  clock.advance(24h * 9 + 12h);
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_end_soon));
+  folder_.replace("permissions.p7s", document({"t"}, 24h * 9, 24h * 69));
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewed));
+  clock.advance(24h * 53);
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_end_soon));
+}
+
+}  // namespace
+}  // namespace ddssec::access_control
