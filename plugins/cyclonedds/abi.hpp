@@ -88,6 +88,17 @@ inline constexpr const char* kJudgeMatchSymbol = "ddssec_judge_match";
 using GovernanceFactsOf = std::uint32_t(DDS_Security_IdentityHandle);
 inline constexpr const char* kGovernanceFactsOfSymbol = "ddssec_governance_facts_of";
 
+/// Exported by libddssec_access_control for libddssec_authentication: how often the permissions of
+/// that local participant were renewed since it was made. If that is more than `known`, `take` is
+/// called once, before the function returns, with the signed document that is in force. So a
+/// document that access control refused is never presented.
+using TakePermissions = void(void* context, const DDS_Security_octet* octets, std::size_t size);
+using RenewedPermissions = std::uint64_t(DDS_Security_IdentityHandle, std::uint64_t known,
+                                         TakePermissions* take, void* context);
+inline constexpr const char* kRenewedPermissionsSymbol = "ddssec_renewed_permissions";
+/// Exported by libddssec_authentication, as one PluginVersion.
+inline constexpr const char* kAuthenticationVersionSymbol = "ddssec_authentication_version";
+
 /// The memory behind a DDS_Security_SharedSecretHandle. Cyclone's cryptography plugin reads it and
 /// its authentication plugin creates it, so each ddssec plugin works together with the other stock
 /// plugin.

@@ -37,6 +37,15 @@ Result<bool> is_carriers(Adapter& adapter, CPermissions handle, std::string_view
       name, DDSSEC_TRY(adapter.engine().participant_sec_attributes(permissions(handle))));
 }
 
+/// A stock authentication presents the permissions that the participant began with. What it does
+/// not present must not count here.
+spi::PropertyList without_renewal(spi::PropertyList properties) {
+  const std::string name(spi::property::kFilesPollInterval);
+  std::erase_if(properties, [&](const auto& one) { return one.name == name; });
+  properties.push_back({name, "0", false});
+  return properties;
+}
+
 CPermissions validate_local_permissions(Instance* instance, const dds_security_authentication*,
                                         const DDS_Security_IdentityHandle identity,
                                         const CDomain domain_id, const DDS_Security_Qos* qos,
@@ -44,8 +53,9 @@ CPermissions validate_local_permissions(Instance* instance, const dds_security_a
   return ask_handle<Adapter>(instance, ex, [&](Adapter& adapter) -> Result<spi::PermissionsHandle> {
     DDSSEC_TRY(require(qos));
     say_plugins_in_use(adapter.host(), PluginKind::access_control);
-    const auto properties = DDSSEC_TRY(with_process_properties(DDSSEC_TRY(properties_from(qos))));
+    auto properties = DDSSEC_TRY(with_process_properties(DDSSEC_TRY(properties_from(qos))));
     adapter.host().calendar().set_grace(DDSSEC_TRY(spi::clock_step_grace(properties)));
+    if (!has_our_authentication()) properties = without_renewal(std::move(properties));
     const bool allow_shared_memory = DDSSEC_TRY(SharedMemoryGuard::is_allowed_by(properties));
     if (DDSSEC_TRY(spi::flag_property(properties, spi::property::kTrustTypeInformation)))
       adapter.trust_type_information();

@@ -30,6 +30,15 @@ class AccessControlAdapter final : public dds_security_access_control {
   /// mask of GovernanceFact.
   static std::uint32_t governance_facts_of(spi::IdentityHandle local) noexcept;
 
+  struct Renewed {
+    std::uint64_t times;
+    std::string text;  ///< the signed document
+  };
+  /// Answers authentication's question: the permissions of a local participant of any domain, if
+  /// they were renewed more than `known` times.
+  static std::optional<Renewed> renewed_permissions(spi::IdentityHandle local,
+                                                    std::uint64_t known) noexcept;
+
   /// Called by authentication: a local participant of any domain is cut off.
   static void cut_off(spi::IdentityHandle local);
 

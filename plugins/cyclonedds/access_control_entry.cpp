@@ -27,6 +27,17 @@ DDSSEC_EXPORT std::uint32_t ddssec_governance_facts_of(DDS_Security_IdentityHand
   return AccessControlAdapter::governance_facts_of({local});
 }
 
+DDSSEC_EXPORT std::uint64_t ddssec_renewed_permissions(DDS_Security_IdentityHandle local,
+                                                       std::uint64_t known,
+                                                       cyclonedds::TakePermissions* take,
+                                                       void* context) {
+  const auto renewed = AccessControlAdapter::renewed_permissions({local}, known);
+  if (!renewed || take == nullptr) return known;
+  const auto octets = as_bytes(renewed->text);
+  take(context, octets.data(), octets.size());
+  return renewed->times;
+}
+
 DDSSEC_EXPORT int finalize_access_control(void* context) {
   return cyclonedds::finalize<AccessControlAdapter, dds_security_access_control>(context);
 }

@@ -72,6 +72,25 @@ void AccessControlAdapter::cut_off(spi::IdentityHandle local) {
     adapter->facts_.cut_off(local, Code::identity_ended);
 }
 
+std::optional<AccessControlAdapter::Renewed> AccessControlAdapter::renewed_permissions(
+    spi::IdentityHandle local, std::uint64_t known) noexcept {
+  try {
+    const std::shared_lock lock(adapters().mutex);
+    for (const auto& [id, adapter] : adapters().by_id) {
+      const auto permissions = adapter->facts_.permissions_of(local);
+      if (!permissions) continue;
+      const auto times = adapter->engine().renewals(*permissions);
+      if (times <= known) return std::nullopt;
+      const auto token = adapter->engine().permissions_credential_token(*permissions);
+      if (!token) return std::nullopt;
+      return Renewed{times, std::string(spi::property_value(token->properties, "dds.perm.cert"))};
+    }
+  } catch (...) {
+    // Without memory: the question comes again.
+  }
+  return std::nullopt;
+}
+
 std::uint32_t AccessControlAdapter::governance_facts_of(spi::IdentityHandle local) noexcept {
   try {
     const std::shared_lock lock(adapters().mutex);

@@ -392,6 +392,23 @@ AuthenticationAdapter::AuthenticationAdapter(std::unique_ptr<Host> host,
   gv = domain;
 }
 
+void AuthenticationAdapter::present_renewed_permissions() {
+  const auto locals = farewells_.locals();
+  std::erase_if(renewals_, [&](const auto& entry) {
+    return std::ranges::find(locals, entry.first, &Farewells::Local::handle) == locals.end();
+  });
+  for (const auto& local : locals) {
+    auto times = renewals_[local.handle];
+    auto text = renewed_permissions(local.handle, times);
+    if (!text) continue;
+    const spi::Token credential{.class_id = std::string(spi::class_id::kPermissionsCredential),
+                                .properties = {{"dds.perm.cert", *std::move(text), false}}};
+    // A refusal has its event; the same document is not tried again.
+    static_cast<void>(engine_->set_permissions_credential_and_token(local.handle, credential, {}));
+    renewals_[local.handle] = times;
+  }
+}
+
 void AuthenticationAdapter::revoke_stuck(const std::stop_token& stop, const Revoke& revoke) {
   constexpr int kMostFarewells = 32;  // per second: attackers can invent peers that never answer
   int farewells = 0;
@@ -478,6 +495,7 @@ void AuthenticationAdapter::listen(const dds_security_authentication_listener* l
   timer_.start({.revoke_ended =
                     [this, revoke](const std::stop_token& stop) {
                       say_clock_steps(*host_, PluginKind::authentication);
+                      present_renewed_permissions();
                       const auto ended = remotes_.to_revoke(engine_->expire());
                       for (const auto local : ended.locals) {
                         cut_off_access_control(local);

@@ -40,6 +40,8 @@ class AuthenticationAdapter final : public dds_security_authentication {
   using Revoke = std::function<void(std::int64_t)>;
   /// True if this domain of the process has another local participant that has not expired.
   bool has_others(spi::IdentityHandle local) const;
+  /// From now on handshakes present permissions that access control has renewed.
+  void present_renewed_permissions();
   /// Makes the host begin again with peers whose handshake does not end.
   void revoke_stuck(const std::stop_token& stop, const Revoke& revoke);
   /// Makes a peer that does not answer begin again too.
@@ -59,6 +61,8 @@ class AuthenticationAdapter final : public dds_security_authentication {
   HandshakeWatch watch_;
   LostSessions lost_sessions_;
   Farewells farewells_;
+  /// How often the permissions of local participants were renewed; for the timer's thread.
+  std::map<spi::IdentityHandle, std::uint64_t> renewals_;
   ExpiryTimer timer_;  ///< last member: destroyed before the objects that it uses
 };
 

@@ -38,6 +38,13 @@ class GovernanceFacts {
     const std::lock_guard lock(mutex_);
     locals_.erase(permissions);
   }
+  /// The permissions handle of a local participant.
+  std::optional<spi::PermissionsHandle> permissions_of(spi::IdentityHandle local) const {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [permissions, known] : locals_)
+      if (known.local == local) return permissions;
+    return std::nullopt;
+  }
   /// The facts of a local participant; 0: unknown, or none.
   std::uint32_t of(spi::IdentityHandle local) const {
     const std::lock_guard lock(mutex_);

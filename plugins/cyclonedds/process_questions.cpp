@@ -8,6 +8,27 @@ namespace ddssec::cyclonedds {
 
 bool has_our_cryptography() { return dlsym(RTLD_DEFAULT, kSupportedCiphersSymbol) != nullptr; }
 
+bool has_our_authentication() {
+  return dlsym(RTLD_DEFAULT, kAuthenticationVersionSymbol) != nullptr;
+}
+
+std::optional<std::string> renewed_permissions(spi::IdentityHandle local, std::uint64_t& known) {
+  void* const symbol = dlsym(RTLD_DEFAULT, kRenewedPermissionsSymbol);
+  if (symbol == nullptr) return std::nullopt;
+  std::optional<std::string> text;
+  // No exception may pass through the other library.
+  const auto take = [](void* context, const DDS_Security_octet* octets, std::size_t size) {
+    try {
+      *static_cast<std::optional<std::string>*>(context) =
+          std::string(reinterpret_cast<const char*>(octets), size);
+    } catch (...) {
+    }
+  };
+  const auto times = reinterpret_cast<RenewedPermissions*>(symbol)(local.value, known, take, &text);
+  if (text) known = times;
+  return text;
+}
+
 spi::CipherMask ciphers_of_process() {
   void* const symbol = dlsym(RTLD_DEFAULT, kSupportedCiphersSymbol);
   if (symbol == nullptr) return spi::kStandardCiphers;

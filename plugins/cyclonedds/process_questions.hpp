@@ -2,6 +2,9 @@
 // the host loads the other library later. A stock library gives no answer.
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include "plugins/cyclonedds/governance_facts.hpp"
 #include "plugins/cyclonedds/handshake_watch.hpp"
 #include "plugins/spi/symmetric_cipher.hpp"
@@ -10,6 +13,13 @@ namespace ddssec::cyclonedds {
 
 /// True if the process uses libddssec_cryptography.
 bool has_our_cryptography();
+
+/// True if the process uses libddssec_authentication.
+bool has_our_authentication();
+
+/// The signed permissions of a local participant, if they were renewed more than `known` times;
+/// `known` is then how often. Empty without libddssec_access_control.
+std::optional<std::string> renewed_permissions(spi::IdentityHandle local, std::uint64_t& known);
 
 /// The ciphers that libddssec_cryptography in this process can decrypt; the standard's ciphers if
 /// it is not loaded.

@@ -103,6 +103,35 @@ TEST_F(AccessControlAdapterTest, SaysWhatTheGovernanceOfALocalParticipantAllows)
   EXPECT_EQ(facts(kOpen), 0u);
 }
 
+TEST_F(AccessControlAdapterTest, RenewedPermissions_AreTold_OnceForEachRenewal) {
+  constexpr spi::IdentityHandle kLocal{1}, kOther{2};
+  ON_CALL(engine, validate_local_permissions).WillByDefault(Return(Handle{8}));
+  ON_CALL(engine, permissions_credential_token(Handle{8}))
+      .WillByDefault(Return(spi::Token{.class_id = "c", .properties = {{"dds.perm.cert", "new"}}}));
+  EXPECT_NE(c->validate_local_permissions(c, nullptr, kLocal.value, 5, &qos, nullptr), 0);
+  const auto renewed = &AccessControlAdapter::renewed_permissions;
+  EXPECT_FALSE(renewed(kLocal, 0));
+  ON_CALL(engine, renewals(Handle{8})).WillByDefault(Return(2));
+  EXPECT_FALSE(renewed(kOther, 0));
+  const auto told = renewed(kLocal, 1);
+  ASSERT_TRUE(told);
+  EXPECT_EQ(told->times, 2u);
+  EXPECT_EQ(told->text, "new");
+  EXPECT_FALSE(renewed(kLocal, 2));
+  EXPECT_EQ(c->return_permissions_handle(c, 8, nullptr), 1);
+  EXPECT_FALSE(renewed(kLocal, 1));
+}
+
+// What a stock authentication does not present must not count.
+TEST_F(AccessControlAdapterTest, WithoutOurAuthentication_NoFileIsLookedAtAgain) {
+  EXPECT_CALL(engine, validate_local_permissions)
+      .WillOnce([](auto, auto, const spi::PropertyList& properties, auto) -> Result<Handle> {
+        EXPECT_EQ(spi::property_value(properties, "org.ddssec.files_poll_interval"), "0");
+        return Handle{8};
+      });
+  EXPECT_NE(c->validate_local_permissions(c, nullptr, 1, 5, &qos, nullptr), 0);
+}
+
 TEST_F(AccessControlAdapterTest, ChecksPassTheQuestionAndTheAnswer) {
   EXPECT_CALL(engine, check_create_participant(Handle{8}, 5)).WillOnce(Return(Status{}));
   EXPECT_CALL(engine, check_create_datawriter(Handle{8}, 5, asks_for_topic()))
