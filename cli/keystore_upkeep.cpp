@@ -1,9 +1,12 @@
 #include "cli/keystore_upkeep.hpp"
 
 #include <algorithm>
+#include <cerrno>
+#include <fcntl.h>
 #include <filesystem>
 #include <map>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <fmt/format.h>
 
@@ -211,6 +214,34 @@ struct Import {
   }
 };
 
+// A keystore may come from another user, who can make its folders links to any folder of this one.
+Status check_own_folders(const fs::path& keystore) {
+  for (const auto* name : {"private", "enclaves"}) {
+    std::error_code ignored;
+    if (!fs::is_symlink(keystore / name, ignored)) continue;
+    return fail(Code::file_unwritable,
+                {.document = keystore / name,
+                 .note = "it is a symbolic link: what it leads to may not belong to the keystore",
+                 .hint = "move the folder itself to that place"});
+  }
+  return {};
+}
+
+// Changes exactly the folder that was looked at, whatever its name leads to meanwhile.
+void close_folder(const fs::path& folder, Report& report) {
+  const int open = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+  if (open < 0) return;  // without keys there is no such folder
+  struct stat status {};
+  const bool is_open = ::fstat(open, &status) == 0 && (status.st_mode & 077) != 0;
+  const int error = is_open && !writes_nothing() && ::fchmod(open, 0700) != 0 ? errno : 0;
+  ::close(open);
+  if (error != 0) return add_error(Error(Code::file_unwritable, {.document = folder}), report);
+  if (!is_open) return;
+  report.result["folders_closed"].push_back(folder.string());
+  report.text += fmt::format("{} is for its owner only now; it was mode {:03o}\n", folder.string(),
+                             status.st_mode & 0777U);
+}
+
 // A key that cannot be restricted does not prevent restricting the others.
 void close_keys(const fs::path& keystore, const Enclaves& enclaves, Report& report) {
   for (const auto& key : private_keys(keystore, enclaves)) {
@@ -230,11 +261,13 @@ void close_keys(const fs::path& keystore, const Enclaves& enclaves, Report& repo
 Result<Report> keystore_import(const Arguments& arguments, const Context& context) {
   const fs::path keystore = arguments.text("KEYSTORE");
   DDSSEC_TRY(check_keystore(keystore));
+  DDSSEC_TRY(check_own_folders(keystore));
   const auto paths = ca_paths(keystore, "identity");
   const auto ca = DDSSEC_TRY(read_certificate(paths.certificate));
   const auto log = DDSSEC_TRY(read_issue_log(paths));
   Report report;
-  report.result = {{"keys_closed", Json::array()}, {"logged", Json::array()}};
+  report.result = {
+      {"folders_closed", Json::array()}, {"keys_closed", Json::array()}, {"logged", Json::array()}};
   const auto enclaves = enclaves_of(keystore);
   Import import{.paths = paths, .ca = ca, .log = log};
   for (const auto& name : enclaves.names) {
@@ -245,7 +278,7 @@ Result<Report> keystore_import(const Arguments& arguments, const Context& contex
     if (!added) add_error(std::move(added).error(), report);
   }
   close_keys(keystore, enclaves, report);
-  if (!writes_nothing()) ::chmod((keystore / "private").c_str(), 0700);
+  close_folder(keystore / "private", report);
   if (!import.lines.empty()) DDSSEC_TRY(log_issued(paths, import.lines));
   if (report.text.empty() && report.errors.empty()) report.text = "nothing was left to do\n";
   add_unseen(enclaves, report);

@@ -286,9 +286,28 @@ class Keystore(Transcript):
         out = self.json("keystore", "import", "ks", *NOW)["result"]
         self.assertEqual(out["logged"], ["/talker_listener/listener", "/talker_listener/talker", "/wildcard"])
         self.assertEqual(len(out["keys_closed"]), 4)
+        self.assertEqual(out["folders_closed"], ["ks/private"])
+        self.assertEqual((self.at / "ks/private").stat().st_mode & 0o777, 0o700)
         self.assertEqual(self.json("keystore", "import", "ks", *NOW)["result"],
-                         {"keys_closed": [], "logged": []})
+                         {"folders_closed": [], "keys_closed": [], "logged": []})
         self.healthy("/talker_listener/listener", "/talker_listener/talker", "/wildcard")
+
+    def test_a_folder_behind_a_link_keeps_its_mode(self):
+        """A keystore that came from another user must not close any folder of this one."""
+        for name in ("private", "enclaves"):
+            with self.subTest(name=name):
+                shutil.rmtree(self.at / "ks", ignore_errors=True)
+                shutil.rmtree(self.at / "shared", ignore_errors=True)
+                self.golden()
+                (self.at / "ks" / name).rename(self.at / "shared")
+                (self.at / "ks" / name).symlink_to(self.at / "shared")
+                (self.at / "shared").chmod(0o777)
+                keys = {key: key.stat().st_mode for key in (self.at / "shared").rglob("*key.pem")}
+                self.assertTrue(keys)
+                refusal = self.refused("file_unwritable", 4, "keystore", "import", "ks", *NOW)
+                self.assertIn("symbolic link", refusal["message"])
+                self.assertEqual((self.at / "shared").stat().st_mode & 0o777, 0o777)
+                self.assertEqual({key: key.stat().st_mode for key in keys}, keys)
 
     def test_a_copy_of_another_enclaves_certificate_is_not_logged(self):
         self.golden()
