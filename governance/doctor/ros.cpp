@@ -59,6 +59,12 @@ void check_enclave(const LoadedFolder& folder, const Environment& environment, D
   if (inside.empty() || *inside.begin() == "..")
     return report(fmt::format("ROS_SECURITY_KEYSTORE is \"{}\", and {} is not below its enclaves/",
                               keystore, here.string()));
+  if (!name.empty() && !name.starts_with('/'))
+    return report(
+        fmt::format("ROS_SECURITY_ENCLAVE_OVERRIDE is \"{}\", and the name of an enclave "
+                    "begins with \"/\": the node ends at start, because it leaves out the "
+                    "first character",
+                    name));
   if (!name.empty() && resolved(enclaves / fs::path(name).relative_path()) != here)
     return report(
         fmt::format("ROS_SECURITY_ENCLAVE_OVERRIDE is \"{}\"; this is the enclave \"/{}\"", name,

@@ -376,6 +376,9 @@ class Golden(WithoutLists):
         self.assertIn('is "enforce"; it must be exactly "Enforce"', told["DOC061"])
         told = self.ros(exit=1, ROS_SECURITY_ENCLAVE_OVERRIDE="/talker_listener/listener")
         self.assertIn('this is the enclave "/talker_listener/talker"', told["DOC062"])
+        # Measured with a node of ROS 2 Humble: rcl leaves out the first character, and the node aborts.
+        told = self.ros(exit=1, ROS_SECURITY_ENCLAVE_OVERRIDE="talker_listener/talker")
+        self.assertIn('begins with "/"', told["DOC062"])
         self.assertIn("is not below", self.ros(exit=1, ROS_SECURITY_KEYSTORE="/nowhere")["DOC062"])
         self.assertIn("not set", self.ros(exit=1, ROS_SECURITY_KEYSTORE="")["DOC062"])
         told = self.ros(exit=1, ROS_DOMAIN_ID="5")
