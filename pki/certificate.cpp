@@ -227,8 +227,10 @@ bool Certificate::is_ca_by_key_usage_only() const {
 }
 
 std::string Certificate::signature_digest() const {
+  const int algorithm = X509_get_signature_nid(impl_->x509.get());
+  if (algorithm == NID_rsassaPss) return "RSASSA-PSS";
   int digest = NID_undef;
-  OBJ_find_sigid_algs(X509_get_signature_nid(impl_->x509.get()), &digest, nullptr);
+  OBJ_find_sigid_algs(algorithm, &digest, nullptr);
   return digest == NID_undef ? "" : OBJ_nid2sn(digest);
 }
 

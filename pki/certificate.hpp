@@ -81,7 +81,8 @@ class Certificate {
   /// True if only its keyUsage (keyCertSign) marks it as a CA: version 3 without basicConstraints,
   /// which RFC 5280 does not allow.
   bool is_ca_by_key_usage_only() const;
-  /// The digest of the CA's signature on it, as "SHA256"; "" if the algorithm has none.
+  /// The digest of the CA's signature on it, as "SHA256"; "RSASSA-PSS" for that algorithm; "" if the
+  /// algorithm has none.
   std::string signature_digest() const;
   /// The number of CAs allowed below this one; empty if basicConstraints has no limit.
   std::optional<int> path_length() const;
