@@ -105,12 +105,13 @@ Result<std::vector<std::string>> topics_of(const Arguments& arguments) {
   return out;
 }
 
-Report unpredictable(const fs::path& file) {
+Report unpredictable(const fs::path& file, doctor::Vendor vendor) {
   auto report = cli::report_of(
       Error(Code::file_unreadable,
             {.document = file,
-             .note = "Cyclone DDS starts with it, and ddssec does not read it as Cyclone DDS does: "
-                     "whether they would talk is not known",
+             .note = fmt::format("{0} starts with it, and ddssec does not read it as {0} does: "
+                                 "whether they would talk is not known",
+                                 doctor::family(vendor)),
              .hint = "ddssec doctor says what is wrong with it"}));
   report.exit = Exit::unreadable;
   return report;
@@ -118,10 +119,13 @@ Report unpredictable(const fs::path& file) {
 
 // ddssec cannot parse such a certificate, but Cyclone DDS accepts it, so a "no" could be seriously
 // wrong. Empty if an answer is possible.
-std::optional<Report> unpredictable(const doctor::LoadedFolder& folder) {
+std::optional<Report> unpredictable(const doctor::LoadedFolder& folder, doctor::Vendor vendor) {
   const auto& certificate = folder.certificate;
-  if (const auto* file = doctor::unpredictable_file(folder)) return unpredictable(*file);
-  if (certificate || !doctor::is_key_of_another_curve(certificate.error())) return std::nullopt;
+  if (const auto* file = doctor::unpredictable_file(folder, vendor))
+    return unpredictable(*file, vendor);
+  if (vendor != doctor::Vendor::cyclonedds || certificate ||
+      !doctor::is_key_of_another_curve(certificate.error()))
+    return std::nullopt;
   auto details = certificate.error().details();
   details.document = folder.paths.certificate;
   details.note =
@@ -143,10 +147,11 @@ Result<Report> check(const Arguments& arguments, const Context& context) {
   const auto now = context.clock.now();
   const auto a = load_participant(folders[0], now);
   const auto b = load_participant(folders[1], now);
-  const bool are_cyclonedds = std::ranges::all_of(
-      products, [](const auto& one) { return one.vendor == doctor::Vendor::cyclonedds; });
-  for (const auto* folder : {&a, &b})
-    if (auto unknown = are_cyclonedds ? unpredictable(*folder) : std::nullopt)
+  // ddssec refuses to start with such files: the answer is no.
+  const bool are_stock = std::ranges::none_of(
+      products, [](const auto& one) { return one.vendor == doctor::Vendor::ours; });
+  for (const auto& [folder, product] : {std::pair{&a, &products[0]}, std::pair{&b, &products[1]}})
+    if (auto unknown = are_stock ? unpredictable(*folder, product->vendor) : std::nullopt)
       return *std::move(unknown);
   Report report;
   const auto domain = DDSSEC_TRY(domain_for(arguments, {&a, &b}, now, report));

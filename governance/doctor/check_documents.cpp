@@ -30,7 +30,7 @@ struct Subject {
   const std::vector<Note>* notes;
   const std::vector<Variant>& left_out;
   bool has_joined_values;
-  bool has_capital_names;
+  bool is_refused_by_fastdds;
   const Lineup& lineup;
 };
 
@@ -47,7 +47,7 @@ Subject subject(std::string_view about, const fs::path& path, const LoadedDocume
           document.model ? &document.model->notes : nullptr,
           document.left_out,
           document.has_joined_values,
-          document.has_capital_names,
+          document.is_refused_by_fastdds,
           lineup};
 }
 
@@ -260,13 +260,16 @@ Outcomes outcomes_of_text(const Subject& subject) {
     // Cyclone DDS joins the pieces. Fast DDS 2.9 reads the first text alone: another topic, or a
     // value that it refuses.
     if (subject.has_joined_values) out = out.worse({.fastdds = Outcome::unsafe});
-    if (subject.has_capital_names) out = out.worse({.fastdds = Outcome::fail});
+    if (subject.is_refused_by_fastdds) out = out.worse({.fastdds = Outcome::fail});
     return out;
   }
   const auto& error = subject.parsed.error();
   const auto code = error.code();
-  if (cyclonedds_starts_with(error))
-    return {.cyclonedds = Outcome::unsafe, .fastdds = Outcome::fail, .ours = Outcome::fail};
+  const bool may_start[] = {cyclonedds_starts_with(error), fastdds_starts_with(error)};
+  if (may_start[0] || may_start[1])
+    return {.cyclonedds = may_start[0] ? Outcome::unsafe : Outcome::fail,
+            .fastdds = may_start[1] ? Outcome::unsafe : Outcome::fail,
+            .ours = Outcome::fail};
   if (code == Code::attribute_unknown)
     return out.worse(measured(subject.about == "governance"
                                   ? Variant::governance_unknown_attribute

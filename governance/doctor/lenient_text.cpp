@@ -23,12 +23,12 @@ class Cleaner {
       else if (rest.starts_with("<!DOCTYPE"))
         blank(at, end_of_doctype(at), Variant::governance_doctype);
       else if (rest.starts_with("<?"))
-        blank(at, behind(at, "?>"), Variant::governance_processing_instruction);
+        instruction(at);
       else
         small_name(at + 1);
     }
     octets();
-    return {to_bytes(as_bytes(text_)), std::move(left_out_), has_pieces_, has_capitals_};
+    return {to_bytes(as_bytes(text_)), std::move(left_out_), has_pieces_, is_refused_by_fastdds_};
   }
 
  private:
@@ -52,13 +52,34 @@ class Cleaner {
       if (text_[i] != '\n' && text_[i] != '\r') text_[i] = ' ';
     note(what);
   }
+  // Measured: Fast DDS reads one before the root element only.
+  void instruction(std::size_t at) {
+    if (has_root_) is_refused_by_fastdds_ = true;
+    blank(at, behind(at, "?>"), Variant::governance_processing_instruction);
+  }
   // Of a start tag or an end tag.
   void small_name(std::size_t at) {
-    for (; at < text_.size() && !std::string_view(" \t\r\n>").contains(text_[at]); ++at)
+    has_root_ = true;
+    const auto end = std::min(text_.find_first_of(" \t\r\n>", at), text_.size());
+    const auto name = text_.substr(at, end - at);
+    if (!is_in_pair(name, end)) return;
+    for (; at < end; ++at)
       if (text_[at] >= 'A' && text_[at] <= 'Z') {
         text_[at] = static_cast<char>(text_[at] - 'A' + 'a');
-        has_capitals_ = true;
+        is_refused_by_fastdds_ = true;
       }
+  }
+  // False for an end tag that is not spelt as its start tag.
+  bool is_in_pair(std::string_view name, std::size_t end) {
+    if (name.starts_with('/')) {
+      const bool is_same = !open_.empty() && open_.back() == name.substr(1);
+      if (!open_.empty()) open_.pop_back();
+      return is_same;
+    }
+    const auto close = text_.find('>', end);
+    const bool is_closed = close != text_.npos && close > 0 && text_[close - 1] == '/';
+    if (!is_closed) open_.emplace_back(name);
+    return true;
   }
   void note(Variant what) {
     if (std::ranges::find(left_out_, what) == left_out_.end()) left_out_.push_back(what);
@@ -131,7 +152,9 @@ class Cleaner {
 
   std::string text_;
   std::vector<Variant> left_out_;
-  bool has_capitals_ = false;
+  std::vector<std::string> open_;  // names of the elements around this place
+  bool has_root_ = false;
+  bool is_refused_by_fastdds_ = false;
   bool has_pieces_ = false;
   std::size_t joined_ = 0;
 };

@@ -14,13 +14,16 @@ struct LenientText {
   Bytes text;                      ///< lines as before
   std::vector<Variant> left_out;   ///< the kinds of removed parts, each once
   bool has_joined_values = false;  ///< a value contained a comment or CDATA
-  bool has_capital_names = false;  ///< elements had capitals in their names
+  /// Element names had capitals, or a processing instruction was inside the root element: Cyclone
+  /// DDS reads the text, and Fast DDS does not.
+  bool is_refused_by_fastdds = false;
 };
 
 /// Replaces by blanks what governance::check_xml refuses and is not part of the content: a
 /// declaration of another encoding or with escaped quotes, a document type, processing
 /// instructions, comments that contain "--". Octets that are not UTF-8 become '?'. The pieces of a
-/// value are joined. Element names are converted to lower case.
+/// value are joined. Element names are converted to lower case if start tag and end tag agree, as
+/// Cyclone DDS wants it.
 LenientText lenient_text(BytesView xml);
 
 }  // namespace ddssec::governance::doctor

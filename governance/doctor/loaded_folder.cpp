@@ -81,8 +81,8 @@ LoadedDocument<Model> load_document(const fs::path& path, const Certificates& ca
     auto lenient = lenient_text(out.form.unverified_text);
     out.left_out = std::move(lenient.left_out);
     out.has_joined_values = lenient.has_joined_values;
-    out.has_capital_names = lenient.has_capital_names;
-    if (!out.left_out.empty() || out.has_joined_values || out.has_capital_names)
+    out.is_refused_by_fastdds = lenient.is_refused_by_fastdds;
+    if (!out.left_out.empty() || out.has_joined_values || out.is_refused_by_fastdds)
       model = read(lenient.text, out.form.first_line);
   }
   if (model) out.model = std::make_shared<const Model>(*std::move(model));

@@ -39,8 +39,8 @@ struct LoadedDocument {
   std::vector<Variant> left_out = {};
   /// A comment or CDATA in a value was removed too.
   bool has_joined_values = false;
-  /// Element names in capitals, which Cyclone DDS accepts, were converted to lower case.
-  bool has_capital_names = false;
+  /// Cyclone DDS reads the text and Fast DDS does not: see LenientText.
+  bool is_refused_by_fastdds = false;
 
   /// Success if a product can parse it, as far as its parser may differ. Otherwise the error is
   /// ddssec's.

@@ -10,17 +10,32 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// As strtol with base 0 reads it: hexadecimal after 0x, octal after 0.
+// As strtol with base 0 reads it, hexadecimal after 0x and octal after 0, and as an int then: -0
+// and 4294967296 are 0.
 bool is_number_for_strtol(std::string_view text) {
-  if (text.starts_with('+')) text.remove_prefix(1);
+  const bool is_negative = text.starts_with('-');
+  if (is_negative || text.starts_with('+')) text.remove_prefix(1);
   const bool is_hexadecimal = text.starts_with("0x") || text.starts_with("0X");
   if (is_hexadecimal) text.remove_prefix(2);
   if (text.starts_with('-')) return false;
   const int base = is_hexadecimal ? 16 : text.starts_with('0') ? 8 : 10;
-  DomainId id = 0;
+  std::int64_t number = 0;
   const auto* const end = text.data() + text.size();
-  const auto read = std::from_chars(text.data(), end, id, base);
-  return !text.empty() && read.ec == std::errc() && read.ptr == end && id <= kHighestDomainId;
+  const auto read = std::from_chars(text.data(), end, number, base);
+  const auto id = static_cast<std::int32_t>(is_negative ? -number : number);
+  return !text.empty() && read.ec == std::errc() && read.ptr == end && id >= 0 &&
+         id <= static_cast<std::int32_t>(kHighestDomainId);
+}
+
+// A second element instead of the first one, as measured: not every kind.
+bool cyclonedds_repeats(std::string_view element) {
+  constexpr std::string_view kRefused[] = {"<domain_access_rules>", "<permissions>"};
+  return std::ranges::find(kRefused, element) == std::end(kRefused);
+}
+bool fastdds_repeats(std::string_view element) {
+  constexpr std::string_view kTaken[] = {"<permissions>", "<not_before>", "<not_after>",
+                                         "<default>", "<topics>"};
+  return std::ranges::find(kTaken, element) != std::end(kTaken);
 }
 
 // With an empty <topic_expression> Cyclone DDS crashes.
@@ -30,11 +45,19 @@ bool may_be_empty(std::string_view element) {
   return std::ranges::find(kNeeded, element) == std::end(kNeeded);
 }
 
+bool starts_with(Vendor vendor, const Error& error) {
+  return vendor == Vendor::cyclonedds ? cyclonedds_starts_with(error) : fastdds_starts_with(error);
+}
+
 template <class Model>
-bool is_unpredictable(const LoadedDocument<Model>& document) {
-  if (!document.readable || !document.cyclonedds_belief) return false;
-  if (document.form.ambiguous) return true;
-  return !document.model && !document.parsed && cyclonedds_starts_with(document.parsed.error());
+bool is_unpredictable(const LoadedDocument<Model>& document, Vendor vendor) {
+  const bool is_cyclonedds = vendor == Vendor::cyclonedds;
+  const auto& belief = is_cyclonedds ? document.cyclonedds_belief : document.fastdds_belief;
+  if (!document.readable || !belief) return false;
+  if (document.form.ambiguous) return is_cyclonedds;
+  // Of a value in pieces Fast DDS reads the first one only.
+  if (document.model && !document.parsed) return !is_cyclonedds && document.has_joined_values;
+  return !document.model && !document.parsed && starts_with(vendor, document.parsed.error());
 }
 
 }  // namespace
@@ -50,8 +73,30 @@ bool cyclonedds_starts_with(const Error& error) {
       return is_number_for_strtol(details.found);
     case Code::element_empty:
       return may_be_empty(details.field);
+    case Code::element_repeated:
+      return cyclonedds_repeats(details.field);
     case Code::xml_not_well_formed:
       return details.found == "XML_ERROR_PARSING_ATTRIBUTE";
+    default:
+      return false;
+  }
+}
+
+bool fastdds_starts_with(const Error& error) {
+  const auto& details = error.details();
+  switch (error.code()) {
+    case Code::value_not_date_time:
+    case Code::value_not_domain_id:
+    case Code::domain_range_reversed:
+    case Code::text_unexpected:
+      return true;
+    case Code::value_not_boolean:
+      return !details.found.empty() &&
+             details.found.find_first_not_of("0123456789+-") == details.found.npos;
+    case Code::element_repeated:
+      return fastdds_repeats(details.field);
+    case Code::xml_not_well_formed:
+      return details.expected == "one root element";
     default:
       return false;
   }
@@ -69,17 +114,19 @@ bool is_key_of_explicit_curve(const Error& error) {
   return error.code() == Code::key_not_allowed && error.details().found == "EC of 256 bits";
 }
 
-const fs::path* unpredictable_file(const LoadedFolder& folder) {
+const fs::path* unpredictable_file(const LoadedFolder& folder, Vendor vendor) {
   const auto& paths = folder.paths;
-  const auto is_labelled = [](const auto& piece, const fs::path& path) {
-    return !piece && has_other_certificate_label(path);
+  const auto is_labelled = [&](const auto& piece, const fs::path& path) {
+    return vendor == Vendor::cyclonedds && !piece && has_other_certificate_label(path);
   };
+  if (vendor == Vendor::ours) return nullptr;
   if (is_labelled(folder.identity_cas, paths.identity_ca)) return &paths.identity_ca;
   if (is_labelled(folder.certificate, paths.certificate)) return &paths.certificate;
   if (is_labelled(folder.permissions_cas, paths.permissions_ca)) return &paths.permissions_ca;
-  if (!folder.key && is_key_of_explicit_curve(folder.key.error())) return &paths.key;
-  if (is_unpredictable(folder.governance)) return &paths.governance;
-  if (is_unpredictable(folder.permissions)) return &paths.permissions;
+  if (vendor == Vendor::cyclonedds && !folder.key && is_key_of_explicit_curve(folder.key.error()))
+    return &paths.key;
+  if (is_unpredictable(folder.governance, vendor)) return &paths.governance;
+  if (is_unpredictable(folder.permissions, vendor)) return &paths.permissions;
   return nullptr;
 }
 

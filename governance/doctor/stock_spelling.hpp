@@ -1,5 +1,5 @@
 // Documents with which stock products start although ddssec does not parse them, so that ddssec
-// cannot tell what they allow. Measured with Cyclone DDS 0.10.2.
+// cannot tell what they allow. Measured with Cyclone DDS 0.10.2 and Fast DDS 2.9.1.
 #pragma once
 
 #include <string_view>
@@ -9,9 +9,14 @@
 namespace ddssec::governance::doctor {
 
 /// True if Cyclone DDS starts with a document for which ddssec reports `error`. Cyclone DDS reads
-/// numbers like strtol (+0, 0x0, nothing), accepts any word as <default> or <not_before>, and
-/// ignores empty elements and repeated attributes.
+/// numbers like strtol (+0, -0, 0x0, nothing), accepts any word as <default> or <not_before>, and
+/// ignores empty elements and repeated attributes. Of an element that may only be there once, the
+/// last one counts.
 bool cyclonedds_starts_with(const Error& error);
+/// The same for Fast DDS: it reads numbers that are out of range, days that no month has, ranges
+/// that end before they begin, text between elements and a second root element, and takes the first
+/// of several elements in permissions.
+bool fastdds_starts_with(const Error& error);
 
 /// True if a file contains certificates under one of OpenSSL's other labels, such as X509
 /// CERTIFICATE.
@@ -19,8 +24,8 @@ bool has_other_certificate_label(const std::filesystem::path& path);
 /// True for a 256-bit key with explicit curve parameters.
 bool is_key_of_explicit_curve(const Error& error);
 
-/// The file with which Cyclone DDS starts although ddssec cannot predict the effect; null if there
+/// The file with which the product starts although ddssec cannot predict the effect; null if there
 /// is none.
-const std::filesystem::path* unpredictable_file(const LoadedFolder& folder);
+const std::filesystem::path* unpredictable_file(const LoadedFolder& folder, Vendor vendor);
 
 }  // namespace ddssec::governance::doctor

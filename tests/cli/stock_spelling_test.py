@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What Cyclone DDS 0.10.2 starts with although ddssec refuses it: doctor calls it unsafe, not a failure, and check says
+"""What Cyclone DDS 0.10.2 and Fast DDS 2.9.1 start with although ddssec refuses it: doctor calls it unsafe, not a failure, and check says
 that it cannot say. Each row was measured with real pairs on stock plugins."""
 
 import json
@@ -14,13 +14,27 @@ TAKEN = [("g", "<id>0<", "<id>+0<"), ("p", "<id>0<", "<id>0x0<"), ("g", "<id>0<"
          ("p", ">DENY<", ">deny<"), ("p", ">DENY<", ">FOO<"), ("p", ">DENY<", "><"),
          ("p", "2020-01-01T00:00:00Z", "1969-12-31T23:59:59Z"), ("p", "2020-01-01T00:00:00Z", "yesterday"),
          ("p", ">Square</topic>", ">Square</topic><topic/>"), ("p", ' name="participant"', ' name="a" name="b"'),
-         ("g", ">false<", "><"), ("g", ">SIGN<", "><")]
+         ("g", ">false<", "><"), ("g", ">SIGN<", "><"),
+         ("g", "<id>0<", "<id>-0<"), ("g", "<id>0<", "<id>4294967296</id><id>0<"),
+         ("g", "<topic_expression>", "<topic_expression>other</topic_expression><topic_expression>"),
+         ("p", "<default>DENY<", "<default>DENY</default><default>ALLOW<"),
+         ("p", "<not_after>", "<not_after>2021-01-01T00:00:00Z</not_after><not_after>")]
+# The same for Fast DDS.
+TAKEN_BY_FASTDDS = [("g", "<id>0<", "<id>-0<"), ("g", "<id>0<", "<id>+0<"), ("g", "<id>0<", "<id>0</id><id>231<"),
+                    ("g", "<topic_rule>", "hello<topic_rule>"), ("g", "</dds>", "</dds><dds/>"), ("g", ">true<", ">01<"),
+                    ("g", "<id>0<", "<id_range><min>5</min><max>3</max></id_range><id>0<"),
+                    ("p", "2037-01-01T", "2037-02-30T"), ("p", "2037-01-01T00:00:00Z", "2036-06-30T23:59:60Z"),
+                    ("p", "<default>DENY<", "<default>DENY</default><default>ALLOW<"), ("p", ">Square<", ">Squ<!-- -->are<"),
+                    ("p", "</not_after>", "</not_after><not_after>2021-01-01T00:00:00Z</not_after>")]
+REFUSED_BY_FASTDDS = [("g", "<topic_expression>", "<topic_expression>other</topic_expression><topic_expression>"),
+                      ("g", "<topic_rule>", "<?x y?><topic_rule>"),
+                      ("g", ">true<", ">yes<"), ("p", ">DENY<", ">deny<"), ("p", "<publish>", "<foo/><publish>")]
 # The participants do not come up; with an empty topic_expression the process crashes.
 REFUSED = [("g", "<id>0<", "<id>abc<"), ("p", "<id>0<", "<id>-1<"), ("g", "<id>0<", "<id>231<"), ("p", "<id>0<", "<id>00x<"),
            ("p", "2020-01-01T00:00:00Z", ""), ("p", "2037-01-01T00:00:00Z", "tomorrow"),
            ("p", "2037-01-01T00:00:00Z", "1960-01-01T00:00:00Z"), ("g", ">false<", ">yes<"), ("g", ">SIGN<", ">FOO<"),
            ("g", "<topic_expression>*<", "<topic_expression><"), ("p", "<publish>", "<foo/><publish>"),
-           ("p", "<publish>", "<Foo/><publish>")]
+           ("p", "<publish>", "<Foo/><publish>"), ("g", "</topic_expression>", "</TOPIC_expression>")]
 CAPITALS = [("p", "publish>"), ("p", "subscribe>"), ("p", "topics>"), ("p", "topic>"), ("p", "allow_rule>"),
             ("p", "validity>"), ("p", "not_before>"), ("p", "domains>"), ("g", "domain_rule>"), ("g", "topic_rule>"),
             ("g", "rtps_protection_kind>"), ("g", "topic_expression>"), ("g", "id>")]
@@ -41,14 +55,13 @@ class StockSpelling(WithoutLists):
                 self.assertTrue(document != what or text != texts[document])
                 folder.sign(name, text)
 
-    def judged(self):
-        """The verdict for Cyclone DDS, and how check ends for two participants on it."""
+    def judged(self, product="cyclonedds", version="0.10.2"):
+        """The verdict for the product, and how check ends for two participants on it."""
         done = self.run_program("doctor", "talker", "--format", "json", exit=None)
         verdicts = json.loads(done.stdout)["result"]["verdicts"]
         self.assertEqual(verdicts["ours"], "fail")
-        check = subprocess.run([PROGRAM, "check", "talker", "partner", "--topics", "Square", "--vendor", "A=cyclonedds",
-                                "--vendor", "B=cyclonedds"], cwd=self.at, capture_output=True, timeout=60, check=False)
-        return verdicts["cyclonedds@0.10.2"], check.returncode
+        check = subprocess.run([PROGRAM, "check", "talker", "partner", "--topics", "Square", "--vendor", product], cwd=self.at, capture_output=True, timeout=60, check=False)
+        return verdicts[f"{product}@{version}"], check.returncode
 
     def test_values_that_cyclone_dds_takes(self):
         for what, old, new in TAKEN:
@@ -61,6 +74,13 @@ class StockSpelling(WithoutLists):
             self.sign(what, old, new)
             with self.subTest(what=what, old=old, new=new):
                 self.assertEqual(self.judged(), ("fail", 1))
+
+    def test_values_that_fast_dds_takes(self):
+        for rows, verdict in ((TAKEN_BY_FASTDDS, ("unsafe", 3)), (REFUSED_BY_FASTDDS, ("fail", 1))):
+            for what, old, new in rows:
+                self.sign(what, old, new)
+                with self.subTest(what=what, old=old, new=new):
+                    self.assertEqual(self.judged("fastdds", "2.9.1"), verdict)
 
     def test_names_in_capitals_are_read_as_cyclone_dds_does(self):
         for what, name in CAPITALS:
