@@ -16,6 +16,7 @@
 #include "cli/options.hpp"
 #include "cli/pre_shared_keys.hpp"
 #include "cli/products.hpp"
+#include "governance/doctor/diagnosis.hpp"
 #include "governance/doctor/stock_spelling.hpp"
 #include "governance/model.hpp"
 
@@ -136,6 +137,20 @@ std::optional<Report> unpredictable(const doctor::LoadedFolder& folder, doctor::
   return report;
 }
 
+// The answer is about ddssec on both sides. What another product does is a warning.
+void warn_of_readings(std::initializer_list<const doctor::LoadedFolder*> folders,
+                      const doctor::Settings& settings, Report& report) {
+  for (const auto* folder : folders) {
+    doctor::Diagnosis readings(settings.lineup);
+    doctor::check_readings(*folder, settings, readings);
+    for (const auto& one : readings.checks())
+      for (auto finding : one.findings) {
+        finding.severity = Severity::warning;
+        report.findings.push_back(std::move(finding));
+      }
+  }
+}
+
 Result<Report> check(const Arguments& arguments, const Context& context) {
   const fs::path folders[] = {arguments.text("A"), arguments.text("B")};
   doctor::NamedProduct products[] = {{doctor::Vendor::ours}, {doctor::Vendor::ours}};
@@ -181,6 +196,9 @@ Result<Report> check(const Arguments& arguments, const Context& context) {
   const bool asked = arguments.has("--explain") && !arguments.has("--vendor");
   std::ranges::copy_if(meeting.notes, std::back_inserter(report.findings),
                        [&](const Finding& note) { return asked || note.rule != Rule::DOC083; });
+  if (!arguments.has("--vendor"))
+    warn_of_readings({&a, &b}, {.now = now, .domain = domain, .lineup = installed_lineup()},
+                     report);
   return report;
 }
 

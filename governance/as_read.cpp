@@ -47,6 +47,18 @@ bool change_expressions(std::vector<Criteria>& list, StockProduct product) {
   return any;
 }
 
+bool change_expressions(DomainRule& rule, StockProduct product) {
+  bool any = false;
+  for (auto& topic : rule.topic_rules)
+    if (change_expression(topic.topic_expression, topic.is_padded, product)) any = true;
+  return any;
+}
+
+bool change_expressions(Rule& rule, StockProduct product) {
+  const bool any = change_expressions(rule.publish, product);
+  return change_expressions(rule.subscribe, product) || any;
+}
+
 bool change_criteria(Criteria& criteria, StockProduct product) {
   if (product == StockProduct::fastdds)
     return std::exchange(criteria.partitions, std::nullopt).has_value();
@@ -144,8 +156,7 @@ bool end_at_first(std::vector<Rule>& rules) {
 
 bool change_rule(Rule& rule, StockProduct product) {
   bool any = close_ranges(rule.domains);
-  for (auto* list : {&rule.publish, &rule.subscribe})
-    if (change_expressions(*list, product)) any = true;
+  if (change_expressions(rule, product)) any = true;
   if (product == StockProduct::cyclonedds && !rule.domains.tags.empty() &&
       rule.domains.tag_expressions.empty()) {
     rule.domains.tags.clear();
@@ -169,8 +180,7 @@ std::optional<Governance> as_stock_reads(const Governance& document, StockProduc
   bool any = false;
   for (auto& rule : out.domain_rules) {
     if (close_ranges(rule.domains)) any = true;
-    for (auto& topic : rule.topic_rules)
-      if (change_expression(topic.topic_expression, topic.is_padded, product)) any = true;
+    if (change_expressions(rule, product)) any = true;
   }
   return any ? std::optional(std::move(out)) : std::nullopt;
 }
@@ -185,6 +195,19 @@ std::optional<Permissions> as_stock_reads(const Permissions& document, StockProd
     if (end_at_first(grant.rules)) any = true;
     if (std::exchange(grant.default_allow, false)) any = true;
   }
+  return any ? std::optional(std::move(out)) : std::nullopt;
+}
+
+std::optional<DomainRule> expressions_as_read(const DomainRule& rule, StockProduct product) {
+  auto out = rule;
+  return change_expressions(out, product) ? std::optional(std::move(out)) : std::nullopt;
+}
+
+std::optional<Grant> expressions_as_read(const Grant& grant, StockProduct product) {
+  auto out = grant;
+  bool any = false;
+  for (auto& rule : out.rules)
+    if (change_expressions(rule, product)) any = true;
   return any ? std::optional(std::move(out)) : std::nullopt;
 }
 

@@ -29,4 +29,9 @@ std::optional<Governance> as_stock_reads(const Governance& document, StockProduc
 ///   a deny_rule for its topics follows each allow_rule.
 std::optional<Permissions> as_stock_reads(const Permissions& document, StockProduct product);
 
+/// A part of a document with the expressions of its topics and partitions as the product reads
+/// them; all else stays. Empty if nothing changes.
+std::optional<DomainRule> expressions_as_read(const DomainRule& rule, StockProduct product);
+std::optional<Grant> expressions_as_read(const Grant& grant, StockProduct product);
+
 }  // namespace ddssec::governance

@@ -68,6 +68,7 @@ Diagnosis diagnose(const LoadedFolder& folder, const Settings& settings) {
   check_identity(folder, settings, out);
   check_documents(folder, settings, out);
   check_rights(folder, settings, out);
+  check_readings(folder, settings, out);
   check_ends(folder, settings, out);
   return out;
 }

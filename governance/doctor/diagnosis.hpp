@@ -65,6 +65,10 @@ class Diagnosis {
 Diagnosis diagnose(const LoadedFolder& folder, const Settings& settings);
 
 /// Checks whether a configuration of Cyclone DDS (`text`, named by the environment) makes the
+/// DOC107, a part of diagnose(): finds topics that ddssec's reading of the expressions protects or
+/// refuses, and a stock product's does not. One finding for each product and document.
+void check_readings(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
+
 /// participant's process read the files of the folder. A configuration of another participant is
 /// ignored.
 void check_configuration_in_force(const LoadedFolder& folder, std::string_view text,
