@@ -263,6 +263,8 @@ Result<Report> doctor_of(const Arguments& arguments, const Context& context) {
     doctor::check_plugins(
         arguments.text("--plugins") == "system" ? "" : arguments.text("--plugins"), diagnosis);
   if (!arguments.has("--ros")) warn_of_unset_variable(loaded, settings, diagnosis);
+  if (!arguments.has("--ros") && arguments.has("--vendor"))
+    warn_of_unset_profiles_file(loaded, settings, diagnosis);
   const auto in_force = doctor::cyclonedds_configuration();
   doctor::check_shared_memory(loaded, in_force, settings, diagnosis);
   doctor::check_transport(in_force, diagnosis);

@@ -25,6 +25,11 @@ void warn_of_unset_variable(const governance::doctor::LoadedFolder& folder,
                             const governance::doctor::Settings& settings,
                             governance::doctor::Diagnosis& out);
 
+/// The same for FASTRTPS_DEFAULT_PROFILES_FILE and the folder's fastdds.xml.
+void warn_of_unset_profiles_file(const governance::doctor::LoadedFolder& folder,
+                                 const governance::doctor::Settings& settings,
+                                 governance::doctor::Diagnosis& out);
+
 /// True if Cyclone DDS, started for the participant in this environment, would load ddssec's
 /// plugins.
 bool runs_drop_in(const governance::doctor::LoadedFolder& folder);

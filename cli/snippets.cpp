@@ -45,13 +45,22 @@ std::string xml_uri(const fs::path& path) {
   return uri && !uri->empty() ? xml_text(*uri) : "file:" + xml_path(path);
 }
 
+// Cyclone DDS replaces ${X} by a variable, and knows no escape: "$" comes from a variable without a
+// name and a value (measured).
+std::string without_variables(std::string text) {
+  constexpr std::string_view kBegin = "${", kInstead = "${:-$}{";
+  for (auto at = text.find(kBegin); at != text.npos; at = text.find(kBegin, at + kInstead.size()))
+    text.replace(at, kBegin.size(), kInstead);
+  return text;
+}
+
 // The loader opens a path with a slash literally, and searches for a name without one.
 std::string library(const fs::path& dropin, std::string_view name, std::string_view what) {
   const auto path = dropin.empty() ? fmt::format("dds_security_{}", name)
                                    : (dropin / fmt::format("libdds_security_{}.so", name)).string();
   return fmt::format(
-      "<Library path=\"{}\" initFunction=\"init_{}\" finalizeFunction=\"finalize_{}\"/>", path,
-      what, what);
+      "<Library path=\"{}\" initFunction=\"init_{}\" finalizeFunction=\"finalize_{}\"/>",
+      without_variables(path), what, what);
 }
 
 std::string without_libraries(std::string_view configuration) {
@@ -110,7 +119,7 @@ std::string configuration_lines(std::string_view name, const fs::path& folder) {
 
 std::string cyclonedds_snippet(const pki::ParticipantFolder& folder, const fs::path& dropin) {
   const auto element = [](std::string_view name, const fs::path& path) {
-    return fmt::format("      <{}>{}</{}>\n", name, xml_uri(path), name);
+    return fmt::format("      <{}>{}</{}>\n", name, without_variables(xml_uri(path)), name);
   };
   return fmt::format(
       "<CycloneDDS><Domain Id=\"any\"><Security>\n"

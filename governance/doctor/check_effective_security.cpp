@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "governance/doctor/configuration_checks.hpp"
+#include "governance/doctor/expanded_variables.hpp"
 #include "governance/doctor/host_plugins.hpp"
 
 namespace ddssec::governance::doctor {
@@ -66,7 +67,7 @@ class Checks {
     if (!security_.access_control) report_no_access_control();
     for (const auto& expected : kExpected)
       if (const auto& plugin = security_.*expected.plugin) {
-        check_library(expected, *plugin);
+        check_library(expected, with_variables(*plugin));
         check_values(expected, *plugin);
       }
   }
@@ -136,7 +137,6 @@ class Checks {
     const bool is_name =
         path == nullptr || path->text == expected.stock || path->text == expected.ours;
     if (is_name) return check_functions(expected, plugin);
-    if (path->text.contains('$')) return;
     auto places = LoaderPlaces::here();
     const auto file = library_file(path->text, places);
     if (file.empty()) return report_missing_library(expected, *path);
@@ -149,6 +149,20 @@ class Checks {
     }
     places.library_path.clear();
     if (library_file(path->text, places).empty()) report_without_library_path(expected, *path);
+  }
+
+  // As the application reads it if it has the environment of this process.
+  ConfiguredPlugin with_variables(ConfiguredPlugin plugin) {
+    for (auto* list : {&plugin.library, &plugin.values})
+      for (auto& [name, value] : *list) {
+        auto expanded = expanded_variables(value.text, question_.domain);
+        if (!expanded)
+          refuse(value.line, fmt::format("has the value \"{}\", whose variables Cyclone DDS cannot "
+                                         "replace, or replaces in each process by another value",
+                                         value.text));
+        value.text = std::move(expanded).value_or("");
+      }
+    return plugin;
   }
 
   void check_functions(const Expected& expected, const ConfiguredPlugin& plugin) {

@@ -1,6 +1,7 @@
 // Finds everything that is wrong with a participant's folder, for each product, in one run.
 #pragma once
 
+#include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
@@ -64,14 +65,19 @@ class Diagnosis {
 /// left out; the broken part is reported.
 Diagnosis diagnose(const LoadedFolder& folder, const Settings& settings);
 
-/// Checks whether a configuration of Cyclone DDS (`text`, named by the environment) makes the
 /// DOC107, a part of diagnose(): finds topics that ddssec's reading of the expressions protects or
 /// refuses, and a stock product's does not. One finding for each product and document.
 void check_readings(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
 
+/// Checks whether a configuration of Cyclone DDS (`text`, named by the environment) makes the
 /// participant's process read the files of the folder. A configuration of another participant is
 /// ignored.
 void check_configuration_in_force(const LoadedFolder& folder, std::string_view text,
                                   const Settings& settings, Diagnosis& out);
+
+/// The same for a file of profiles of Fast DDS, named by the environment. One that is not of this
+/// participant is a warning if the participant has its own.
+void check_profile_in_force(const LoadedFolder& folder, const std::filesystem::path& file,
+                            Diagnosis& out);
 
 }  // namespace ddssec::governance::doctor

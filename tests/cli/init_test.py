@@ -101,7 +101,9 @@ class Init(Transcript):
                                           text=True, capture_output=True, check=True).stdout
                     self.assertIn(f"{name}/talker", said)
                     self.assertTrue(said.startswith(beginning))
-                self.run_program("doctor", f"{name}/talker", *NOW)
+                odd = set(name) & set('"\\')  # Cyclone DDS reads the permissions from another path
+                self.run_program("doctor", f"{name}/talker", *NOW, exit=1 if odd else 0)
+                self.run_program("doctor", f"{name}/talker", "--vendor", "ddssec", *NOW)
         self.run_program("ca", "create", "d,e", "--no-passphrase", *NOW)
         self.run_program("keystore", "create", "f,g", "--no-passphrase", *NOW)
 

@@ -158,6 +158,10 @@ class JudgedFiles(Transcript):
                          "warning")
         for uri in (f"file://{self.at}/nowhere.xml", f"file:{other}"):
             self.refused_by_all("DOC102", "cannot be read", environment={"CYCLONEDDS_URI": uri})
+        # Measured: the second <Security> counts, and the participant does not start.
+        second = {"CYCLONEDDS_URI": f"file://{self.configuration},<Security><Authentication><IdentityCA>file:x</IdentityCA>"
+                                    "</Authentication></Security>"}
+        self.refused_by_all("DOC102", "names no <PrivateKey>", environment=second)
         general = {"CYCLONEDDS_URI": "<General/>"}
         told = self.json("doctor", "demo/talker", *NOW, environment=general)["diagnostics"]
         self.assertEqual([(one["id"], one["severity"]) for one in told], [("DOC101", "warning")])
@@ -177,7 +181,8 @@ class JudgedFiles(Transcript):
             text = self.run_program("doctor", "demo/talker", *NOW, environment=environment).stdout
             self.assertNotIn("nothing found", text)
             self.assertIn("and the folder's cyclonedds.xml Cyclone DDS would load", text)
-        self.assertEqual(self.unsecured("demo/talker", "--vendor", "fastdds"), [])
+        told = self.unsecured("demo/talker", "--vendor", "fastdds")
+        self.assertEqual([one["message"].split()[0] for one in told], ["FASTRTPS_DEFAULT_PROFILES_FILE"])
         named = {"CYCLONEDDS_URI": f"file://{self.configuration}"}
         self.assertEqual(self.unsecured("demo/talker", environment=named), [])
         self.configuration.unlink()

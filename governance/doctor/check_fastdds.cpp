@@ -1,0 +1,176 @@
+// Checks whether Fast DDS would start with a profile, and with security.
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "governance/doctor/configuration_checks.hpp"
+#include "governance/xml.hpp"
+
+namespace ddssec::governance::doctor {
+namespace {
+
+constexpr Outcomes kFastFails{.fastdds = Outcome::fail};
+constexpr std::string_view kHint =
+    "let the <participant> with is_default_profile=\"true\" have the properties that ddssec "
+    "identity "
+    "issue NAME --ca CA -o DIR writes; or remove the file, and the command writes it anew";
+
+/// A property that switches one plugin on.
+struct Plugin {
+  std::string_view property;
+  std::string_view value;
+};
+constexpr Plugin kPlugins[] = {
+    {"dds.sec.auth.plugin", "builtin.PKI-DH"},
+    {"dds.sec.access.plugin", "builtin.Access-Permissions"},
+    {"dds.sec.crypto.plugin", "builtin.AES-GCM-GMAC"},
+};
+constexpr std::string_view kDocuments[] = {
+    "dds.sec.auth.builtin.PKI-DH.identity_ca",
+    "dds.sec.auth.builtin.PKI-DH.identity_certificate",
+    "dds.sec.auth.builtin.PKI-DH.private_key",
+    "dds.sec.access.builtin.Access-Permissions.permissions_ca",
+    "dds.sec.access.builtin.Access-Permissions.governance",
+    "dds.sec.access.builtin.Access-Permissions.permissions",
+};
+
+template <class Each>
+void each_child(XmlElement parent, std::string_view name, Each&& each) {
+  if (!parent) return;
+  for (auto child = parent.first_child(); child; child = child.next_sibling())
+    if (child.name() == name) each(child);
+}
+
+XmlElement child_of(XmlElement parent, std::string_view name) {
+  XmlElement out;
+  each_child(parent, name, [&](XmlElement child) {
+    if (!out) out = child;
+  });
+  return out;
+}
+
+// The last one that says so counts.
+XmlElement default_participant(XmlElement root) {
+  XmlElement out;
+  const auto profiles = root.name() == "dds" ? child_of(root, "profiles") : root;
+  if (!profiles || profiles.name() != "profiles") return out;
+  each_child(profiles, "participant", [&](XmlElement participant) {
+    const char* const is_default = participant.attribute("is_default_profile");
+    if (is_default != nullptr && std::string_view(is_default) == "true") out = participant;
+  });
+  return out;
+}
+
+using Properties = std::vector<std::pair<std::string, std::string>>;
+
+// Names and values count with the blanks around them.
+Properties properties_of(XmlElement participant) {
+  Properties out;
+  const auto policy = child_of(child_of(participant, "rtps"), "propertiesPolicy");
+  each_child(child_of(policy, "properties"), "property", [&](XmlElement property) {
+    const auto text = [&](std::string_view name) {
+      const auto element = child_of(property, name);
+      return element ? element.raw_text().value_or("") : std::string();
+    };
+    out.emplace_back(text("name"), text("value"));
+  });
+  return out;
+}
+
+// The first one of the name.
+const std::string* value_of(const Properties& all, std::string_view name) {
+  const auto found = std::ranges::find(all, name, &Properties::value_type::first);
+  return found == all.end() ? nullptr : &found->second;
+}
+
+class Checks {
+ public:
+  Checks(const ProfileInQuestion& question, Diagnosis& out) : question_(question), out_(out) {}
+
+  void run() {
+    out_.pass(Rule::DOC101);
+    out_.pass(Rule::DOC102);
+    const auto document = XmlDocument::parse(as_bytes(question_.text));
+    if (!document) return report_unread(document.error());
+    const auto participant = default_participant(document->root());
+    if (!participant)
+      return report_unsecured(
+          0, "has no <participant> with is_default_profile=\"true\" in <profiles>");
+    const auto properties = properties_of(participant);
+    for (const auto& plugin : kPlugins)
+      if (const auto wrong = wrong_in(properties, plugin); !wrong.empty())
+        return report_without(plugin, participant.line(), wrong);
+    for (const auto name : kDocuments)
+      if (const auto* const value = value_of(properties, name); value == nullptr || value->empty())
+        report(Rule::DOC102, participant.line(),
+               fmt::format("names no {}, so that Fast DDS does not start", name));
+  }
+
+ private:
+  void report(Rule rule, int line, std::string_view what) {
+    out_.report(kFastFails, {.rule = rule,
+                             .message = fmt::format("{} {}", question_.name, what),
+                             .document = question_.document,
+                             .line = line,
+                             .hint = std::string(kHint)});
+  }
+
+  // "": the plugin is switched on.
+  static std::string wrong_in(const Properties& properties, const Plugin& plugin) {
+    const auto* const value = value_of(properties, plugin.property);
+    if (value == nullptr)
+      return fmt::format("has no property {} in its default profile", plugin.property);
+    if (*value == plugin.value) return {};
+    return fmt::format("has the property {} = \"{}\", which must be \"{}\"", plugin.property,
+                       *value, plugin.value);
+  }
+
+  void report_unsecured(int line, std::string_view what) {
+    report(Rule::DOC101, line,
+           fmt::format("{}: a Fast DDS process that starts with it runs without security", what));
+  }
+
+  // Measured: with authentication alone it starts, and does not match a participant without
+  // security.
+  void report_without(const Plugin& plugin, int line, const std::string& what) {
+    if (&plugin == kPlugins) return report_unsecured(line, what);
+    out_.report({.fastdds = Outcome::unsafe},
+                {.rule = Rule::DOC101,
+                 .message = fmt::format("{} {}: a Fast DDS process that starts with it does not "
+                                        "apply all of the documents that were judged",
+                                        question_.name, what),
+                 .document = question_.document,
+                 .line = line,
+                 .hint = std::string(kHint)});
+  }
+
+  // Fast DDS reads some documents that ddssec refuses.
+  void report_unread(const Error& error) {
+    const int line = error.details().line;
+    const bool is_refused = error.code() == Code::xml_not_well_formed ||
+                            error.code() == Code::xml_processing_instruction;
+    if (is_refused)
+      return report_unsecured(line, fmt::format("cannot be read ({})", error.message()));
+    out_.report({}, {.rule = Rule::DOC101,
+                     .message = fmt::format("whether {} switches security on is not known: {}",
+                                            question_.name, error.message()),
+                     .document = question_.document,
+                     .line = line,
+                     .hint = std::string(kHint),
+                     .severity = Severity::warning});
+  }
+
+  const ProfileInQuestion& question_;
+  Diagnosis& out_;
+};
+
+}  // namespace
+
+void check_profile(const ProfileInQuestion& question, Diagnosis& out) {
+  Checks(question, out).run();
+}
+
+}  // namespace ddssec::governance::doctor
