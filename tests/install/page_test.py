@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Does what a page of docs/ says with the installed package: writes the files of its blocks, then runs its commands.
-A block that begins ```LANGUAGE FILE is a part of FILE, one that begins ```sh is run; there are no others. Then the
-page's writer and reader run on two hosts (network namespaces joined by a veth pair), each with its own folder alone.
+"""Does what a page of docs/ says with the installed package: writes files and runs commands, block by block in the
+order of the page, so that a block that needs a later one fails. A block that begins ```LANGUAGE FILE is a part of FILE,
+one that begins ```sh is run; there are no others. Then the page's writer and reader run on two hosts (network
+namespaces joined by a veth pair), each with its own folder alone.
 Usage: page_test.py PAGE BUILD LINE ...     each LINE must be a part of the output"""
 
 import os
@@ -22,13 +23,13 @@ MEETING = 30    # seconds for two hosts
 BLOCK = re.compile(r"^```(\S+)(?: (\S+))?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
-def write_files(page, folder):
-    """The commands that are left."""
+def commands_of(page, blocks):
+    """One script. The files' blocks lie in a folder of their own, and the script appends each in its turn."""
     commands = []
-    for language, name, text in BLOCK.findall(page):
+    for number, (language, name, text) in enumerate(BLOCK.findall(page)):
         if name:
-            with open(folder / name, "a", encoding="utf-8") as file:
-                file.write(text)
+            (blocks / str(number)).write_text(text, encoding="utf-8")
+            commands.append(f"cat {blocks / str(number)} >> {name}\n")
         elif language == "sh":
             commands.append(text)
         else:
@@ -82,8 +83,9 @@ def main():
         top = pathlib.Path(scratch)
         subprocess.run(["cmake", "--install", build, "--prefix", top / "installed"], check=True,
                        stdout=subprocess.DEVNULL)
-        (top / "project").mkdir()
-        commands = write_files(pathlib.Path(page).read_text(encoding="utf-8"), top / "project")
+        for folder in ("project", "blocks"):
+            (top / folder).mkdir()
+        commands = commands_of(pathlib.Path(page).read_text(encoding="utf-8"), top / "blocks")
         code, output = run(commands, top / "project", top / "installed")
         if code == 0:
             output += run_on_two_hosts(top / "project", top)
