@@ -60,6 +60,8 @@ constexpr Example kExamples[] = {
     {"DOC010 DOC011 no_grant_for_subject subject_name_malformed PERM011",
      "ddssec identity show demo/talker"},
     {"DOC010 DOC011 no_grant_for_subject PERM011", "<subject_name>CN=talker</subject_name>"},
+    {"publish_not_allowed topic_not_allowed subscribe_not_allowed DOC086",
+     "ddssec permissions show demo/talker   # all of its topics"},
     {"DOC010 no_grant_for_subject DOC040 grant_expired publish_not_allowed topic_not_allowed "
      "DOC086",
      "ddssec permissions new --cert demo/talker/cert.pem --publish rt/chatter --subscribe rt/clock "

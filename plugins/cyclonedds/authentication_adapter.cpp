@@ -425,8 +425,8 @@ void AuthenticationAdapter::revoke_stuck(const std::stop_token& stop, const Revo
                 {.document = "the handshake with a discovered participant",
                  .expected = "that it ends",
                  .found = found + " for " + std::to_string(waited.count()) + " ms",
-                 .note = "from now on it is begun again at growing intervals, without another "
-                         "event"}),
+                 .note = "from now on it is begun again at growing intervals; this event is not "
+                         "repeated, but Cyclone DDS may log each attempt"}),
           {}, stuck.guid.to_string(),
           // A peer that lacks endpoints has finished its handshake; all others may be invented by
           // an attacker.

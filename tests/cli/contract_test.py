@@ -188,6 +188,14 @@ class Contract(Transcript):
             self.run_program(*shlex.split(line, comments=True)[1:])
             self.json(*ask)
 
+    def test_the_hint_of_a_refused_topic_keeps_the_other_topics(self):
+        told = self.json("explain", "DOC086")["result"]
+        self.assertIn("with all topics of the participant", told["hint"])
+        for example in told["examples"]:
+            if "permissions new" in example:
+                self.assertIn("name all of its topics", example)
+        self.assertTrue(any(e.startswith("ddssec permissions show") for e in told["examples"]))
+
     def test_no_control_sequence_reaches_the_terminal(self):
         self.assertIn('"??[31m"', self.refused("usage", 2, "explain", "\n\x1b[31m")["message"])
 
