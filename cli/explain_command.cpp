@@ -45,6 +45,23 @@ std::optional<Row> find(const std::string& wanted) {
   return std::nullopt;
 }
 
+// The code that a line of a log names: "[name 1142]" at its end, as ddssec writes it, or the
+// "(code: 1142)" that Cyclone DDS adds to its own. The text before them may quote a peer.
+std::optional<Row> find_in_line(std::string_view line) {
+  constexpr std::string_view kOfCyclone = "(code: ";
+  line = line.substr(0, line.find_last_not_of(" \t\r\n") + 1);
+  const auto open = line.rfind('[');
+  if (open != line.npos && line.ends_with(']')) {
+    const auto text = line.substr(open + 1, line.size() - open - 2);
+    const auto row = find(ascii_upper(text.substr(0, text.find(' '))));
+    if (row && text == fmt::format("{} {}", row->name, row->number)) return row;
+  }
+  const auto code = line.rfind(kOfCyclone);
+  if (code == line.npos) return std::nullopt;
+  const auto number = line.substr(code + kOfCyclone.size());
+  return find(std::string(number.substr(0, number.find(')'))));
+}
+
 // `names`: with blanks between them.
 bool is_among(std::string_view name, std::string_view names) {
   return std::ranges::any_of(std::views::split(names, ' '), [&](const auto& part) {
@@ -198,6 +215,7 @@ Report about(const std::vector<Row>& rows) {
 
 Result<Report> explain(const Arguments& arguments, const Context&) {
   const auto wanted = arguments.text("CODE");
+  if (const auto row = find_in_line(wanted)) return about(*row);
   if (const auto row = find(bare(wanted))) return about(*row);
   if (wanted.contains(' ')) {
     if (const auto found = cyclone_sentences_like(wanted); !found.empty()) return list_of(found);
@@ -220,8 +238,8 @@ std::vector<Command> explain_commands() {
            .name = "explain",
            .summary = "Says what a code means and what to do about it.",
            .positionals = {{"CODE",
-                            "its name or number, a part of one, or a part of a sentence, also of "
-                            "Cyclone DDS"}},
+                            "its name or number, a part of one, a part of a sentence, also of "
+                            "Cyclone DDS, or a whole line of a log"}},
            .options = {},
            .examples = {"ddssec explain no_grant_for_subject", "ddssec explain 1242",
                         "ddssec explain 124", "ddssec explain 'not allowed'"},

@@ -213,9 +213,11 @@ std::optional<WallTime> time_from(std::string_view text) {
 }
 
 std::optional<WallTime> time_from(std::string_view text, WallTime now) {
-  if (!text.starts_with('+')) return time_from(text);
-  const auto later = duration_from(text.substr(1));
-  return later ? std::optional(now + *later) : std::nullopt;
+  if (!text.starts_with('+') && !text.starts_with('-')) return time_from(text);
+  const auto distance = duration_from(text.substr(1));
+  if (!distance) return std::nullopt;
+  const auto time = text.starts_with('+') ? now + *distance : now - *distance;
+  return time < WallTime{} ? std::nullopt : std::optional(time);
 }
 
 Result<std::chrono::seconds> duration(const Arguments& arguments, std::string_view option) {

@@ -101,7 +101,7 @@ Status check_name(std::string_view name, std::string_view any_other = {});
 std::string date(WallTime time);
 /// A time such as 2026-11-21T00:00:00Z, or a date, which is its first second in UTC.
 std::optional<WallTime> time_from(std::string_view text);
-/// The same, or "+30d": that long after `now`.
+/// The same, or "+30d" or "-2d": that long after or before `now`. None before 1970.
 std::optional<WallTime> time_from(std::string_view text, WallTime now);
 
 }  // namespace ddssec::cli

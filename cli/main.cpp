@@ -44,7 +44,7 @@ Result<WallTime> time_of(const cli::Arguments& arguments) {
   const auto text = arguments.text("--now");
   if (const auto time = cli::time_from(text, now)) return *time;
   return fail(Code::usage, {.field = "--now",
-                            .expected = "a time such as 2026-11-21T00:00:00Z, a date, or +30d",
+                            .expected = "a time such as 2026-11-21T00:00:00Z, a date, +30d or -2d",
                             .found = text});
 }
 

@@ -22,7 +22,7 @@ const std::vector<Option>& common_options() {
   static const std::vector<Option> kOptions = {
       {"--format", "FORM", "text, or one JSON object", "text"},
       {"--now", "TIME",
-       "judge and issue as if it were this time: 2026-11-21T00:00:00Z, 2026-11-21 or +30d"},
+       "judge and issue as if it were this time: 2026-11-21T00:00:00Z, 2026-11-21, +30d or -2d"},
       {"--dry-run", "", "check everything and write nothing; tell what would be written"},
       {"--color", "WHEN", "auto, always or never; NO_COLOR turns auto off", "auto"},
       {.name = "--quiet",

@@ -130,11 +130,13 @@ class Mistakes(Transcript):
         shown = self.run_program("doctor", "demo/talker", "--now", "2031-02-03", exit=1).stderr
         self.assertIn("now it is 2031-02-03T00:00:00Z", shown)
         self.run_program("doctor", "demo/talker", "--now", "+4000d", exit=1)
+        for early in (("--now", "-4000d"), ("--now=-4000d",)):
+            self.assertIn("notBefore is", self.run_program("doctor", "demo/talker", *early, exit=1).stderr)
         self.run_program("permissions", "new", "--cert", "demo/talker", "-o", "p.xml", "--publish", "a", "--not-after",
                          "2027-01-01", *NOW)
         self.assertIn("<not_after>2027-01-01T00:00:00Z<", (self.at / "p.xml").read_text())
-        for wrong in ("tomorrow", "+4000y", "2031-02-30", "31-02-03", "+"):
-            self.assertIn("or +30d", self.run_program("doctor", "demo/talker", "--now", wrong, exit=2).stderr)
+        for wrong in ("tomorrow", "+4000y", "2031-02-30", "31-02-03", "+", "-", "-2y"):
+            self.assertIn("+30d or -2d", self.run_program("doctor", "demo/talker", "--now", wrong, exit=2).stderr)
 
     def test_topics_that_are_probably_meant_otherwise(self):
         issued = self.run_program("identity", "issue", "x", "--ca", "demo", "-o", "x", "--publish", "/chatter",

@@ -28,8 +28,17 @@ class Sentences(Transcript):
     def test_a_line_of_a_log_is_found(self):
         line = "1764000000.123 [5] recv: Remote secure participant 110c3:1:2:1c1 not allowed"
         self.assertEqual(self.found(line), ["Remote secure participant ... not allowed"])
-        self.assertEqual(self.found("Error occurred while validating local permissions: x (code: 1172)"),
-                         ["Error occurred while validating local permissions: ..."])
+        for own in ("Error occurred while validating local permissions: x", "Begin handshake reply failed: x (code: 117)"):
+            self.assertEqual(len(self.found(own)), 1, own)  # 117 is a number of the stock plugins
+
+    def test_a_line_of_a_log_with_a_code_is_explained_by_the_code(self):
+        for line in ('ddssec error: peer "CN=x" is on the list; found [crl_expired 1153] [certificate_revoked 1144]',
+                     "1764000000.123 [5] recv: ddssec error: revoked [certificate_revoked 1144]\n",
+                     "Begin handshake reply failed: ddssec's own line says more (code: 1144)",
+                     "1764000000.123 [5] recv: Begin handshake reply failed: x (code: 1144), in a participant [7]"):
+            self.assertEqual(self.json("explain", line)["result"].get("number"), 1144, line)
+        for line in ("revoked [certificate_revoked 1145]", "revoked [revoked 99999]", "xyz (code: 99999)", "xyz (code: "):
+            self.refused("usage", 2, "explain", line)
 
     def test_a_part_finds_all_that_have_it(self):
         found = self.found("not allowed")
