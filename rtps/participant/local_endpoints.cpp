@@ -91,7 +91,7 @@ Result<LocalReader*> LocalEndpoints::create_reader(EndpointRequest request,
 
 void LocalEndpoints::remove(const Guid& endpoint) {
   if (writers_.erase(endpoint.entity) + readers_.erase(endpoint.entity) > 0) unpublish(endpoint);
-  if (core_.security) core_.security->keyring().remove_local(endpoint.entity);
+  if (core_.security) core_.security->forget_endpoint(endpoint.entity);
 }
 
 void LocalEndpoints::publish(const EndpointData& data) {

@@ -131,6 +131,30 @@ Admission::Endpoint Admission::Endpoint::of(const EndpointData& announced) {
           announced.required_ciphers};
 }
 
+Status Admission::check_own(const EntityId& id, const NewEndpoint& endpoint) {
+  auto& plugin = core_.own->plugins().access_control;
+  const auto permissions = core_.own->permissions();
+  const auto names = views_of(endpoint.partitions);
+  const spi::EndpointRequest request{
+      .topic_name = endpoint.topic, .partitions = names, .data_tags = endpoint.data_tags};
+  return is_writer(id)
+             ? plugin.check_create_datawriter(permissions, core_.own->domain_id(), request)
+             : plugin.check_create_datareader(permissions, core_.own->domain_id(), request);
+}
+
+// Matched endpoints stay as they are; peers judge us by the renewed permissions from their next
+// handshake with us on.
+bool Admission::may_still(const EntityId& id) {
+  const auto asked = own_.find(id);
+  if (asked == own_.end() ||
+      core_.own->plugins().access_control.renewals(core_.own->permissions()) == 0)
+    return true;
+  const auto& [topic, partitions, data_tags] = asked->second;
+  const auto status = check_own(id, {topic, partitions, data_tags, spi::PropertyList()});
+  if (!status) core_.events.raise(Event(status.error()));
+  return status.has_value();
+}
+
 Result<Admission::Announced> Admission::create_endpoint(const EntityId& id,
                                                         const NewEndpoint& endpoint) {
   auto& plugin = core_.own->plugins().access_control;
@@ -139,16 +163,12 @@ Result<Admission::Announced> Admission::create_endpoint(const EntityId& id,
       .topic_name = endpoint.topic, .partitions = names, .data_tags = endpoint.data_tags};
   DDSSEC_TRY(
       plugin.check_create_topic(core_.own->permissions(), core_.own->domain_id(), endpoint.topic));
-  spi::EndpointSecurityAttributes attributes;
-  if (is_writer(id)) {
-    DDSSEC_TRY(
-        plugin.check_create_datawriter(core_.own->permissions(), core_.own->domain_id(), request));
-    attributes = DDSSEC_TRY(plugin.datawriter_sec_attributes(core_.own->permissions(), request));
-  } else {
-    DDSSEC_TRY(
-        plugin.check_create_datareader(core_.own->permissions(), core_.own->domain_id(), request));
-    attributes = DDSSEC_TRY(plugin.datareader_sec_attributes(core_.own->permissions(), request));
-  }
+  DDSSEC_TRY(check_own(id, endpoint));
+  const auto attributes = DDSSEC_TRY(
+      is_writer(id) ? plugin.datawriter_sec_attributes(core_.own->permissions(), request)
+                    : plugin.datareader_sec_attributes(core_.own->permissions(), request));
+  own_.insert_or_assign(
+      id, Asked{std::string(endpoint.topic), endpoint.partitions, endpoint.data_tags});
   DDSSEC_TRY(core_.keyring.add_local(id, attributes, {}, endpoint.properties));
   Announced out{spi::security_info(attributes), DDSSEC_TRY(core_.keyring.required_ciphers(id)),
                 attributes.is_key_protected()};
@@ -161,7 +181,7 @@ Result<Admission::Announced> Admission::create_endpoint(const EntityId& id,
 std::optional<Admission::Permission> Admission::admit(const EntityId& local,
                                                       const Endpoint& remote) {
   const auto* attributes = core_.keyring.attributes(local);
-  if (attributes == nullptr) return std::nullopt;
+  if (attributes == nullptr || !may_still(local)) return std::nullopt;
   return admit({*attributes, is_reader(local)}, remote);
 }
 

@@ -2,6 +2,10 @@
 // matched (DDS-Security 8.8.2, 8.8.5, 8.8.6).
 #pragma once
 
+#include <map>
+#include <string>
+#include <vector>
+
 #include "rtps/discovery/endpoint_data.hpp"
 #include "rtps/security/security_core.hpp"
 
@@ -61,8 +65,19 @@ class Admission {
   /// Checks whether the local endpoint may be created, and registers it. Errors: those of access
   /// control and cryptography.
   Result<Announced> create_endpoint(const EntityId& id, const NewEndpoint& endpoint);
+  /// It is gone.
+  void forget_endpoint(const EntityId& id) { own_.erase(id); }
 
  private:
+  /// What an endpoint of ours asked for when it was made.
+  struct Asked {
+    std::string topic;
+    std::vector<std::string> partitions;
+    spi::PropertyList data_tags;
+  };
+  Status check_own(const EntityId& id, const NewEndpoint& endpoint);
+  /// False: our own permissions were renewed, and do not allow it any more. An event says so.
+  bool may_still(const EntityId& id);
   Status check_ciphers(VendorId vendor, spi::CipherMask required) const;
   Status check_participant(const ParticipantData& data) const;
   Status check_domain(const ParticipantData& proven) const;
@@ -80,6 +95,7 @@ class Admission {
                                        const Endpoint& remote);
 
   SecurityCore& core_;
+  std::map<EntityId, Asked> own_;
 };
 
 }  // namespace ddssec::rtps

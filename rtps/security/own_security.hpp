@@ -53,6 +53,10 @@ class OwnSecurity {
   const spi::Token& identity_token() const { return identity_token_; }
   const spi::Token& permissions_token() const { return permissions_token_; }
 
+  /// From now on handshakes present permissions that access control has renewed. A refusal has its
+  /// event.
+  void present_renewed_permissions();
+
   /// The governance's attributes for one of the builtin topics of DDS-Security 7.4.8.
   Result<spi::EndpointSecurityAttributes> builtin_attributes(std::string_view topic);
 
@@ -69,6 +73,7 @@ class OwnSecurity {
   Guid guid_;
   spi::IdentityHandle identity_;
   spi::PermissionsHandle permissions_;
+  std::uint64_t renewals_ = 0;  ///< of the permissions that authentication has
   spi::ParticipantCryptoHandle crypto_;
   spi::ParticipantSecurityAttributes attributes_;
   spi::SymmetricCipherInfo ciphers_;

@@ -166,6 +166,7 @@ void Security::expire() {
   auto& own = *core_.own;
   const auto identities = own.plugins().authentication.expire(own.identity());
   const auto permissions = own.plugins().access_control.expire(own.permissions());
+  own.present_renewed_permissions();
   const auto ended = [&](spi::IdentityHandle identity, spi::PermissionsHandle handle) {
     return (identity && std::ranges::find(identities, identity) != identities.end()) ||
            (handle && std::ranges::find(permissions, handle) != permissions.end());

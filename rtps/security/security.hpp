@@ -48,6 +48,11 @@ class Security {
     return admission_.create_endpoint(id, endpoint);
   }
 
+  void forget_endpoint(const EntityId& id) {
+    admission_.forget_endpoint(id);
+    core_.keyring.remove_local(id);
+  }
+
   /// See Handshakes.
   void discovered(const ParticipantData& data, const AnnouncedAddresses& addresses,
                   MonotonicTime now);
