@@ -296,7 +296,7 @@ Result<Report> renew(Renewal job) {
   report.text += old.not_after() <= now
                      ? "the identity had ended, and with it all connections: start the participant "
                        "again\n"
-                     : "a running participant has the old one until it starts again\n";
+                     : "a participant on ddssec's plugins takes it while it runs; with stock plugins, restart it\n";
   report.files_written = DDSSEC_TRY(out.commit());
   return report;
 }

@@ -149,7 +149,7 @@ class Identity(Transcript):
         self.assertEqual(key, (self.at / "talker/key.pem").read_bytes())
         self.openssl("verify", "-attime", "1795305600", "-CAfile", "talker/identity_ca.pem",
                      "talker/cert.pem")
-        self.assertIn("a running participant has the old one until it starts again\n",
+        self.assertIn("a participant on ddssec's plugins takes it while it runs; with stock plugins, restart it\n",
                       self.run_with_secret(self.run_program, *renew).stdout)
         out = self.run_with_secret(self.json, *renew, "--permissions")
         self.assertEqual(out["result"]["permissions_until"], "2027-12-26T00:00:00Z")

@@ -1,4 +1,5 @@
-// A shapes program on Cyclone DDS in its default configuration: -P|-S DOMAIN TOPIC.
+// A shapes program on Cyclone DDS in its default configuration: -P|-S DOMAIN TOPIC [all]. With `all`
+// the writer and the reader keep all samples.
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -31,13 +32,14 @@ static void subscribe(dds_entity_t reader, const char* topic) {
 }
 
 int main(int argc, char** argv) {
-  if (argc != 4) return 1;
+  if (argc != 4 && argc != 5) return 1;
   setvbuf(stdout, NULL, _IOLBF, 0);
   const dds_entity_t participant =
       dds_create_participant((dds_domainid_t)atoi(argv[2]), NULL, NULL);
   const dds_entity_t topic = dds_create_topic(participant, &ShapeType_desc, argv[3], NULL, NULL);
   dds_qos_t* qos = dds_create_qos();
   dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
+  if (argc == 5) dds_qset_history(qos, DDS_HISTORY_KEEP_ALL, 0);
   if (strcmp(argv[1], "-P") == 0)
     publish(dds_create_writer(participant, topic, qos, NULL));
   else

@@ -1,0 +1,242 @@
+#!/usr/bin/env python3
+"""Certificates and permissions of seconds are renewed while their participants run, in the embedded
+participant and in Cyclone DDS with our plugins. Prints how long nothing came at each former end.
+Usage: renewal_test.py BUILD [FILTER]"""
+
+import concurrent.futures
+import datetime
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+
+sys.dont_write_bytecode = True
+from shapes_process import SAMPLE, Namespace, check  # puts the folders of what follows in place
+from documents import Governance, Permissions
+from pki import Pki
+
+DOMAIN = 9
+TOPIC = "Square"
+CERTIFICATE, PERMISSIONS = 25, 30  # seconds that each is valid
+RENEWED = (14, 38)                 # seconds after the first documents
+LOOKS = 1                          # seconds between two looks at the files
+WATCHED = 72                       # seconds
+GAP = 12.0                         # seconds without a sample that a loaded machine may need
+LATE = 4.0                         # seconds after an end until a participant is cut off
+LIBRARIES = {"Authentication": ("auth", "authentication"), "AccessControl": ("ac", "access_control"),
+             "Cryptographic": ("crypto", "crypto")}
+EVERYTHING = Governance(discovery="ENCRYPT", liveliness="ENCRYPT", rtps="SIGN", metadata="NONE", data="ENCRYPT")
+
+
+class Documents:
+    """The folder of one participant, with documents of seconds."""
+
+    def __init__(self, pki, name):
+        self.pki, self.name = pki, name
+        self.folder = pathlib.Path(pki.folder, "participant-" + name)
+        self.folder.mkdir()
+        self.identity, self.authority = pki.ca("identity", "ec"), pki.ca("permissions", "ec")
+        self.signer = f"{self.authority}/cert.pem", f"{self.authority}/key.pem"
+        self.began = time.time()
+        for document, source in {"identity_ca.pem": f"{self.identity}/cert.pem", "key.pem": pki.key(name, "ec"),
+                                 "permissions_ca.pem": self.signer[0],
+                                 "governance.p7s": pki.sign(EVERYTHING.xml(), *self.signer)}.items():
+            shutil.copy(source, self.folder / document)
+        self.put(0)
+        (self.folder / "security.properties").write_text(f"org.ddssec.files_poll_interval = {LOOKS}\n")
+
+    def put(self, after, certificate=CERTIFICATE, permissions=PERMISSIONS):
+        """Documents that are valid for so long after `after`, counted from the first ones."""
+        def end(seconds):
+            return datetime.datetime.fromtimestamp(self.began + after + seconds, datetime.timezone.utc)
+        document = Permissions((TOPIC,), (TOPIC,), "", DOMAIN, not_after=f"{end(permissions):%Y-%m-%dT%H:%M:%S}")
+        for file, source in (("cert.pem", self.pki.leaf(self.name, "ec", self.identity, until=end(certificate))),
+                             ("permissions.p7s", self.pki.sign(document.xml(self.name), *self.signer))):
+            shutil.copy(source, self.folder / (file + ".new"))
+            os.replace(self.folder / (file + ".new"), self.folder / file)
+
+    def cyclone(self, build, stock):
+        """The environment of a Cyclone DDS with these documents."""
+        at = self.folder
+        files = {"Authentication": (("IdentityCertificate", "cert.pem"), ("IdentityCA", "identity_ca.pem"),
+                                    ("PrivateKey", "key.pem")),
+                 "AccessControl": (("PermissionsCA", "permissions_ca.pem"), ("Governance", "governance.p7s"),
+                                   ("Permissions", "permissions.p7s")), "Cryptographic": ()}
+        text = ""
+        for part, (short, function) in LIBRARIES.items():
+            path = f"dds_security_{short}" if stock else f"{build}/dropin/libdds_security_{short}.so"
+            text += (f'<{part}><Library path="{path}" initFunction="init_{function}" '
+                     f'finalizeFunction="finalize_{function}"/>')
+            text += "".join(f"<{name}>file:{at}/{file}</{name}>" for name, file in files[part]) + f"</{part}>"
+        (at / "cyclone.xml").write_text(f'<CycloneDDS><Domain id="any"><Security>{text}</Security></Domain></CycloneDDS>')
+        return [f"CYCLONEDDS_URI=file://{at}/cyclone.xml", f"DDSSEC_PROPERTIES={at}/security.properties",
+                f"DDSSEC_EVENT_LOG={at}/events"]
+
+
+class Process:
+    """A shapes program; every line with the time at which it came, counted from the first documents."""
+
+    def __init__(self, space, command, began):
+        self.lines, self.began = [], began
+        self.process = subprocess.Popen(space.enter(command), text=True, stdin=subprocess.DEVNULL,
+                                        stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    def _read(self):
+        for line in self.process.stdout:
+            self.lines.append((time.time() - self.began, line.rstrip("\n")))
+
+    def samples(self):
+        """(time, number) of each."""
+        return [(at, int(found[5])) for at, line in list(self.lines) if (found := SAMPLE.match(line))]
+
+    def close(self):
+        self.process.kill()
+        self.process.wait()
+        self._reader.join()
+        self.process.stdout.close()
+
+
+def command(build, documents, kind, publishes, reliable):
+    programs = build / "bin"
+    if kind == "embedded":
+        words = "-P -k 0 -z 0 --write-period 33 -v d" if publishes else "-S -k 0 -v d"
+        words += "" if reliable else " -b"
+        return [str(programs / "ddssec-shapes"), *words.split(), "-d", str(DOMAIN), "--security", str(documents.folder)]
+    return ["env", *documents.cyclone(build, kind == "stock"), str(programs / "shapes_cyclone"),
+            "-P" if publishes else "-S", str(DOMAIN), TOPIC, "all"]
+
+
+def said(documents, process, code):
+    """Whether it raised that event, which is a word of its sentence or of the event file."""
+    events = documents.folder / "events"
+    text = events.read_text() if events.exists() else ""
+    return re.search(code, text + "\n".join(line for _, line in process.lines))
+
+
+def gaps(samples):
+    """(begin, seconds, samples that never came) of each interruption."""
+    out = []
+    for (before, first), (after, second) in zip(samples, samples[1:]):
+        if after - before > 0.5 or second - first > 1:
+            out.append((before, after - before, max(0, second - first - 1)))
+    return out
+
+
+class Story:
+    """`lasting`: which of the two have documents that do not end."""
+
+    def __init__(self, build, folder, publisher, subscriber, reliable, lasting):
+        pki = Pki(folder)
+        self.space, self.processes = Namespace(), []
+        for kind in ("identity", "permissions"):
+            pki.ca(kind, "ec")
+        for name in ("pub", "sub"):
+            pki.key(name, "ec")
+        self.documents = [Documents(pki, name) for name in ("pub", "sub")]
+        self.began = self.documents[0].began
+        for i in lasting:
+            self.documents[i].put(0, 3600, 3600)
+        for documents, kind, publishes in zip(self.documents, (publisher, subscriber), (True, False)):
+            self.processes.append(Process(self.space, command(build, documents, kind, publishes, reliable), self.began))
+        self.publisher, self.subscriber = self.processes
+
+    def wait_until(self, seconds):
+        time.sleep(max(0.0, self.began + seconds - time.time()))
+
+    def talks_before(self, seconds):
+        while not self.subscriber.samples():
+            check(f"no sample: {[p.lines[-3:] for p in self.processes]}", time.time() < self.began + seconds)
+            time.sleep(0.1)
+
+    def close(self):
+        for process in self.processes:
+            process.close()
+        self.space.close()
+
+
+def renewed_twice(story, whose, strict):
+    """`strict`: what must be so; else it is only measured."""
+    story.talks_before(CERTIFICATE - 5)
+    for i, at in enumerate(RENEWED):
+        story.wait_until(at)
+        for documents in whose:
+            documents.put(*((CERTIFICATE, CERTIFICATE, PERMISSIONS) if i == 0 else (0, 3600, 3600)))
+    story.wait_until(WATCHED)
+    samples = story.subscriber.samples()
+    found = gaps(samples)
+    note = "; ".join(f"at {at:.1f} s: {seconds:.1f} s, {lost} lost" for at, seconds, lost in found)
+    note = f"{len(samples)} samples, last at {samples[-1][0]:.1f} s; {note or 'no gap'}"
+    if strict:
+        check(f"it does not talk any more: {note}", samples[-1][0] > WATCHED - 3)
+        check(f"too long: {note}", all(seconds < GAP for _, seconds, _ in found))
+        check(f"out of order or twice: {note}", all(a < b for (_, a), (_, b) in zip(samples, samples[1:])))
+    return note
+
+
+def not_renewed(story, ended, process):
+    story.talks_before(CERTIFICATE - 5)
+    story.wait_until(CERTIFICATE + LATE + 5)
+    last = story.subscriber.samples()[-1][0]
+    check(f"cut off at {last:.1f} s", last < CERTIFICATE + LATE)
+    check("no reason", said(ended, process, "identity_ended|an identity in use has ended"))
+    return f"cut off at {last:.1f} s"
+
+
+def cases():
+    for publisher, subscriber in (("embedded", "embedded"), ("ours", "ours"), ("ours", "embedded"),
+                                  ("embedded", "ours")):
+        yield f"renewed/{publisher}/{subscriber}", publisher, subscriber, True, "both"
+    yield "renewed/best_effort/embedded/embedded", "embedded", "embedded", False, "both"
+    yield "ends/embedded/embedded", "embedded", "embedded", True, "none"
+    yield "ends/ours/ours", "ours", "ours", True, "none"
+    yield "measure/ours/stock", "ours", "stock", True, "measure"
+    yield "measure/stock/ours", "stock", "ours", True, "measure"
+    yield "measure/embedded/stock", "embedded", "stock", True, "measure"
+
+
+def attempt(build, case):
+    name, publisher, subscriber, reliable, what = case
+    with tempfile.TemporaryDirectory(prefix="ddssec-renewal-") as folder:
+        story = None
+        try:
+            kinds = publisher, subscriber
+            lasting = (1,) if what == "none" else tuple(i for i in (0, 1) if kinds[i] == "stock")
+            story = Story(build, folder, publisher, subscriber, reliable, lasting)
+            if what == "none":
+                return name, None, not_renewed(story, story.documents[0], story.publisher)
+            whose = [documents for i, documents in enumerate(story.documents) if i not in lasting]
+            note = renewed_twice(story, whose, what == "both")
+            if what == "both":
+                for documents, process in zip(story.documents, story.processes):
+                    for code in ("identity_renewed|presents a renewed certificate",
+                                 "permissions_renewed|renewed permissions of this participant"):
+                        check(f"{documents.name} never said {code}", said(documents, process, code))
+            return name, None, note
+        except AssertionError as fault:
+            lines = [line for p in story.processes for line in p.lines[-400:] if not SAMPLE.match(line[1])] if story else []
+            return name, f"{fault}\n" + "\n".join(f"{at:.1f} {line}" for at, line in lines[-60:]), ""
+        finally:
+            if story:
+                story.close()
+
+
+def main():
+    build, wanted = pathlib.Path(sys.argv[1]).resolve(), (sys.argv[2:] or [""])[0]
+    chosen = [case for case in cases() if wanted in case[0] and (wanted or not case[0].startswith("measure"))]
+    failed = 0
+    with concurrent.futures.ThreadPoolExecutor(max_workers=6) as pool:
+        for name, fault, note in pool.map(lambda case: attempt(build, case), chosen):
+            print(f"{'FAILED' if fault else 'ok':8}{name}: {fault or note}", flush=True)
+            failed += fault is not None
+    return 1 if failed or not chosen else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
