@@ -114,17 +114,18 @@ Result<Protected> read_protected_payload(BytesView encoded) {
       .header = crypto_header_at(encoded), .is_encrypted = false, .content = {}, .footer = {}};
   out.is_encrypted = DDSSEC_TRY(encrypts(out.header));
   auto rest = encoded.subspan(kCryptoHeaderSize);
-  auto size = rest.size() - kFooterSize;
+  auto room = rest.size() - kFooterSize, size = room;
   if (out.is_encrypted) {
     if (size < kLengthSize) return fail(Code::secure_group_malformed);
-    const auto room = size - kLengthSize;
     size = u32_at(rest, 0);
-    if (size > room || room - size > kMaxPadding) return fail(Code::secure_group_malformed);
     rest = rest.subspan(kLengthSize);
+    room -= kLengthSize;
+    if (size > room) return fail(Code::secure_group_malformed);
   }
   const auto footer = rest.subspan(size, kFooterSize);
   // A list of MACs for all readers would not authenticate the origin (DDS-Security 9.5.3.3.4.4).
   if (u32_at(footer, kTagSize) != 0) return fail(Code::receiver_specific_macs_not_allowed);
+  if (room - size > kMaxPadding) return fail(Code::secure_group_malformed);
   out.footer = DDSSEC_TRY(footer_from(footer));
   out.content = rest.first(size);
   return out;

@@ -161,7 +161,7 @@ class JudgedFiles(Transcript):
         # Measured: the second <Security> counts, and the participant does not start.
         second = {"CYCLONEDDS_URI": f"file://{self.configuration},<Security><Authentication><IdentityCA>file:x</IdentityCA>"
                                     "</Authentication></Security>"}
-        self.refused_by_all("DOC102", "names no <PrivateKey>", environment=second)
+        self.refused_by_all("DOC102", "has no <AccessControl>", environment=second)
         general = {"CYCLONEDDS_URI": "<General/>"}
         told = self.json("doctor", "demo/talker", *NOW, environment=general)["diagnostics"]
         self.assertEqual([(one["id"], one["severity"]) for one in told], [("DOC101", "warning")])

@@ -304,7 +304,7 @@ class Keystore(Transcript):
                 (self.at / "shared").chmod(0o777)
                 keys = {key: key.stat().st_mode for key in (self.at / "shared").rglob("*key.pem")}
                 self.assertTrue(keys)
-                refusal = self.refused("file_unwritable", 4, "keystore", "import", "ks", *NOW)
+                refusal = self.refused("file_unwritable", 5, "keystore", "import", "ks", *NOW)
                 self.assertIn("symbolic link", refusal["message"])
                 self.assertEqual((self.at / "shared").stat().st_mode & 0o777, 0o777)
                 self.assertEqual({key: key.stat().st_mode for key in keys}, keys)

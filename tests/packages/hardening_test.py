@@ -18,7 +18,7 @@ WITHOUT_CHECKED_CALLS = {"libddssec_idlc.so", "ddssec-idl-explain"}
 
 
 def readelf(options, file):
-    return subprocess.run(["readelf", options, file], check=True, text=True, capture_output=True).stdout
+    return subprocess.run(["readelf", "-W", options, file], check=True, text=True, capture_output=True).stdout
 
 
 class Hardening(unittest.TestCase):

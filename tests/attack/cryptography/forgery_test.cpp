@@ -85,7 +85,11 @@ TEST_F(AllKinds, TruncatedIsRefusedAndExtendedAddsNothing) {
       auto longer = target.encode();
       longer.resize(longer.size() + more);
       const auto decoded = target.decode(longer);
-      EXPECT_EQ(decoded.has_value(), target.name.ends_with(" message")) << target.name;
+      // Fast DDS fills up to whole words after the footer of an encrypted payload.
+      const bool is_padding =
+          more < 4 && target.name.contains("ENCRYPT") && target.name.ends_with(" payload");
+      EXPECT_EQ(decoded.has_value(), is_padding || target.name.ends_with(" message"))
+          << target.name << ' ' << more;
       EXPECT_EQ(decoded.value_or(honest), honest) << target.name;
     }
   }

@@ -192,8 +192,8 @@ TEST(LintGovernance, ReadersThatCanWrite) {
   ASSERT_EQ(notes.size(), 1u);
   EXPECT_EQ(notes[0].severity, Severity::informational);
   EXPECT_EQ(notes[0].message,
-            "\"*\": writing is controlled, and whoever may read has the key to write in a writer's "
-            "name");
+            "\"*\": writing is controlled, and each permitted reader has the key to write in a "
+            "writer's name");
   std::vector<TopicRule> rules;
   for (const auto* name : {"a", "b", "c", "d", "e", "*"}) rules.push_back(strict(name));
   rules[1].metadata_protection_kind = sign_with_origin_authentication;

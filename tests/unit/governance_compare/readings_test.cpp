@@ -114,12 +114,16 @@ TEST(Readings, OfPermissionsIncludePartitions) {
   same.publish[0].partitions = {{"[!p]", 7}};
   const auto diff = compare(permissions({partitioned}), permissions({same}));
   EXPECT_EQ(diff.verdict, neutral);
-  ASSERT_THAT(diff.readings.all, SizeIs(1));
+  ASSERT_THAT(diff.readings.all, SizeIs(3));
   const auto& reading = diff.readings.all[0];
   EXPECT_FALSE(reading.is_new);
   EXPECT_EQ(reading.expression, "[^p]");
   EXPECT_EQ(reading.line, 6);
   EXPECT_THAT(reading.sentence, HasSubstr("Cyclone DDS matches \"p\", which ddssec does not"));
+  // So the change gives and takes partitions there.
+  EXPECT_THAT(diff.readings.all[1].sentence, HasSubstr("with Cyclone DDS: "));
+  EXPECT_THAT(diff.readings.all[2].sentence, HasSubstr("with Cyclone DDS: "));
+  EXPECT_NE(diff.readings.all[1].widens, diff.readings.all[2].widens);
   EXPECT_THAT(compare(permissions({partitioned}), permissions({partitioned})).readings.all,
               IsEmpty());
 }
