@@ -286,30 +286,18 @@ def type_information(world, tamper):
     check("the insider's samples came", not samples(subscriber, FORGED))
 
 
-def addresses(world, tamper, code, permissions):
-    """Addresses in the form of RTPS 1, for which the host frees memory that it never wrote."""
+def refused(world, tamper, code="builtin_source_unreadable", permissions=ELSEWHERE):
+    """What would end the victim's writer or the process: harmless fragments of which the core makes something else, or
+    addresses in the form of RTPS 1, for which it frees memory that it never wrote."""
     subscriber = begin(world)
     honest = list(world.peers)
     insider = world.insider("publish", tamper, permissions)
-    world.until("the addresses", lambda: said(insider, "tampered"))
+    world.until("what the insider sends", lambda: said(insider, "tampered"))
     world.passes(2)
     check("a process ended", not any(peer.ended for peer in honest))
     go_on(world, subscriber)
     one_event_each(world, code, insider)
     check("the insider's samples came", not samples(subscriber, FORGED))
-
-
-def spliced(world, tamper):
-    """Harmless fragments, of which the core would make the end of the victim's writer, or type information that ends the
-    process."""
-    subscriber = begin(world)
-    honest = list(world.peers)
-    insider = world.insider("publish", tamper, ELSEWHERE)
-    world.until("the fragments", lambda: said(insider, "tampered"))
-    world.passes(2)
-    check("a process ended", not any(peer.ended for peer in honest))
-    go_on(world, subscriber)
-    one_event_each(world, "builtin_source_unreadable", insider)
 
 
 def costly(world, tamper):
@@ -355,11 +343,11 @@ def cases():
             # Where announcements are only signed, the core reads its own copy of them.
             yield f"circle-signed/{kind}", kind, SIGNED, lambda world: type_information(world, "circle")
             for tamper in ("splice", "splice-type"):
-                yield f"{tamper}/{kind}", kind, EVERYTHING, lambda world, t=tamper: spliced(world, t)
+                yield f"{tamper}/{kind}", kind, EVERYTHING, lambda world, t=tamper: refused(world, t)
             for tamper, code, permissions in (("address", "builtin_source_unreadable", ELSEWHERE),
                                               ("address-qos", "inline_qos_refused", Permissions())):
                 yield (f"{tamper}/{kind}", kind, EVERYTHING,
-                       lambda world, t=tamper, c=code, p=permissions: addresses(world, t, c, p))
+                       lambda world, t=tamper, c=code, p=permissions: refused(world, t, c, p))
             for tamper in ("partitions", "locators"):
                 yield f"{tamper}/{kind}", kind, EVERYTHING, lambda world, t=tamper: costly(world, t)
             for tamper, permissions in (("repeat", ELSEWHERE), ("invent", Permissions()), ("nobody", Permissions())):
