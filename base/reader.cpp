@@ -12,7 +12,7 @@ Result<BytesView> Reader::read_bytes(std::size_t count) {
 }
 
 Status Reader::read_into(MutableBytes out) {
-  const auto octets = DDSSEC_TRY(read_bytes(out.size()));
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_bytes(out.size()));
   std::ranges::copy(octets, out.begin());
   return {};
 }
@@ -35,7 +35,7 @@ Result<BytesView> Reader::read_octet_sequence() {
 
 Result<std::string_view> Reader::read_string() {
   const auto start = position_;
-  auto octets = DDSSEC_TRY(read_octet_sequence());
+  DDSSEC_ASSIGN_OR_RETURN(auto octets, read_octet_sequence());
   if (octets.empty()) return std::string_view{};
   const auto text = as_text(octets.first(octets.size() - 1));
   if (octets.back() != 0 || text.find('\0') != text.npos) {
@@ -47,7 +47,7 @@ Result<std::string_view> Reader::read_string() {
 
 Result<std::uint32_t> Reader::read_count(std::size_t least_element_size) {
   const auto start = position_;
-  const auto count = DDSSEC_TRY(read_aligned<std::uint32_t>());
+  DDSSEC_ASSIGN_OR_RETURN(const auto count, read_aligned<std::uint32_t>());
   if (count > remaining() / std::max<std::size_t>(1, least_element_size)) {
     position_ = start;
     return fail(Code::length_out_of_range);

@@ -64,24 +64,32 @@ inline std::unexpected<Error> fail(Code code, ErrorDetails details) {
   return std::unexpected(Error(code, std::move(details)));
 }
 
-/// Moves the value out of a successful Result. For DDSSEC_TRY; unlike the result of the operators,
-/// it may be ignored.
-template <class T>
-T take_value(Result<T>& result) {
-  if constexpr (!std::is_void_v<T>) return *std::move(result);
-}
-template <class T>
-T take_value(const Result<T>& result) {
-  if constexpr (!std::is_void_v<T>) return *result;
-}
-
 }  // namespace ddssec
 
-/// The value of a Result, or return its error from the caller; .cpp only, and see lint/braces.py.
-#define DDSSEC_TRY(...)                                       \
-  __extension__({                                             \
-    auto&& ddssec_try_ = (__VA_ARGS__);                       \
-    if (!ddssec_try_) [[unlikely]]                            \
-      return std::unexpected(std::move(ddssec_try_).error()); \
-    ::ddssec::take_value(ddssec_try_);                        \
-  })
+/// `DDSSEC_RETURN_IF_ERROR(check(name));` returns the error to the caller, if there is one. It
+/// drops the value.
+#define DDSSEC_RETURN_IF_ERROR(...) \
+  DDSSEC_RETURN_IF_ERROR_OF(DDSSEC_JOIN(ddssec_result_, __COUNTER__), __VA_ARGS__)
+
+/// `DDSSEC_ASSIGN_OR_RETURN(const auto pair, table.pair_of(handle));` returns the error to the
+/// caller, or declares `pair` and moves the value into it. The first argument may also name an
+/// object that exists, such as `out.pair`. This is several statements: after `if`, `else`, `for`
+/// and `case` it needs braces. The Result lives until the end of the scope, so `const auto& pair`
+/// may refer to the value inside it. A macro argument cannot hold the comma of a structured
+/// binding: declare the value first, then bind with `const auto& [a, b] = value;`.
+#define DDSSEC_ASSIGN_OR_RETURN(declaration, ...) \
+  DDSSEC_ASSIGN_OR_RETURN_OF(DDSSEC_JOIN(ddssec_result_, __COUNTER__), declaration, __VA_ARGS__)
+
+// The statements behind both macros. `result` is a name that is unique in the file.
+#define DDSSEC_RETURN_IF_ERROR_OF(result, ...)                           \
+  do {                                                                   \
+    if (auto&& result = (__VA_ARGS__); !result.has_value()) [[unlikely]] \
+      return std::unexpected(std::move(result).error());                 \
+  } while (false)
+#define DDSSEC_ASSIGN_OR_RETURN_OF(result, declaration, ...) \
+  auto&& result = (__VA_ARGS__);                             \
+  if (!result.has_value()) [[unlikely]]                      \
+    return std::unexpected(std::move(result).error());       \
+  declaration = *std::move(result)
+#define DDSSEC_JOIN(a, b) DDSSEC_JOIN_EXPANDED(a, b)
+#define DDSSEC_JOIN_EXPANDED(a, b) a##b

@@ -31,7 +31,8 @@ std::string reason(int error) { return std::generic_category().message(error); }
 
 Result<std::size_t> file_size(const File& file, const std::string& path) {
   if (file.descriptor() < 0) {
-    if (errno == ENOENT || errno == ENOTDIR) return fail(Code::file_not_found, {.note = "looked for " + path});
+    if (errno == ENOENT || errno == ENOTDIR)
+      return fail(Code::file_not_found, {.note = "looked for " + path});
     return fail(Code::file_unreadable, {.found = path, .note = reason(errno)});
   }
   struct stat status {};
@@ -86,7 +87,7 @@ Error too_large(std::size_t most, std::size_t found) {
 
 Result<Bytes> load_file(const std::string& path, std::size_t most) {
   const File file(path);
-  const std::size_t size = DDSSEC_TRY(file_size(file, path));
+  DDSSEC_ASSIGN_OR_RETURN(const std::size_t size, file_size(file, path));
   if (size > most) return std::unexpected(too_large(most, size));
   Bytes octets(size);
   const auto read = read_up_to(file, path, octets);
@@ -100,7 +101,7 @@ Result<Bytes> load_file(const std::string& path, std::size_t most) {
 }
 
 Result<Bytes> load_unnamed(std::string_view text, std::size_t most) {
-  const Uri uri = DDSSEC_TRY(parse_uri(text));
+  DDSSEC_ASSIGN_OR_RETURN(const Uri uri, parse_uri(text));
   if (uri.scheme == Scheme::file) return load_file(std::string(uri.rest), most);
   if (uri.rest.empty()) return fail(Code::item_empty);
   if (uri.rest.size() > most) return std::unexpected(too_large(most, uri.rest.size()));

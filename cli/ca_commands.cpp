@@ -63,7 +63,8 @@ Result<pki::Authority> make_ca(const std::string& subject, const pki::PrivateKey
 // The CA above a new one: that of --intermediate-of, which is the folder of a single CA.
 Result<std::optional<OpenCa>> ca_above(const Arguments& arguments, CaOpener& opener) {
   if (!arguments.has("--intermediate-of")) return std::nullopt;
-  auto above = DDSSEC_TRY(opener.open(ca_paths(arguments.text("--intermediate-of"), "identity")));
+  DDSSEC_ASSIGN_OR_RETURN(auto above,
+                          opener.open(ca_paths(arguments.text("--intermediate-of"), "identity")));
   if (above.certificate().path_length() == 0)
     return fail(Code::path_too_long, {.document = above.paths.certificate,
                                       .expected = "a CA that may have CAs below it",
@@ -73,7 +74,7 @@ Result<std::optional<OpenCa>> ca_above(const Arguments& arguments, CaOpener& ope
 
 Result<Report> ca_create(const Arguments& arguments, const Context& context) {
   const fs::path target = arguments.text("DIR");
-  const auto cas = DDSSEC_TRY(wanted(arguments.text("--role")));
+  DDSSEC_ASSIGN_OR_RETURN(const auto cas, wanted(arguments.text("--role")));
   if (cas.size() > 1 && arguments.has("--subject"))
     return fail(Code::usage, {.field = "--subject", .note = "two CAs need two names"});
   const bool in_token = names_token(arguments.text("--key"));
@@ -81,14 +82,17 @@ Result<Report> ca_create(const Arguments& arguments, const Context& context) {
     return fail(Code::usage,
                 {.field = "--key", .note = "two CAs need two keys: make one by one, with --role"});
   const auto now = context.clock.now();
-  auto life = DDSSEC_TRY(validity(arguments, now));
-  auto folder = DDSSEC_TRY(NewFolder::at(target));
+  DDSSEC_ASSIGN_OR_RETURN(auto life, validity(arguments, now));
+  DDSSEC_ASSIGN_OR_RETURN(auto folder, NewFolder::at(target));
   CaOpener opener(arguments);
-  const auto above = DDSSEC_TRY(ca_above(arguments, opener));
-  if (above) life = DDSSEC_TRY(within_ca(life, above->certificate(), arguments.has("--clamp")));
+  DDSSEC_ASSIGN_OR_RETURN(const auto above, ca_above(arguments, opener));
+  if (above) {
+    DDSSEC_ASSIGN_OR_RETURN(life, within_ca(life, above->certificate(), arguments.has("--clamp")));
+  }
   std::optional<pki::Passphrase> secret;
-  if (!in_token && !arguments.has("--no-passphrase"))
-    secret = DDSSEC_TRY(passphrase(arguments, Typed::twice));
+  if (!in_token && !arguments.has("--no-passphrase")) {
+    DDSSEC_ASSIGN_OR_RETURN(secret, passphrase(arguments, Typed::twice));
+  }
 
   Report report;
   report.text = fmt::format("created {}{}\n", target.string(),
@@ -99,15 +103,16 @@ Result<Report> ca_create(const Arguments& arguments, const Context& context) {
   report.result["cas"] = Json::array();
   std::string log_lines;
   for (const auto& wanted_ca : cas) {
-    const auto key = DDSSEC_TRY(new_key(arguments));
-    const auto ca = DDSSEC_TRY(make_ca(subject_of(arguments, wanted_ca, target), key.key,
-                                       {life, above ? &*above : nullptr}, context.random));
+    DDSSEC_ASSIGN_OR_RETURN(const auto key, new_key(arguments));
+    DDSSEC_ASSIGN_OR_RETURN(const auto ca,
+                            make_ca(subject_of(arguments, wanted_ca, target), key.key,
+                                    {life, above ? &*above : nullptr}, context.random));
     const auto trust = ca.certificate().pem() + (above ? above->trust_pem : "");
-    DDSSEC_TRY(
+    DDSSEC_RETURN_IF_ERROR(
         add_ca(folder, ca_paths_in(wanted_ca.below), trust, key, secret ? &*secret : nullptr));
     if (wanted_ca.role == "identity") {
-      const auto list = DDSSEC_TRY(first_crl(ca));
-      DDSSEC_TRY(folder.add_public(ca_paths_in(wanted_ca.below).crl, list.pem()));
+      DDSSEC_ASSIGN_OR_RETURN(const auto list, first_crl(ca));
+      DDSSEC_RETURN_IF_ERROR(folder.add_public(ca_paths_in(wanted_ca.below).crl, list.pem()));
     }
     log_lines += pki::IssueLog::issued_line(ca.certificate(), "", now);
     report.text += fmt::format("  {:<12} {}  expires {}\n", wanted_ca.role,
@@ -116,8 +121,8 @@ Result<Report> ca_create(const Arguments& arguments, const Context& context) {
     row["role"] = wanted_ca.role;
     report.result["cas"].push_back(std::move(row));
   }
-  if (above) DDSSEC_TRY(log_issued(above->paths, log_lines));
-  report.files_written = DDSSEC_TRY(folder.commit());
+  if (above) DDSSEC_RETURN_IF_ERROR(log_issued(above->paths, log_lines));
+  DDSSEC_ASSIGN_OR_RETURN(report.files_written, folder.commit());
   return report;
 }
 
@@ -128,37 +133,44 @@ struct ImportedKey {
 
 Result<ImportedKey> imported_key(const Arguments& arguments) {
   const auto given = arguments.text("--key");
-  if (names_token(given))
-    return ImportedKey{{DDSSEC_TRY(token_key(given, arguments)), given}, std::nullopt};
+  if (names_token(given)) {
+    DDSSEC_ASSIGN_OR_RETURN(auto private_key, token_key(given, arguments));
+    return ImportedKey{{std::move(private_key), given}, std::nullopt};
+  }
   std::optional<pki::Passphrase> secret;
-  const bool is_plain = !DDSSEC_TRY(is_encrypted(given));
-  if (!is_plain || !arguments.has("--no-passphrase"))
-    secret = DDSSEC_TRY(passphrase(arguments, is_plain ? Typed::twice : Typed::once));
-  auto key = DDSSEC_TRY(read_key(given, secret ? &*secret : nullptr));
+  DDSSEC_ASSIGN_OR_RETURN(const auto encrypted, is_encrypted(given));
+  const bool is_plain = !encrypted;
+  if (!is_plain || !arguments.has("--no-passphrase")) {
+    DDSSEC_ASSIGN_OR_RETURN(secret, passphrase(arguments, is_plain ? Typed::twice : Typed::once));
+  }
+  DDSSEC_ASSIGN_OR_RETURN(auto key, read_key(given, secret ? &*secret : nullptr));
   return ImportedKey{{std::move(key)}, std::move(secret)};
 }
 
 // Below a folder that exists, or with it: both roles can be imported one after the other.
 Result<Report> ca_import(const Arguments& arguments, const Context&) {
-  const auto role = DDSSEC_TRY(one_role(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const auto role, one_role(arguments));
   const fs::path given = arguments.text("DIR");
   std::error_code ignored;
   const bool exists = fs::is_directory(given, ignored);
-  auto folder = DDSSEC_TRY(NewFolder::at(exists ? given / role : given));
+  DDSSEC_ASSIGN_OR_RETURN(auto folder, NewFolder::at(exists ? given / role : given));
   const auto names = ca_paths_in(exists ? fs::path() : fs::path(role));
   const fs::path from = arguments.text("--cert");
-  const auto certificates = DDSSEC_TRY(read_certificates(from));
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificates, read_certificates(from));
   const auto& ca = certificates.front();
   if (!ca.is_ca())
     return fail(Code::not_a_ca, {.document = from, .expected = "basicConstraints CA:TRUE"});
   const bool has_key = arguments.has("--key");
   if (has_key) {
-    const auto [key, secret] = DDSSEC_TRY(imported_key(arguments));
+    DDSSEC_ASSIGN_OR_RETURN(const auto imported, imported_key(arguments));
+    const auto& [key, secret] = imported;
     const bool in_token = !key.token_uri.empty();
-    DDSSEC_TRY(named(key.key.matches(ca), in_token ? from : fs::path(arguments.text("--key"))));
-    DDSSEC_TRY(add_ca(folder, names, to_pem(certificates), key, secret ? &*secret : nullptr));
+    DDSSEC_RETURN_IF_ERROR(
+        named(key.key.matches(ca), in_token ? from : fs::path(arguments.text("--key"))));
+    DDSSEC_RETURN_IF_ERROR(
+        add_ca(folder, names, to_pem(certificates), key, secret ? &*secret : nullptr));
   } else {
-    DDSSEC_TRY(folder.add_public(names.certificate, to_pem(certificates)));
+    DDSSEC_RETURN_IF_ERROR(folder.add_public(names.certificate, to_pem(certificates)));
   }
   Report report;
   report.result = describe(ca);
@@ -166,7 +178,7 @@ Result<Report> ca_import(const Arguments& arguments, const Context&) {
   report.result["key"] = has_key;
   report.text = fmt::format("imported {}  {} CA, {}\n", ca.subject(), role,
                             has_key ? "with its key" : "without a key: it cannot issue here");
-  report.files_written = DDSSEC_TRY(folder.commit());
+  DDSSEC_ASSIGN_OR_RETURN(report.files_written, folder.commit());
   return report;
 }
 
@@ -175,9 +187,15 @@ Result<Json> describe_key(const fs::path& key) {
   struct stat status {};
   if (::stat(key.c_str(), &status) != 0) return Json();
   const bool in_token = key.extension() == ".p11";
-  const bool encrypted = !in_token && DDSSEC_TRY(is_encrypted(key));
+  bool encrypted = false;
+  if (!in_token) {
+    DDSSEC_ASSIGN_OR_RETURN(encrypted, is_encrypted(key));
+  }
   Json out{{"encrypted", encrypted}, {"mode", fmt::format("{:04o}", status.st_mode & 07777)}};
-  if (in_token) out["token"] = without_pin(DDSSEC_TRY(pki::uri_of(key)));
+  if (in_token) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto uri, pki::uri_of(key));
+    out["token"] = without_pin(uri);
+  }
   return out;
 }
 
@@ -192,10 +210,10 @@ std::size_t revoked_count(const pki::IssueLog& log) { return log.revocations().s
 
 // `role` null: the folder does not say which.
 Result<Report> show_one(const CaPaths& paths, const Json& role, WallTime now) {
-  const auto certificate = DDSSEC_TRY(read_certificate(paths.certificate));
-  const auto key = DDSSEC_TRY(describe_key(paths.key));
-  const auto log = DDSSEC_TRY(read_issue_log(paths));
-  const auto crl = DDSSEC_TRY(present_crl(paths));
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(paths.certificate));
+  DDSSEC_ASSIGN_OR_RETURN(const auto key, describe_key(paths.key));
+  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(paths));
+  DDSSEC_ASSIGN_OR_RETURN(const auto crl, present_crl(paths));
   const auto left = std::max(certificate.not_after() - now, {});
   const auto days_left =
       counted(static_cast<std::size_t>(std::chrono::floor<std::chrono::days>(left).count()), "day");
@@ -238,7 +256,8 @@ bool is_one_ca(const fs::path& given) {
 Result<std::vector<std::string>> shown_roles(const Arguments& arguments) {
   std::vector<std::string> out;
   if (arguments.has("--role")) {
-    out.push_back(DDSSEC_TRY(one_role(arguments)));
+    DDSSEC_ASSIGN_OR_RETURN(auto wanted_role, one_role(arguments));
+    out.push_back(std::move(wanted_role));
     return out;
   }
   const fs::path given = arguments.text("DIR");
@@ -249,13 +268,14 @@ Result<std::vector<std::string>> shown_roles(const Arguments& arguments) {
 }
 
 Result<Report> ca_show(const Arguments& arguments, const Context& context) {
-  const auto roles = DDSSEC_TRY(shown_roles(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const auto roles, shown_roles(arguments));
   const fs::path given = arguments.text("DIR");
   Report report;
   for (const auto& role : roles) {
-    DDSSEC_TRY(check_ca_folder(given, role));
-    auto one = DDSSEC_TRY(show_one(ca_paths(given, role), is_one_ca(given) ? Json() : Json(role),
-                                   context.clock.now()));
+    DDSSEC_RETURN_IF_ERROR(check_ca_folder(given, role));
+    DDSSEC_ASSIGN_OR_RETURN(auto one,
+                            show_one(ca_paths(given, role), is_one_ca(given) ? Json() : Json(role),
+                                     context.clock.now()));
     if (one.exit != Exit::done) report.exit = one.exit;
     const auto title = roles.size() > 1 ? fmt::format("{} CA\n", role) : "";
     report.text += fmt::format("{}{}{}", report.text.empty() ? "" : "\n", title, one.text);
@@ -283,10 +303,14 @@ Result<pki::Certificate> renewed_ca(const OpenCa& ca, pki::Validity life,
     return fail(Code::usage, {.field = "--issuer",
                               .note = "the CA is an intermediate one: the CA above it must sign"});
   CaOpener opener(arguments);
-  const auto above = DDSSEC_TRY(opener.open(ca_paths(arguments.text("--issuer"), "identity")));
-  const auto within = DDSSEC_TRY(within_ca(life, above.certificate(), arguments.has("--clamp")));
-  auto out = DDSSEC_TRY(above.authority.reissue(ca.certificate(), within, context.random));
-  DDSSEC_TRY(log_issued(above.paths, pki::IssueLog::issued_line(out, "", context.clock.now())));
+  DDSSEC_ASSIGN_OR_RETURN(const auto above,
+                          opener.open(ca_paths(arguments.text("--issuer"), "identity")));
+  DDSSEC_ASSIGN_OR_RETURN(const auto within,
+                          within_ca(life, above.certificate(), arguments.has("--clamp")));
+  DDSSEC_ASSIGN_OR_RETURN(auto out,
+                          above.authority.reissue(ca.certificate(), within, context.random));
+  DDSSEC_RETURN_IF_ERROR(
+      log_issued(above.paths, pki::IssueLog::issued_line(out, "", context.clock.now())));
   return out;
 }
 
@@ -313,7 +337,7 @@ Result<std::string> steps_after_renewal(const OpenCa& ca, const std::string& rol
       "Participants take the new and the old certificate. Put the new {} into every folder as "
       "identity_ca.pem before {}.\n",
       ca.paths.certificate.filename().string(), date(end));
-  const auto list = DDSSEC_TRY(present_crl(ca.paths));
+  DDSSEC_ASSIGN_OR_RETURN(const auto list, present_crl(ca.paths));
   if (list && list->next_update() && *list->next_update() <= end)
     out += fmt::format(
         "The revocation list ends on {}; from then on no new peer is authenticated. Before that "
@@ -323,29 +347,31 @@ Result<std::string> steps_after_renewal(const OpenCa& ca, const std::string& rol
 }
 
 Result<Report> ca_renew(const Arguments& arguments, const Context& context) {
-  const auto role = DDSSEC_TRY(one_role(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const auto role, one_role(arguments));
   CaOpener opener(arguments);
-  DDSSEC_TRY(check_ca_folder(arguments.text("DIR"), role));
-  const auto ca = DDSSEC_TRY(opener.open(ca_paths(arguments.text("DIR"), role)));
-  const auto life = DDSSEC_TRY(validity(arguments, context.clock.now()));
-  const auto renewed = DDSSEC_TRY(renewed_ca(ca, life, arguments, context));
+  DDSSEC_RETURN_IF_ERROR(check_ca_folder(arguments.text("DIR"), role));
+  DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open(ca_paths(arguments.text("DIR"), role)));
+  DDSSEC_ASSIGN_OR_RETURN(const auto life, validity(arguments, context.clock.now()));
+  DDSSEC_ASSIGN_OR_RETURN(const auto renewed, renewed_ca(ca, life, arguments, context));
   Replacement files;
-  DDSSEC_TRY(files.put_public(ca.paths.certificate, renewed_trust(renewed, ca.trust_pem)));
+  DDSSEC_RETURN_IF_ERROR(
+      files.put_public(ca.paths.certificate, renewed_trust(renewed, ca.trust_pem)));
   Report report;
   report.result = describe(renewed);
   report.result["dir"] = arguments.text("DIR");
   report.result["folders"] = Json::array();
+  DDSSEC_ASSIGN_OR_RETURN(const auto steps, steps_after_renewal(ca, role, arguments.text("DIR")));
   report.text = fmt::format("{}  renewed with the same key, expires {}\n", renewed.subject(),
                             date(renewed.not_after())) +
-                DDSSEC_TRY(steps_after_renewal(ca, role, arguments.text("DIR")));
-  const auto log = DDSSEC_TRY(read_issue_log(ca.paths));
+                steps;
+  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(ca.paths));
   const LoggedFolders folders(ca.paths, log);
   for (const auto& logged : log.places()) {
     const auto holder = folders.today(logged).string();
     report.result["folders"].push_back(holder);
     report.text += fmt::format("  {}\n", holder);
   }
-  report.files_written = DDSSEC_TRY(files.commit());
+  DDSSEC_ASSIGN_OR_RETURN(report.files_written, files.commit());
   return report;
 }
 

@@ -62,39 +62,47 @@ Result<std::string> one_role(const Arguments& arguments) {
 
 // The part that may have to wait for user input.
 Status CaOpener::prepare(const fs::path& path) {
-  DDSSEC_TRY(check_key_mode(path, arguments_));
-  if (path.extension() != ".p11" && !passphrase_ && DDSSEC_TRY(is_encrypted(path)))
-    passphrase_ = DDSSEC_TRY(passphrase(arguments_, Typed::once));
+  DDSSEC_RETURN_IF_ERROR(check_key_mode(path, arguments_));
+  if (path.extension() != ".p11" && !passphrase_) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto encrypted, is_encrypted(path));
+    if (encrypted) {
+      DDSSEC_ASSIGN_OR_RETURN(passphrase_, passphrase(arguments_, Typed::once));
+    }
+  }
   return {};
 }
 
 Result<pki::PrivateKey> CaOpener::key(const fs::path& path) {
-  DDSSEC_TRY(prepare(path));
-  if (path.extension() == ".p11")
-    return named(token_key(DDSSEC_TRY(pki::uri_of(path)), arguments_), path);
+  DDSSEC_RETURN_IF_ERROR(prepare(path));
+  if (path.extension() == ".p11") {
+    DDSSEC_ASSIGN_OR_RETURN(const auto uri, pki::uri_of(path));
+    return named(token_key(uri, arguments_), path);
+  }
   return read_key(path, passphrase_ ? &*passphrase_ : nullptr);
 }
 
 Result<OpenCa> CaOpener::open(const CaPaths& paths) {
-  DDSSEC_TRY(finish_interrupted(paths.key.parent_path(), Reach::anywhere));
-  DDSSEC_TRY(read_certificates(paths.certificate));  // no passphrase for a folder without a CA
-  DDSSEC_TRY(prepare(paths.key));
-  auto lock = DDSSEC_TRY(lock_records(paths));
-  const auto trust = DDSSEC_TRY(read_certificates(paths.certificate));
-  auto own_key = DDSSEC_TRY(key(paths.key));
-  auto authority =
-      DDSSEC_TRY(named(pki::Authority::load(trust.front(), std::move(own_key)), paths.certificate));
+  DDSSEC_RETURN_IF_ERROR(finish_interrupted(paths.key.parent_path(), Reach::anywhere));
+  DDSSEC_RETURN_IF_ERROR(
+      read_certificates(paths.certificate));  // no passphrase for a folder without a CA
+  DDSSEC_RETURN_IF_ERROR(prepare(paths.key));
+  DDSSEC_ASSIGN_OR_RETURN(auto&& lock, lock_records(paths));
+  DDSSEC_ASSIGN_OR_RETURN(const auto trust, read_certificates(paths.certificate));
+  DDSSEC_ASSIGN_OR_RETURN(auto own_key, key(paths.key));
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto authority,
+      named(pki::Authority::load(trust.front(), std::move(own_key)), paths.certificate));
   return OpenCa{paths, std::move(authority), to_pem(trust), std::move(lock)};
 }
 
 Result<OpenCa> CaOpener::open(std::string_view role) {
   const fs::path given = arguments_.text("--ca");
-  DDSSEC_TRY(check_signing_ca(given, role));
+  DDSSEC_RETURN_IF_ERROR(check_signing_ca(given, role));
   return open(ca_paths(given, role));
 }
 
 Result<std::vector<pki::Certificate>> read_certificates(const fs::path& path) {
-  const auto octets = DDSSEC_TRY(read_file(path, pki::kMostBundleOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(path, pki::kMostBundleOctets));
   return named(pki::Certificate::bundle_from_pem(octets), path);
 }
 
@@ -108,7 +116,7 @@ Result<pki::IssueLog> read_issue_log(const CaPaths& paths) {
   std::error_code error;
   if (fs::file_size(paths.log, error) == 0 || error == std::errc::no_such_file_or_directory)
     return pki::IssueLog();
-  const auto text = DDSSEC_TRY(read_file(paths.log, pki::kMostIssueLogOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto text, read_file(paths.log, pki::kMostIssueLogOctets));
   auto log = pki::IssueLog::parse(text);
   std::vector<int> lines;
   for (const auto& error : log.unreadable()) lines.push_back(error.details().line);
@@ -130,14 +138,15 @@ Status check_log_lines(const fs::path& log, std::string_view lines) {
 }
 
 Status log_issued(const CaPaths& paths, std::string_view lines) {
-  DDSSEC_TRY(check_log_lines(paths.log, lines));
+  DDSSEC_RETURN_IF_ERROR(check_log_lines(paths.log, lines));
   return append_lines(paths.log, lines, paths.key);
 }
 
 Result<std::optional<FileLock>> lock_records(const CaPaths& paths) {
   const bool can_open = ::faccessat(AT_FDCWD, paths.key.c_str(), R_OK, AT_EACCESS) == 0;
   if (!can_open && (errno == ENOENT || errno == EACCES)) return std::nullopt;
-  return DDSSEC_TRY(FileLock::of(paths.key));
+  DDSSEC_ASSIGN_OR_RETURN(auto file_lock, FileLock::of(paths.key));
+  return file_lock;
 }
 
 Status add_key(NewFolder& folder, const fs::path& name, const NewKey& key,
@@ -145,7 +154,7 @@ Status add_key(NewFolder& folder, const fs::path& name, const NewKey& key,
   if (!key.token_uri.empty())
     return folder.add(fs::path(name).replace_extension(".p11"), as_bytes(key.token_uri + '\n'),
                       0600);
-  const auto pem = DDSSEC_TRY(key.key.to_pem(passphrase));
+  DDSSEC_ASSIGN_OR_RETURN(const auto pem, key.key.to_pem(passphrase));
   return pem.expose([&](BytesView octets) { return folder.add(name, octets, 0600); });
 }
 
@@ -163,7 +172,7 @@ std::string ca_subject(std::string_view title, std::string_view role) {
 
 Status add_ca(NewFolder& folder, const CaPaths& names, std::string_view trust_pem,
               const NewKey& key, const pki::Passphrase* passphrase) {
-  DDSSEC_TRY(folder.add_public(names.certificate, trust_pem));
+  DDSSEC_RETURN_IF_ERROR(folder.add_public(names.certificate, trust_pem));
   return add_key(folder, names.key, key, passphrase);
 }
 

@@ -66,15 +66,15 @@ Known known_to(const CaPaths& ca, const pki::IssueLog& log, const pki::Certifica
 Result<Known> followers_of(const Arguments& arguments, const fs::path& given, WallTime now) {
   Known out;
   for (const auto& folder : arguments.all("DIRS")) {
-    DDSSEC_TRY(check_participant_folder(folder));
+    DDSSEC_RETURN_IF_ERROR(check_participant_folder(folder));
     out.here.push_back(follower_in(folder));
     out.here.back().is_named = true;
   }
   if (!out.here.empty()) return out;
   const auto paths = ca_paths(given, "identity");
-  const auto log = DDSSEC_TRY(read_issue_log(paths));
+  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(paths));
   if (!log.issued().empty()) {
-    const auto certificate = DDSSEC_TRY(read_certificate(paths.certificate));
+    DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(paths.certificate));
     out = known_to(paths, log, certificate, now);
   }
   if (!out.here.empty()) return out;
@@ -104,7 +104,7 @@ struct Successor {
 Result<Successor> successor_of(const pki::Certificate& old, const Arguments& arguments,
                                const Context& context) {
   if (old.is_self_issued()) {
-    auto ca = DDSSEC_TRY(new_root(old, old.subject(), context));
+    DDSSEC_ASSIGN_OR_RETURN(auto ca, new_root(old, old.subject(), context));
     auto trust = ca.certificate().pem();
     return Successor{std::move(ca), std::move(trust)};
   }
@@ -113,12 +113,15 @@ Result<Successor> successor_of(const pki::Certificate& old, const Arguments& arg
                               .note = "the CA is an intermediate one: the CA above it must sign"});
   const auto now = context.clock.now();
   CaOpener opener(arguments);
-  const auto above = DDSSEC_TRY(opener.open(ca_paths(arguments.text("--issuer"), "identity")));
-  const auto life = DDSSEC_TRY(within_ca(life_like(old, now), above.certificate(), true));
+  DDSSEC_ASSIGN_OR_RETURN(const auto above,
+                          opener.open(ca_paths(arguments.text("--issuer"), "identity")));
+  DDSSEC_ASSIGN_OR_RETURN(const auto life,
+                          within_ca(life_like(old, now), above.certificate(), true));
   const auto key = old.key_algorithm();
-  auto ca = DDSSEC_TRY(
-      above.authority.subordinate(old.subject(), {key.kind, key.bits}, life, context.random));
-  DDSSEC_TRY(log_issued(above.paths, pki::IssueLog::issued_line(ca.certificate(), "", now)));
+  DDSSEC_ASSIGN_OR_RETURN(auto ca, above.authority.subordinate(old.subject(), {key.kind, key.bits},
+                                                               life, context.random));
+  DDSSEC_RETURN_IF_ERROR(
+      log_issued(above.paths, pki::IssueLog::issued_line(ca.certificate(), "", now)));
   auto trust = ca.certificate().pem() + above.trust_pem;
   return Successor{std::move(ca), std::move(trust)};
 }
@@ -161,23 +164,25 @@ Report report_of(const std::string& role, const pki::Certificate& ca, const Foll
 
 Result<Report> ca_rotate(const Arguments& arguments, const Context& context) {
   const fs::path given = arguments.text("DIR");
-  const auto role = DDSSEC_TRY(one_role(arguments));
-  DDSSEC_TRY(check_no_other_kind(given));
+  DDSSEC_ASSIGN_OR_RETURN(const auto role, one_role(arguments));
+  DDSSEC_RETURN_IF_ERROR(check_no_other_kind(given));
   const auto now = context.clock.now();
   CaOpener opener(arguments);
-  const auto old = DDSSEC_TRY(opener.open(ca_paths(given, role)));
+  DDSSEC_ASSIGN_OR_RETURN(const auto old, opener.open(ca_paths(given, role)));
   if (const auto log = ca_paths(given, "identity"); is_there(log.certificate))
-    DDSSEC_TRY(check_list_date(now, log, arguments));
+    DDSSEC_RETURN_IF_ERROR(check_list_date(now, log, arguments));
   if (old.authority.key().in_token()) return fail(Code::key_in_token, {.document = old.paths.key});
-  const auto known = DDSSEC_TRY(followers_of(arguments, given, now));
-  const auto [ca, trust] = DDSSEC_TRY(successor_of(old.certificate(), arguments, context));
+  DDSSEC_ASSIGN_OR_RETURN(const auto known, followers_of(arguments, given, now));
+  DDSSEC_ASSIGN_OR_RETURN(const auto successor,
+                          successor_of(old.certificate(), arguments, context));
+  const auto& [ca, trust] = successor;
   const Succession change{old, ca, trust, opener.used_passphrase(), arguments.has("--unlogged")};
   Replacement out;
-  auto followed = role == "identity"
-                      ? DDSSEC_TRY(follow_identity_ca(out, change, known.here, context))
-                      : DDSSEC_TRY(follow_permissions_ca(out, change, known.here,
-                                                         shared_documents(given), context));
-  auto files = DDSSEC_TRY(put_in_place(out, followed));
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto followed, role == "identity" ? follow_identity_ca(out, change, known.here, context)
+                                        : follow_permissions_ca(out, change, known.here,
+                                                                shared_documents(given), context));
+  DDSSEC_ASSIGN_OR_RETURN(auto files, put_in_place(out, followed));
   auto report = report_of(role, ca.certificate(), followed, known.elsewhere);
   report.files_written = std::move(files);
   return report;

@@ -24,8 +24,8 @@ bool is_file_or_link(const fs::path& path) {
 
 Status put_ca(Replacement& out, const Succession& change) {
   const auto& paths = change.old.paths;
-  const auto pem = DDSSEC_TRY(change.ca.key().to_pem(change.passphrase));
-  DDSSEC_TRY(pem.expose(
+  DDSSEC_ASSIGN_OR_RETURN(const auto pem, change.ca.key().to_pem(change.passphrase));
+  DDSSEC_RETURN_IF_ERROR(pem.expose(
       [&](BytesView octets) { return out.put(paths.key, octets, 0600, Links::replaced); }));
   return out.put(paths.certificate, as_bytes(change.trust_pem), 0644, Links::replaced);
 }
@@ -45,7 +45,8 @@ class SignerAnew {
   Status sign(const fs::path& file, const DocumentOfCa& document) {
     const auto now = context_.clock.now();
     const auto text = as_bytes(document.text);
-    const auto octets = DDSSEC_TRY(change_.ca.sign_document(text, now, context_.random));
+    DDSSEC_ASSIGN_OR_RETURN(const auto octets,
+                            change_.ca.sign_document(text, now, context_.random));
     lines_ += signed_line(change_.ca.certificate(), text, file, now);
     if (!document.is_logged) unlogged_.push_back(file.string());
     return out_.put(file, octets, 0644);
@@ -198,7 +199,7 @@ class Following {
 }  // namespace
 
 Result<std::vector<WrittenFile>> put_in_place(Replacement& out, Followed& followed) {
-  auto files = DDSSEC_TRY(out.commit());
+  DDSSEC_ASSIGN_OR_RETURN(auto files, out.commit());
   for (const auto& [name, error] : out.failures()) {
     std::erase(followed.again, name);
     followed.unwritten.push_back(left_behind(error));
@@ -227,7 +228,8 @@ Status sign_documents_of(const Follower& follower, const std::vector<fs::path>& 
     std::ranges::move(documents.doubtful, std::back_inserter(followed.doubtful));
     return std::unexpected(std::move(last));
   }
-  for (const auto& [file, document] : documents.sound) DDSSEC_TRY(signer.sign(file, document));
+  for (const auto& [file, document] : documents.sound)
+    DDSSEC_RETURN_IF_ERROR(signer.sign(file, document));
   return {};
 }
 
@@ -237,13 +239,13 @@ Result<Followed> follow_with(Replacement& out, SignerAnew& signer, const Success
   Followed followed;
   Following following(out, followed);
   for (const auto& follower : followers)
-    DDSSEC_TRY(following.add(follower, [&]() -> Status {
-      DDSSEC_TRY(sign_documents_of(follower, shared, signer, followed));
+    DDSSEC_RETURN_IF_ERROR(following.add(follower, [&]() -> Status {
+      DDSSEC_RETURN_IF_ERROR(sign_documents_of(follower, shared, signer, followed));
       return put_if_there(out, follower.files.permissions_ca, change.trust_pem);
     }));
-  DDSSEC_TRY(following.check());
+  DDSSEC_RETURN_IF_ERROR(following.check());
   followed.unlogged = signer.unlogged();
-  DDSSEC_TRY(log_signed(change.old.paths, signer.lines()));
+  DDSSEC_RETURN_IF_ERROR(log_signed(change.old.paths, signer.lines()));
   return followed;
 }
 
@@ -253,10 +255,13 @@ Result<Followed> follow_permissions_ca(Replacement& out, const Succession& chang
                                        const std::vector<Follower>& followers,
                                        const std::vector<fs::path>& shared,
                                        const Context& context) {
-  const auto log = DDSSEC_TRY(read_signing_log(change.old.paths));
+  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_signing_log(change.old.paths));
   SignerAnew signer(out, change, log, context);
-  DDSSEC_TRY(put_ca(out, change));
-  for (const auto& file : shared) DDSSEC_TRY(signer.sign(file, DDSSEC_TRY(signer.read(file))));
+  DDSSEC_RETURN_IF_ERROR(put_ca(out, change));
+  for (const auto& file : shared) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto document, signer.read(file));
+    DDSSEC_RETURN_IF_ERROR(signer.sign(file, document));
+  }
   return follow_with(out, signer, change, followers, shared);
 }
 
@@ -286,7 +291,7 @@ Result<Followed> follow_present_permissions_ca(Replacement& out, const Successio
                                                const std::vector<Follower>& followers,
                                                const std::vector<fs::path>& shared,
                                                const Context& context) {
-  const auto log = DDSSEC_TRY(read_signing_log(change.old.paths));
+  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_signing_log(change.old.paths));
   SignerAnew signer(out, change, log, context);
   return follow_with(out, signer, change, followers, shared);
 }
@@ -306,14 +311,16 @@ struct Reissue {
                           const pki::Certificate& certificate) const {
     const auto& files = follower.files;
     const auto now = context.clock.now();
-    DDSSEC_TRY(check_of_old_ca(follower, certificate, change, log));
-    DDSSEC_TRY(check_follows(follower, certificate, change, log));
-    const auto again = DDSSEC_TRY(change.ca.reissue(
-        certificate, {now - kBackdated, certificate.not_after()}, context.random));
-    DDSSEC_TRY(out.put_public(files.certificate, again.pem()));
-    DDSSEC_TRY(put_if_there(out, files.identity_ca, change.trust_pem));
+    DDSSEC_RETURN_IF_ERROR(check_of_old_ca(follower, certificate, change, log));
+    DDSSEC_RETURN_IF_ERROR(check_follows(follower, certificate, change, log));
+    DDSSEC_ASSIGN_OR_RETURN(
+        const auto again,
+        change.ca.reissue(certificate, {now - kBackdated, certificate.not_after()},
+                          context.random));
+    DDSSEC_RETURN_IF_ERROR(out.put_public(files.certificate, again.pem()));
+    DDSSEC_RETURN_IF_ERROR(put_if_there(out, files.identity_ca, change.trust_pem));
     if (is_to_be_replaced(files.crl))  // with the old list no peer would be accepted
-      DDSSEC_TRY(
+      DDSSEC_RETURN_IF_ERROR(
           put_list(out, files.crl, {crl, change.ca.certificate(), "", &again, trusted, now}));
     std::error_code ignored;
     return pki::IssueLog::issued_line(
@@ -327,36 +334,40 @@ Result<Followed> follow_identity_ca(Replacement& out, const Succession& change,
                                     const std::vector<Follower>& followers,
                                     const Context& context) {
   const auto& paths = change.old.paths;
-  const auto log = DDSSEC_TRY(read_issue_log(paths));
-  const auto crl =
-      DDSSEC_TRY(routine_crl({paths, change.ca, change.trust_pem}, log, context.clock.now()));
-  DDSSEC_TRY(put_ca(out, change));
-  DDSSEC_TRY(out.put_public(paths.crl, crl.pem()));
+  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(paths));
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto crl, routine_crl({paths, change.ca, change.trust_pem}, log, context.clock.now()));
+  DDSSEC_RETURN_IF_ERROR(put_ca(out, change));
+  DDSSEC_RETURN_IF_ERROR(out.put_public(paths.crl, crl.pem()));
   Followed followed;
   std::string lines;
-  const auto trusted = DDSSEC_TRY(pki::Certificate::bundle_from_pem(as_bytes(change.trust_pem)));
-  const auto listed = DDSSEC_TRY(crl.revoked());
+  DDSSEC_ASSIGN_OR_RETURN(const auto trusted,
+                          pki::Certificate::bundle_from_pem(as_bytes(change.trust_pem)));
+  DDSSEC_ASSIGN_OR_RETURN(const auto listed, crl.revoked());
   const Reissue reissue{change, log, crl, trusted, context};
   Following following(out, followed);
   for (const auto& follower : followers) {
     std::string revoked;
-    DDSSEC_TRY(following.add(follower, [&]() -> Status {
-      const auto certificate = DDSSEC_TRY(read_certificate(follower.files.certificate));
-      revoked = DDSSEC_TRY(revoked_serial(certificate, paths, log, NextKey::same));
+    DDSSEC_RETURN_IF_ERROR(following.add(follower, [&]() -> Status {
+      DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(follower.files.certificate));
+      DDSSEC_ASSIGN_OR_RETURN(revoked, revoked_serial(certificate, paths, log, NextKey::same));
       // A participant's list may be newer than the CA's own.
       const auto serial = certificate.serial();
       if (std::ranges::find(listed, serial, &pki::Revocation::serial) != listed.end())
         revoked = serial;
-      if (revoked.empty()) lines += DDSSEC_TRY(reissue.put(out, follower, certificate));
+      if (revoked.empty()) {
+        DDSSEC_ASSIGN_OR_RETURN(const auto added_lines, reissue.put(out, follower, certificate));
+        lines += added_lines;
+      }
       return {};
     }));
     if (revoked.empty()) continue;
     followed.again.pop_back();
     followed.revoked.push_back(follower.name);
   }
-  if (lines.empty()) DDSSEC_TRY(following.check());
-  DDSSEC_TRY(check_not_interrupted());
-  DDSSEC_TRY(log_issued(paths, lines));
+  if (lines.empty()) DDSSEC_RETURN_IF_ERROR(following.check());
+  DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
+  DDSSEC_RETURN_IF_ERROR(log_issued(paths, lines));
   return followed;
 }
 

@@ -83,26 +83,30 @@ struct Documents {
 
 Result<Documents> documents_for(const Question& question) {
   const auto& paths = question.folder.paths;
-  const auto governance_proof =
-      DDSSEC_TRY(verified(paths.governance, paths.permissions_ca, question.now));
+  DDSSEC_ASSIGN_OR_RETURN(const auto governance_proof,
+                          verified(paths.governance, paths.permissions_ca, question.now));
   auto governance_read =
       named(governance::read_governance(governance_proof.content(), governance_proof.first_line()),
             paths.governance);
+  DDSSEC_RETURN_IF_ERROR(governance_read);
   auto governance_document =
-      std::make_shared<const governance::Governance>(DDSSEC_TRY(std::move(governance_read)));
-  auto governance = DDSSEC_TRY(
+      std::make_shared<const governance::Governance>(*std::move(governance_read));
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto governance,
       named(governance::CompiledGovernance::make(std::move(governance_document), question.domain),
             paths.governance));
-  const auto certificate = DDSSEC_TRY(read_certificate(paths.certificate));
-  const auto proof = DDSSEC_TRY(verified(paths.permissions, paths.permissions_ca, question.now));
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(paths.certificate));
+  DDSSEC_ASSIGN_OR_RETURN(const auto proof,
+                          verified(paths.permissions, paths.permissions_ca, question.now));
   auto read =
       named(governance::read_permissions(proof.content(), proof.first_line()), paths.permissions);
-  const auto permissions =
-      std::make_shared<const governance::Permissions>(DDSSEC_TRY(std::move(read)));
-  const auto* grant =
-      DDSSEC_TRY(named(governance::find_grant(*permissions, pki::SubjectName::of(certificate),
-                                              certificate.subject(), question.now),
-                       paths.permissions));
+  DDSSEC_RETURN_IF_ERROR(read);
+  const auto permissions = std::make_shared<const governance::Permissions>(*std::move(read));
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto* grant,
+      named(governance::find_grant(*permissions, pki::SubjectName::of(certificate),
+                                   certificate.subject(), question.now),
+            paths.permissions));
   auto compiled =
       std::make_shared<const governance::CompiledGrant>(permissions, *grant, question.domain);
   return Documents{std::move(governance), std::move(compiled)};
@@ -111,9 +115,9 @@ Result<Documents> documents_for(const Question& question) {
 /// The certificate, as every peer judges it.
 Status check_identity(const Question& question) {
   if (!question.folder.certificate) return std::unexpected(question.folder.certificate.error());
-  const auto verifier = DDSSEC_TRY(question.folder.chain());
-  static_cast<void>(DDSSEC_TRY(named(verifier.verify(*question.folder.certificate, question.now),
-                                     question.folder.paths.certificate)));
+  DDSSEC_ASSIGN_OR_RETURN(const auto verifier, question.folder.chain());
+  DDSSEC_RETURN_IF_ERROR(named(verifier.verify(*question.folder.certificate, question.now),
+                               question.folder.paths.certificate));
   return {};
 }
 
@@ -182,8 +186,9 @@ void note_stock_products(const doctor::LoadedFolder& folder, Report& report) {
 // All steps as in check: identity, grant, joining, topic rule and rights.
 Result<Answer> answer_to(const Question& question) {
   if (auto answer = by_revocation(question.folder.paths)) return *std::move(answer);
-  const auto [governance, grant] = DDSSEC_TRY(documents_for(question));
-  DDSSEC_TRY(check_identity(question));
+  DDSSEC_ASSIGN_OR_RETURN(const auto documents, documents_for(question));
+  const auto& [governance, grant] = documents;
+  DDSSEC_RETURN_IF_ERROR(check_identity(question));
   const auto& domain_rule = governance->domain_rule();
   const auto joining = grant->judge_participant();
   if (domain_rule.enable_join_access_control && !joining.allowed)
@@ -232,15 +237,16 @@ Result<DomainId> domain_to_ask(const Arguments& arguments, const doctor::LoadedF
 }
 
 Result<Report> can(const Arguments& arguments, const Context& context) {
-  const auto action = DDSSEC_TRY(action_of(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const auto action, action_of(arguments));
   const auto now = context.clock.now();
-  DDSSEC_TRY(check_participant_folder(arguments.text("SUBJECT")));
+  DDSSEC_RETURN_IF_ERROR(check_participant_folder(arguments.text("SUBJECT")));
   const auto folder = load_participant(arguments.text("SUBJECT"), now);
-  const auto domain = DDSSEC_TRY(domain_to_ask(arguments, folder, now));
+  DDSSEC_ASSIGN_OR_RETURN(const auto domain, domain_to_ask(arguments, folder, now));
   const auto topic = arguments.text("TOPIC");
   const auto& names = arguments.all("--partition");
   const std::vector<std::string_view> partitions(names.begin(), names.end());
-  const auto answer = DDSSEC_TRY(
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto answer,
       answer_to({folder, action, {.topic = topic, .partitions = partitions}, domain, now}));
   Report report{.exit = answer.allowed ? Exit::done : Exit::no,
                 .text = fmt::format("{} in domain {} by ddssec's plugins: {} ({}{})\n",

@@ -99,8 +99,9 @@ Result<WrittenFile> Capture::saved() {
     std::remove(impl_->file.c_str());
     return unwritable(impl_->file, error);
   }
-  out.sha256 =
-      to_hex(sha256(DDSSEC_TRY(read_file(impl_->file, std::numeric_limits<std::size_t>::max()))));
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets,
+                          read_file(impl_->file, std::numeric_limits<std::size_t>::max()));
+  out.sha256 = to_hex(sha256(octets));
   return out;
 }
 

@@ -89,7 +89,7 @@ Result<std::vector<std::string>> topics_of(const Arguments& arguments) {
   for (const auto& word : arguments.all("--topics")) {
     std::error_code ignored;
     if (fs::is_regular_file(word, ignored)) {
-      const auto topics = DDSSEC_TRY(read_topics(word));
+      DDSSEC_ASSIGN_OR_RETURN(const auto topics, read_topics(word));
       out.insert(out.end(), topics.begin(), topics.end());
     } else if (looks_like_a_file(word)) {
       return no_such_list(word);
@@ -154,10 +154,11 @@ void warn_of_readings(std::initializer_list<const doctor::LoadedFolder*> folders
 Result<Report> check(const Arguments& arguments, const Context& context) {
   const fs::path folders[] = {arguments.text("A"), arguments.text("B")};
   doctor::NamedProduct products[] = {{doctor::Vendor::ours}, {doctor::Vendor::ours}};
-  for (const auto& word : arguments.all("--vendor")) DDSSEC_TRY(set_vendor(word, products));
-  const auto wanted = DDSSEC_TRY(wanted_of(arguments));
-  const auto topics = DDSSEC_TRY(topics_of(arguments));
-  for (const auto& folder : folders) DDSSEC_TRY(check_participant_folder(folder));
+  for (const auto& word : arguments.all("--vendor"))
+    DDSSEC_RETURN_IF_ERROR(set_vendor(word, products));
+  DDSSEC_ASSIGN_OR_RETURN(const auto wanted, wanted_of(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const auto topics, topics_of(arguments));
+  for (const auto& folder : folders) DDSSEC_RETURN_IF_ERROR(check_participant_folder(folder));
 
   const auto now = context.clock.now();
   const auto a = load_participant(folders[0], now);
@@ -169,7 +170,7 @@ Result<Report> check(const Arguments& arguments, const Context& context) {
     if (auto unknown = are_stock ? unpredictable(*folder, product->vendor) : std::nullopt)
       return *std::move(unknown);
   Report report;
-  const auto domain = DDSSEC_TRY(domain_for(arguments, {&a, &b}, now, report));
+  DDSSEC_ASSIGN_OR_RETURN(const auto domain, domain_for(arguments, {&a, &b}, now, report));
   std::string names[2];
   name_parties(folders[0], folders[1], names);
   const auto meeting = meet_with_keys(

@@ -37,7 +37,8 @@ Json describe(const pki::Crl& crl) {
 Result<Json> describe_whole(const pki::Crl& crl, const fs::path& path) {
   auto out = describe(crl);
   out["revoked"] = Json::array();
-  for (const auto& entry : DDSSEC_TRY(named(crl.revoked(), path)))
+  DDSSEC_ASSIGN_OR_RETURN(const auto revoked, named(crl.revoked(), path));
+  for (const auto& entry : revoked)
     out["revoked"].push_back({{"serial", entry.serial},
                               {"time", to_string(entry.time)},
                               {"reason", to_string(entry.reason)}});
@@ -53,7 +54,7 @@ fs::path list_at(const fs::path& given) {
 }
 
 Result<std::vector<pki::Crl>> lists_in(const fs::path& path) {
-  auto lists = DDSSEC_TRY(read_crls(path));
+  DDSSEC_ASSIGN_OR_RETURN(auto lists, read_crls(path));
   if (lists.empty()) return fail(Code::file_not_found, {.document = path});
   return lists;
 }
@@ -83,19 +84,20 @@ std::string after_the_future(const std::string& ca) {
 }
 
 Result<Report> crl_new(const Arguments& arguments, const Context& context) {
-  const int days = DDSSEC_TRY(arguments.number("--next-update", 1, kMostDays));
+  DDSSEC_ASSIGN_OR_RETURN(const int days, arguments.number("--next-update", 1, kMostDays));
   const auto now = context.clock.now();
   CaOpener opener(arguments);
-  const auto ca = DDSSEC_TRY(opener.open("identity"));
-  DDSSEC_TRY(check_list_date(now, ca.paths, arguments));
-  const auto date = DDSSEC_TRY(list_date(arguments, ca, now));
-  const auto log = DDSSEC_TRY(read_issue_log(ca.paths));
+  DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open("identity"));
+  DDSSEC_RETURN_IF_ERROR(check_list_date(now, ca.paths, arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const auto date, list_date(arguments, ca, now));
+  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(ca.paths));
   std::vector<fs::path> more;
   for (const auto& given : arguments.all("--from")) more.push_back(list_at(given));
-  const auto crl = DDSSEC_TRY(next_crl(ca, log, now, days, more, date));
+  DDSSEC_ASSIGN_OR_RETURN(const auto crl, next_crl(ca, log, now, days, more, date));
   Replacement out;
-  DDSSEC_TRY(out.put_public(ca.paths.crl, crl.pem()));
-  const auto count = DDSSEC_TRY(crl.revoked()).size();
+  DDSSEC_RETURN_IF_ERROR(out.put_public(ca.paths.crl, crl.pem()));
+  DDSSEC_ASSIGN_OR_RETURN(const auto revoked, crl.revoked());
+  const auto count = revoked.size();
   Report report;
   report.text =
       fmt::format("{}  number {}, {} revoked, {}\n{}", ca.paths.crl.string(), number_text(crl),
@@ -104,7 +106,7 @@ Result<Report> crl_new(const Arguments& arguments, const Context& context) {
   report.result = {{"file", ca.paths.crl.string()}};
   report.result.update(describe(crl));
   report.result["revoked"] = count;
-  report.files_written = DDSSEC_TRY(out.commit());
+  DDSSEC_ASSIGN_OR_RETURN(report.files_written, out.commit());
   return report;
 }
 
@@ -132,14 +134,15 @@ std::string about_several(const std::vector<pki::Crl>& lists) {
 
 Result<Report> crl_show(const Arguments& arguments, const Context&) {
   const auto path = list_at(arguments.text("PATH"));
-  const auto lists = DDSSEC_TRY(lists_in(path));
+  DDSSEC_ASSIGN_OR_RETURN(const auto lists, lists_in(path));
   Report report;
   report.result = {{"file", path.string()}};
-  report.result.update(DDSSEC_TRY(describe_whole(lists.front(), path)));
+  DDSSEC_ASSIGN_OR_RETURN(auto whole, describe_whole(lists.front(), path));
+  report.result.update(std::move(whole));
   report.result["others"] = Json::array();
   report.text = list_in_words(lists.front(), report.result);
   for (const auto& list : lists | std::views::drop(1)) {
-    const auto described = DDSSEC_TRY(describe_whole(list, path));
+    DDSSEC_ASSIGN_OR_RETURN(const auto described, describe_whole(list, path));
     report.text += "\n" + list_in_words(list, described);
     report.result["others"].push_back(described);
   }
@@ -151,7 +154,7 @@ Result<Report> crl_show(const Arguments& arguments, const Context&) {
 Status check_not_ahead(const pki::Crl& crl, const fs::path& path, const fs::path& ca) {
   std::error_code ignored;
   if (!fs::is_directory(ca, ignored)) return {};
-  const auto own = DDSSEC_TRY(present_crl(ca_paths(ca, "identity")));
+  DDSSEC_ASSIGN_OR_RETURN(const auto own, present_crl(ca_paths(ca, "identity")));
   if (!own || own->supersedes(crl)) return {};
   return fail(
       Code::crl_older,
@@ -178,8 +181,8 @@ Status check_whole(const pki::Crl& crl, const fs::path& path) {
 Result<Report> crl_verify(const Arguments& arguments, const Context& context) {
   const auto path = list_at(arguments.text("PATH"));
   const auto ca_file = ca_certificate_path(arguments.text("--ca"), "identity");
-  const auto lists = DDSSEC_TRY(lists_in(path));
-  const auto ca = DDSSEC_TRY(read_certificate(ca_file));
+  DDSSEC_ASSIGN_OR_RETURN(const auto lists, lists_in(path));
+  DDSSEC_ASSIGN_OR_RETURN(const auto ca, read_certificate(ca_file));
   const auto is_of_ca = [&](const pki::Crl& list) { return list.is_named_after(ca); };
   const auto own = std::ranges::find_if(lists, is_of_ca);
   const auto& first = own == lists.end() ? lists.front() : *own;
@@ -190,9 +193,9 @@ Result<Report> crl_verify(const Arguments& arguments, const Context& context) {
           fmt::format("{}: a list of {} is in it as well\n", path.string(), crl.issuer());
       continue;
     }
-    DDSSEC_TRY(named(crl.check(ca, context.clock.now()), path));
-    DDSSEC_TRY(check_whole(crl, path));
-    DDSSEC_TRY(check_not_ahead(crl, path, arguments.text("--ca")));
+    DDSSEC_RETURN_IF_ERROR(named(crl.check(ca, context.clock.now()), path));
+    DDSSEC_RETURN_IF_ERROR(check_whole(crl, path));
+    DDSSEC_RETURN_IF_ERROR(check_not_ahead(crl, path, arguments.text("--ca")));
     report.text += fmt::format("{}: {}signed by {}, holds {}\n", path.string(),
                                lists.size() > 1 ? fmt::format("number {}, ", number_text(crl)) : "",
                                ca.subject(), words_until(crl));
@@ -207,11 +210,12 @@ Result<Report> crl_verify(const Arguments& arguments, const Context& context) {
 Result<ParticipantPlaces> recipients(const Arguments& arguments, const CaPaths& ca) {
   ParticipantPlaces out;
   for (const auto& given : arguments.all("DIRS")) {
-    DDSSEC_TRY(check_participant_folder(given));
+    DDSSEC_RETURN_IF_ERROR(check_participant_folder(given));
     out.here.emplace_back(given);
   }
   if (!out.here.empty()) return out;
-  out = DDSSEC_TRY(participant_places(ca, DDSSEC_TRY(read_issue_log(ca))));
+  DDSSEC_ASSIGN_OR_RETURN(const auto issue_log, read_issue_log(ca));
+  DDSSEC_ASSIGN_OR_RETURN(out, participant_places(ca, issue_log));
   if (!out.is_empty()) return out;
   return fail(Code::usage, {.field = "DIRS", .note = "the CA's log knows no folder: name them"});
 }
@@ -219,7 +223,8 @@ Result<ParticipantPlaces> recipients(const Arguments& arguments, const CaPaths& 
 // Null: in a token, or not here.
 Result<std::optional<pki::Certificate>> certificate_in(const pki::ParticipantFolder& files) {
   if (files.certificate.extension() == ".p11" || !is_there(files.certificate)) return std::nullopt;
-  return DDSSEC_TRY(read_certificate(files.certificate));
+  DDSSEC_ASSIGN_OR_RETURN(auto certificate, read_certificate(files.certificate));
+  return certificate;
 }
 
 /// The list that is distributed.
@@ -232,9 +237,9 @@ struct Distribution {
 
 // The folder is opened first. The condition for which it was chosen must still be true.
 Status put_list_into(Replacement& out, const fs::path& folder, const Distribution& what) {
-  DDSSEC_TRY(hold_folder(folder));
+  DDSSEC_RETURN_IF_ERROR(hold_folder(folder));
   const auto files = pki::participant_folder(folder);
-  const auto certificate = DDSSEC_TRY(certificate_in(files));
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificate, certificate_in(files));
   std::vector<pki::Certificate> trusted;
   if (auto cas = read_certificates(files.identity_ca)) trusted = *std::move(cas);
   return put_list(out, files.crl,
@@ -263,7 +268,7 @@ Result<Distributed> put_lists(const std::vector<fs::path>& folders, const Distri
       done.errors.push_back(std::move(drafted).error());
     }
   }
-  done.files = DDSSEC_TRY(out.commit_each());
+  DDSSEC_ASSIGN_OR_RETURN(done.files, out.commit_each());
   for (const auto& [folder, error] : out.failures()) {
     std::erase(done.folders, folder);
     done.errors.push_back(error);
@@ -285,11 +290,13 @@ Status with_hint_for_ca(Status status, const std::string& given) {
 
 Result<pki::Crl> list_to_distribute(const CaPaths& paths, const pki::Certificate& ca,
                                     const std::string& given, WallTime now) {
-  const auto lists = DDSSEC_TRY(lists_in(paths.crl));
-  const auto present = DDSSEC_TRY(present_crl(paths)).value_or(lists.front());
-  DDSSEC_TRY(with_hint_for_ca(named(present.check(ca, now), paths.crl), given));
-  if (!DDSSEC_TRY(lists_all(paths, DDSSEC_TRY(read_issue_log(paths)))))
-    return fail(Code::crl_incomplete, {.document = paths.crl});
+  DDSSEC_ASSIGN_OR_RETURN(const auto lists, lists_in(paths.crl));
+  DDSSEC_ASSIGN_OR_RETURN(const auto crl, present_crl(paths));
+  const auto present = crl.value_or(lists.front());
+  DDSSEC_RETURN_IF_ERROR(with_hint_for_ca(named(present.check(ca, now), paths.crl), given));
+  DDSSEC_ASSIGN_OR_RETURN(const auto issue_log, read_issue_log(paths));
+  DDSSEC_ASSIGN_OR_RETURN(const auto is_complete, lists_all(paths, issue_log));
+  if (!is_complete) return fail(Code::crl_incomplete, {.document = paths.crl});
   return present;
 }
 
@@ -307,10 +314,13 @@ Result<Outcome> distribute(const CaPaths& paths, const std::string& given, WallT
                            const std::vector<fs::path>& folders, bool is_alone) {
   constexpr int kMostRounds = 16;
   for (int round = 1;; ++round) {
-    const auto ca = DDSSEC_TRY(read_certificate(paths.certificate));
-    auto list = DDSSEC_TRY(list_to_distribute(paths, ca, given, now));
-    auto done = DDSSEC_TRY(put_lists(folders, {list, ca, given, now}));
-    const auto present = is_alone ? std::nullopt : DDSSEC_TRY(present_crl(paths));
+    DDSSEC_ASSIGN_OR_RETURN(const auto ca, read_certificate(paths.certificate));
+    DDSSEC_ASSIGN_OR_RETURN(auto list, list_to_distribute(paths, ca, given, now));
+    DDSSEC_ASSIGN_OR_RETURN(auto done, put_lists(folders, {list, ca, given, now}));
+    std::optional<pki::Crl> present;
+    if (!is_alone) {
+      DDSSEC_ASSIGN_OR_RETURN(present, present_crl(paths));
+    }
     if (!present || present->pem() == list.pem()) return Outcome{std::move(list), std::move(done)};
     if (round == kMostRounds)
       return fail(Code::crl_older,
@@ -323,16 +333,18 @@ Result<Outcome> distribute(const CaPaths& paths, const std::string& given, WallT
 
 Result<Report> crl_distribute(const Arguments& arguments, const Context& context) {
   const auto given = arguments.text("--ca");
-  DDSSEC_TRY(check_ca_folder(given, "identity"));
+  DDSSEC_RETURN_IF_ERROR(check_ca_folder(given, "identity"));
   const auto paths = ca_paths(given, "identity");
   // Held until every folder has the list: no other command may distribute a newer list in between.
-  const auto lock = DDSSEC_TRY(lock_records(paths));
+  DDSSEC_ASSIGN_OR_RETURN(const auto lock, lock_records(paths));
   const auto now = context.clock.now();
-  const auto ca = DDSSEC_TRY(read_certificate(paths.certificate));
-  const auto present = DDSSEC_TRY(list_to_distribute(paths, ca, given, now));
-  DDSSEC_TRY(check_list_date(present.this_update(), paths, arguments));
-  const auto recipient = DDSSEC_TRY(recipients(arguments, paths));
-  auto [crl, done] = DDSSEC_TRY(distribute(paths, given, now, recipient.here, lock.has_value()));
+  DDSSEC_ASSIGN_OR_RETURN(const auto ca, read_certificate(paths.certificate));
+  DDSSEC_ASSIGN_OR_RETURN(const auto present, list_to_distribute(paths, ca, given, now));
+  DDSSEC_RETURN_IF_ERROR(check_list_date(present.this_update(), paths, arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const auto recipient, recipients(arguments, paths));
+  DDSSEC_ASSIGN_OR_RETURN(auto distributed,
+                          distribute(paths, given, now, recipient.here, lock.has_value()));
+  auto& [crl, done] = distributed;
   Report report;
   report.result = {{"number", number_json(crl)},
                    {"folders", done.folders},

@@ -52,15 +52,19 @@ void warn_of_open_ranges(Report& report, Rule rule, const std::vector<governance
 }
 
 Result<Report> governance_diff(const Arguments& arguments, const Context& context) {
-  const auto threshold = DDSSEC_TRY(fail_on(arguments, {"weaker", "breaking", "any"}));
+  DDSSEC_ASSIGN_OR_RETURN(const auto threshold, fail_on(arguments, {"weaker", "breaking", "any"}));
   governance::GovernanceDiffOptions options;
-  if (arguments.has("--topics"))
-    options.topics = DDSSEC_TRY(read_topics(arguments.text("--topics")));
-  const auto sides = DDSSEC_TRY(diff_sides(document_path<GovernanceKind>, arguments, context));
-  const auto before = DDSSEC_TRY(named(
-      governance::read_governance(sides.before.text, sides.before.first_line), sides.before.path));
-  const auto after = DDSSEC_TRY(named(
-      governance::read_governance(sides.after.text, sides.after.first_line), sides.after.path));
+  if (arguments.has("--topics")) {
+    DDSSEC_ASSIGN_OR_RETURN(options.topics, read_topics(arguments.text("--topics")));
+  }
+  DDSSEC_ASSIGN_OR_RETURN(const auto sides,
+                          diff_sides(document_path<GovernanceKind>, arguments, context));
+  DDSSEC_ASSIGN_OR_RETURN(const auto before, named(governance::read_governance(
+                                                       sides.before.text, sides.before.first_line),
+                                                   sides.before.path));
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto after, named(governance::read_governance(sides.after.text, sides.after.first_line),
+                              sides.after.path));
   const auto diff = governance::compare(before, after, options);
   Report report = report_of(diff, sides);
   warn_of_open_ranges(report, Rule::GOV004, before.notes, sides.before.path);
@@ -79,12 +83,15 @@ Result<Report> governance_diff(const Arguments& arguments, const Context& contex
 }
 
 Result<Report> permissions_diff(const Arguments& arguments, const Context& context) {
-  const auto threshold = DDSSEC_TRY(fail_on(arguments, {"wider", "narrower", "any"}));
-  const auto sides = DDSSEC_TRY(diff_sides(document_path<PermissionsKind>, arguments, context));
-  const auto before = DDSSEC_TRY(named(
-      governance::read_permissions(sides.before.text, sides.before.first_line), sides.before.path));
-  const auto after = DDSSEC_TRY(named(
-      governance::read_permissions(sides.after.text, sides.after.first_line), sides.after.path));
+  DDSSEC_ASSIGN_OR_RETURN(const auto threshold, fail_on(arguments, {"wider", "narrower", "any"}));
+  DDSSEC_ASSIGN_OR_RETURN(const auto sides,
+                          diff_sides(document_path<PermissionsKind>, arguments, context));
+  DDSSEC_ASSIGN_OR_RETURN(const auto before, named(governance::read_permissions(
+                                                       sides.before.text, sides.before.first_line),
+                                                   sides.before.path));
+  DDSSEC_ASSIGN_OR_RETURN(const auto after, named(governance::read_permissions(
+                                                      sides.after.text, sides.after.first_line),
+                                                  sides.after.path));
   const auto diff = governance::compare(
       before, after, {.map_subjects_by_grant_name = arguments.has("--subject-map")});
   Report report = report_of(diff, sides);

@@ -27,7 +27,7 @@ std::string claimed_signer(const pki::DocumentForm& form) {
 
 Result<DiffSide> read_side(const fs::path& path, const Arguments& arguments, WallTime now) {
   DiffSide side{.path = path};
-  auto octets = DDSSEC_TRY(read_file(path, pki::kMostDocumentOctets));
+  DDSSEC_ASSIGN_OR_RETURN(auto octets, read_file(path, pki::kMostDocumentOctets));
   auto form = pki::examine_document(octets);
   side.is_signed = form.wrapping != pki::DocumentWrapping::none &&
                    form.wrapping != pki::DocumentWrapping::unknown;
@@ -35,7 +35,7 @@ Result<DiffSide> read_side(const fs::path& path, const Arguments& arguments, Wal
     side.text = std::move(octets);
   } else if (arguments.has("--ca")) {
     const auto ca = ca_certificate_path(arguments.text("--ca"), "permissions");
-    const auto proof = DDSSEC_TRY(verified(path, ca, now));
+    DDSSEC_ASSIGN_OR_RETURN(const auto proof, verified(path, ca, now));
     side.is_verified = true;
     side.signer = to_hex(proof.signer().fingerprint());
     side.text = to_bytes(proof.content());
@@ -61,8 +61,8 @@ Json or_null(const std::string& text) { return text.empty() ? Json() : Json(text
 Result<DiffSides> diff_sides(fs::path (*document)(const fs::path&), const Arguments& arguments,
                              const Context& context) {
   const auto now = context.clock.now();
-  auto before = DDSSEC_TRY(read_side(document(arguments.text("OLD")), arguments, now));
-  auto after = DDSSEC_TRY(read_side(document(arguments.text("NEW")), arguments, now));
+  DDSSEC_ASSIGN_OR_RETURN(auto before, read_side(document(arguments.text("OLD")), arguments, now));
+  DDSSEC_ASSIGN_OR_RETURN(auto after, read_side(document(arguments.text("NEW")), arguments, now));
   return DiffSides{std::move(before), std::move(after)};
 }
 

@@ -232,7 +232,7 @@ void add_host_plugins(Report& report, const std::vector<doctor::HostPlugin>& plu
 // The domain of the node. If the documents do not cover it, one that they cover, so that the wrong
 // variable (DOC096) is not reported again for each document.
 Result<DomainId> domain_of_node(const doctor::LoadedFolder& folder, WallTime now) {
-  const auto domain = DDSSEC_TRY(ros_domain());
+  DDSSEC_ASSIGN_OR_RETURN(const auto domain, ros_domain());
   const auto named = doctor::domains_of(folder, now);
   if (named.empty() || doctor::contains(named, domain)) return domain;
   const doctor::Domains participants[] = {named};
@@ -242,17 +242,18 @@ Result<DomainId> domain_of_node(const doctor::LoadedFolder& folder, WallTime now
 Result<Report> doctor_of(const Arguments& arguments, const Context& context) {
   const fs::path folder = arguments.text("DIR");
   Report report;
-  const auto products = DDSSEC_TRY(products_of(arguments, report));
+  DDSSEC_ASSIGN_OR_RETURN(const auto products, products_of(arguments, report));
   const auto now = context.clock.now();
-  DDSSEC_TRY(check_participant_folder(folder));
+  DDSSEC_RETURN_IF_ERROR(check_participant_folder(folder));
   const auto loaded = load_participant(folder, now);
   std::optional<doctor::LoadedFolder> peer;
   if (arguments.has("--peer")) {
-    DDSSEC_TRY(check_participant_folder(arguments.text("--peer")));
+    DDSSEC_RETURN_IF_ERROR(check_participant_folder(arguments.text("--peer")));
     peer = load_participant(arguments.text("--peer"), now);
   }
   const bool is_of_ros = arguments.has("--ros") && !arguments.has("--domain");
-  const auto domain = DDSSEC_TRY(
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto domain,
       is_of_ros ? domain_of_node(loaded, now)
                 : domain_for(arguments, {&loaded, peer ? &*peer : &loaded}, now, report));
   const doctor::Settings settings{.now = now, .domain = domain, .lineup = products.lineup};

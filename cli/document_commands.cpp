@@ -48,27 +48,29 @@ template <class Kind>
 Result<Report> sign(const Arguments& arguments, const Context& context) {
   const fs::path from = arguments.text("FILE");
   const fs::path to = arguments.has("-o") ? fs::path(arguments.text("-o")) : signed_path(from);
-  const auto octets = DDSSEC_TRY(read_file(from, pki::kMostDocumentOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(from, pki::kMostDocumentOctets));
   if (pki::examine_document(octets).wrapping == pki::DocumentWrapping::multipart)
     return fail(Code::usage,
                 {.document = from, .field = "FILE", .note = "it is signed already; give the XML"});
-  const auto document = DDSSEC_TRY(named(Kind::read(octets), from));
+  DDSSEC_ASSIGN_OR_RETURN(const auto document, named(Kind::read(octets), from));
   Report report;
   if (!arguments.has("--no-lint")) {
     auto findings = lint_before_signing(document, signed_size(octets), context.clock.now());
     if (governance::has_errors(findings)) return not_signed(from, std::move(findings));
     add_findings(report, std::move(findings), from);
   }
-  const auto ca = DDSSEC_TRY(CaOpener(arguments).open("permissions"));
-  const auto signed_octets = DDSSEC_TRY(
+  DDSSEC_ASSIGN_OR_RETURN(const auto ca, CaOpener(arguments).open("permissions"));
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto signed_octets,
       named(ca.authority.sign_document(octets, context.clock.now(), context.random), from));
   if (const auto size = signed_octets.size(); std::is_same_v<Kind, PermissionsKind> &&
                                               size > pki::kMostSentPermissionsOctets &&
                                               !arguments.has("--no-lint"))
     return not_signed(from, {governance::too_long_for_peers(size)});
-  DDSSEC_TRY(check_result_place(to, arguments));
-  DDSSEC_TRY(log_signed(ca, octets, to, context.clock.now()));
-  report.files_written.push_back(DDSSEC_TRY(write_result(to, signed_octets, arguments)));
+  DDSSEC_RETURN_IF_ERROR(check_result_place(to, arguments));
+  DDSSEC_RETURN_IF_ERROR(log_signed(ca, octets, to, context.clock.now()));
+  DDSSEC_ASSIGN_OR_RETURN(auto written, write_result(to, signed_octets, arguments));
+  report.files_written.push_back(std::move(written));
   report.text += fmt::format("{}  signed by {}\n", to.string(), ca.certificate().subject());
   report.result = {{"file", to.string()}, {"signer", ca.certificate().subject()}};
   return report;
@@ -102,9 +104,10 @@ struct Beliefs {
 };
 
 Result<Beliefs> beliefs(const fs::path& file, const fs::path& ca, WallTime now) {
-  const auto octets = DDSSEC_TRY(read_file(file, pki::kMostDocumentOctets));
-  const Result<std::vector<pki::Certificate>> anchors = DDSSEC_TRY(named(
-      pki::Certificate::bundle_from_pem(DDSSEC_TRY(read_file(ca, pki::kMostBundleOctets))), ca));
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMostDocumentOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto file_octets, read_file(ca, pki::kMostBundleOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const Result<std::vector<pki::Certificate>> anchors,
+                          named(pki::Certificate::bundle_from_pem(file_octets), ca));
   const auto verifier = named(pki::DocumentVerifier::make(*anchors), ca);
   Beliefs out{.ours = verifier ? named(verifier->verify(octets, now), file)
                                : std::unexpected(verifier.error())};
@@ -153,7 +156,7 @@ Result<std::vector<Finding>> lint_for_vendors(const governance::Governance& docu
 Result<std::vector<Finding>> lint_for_vendors(const governance::Permissions& document,
                                               const Arguments& arguments, WallTime now) {
   if (!arguments.has("--cert")) return lint(document, {.now = now});
-  const auto certificate = DDSSEC_TRY(certificate_of(arguments.text("--cert")));
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificate, certificate_of(arguments.text("--cert")));
   auto findings = lint(document, {.now = now, .certificate = &certificate});
   name_vendors(findings, document, certificate);
   return findings;
@@ -163,11 +166,13 @@ template <class Kind>
 Result<Report> verify(const Arguments& arguments, const Context& context) {
   const auto file = document_path<Kind>(arguments.text("FILE"));
   const auto now = context.clock.now();
-  const auto all =
-      DDSSEC_TRY(beliefs(file, ca_certificate_path(arguments.text("--ca"), "permissions"), now));
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto all,
+      beliefs(file, ca_certificate_path(arguments.text("--ca"), "permissions"), now));
   if (!all.ours) return refused(all);
   const auto& proof = all.ours;
-  const auto document = DDSSEC_TRY(named(Kind::read(proof->content(), proof->first_line()), file));
+  DDSSEC_ASSIGN_OR_RETURN(const auto document,
+                          named(Kind::read(proof->content(), proof->first_line()), file));
   Report report;
   report.text = fmt::format("{}: signed by {}, valid until {}\n", file.string(),
                             proof->signer().subject(), date(proof->signer_not_after()));
@@ -177,7 +182,8 @@ Result<Report> verify(const Arguments& arguments, const Context& context) {
                    {"signer_sha256", to_hex(proof->signer().fingerprint())},
                    {"signer_not_after", to_string(proof->signer_not_after())},
                    {"verdicts", all.verdicts()}};
-  add_findings(report, DDSSEC_TRY(lint_for_vendors(document, arguments, now)), file);
+  DDSSEC_ASSIGN_OR_RETURN(auto findings, lint_for_vendors(document, arguments, now));
+  add_findings(report, std::move(findings), file);
   return report;
 }
 

@@ -37,17 +37,18 @@ std::optional<governance::DomainRange> range_from(std::string_view text) {
 }  // namespace
 
 Result<pki::SignedDocument> verified(const fs::path& file, const fs::path& ca, WallTime now) {
-  const auto octets = DDSSEC_TRY(read_file(file, pki::kMostDocumentOctets));
-  auto anchors = named(
-      pki::Certificate::bundle_from_pem(DDSSEC_TRY(read_file(ca, pki::kMostBundleOctets))), ca);
-  const auto verifier =
-      DDSSEC_TRY(named(pki::DocumentVerifier::make(DDSSEC_TRY(std::move(anchors))), ca));
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMostDocumentOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto file_octets, read_file(ca, pki::kMostBundleOctets));
+  auto anchors = named(pki::Certificate::bundle_from_pem(file_octets), ca);
+  DDSSEC_RETURN_IF_ERROR(anchors);
+  DDSSEC_ASSIGN_OR_RETURN(const auto verifier,
+                          named(pki::DocumentVerifier::make(*std::move(anchors)), ca));
   return named(verifier.verify(octets, now), file);
 }
 
 // A text that is not a signed form is left to the XML parser, whose error is the most helpful.
 Result<DocumentText> unverified_text(const fs::path& file) {
-  auto octets = DDSSEC_TRY(read_file(file, pki::kMostDocumentOctets));
+  DDSSEC_ASSIGN_OR_RETURN(auto octets, read_file(file, pki::kMostDocumentOctets));
   auto form = pki::examine_document(octets);
   using enum pki::DocumentWrapping;
   if (form.wrapping == none || form.wrapping == unknown) return DocumentText{std::move(octets)};
@@ -119,13 +120,15 @@ Result<governance::Profile> profile_option(const Arguments& arguments) {
 }
 
 Result<DomainId> domain_of(const Arguments& arguments) {
-  return static_cast<DomainId>(
-      DDSSEC_TRY(arguments.number("--domain", 0, governance::kHighestDomainId)));
+  DDSSEC_ASSIGN_OR_RETURN(const auto domain,
+                          arguments.number("--domain", 0, governance::kHighestDomainId));
+  return static_cast<DomainId>(domain);
 }
 
 Result<std::optional<DomainId>> domain_option(const Arguments& arguments) {
   if (!arguments.has("--domain")) return std::nullopt;
-  return DDSSEC_TRY(domain_of(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(auto domain_id, domain_of(arguments));
+  return domain_id;
 }
 
 Result<std::vector<governance::DomainRange>> domain_ranges(const Arguments& arguments,
@@ -165,8 +168,9 @@ Result<WrittenFile> write_result(const fs::path& target, BytesView octets,
                                  const Arguments& arguments) {
   if (arguments.has("--replace")) {
     Replacement out;
-    DDSSEC_TRY(out.put(target, octets, 0644));
-    return DDSSEC_TRY(out.commit()).front();
+    DDSSEC_RETURN_IF_ERROR(out.put(target, octets, 0644));
+    DDSSEC_ASSIGN_OR_RETURN(const auto written, out.commit());
+    return written.front();
   }
   auto out = write_new_file(target, octets, 0644);
   return out ? std::move(out) : std::unexpected(with_replace_hint(out.error()));
@@ -177,25 +181,28 @@ Result<std::vector<WrittenFile>> write_document(const std::string& xml, const Ar
   fs::path plain = arguments.text("-o");
   std::vector<WrittenFile> out;
   if (!arguments.has("--sign")) {
-    out.push_back(DDSSEC_TRY(write_result(plain, as_bytes(xml), arguments)));
+    DDSSEC_ASSIGN_OR_RETURN(auto written, write_result(plain, as_bytes(xml), arguments));
+    out.push_back(std::move(written));
     return out;
   }
   if (plain.extension() == ".p7s") plain.replace_extension("xml");
   if (!arguments.has("--ca"))
     return fail(Code::usage, {.field = "--sign", .note = "it needs --ca DIR"});
-  const auto ca = DDSSEC_TRY(CaOpener(arguments).open("permissions"));
-  const auto signature =
-      DDSSEC_TRY(ca.authority.sign_document(as_bytes(xml), context.clock.now(), context.random));
+  DDSSEC_ASSIGN_OR_RETURN(const auto ca, CaOpener(arguments).open("permissions"));
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto signature,
+      ca.authority.sign_document(as_bytes(xml), context.clock.now(), context.random));
   for (const auto& file : {plain, signed_path(plain)})
-    DDSSEC_TRY(check_result_place(file, arguments));
-  DDSSEC_TRY(log_signed(ca, as_bytes(xml), signed_path(plain), context.clock.now()));
+    DDSSEC_RETURN_IF_ERROR(check_result_place(file, arguments));
+  DDSSEC_RETURN_IF_ERROR(log_signed(ca, as_bytes(xml), signed_path(plain), context.clock.now()));
   if (arguments.has("--replace")) {
     Replacement both;
-    DDSSEC_TRY(both.put_public(plain, xml));
-    DDSSEC_TRY(both.put(signed_path(plain), signature, 0644));
+    DDSSEC_RETURN_IF_ERROR(both.put_public(plain, xml));
+    DDSSEC_RETURN_IF_ERROR(both.put(signed_path(plain), signature, 0644));
     return both.commit();
   }
-  out.push_back(DDSSEC_TRY(write_result(plain, as_bytes(xml), arguments)));
+  DDSSEC_ASSIGN_OR_RETURN(auto written, write_result(plain, as_bytes(xml), arguments));
+  out.push_back(std::move(written));
   auto second = write_result(signed_path(plain), signature, arguments);
   if (!second) {
     std::error_code ignored;

@@ -53,7 +53,7 @@ Result<fs::path> drop_in_of(const Arguments& arguments) {
     return unusable(given, "a configuration cannot name it",
                     "choose a folder without $, \\, \", &, <, > and ` in its path");
   if (fs::exists(whole, error)) {
-    DDSSEC_TRY(check_libraries(whole));
+    DDSSEC_RETURN_IF_ERROR(check_libraries(whole));
   } else if (given.is_relative()) {
     return unusable(given, "there is no such folder here",
                     "name a folder of another machine by its whole path");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <system_error>
+#include <utility>
 
 namespace ddssec::cli {
 namespace {
@@ -39,13 +40,14 @@ bool is_plain_folder(const fs::path& path) {
 Result<EnclaveFolder> EnclaveFolder::at(const fs::path& keystore, const fs::path& target) {
   EnclaveFolder out(target);
   if (is_plain_folder(target)) {
-    DDSSEC_TRY(check_inside(keystore, target, target));
+    DDSSEC_RETURN_IF_ERROR(check_inside(keystore, target, target));
     out.files_ = std::make_unique<Replacement>();
     return out;
   }
   const auto first = first_new_part(target);
-  DDSSEC_TRY(check_inside(keystore, first.parent_path(), target));
-  out.folder_.emplace(DDSSEC_TRY(NewFolder::at(first)));
+  DDSSEC_RETURN_IF_ERROR(check_inside(keystore, first.parent_path(), target));
+  DDSSEC_ASSIGN_OR_RETURN(auto new_folder, NewFolder::at(first));
+  out.folder_.emplace(std::move(new_folder));
   out.below_ = target.lexically_relative(out.folder_->target());
   if (out.below_ == ".") out.below_.clear();
   return out;
@@ -53,7 +55,7 @@ Result<EnclaveFolder> EnclaveFolder::at(const fs::path& keystore, const fs::path
 
 Status EnclaveFolder::add(const fs::path& name, BytesView octets, unsigned mode) {
   if (folder_) return folder_->add(below_ / name, octets, mode);
-  DDSSEC_TRY(check_nothing_at(target_ / name));
+  DDSSEC_RETURN_IF_ERROR(check_nothing_at(target_ / name));
   return files_->put(target_ / name, octets, mode);
 }
 
@@ -70,8 +72,12 @@ Status EnclaveFolder::link(const fs::path& name, const fs::path& to) {
 Result<std::vector<WrittenFile>> EnclaveFolder::commit() {
   if (folder_) return folder_->commit();
   std::vector<WrittenFile> out;
-  for (const auto& [place, to] : links_) out.push_back(DDSSEC_TRY(write_link(place, to)));
-  std::ranges::move(DDSSEC_TRY(files_->commit()), std::back_inserter(out));
+  for (const auto& [place, to] : links_) {
+    DDSSEC_ASSIGN_OR_RETURN(auto link, write_link(place, to));
+    out.push_back(std::move(link));
+  }
+  DDSSEC_ASSIGN_OR_RETURN(auto written, files_->commit());
+  std::ranges::move(std::move(written), std::back_inserter(out));
   return out;
 }
 

@@ -154,13 +154,16 @@ class Search {
 
   Status look_into_pem(const fs::path& file, BytesView octets) {
     const auto text = with_usual_labels(as_text(octets));
-    if (text.contains("-----BEGIN CERTIFICATE-----"))
-      for (const auto& certificate : DDSSEC_TRY(pki::Certificate::bundle_from_pem(as_bytes(text))))
+    if (text.contains("-----BEGIN CERTIFICATE-----")) {
+      DDSSEC_ASSIGN_OR_RETURN(const auto bundle, pki::Certificate::bundle_from_pem(as_bytes(text)));
+      for (const auto& certificate : bundle)
         add(ending_of(certificate, file), to_hex(certificate.fingerprint()));
+    }
     if (text.find("-----BEGIN X509 CRL-----") == text.npos) return {};
-    for (const auto& crl : DDSSEC_TRY(pki::Crl::all_from(octets))) {
-      for (const auto& entry : DDSSEC_TRY(crl.revoked()))
-        revoked_.insert(crl.issuer() + ' ' + entry.serial);
+    DDSSEC_ASSIGN_OR_RETURN(const auto crls, pki::Crl::all_from(octets));
+    for (const auto& crl : crls) {
+      DDSSEC_ASSIGN_OR_RETURN(const auto revoked, crl.revoked());
+      for (const auto& entry : revoked) revoked_.insert(crl.issuer() + ' ' + entry.serial);
       if (crl.next_update())
         add({"revocation list", crl.issuer(), *crl.next_update(), file},
             to_hex(sha256(as_bytes(crl.pem()))));
@@ -175,8 +178,8 @@ class Search {
     const auto signers = add_signers(form, file);
     if (as_text(form.unverified_text).find("<permissions") == std::string_view::npos)
       return signers;
-    const auto document =
-        DDSSEC_TRY(governance::read_permissions(form.unverified_text, form.first_line));
+    DDSSEC_ASSIGN_OR_RETURN(const auto document,
+                            governance::read_permissions(form.unverified_text, form.first_line));
     for (const auto& grant : document.grants)
       add({"permissions", grant.subject_name, grant.validity.not_after, file},
           to_hex(sha256(octets)) + grant.subject_name);
@@ -185,7 +188,7 @@ class Search {
 
   Status add_signers(const pki::DocumentForm& form, const fs::path& file) {
     for (const auto& der : form.signer_certificates) {
-      const auto signer = DDSSEC_TRY(pki::Certificate::from_der(der));
+      DDSSEC_ASSIGN_OR_RETURN(const auto signer, pki::Certificate::from_der(der));
       signers_.try_emplace(to_hex(signer.fingerprint()), ending_of(signer, file));
       ++hits_;
     }
@@ -220,7 +223,7 @@ std::string row(const Ending& ending, std::string_view state, std::int64_t days)
 }
 
 Result<Report> expiry(const Arguments& arguments, const Context& context) {
-  const auto within = DDSSEC_TRY(duration(arguments, "--within"));
+  DDSSEC_ASSIGN_OR_RETURN(const auto within, duration(arguments, "--within"));
   Search search;
   auto paths = arguments.all("PATHS");
   if (paths.empty()) paths = {"."};

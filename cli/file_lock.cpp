@@ -74,7 +74,7 @@ Status lock_file(int file, const fs::path& path, std::chrono::seconds patience) 
   const auto end = Clock::now() + patience;
   while (::flock(file, LOCK_EX | LOCK_NB) != 0) {
     if (errno != EWOULDBLOCK && errno != EINTR) return unwritable(path, errno);
-    DDSSEC_TRY(check_not_interrupted());
+    DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
     if (Clock::now() >= end) return still_locked(file, path, patience);
     std::this_thread::sleep_for(kPause);
   }
@@ -117,12 +117,12 @@ Result<FileLock> FileLock::of(const fs::path& path) {
     const auto opened = std::make_shared<Held>(file);
     for (const auto& other : all())
       if (auto held = other.lock(); held && is_same_file(held->file(), file)) return FileLock(held);
-    DDSSEC_TRY(lock_file(file, path, kLockPatience));
+    DDSSEC_RETURN_IF_ERROR(lock_file(file, path, kLockPatience));
     if (is_still_at(path, file)) {
       all().push_back(opened);
       return FileLock(opened);
     }
-    DDSSEC_TRY(check_not_interrupted());
+    DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   }
 }
 

@@ -100,29 +100,29 @@ class Table {
 // Reads the keys that are allowed both at the top and in each participant's table.
 Status read_common(const Table& table, ParticipantSpec& spec, WallTime now) {
   int domain = -1;
-  DDSSEC_TRY(table.read("domain", 0, governance::kHighestDomainId, domain));
+  DDSSEC_RETURN_IF_ERROR(table.read("domain", 0, governance::kHighestDomainId, domain));
   if (domain >= 0) spec.domains = {{static_cast<DomainId>(domain), static_cast<DomainId>(domain)}};
   int days = 0;
-  DDSSEC_TRY(table.read("days", 1, kMostDays, days));
+  DDSSEC_RETURN_IF_ERROR(table.read("days", 1, kMostDays, days));
   if (days > 0) spec.life = validity_of(days, now);
   std::string key;
-  DDSSEC_TRY(table.read("key", key));
+  DDSSEC_RETURN_IF_ERROR(table.read("key", key));
   if (!key.empty()) {
     const auto kind = key_spec_of(key, "key");
     if (!kind) return table.wrong("key", "p256, rsa2048 or rsa3072", table.node("key"));
     spec.key = *kind;
   }
-  DDSSEC_TRY(table.read("publish", spec.publish));
-  DDSSEC_TRY(table.read("partitions", spec.partitions));
+  DDSSEC_RETURN_IF_ERROR(table.read("publish", spec.publish));
+  DDSSEC_RETURN_IF_ERROR(table.read("partitions", spec.partitions));
   return table.read("subscribe", spec.subscribe);
 }
 
 Result<ParticipantSpec> participant_of(const toml::table& node, const fs::path& file,
                                        ParticipantSpec spec, WallTime now) {
   const Table table(node, file);
-  DDSSEC_TRY(table.check_keys({"name", "subject", "domain", "days", "key", "publish", "subscribe",
-                               "partitions", "permissions"}));
-  DDSSEC_TRY(table.read("name", spec.name));
+  DDSSEC_RETURN_IF_ERROR(table.check_keys({"name", "subject", "domain", "days", "key", "publish",
+                                           "subscribe", "partitions", "permissions"}));
+  DDSSEC_RETURN_IF_ERROR(table.read("name", spec.name));
   constexpr auto kAnyOther = "subject = \"CN=...\" gives the certificate any other name";
   if (spec.name.empty()) return table.wrong("name", "a participant's name");
   if (const auto fine = check_name(spec.name, kAnyOther); !fine) {
@@ -132,13 +132,14 @@ Result<ParticipantSpec> participant_of(const toml::table& node, const fs::path& 
     return fail(fine.error().code(), std::move(details));
   }
   spec.subject = "CN=" + spec.name;
-  DDSSEC_TRY(table.read("subject", spec.subject));
-  DDSSEC_TRY(read_common(table, spec, now));
+  DDSSEC_RETURN_IF_ERROR(table.read("subject", spec.subject));
+  DDSSEC_RETURN_IF_ERROR(read_common(table, spec, now));
   std::string permissions;
-  DDSSEC_TRY(table.read("permissions", permissions));
-  if (!permissions.empty())
-    spec.permissions =
-        DDSSEC_TRY(read_file(file.parent_path() / permissions, pki::kMostDocumentOctets));
+  DDSSEC_RETURN_IF_ERROR(table.read("permissions", permissions));
+  if (!permissions.empty()) {
+    DDSSEC_ASSIGN_OR_RETURN(spec.permissions,
+                            read_file(file.parent_path() / permissions, pki::kMostDocumentOctets));
+  }
   return spec;
 }
 
@@ -171,7 +172,7 @@ Status check_dots(std::string_view text, const fs::path& file) {
 }
 
 Result<toml::table> parsed(std::string_view text, const fs::path& file) {
-  DDSSEC_TRY(check_dots(text, file));
+  DDSSEC_RETURN_IF_ERROR(check_dots(text, file));
   auto result = toml::parse(text);
   if (result) return std::move(result).table();
   return fail(Code::fleet_malformed, {.document = file,
@@ -183,13 +184,13 @@ Result<toml::table> parsed(std::string_view text, const fs::path& file) {
 
 Result<std::vector<ParticipantSpec>> read_fleet(const fs::path& file,
                                                 const ParticipantSpec& standard, WallTime now) {
-  const auto octets = DDSSEC_TRY(read_file(file, kMostFleetOctets));
-  const auto root = DDSSEC_TRY(parsed(as_text(octets), file));
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, kMostFleetOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto root, parsed(as_text(octets), file));
   const Table top(root, file);
-  DDSSEC_TRY(top.check_keys(
+  DDSSEC_RETURN_IF_ERROR(top.check_keys(
       {"domain", "days", "key", "publish", "subscribe", "partitions", "participant"}));
   auto common = standard;
-  DDSSEC_TRY(read_common(top, common, now));
+  DDSSEC_RETURN_IF_ERROR(read_common(top, common, now));
   const auto* node = root.get("participant");
   const auto* list = node != nullptr ? node->as_array() : nullptr;
   if (list == nullptr || list->empty() || list->size() > kMostParticipants)
@@ -200,7 +201,8 @@ Result<std::vector<ParticipantSpec>> read_fleet(const fs::path& file,
   for (const auto& element : *list) {
     const auto* table = element.as_table();
     if (table == nullptr) return top.wrong("participant", "tables [[participant]]", &element);
-    out.push_back(DDSSEC_TRY(participant_of(*table, file, common, now)));
+    DDSSEC_ASSIGN_OR_RETURN(auto participant, participant_of(*table, file, common, now));
+    out.push_back(std::move(participant));
     if (!names.insert(out.back().name).second)
       return top.wrong("name", "every name once; \"" + out.back().name + "\" is there twice",
                        table);

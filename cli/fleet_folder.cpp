@@ -22,7 +22,8 @@ Result<FleetFolder> FleetFolder::at(const fs::path& target, std::vector<Particip
   out.is_growing_ = fs::symlink_status(target, ignored).type() == fs::file_type::directory &&
                     std::ranges::any_of(specs, has);
   if (!out.is_growing_) {
-    out.parts_.push_back(DDSSEC_TRY(NewFolder::at(target)));
+    DDSSEC_ASSIGN_OR_RETURN(auto new_folder, NewFolder::at(target));
+    out.parts_.push_back(std::move(new_folder));
     return out;
   }
   out.kept_ = std::erase_if(specs, has);
@@ -32,8 +33,10 @@ Result<FleetFolder> FleetFolder::at(const fs::path& target, std::vector<Particip
                  .note = "it has every participant of the file",
                  .hint = "ddssec identity issue NAME --ca CA -o DIR --replace makes one of them "
                          "anew; ddssec permissions new --replace changes its permissions alone"});
-  for (const auto& spec : specs)
-    out.parts_.push_back(DDSSEC_TRY(NewFolder::at(target / spec.name)));
+  for (const auto& spec : specs) {
+    DDSSEC_ASSIGN_OR_RETURN(auto new_folder, NewFolder::at(target / spec.name));
+    out.parts_.push_back(std::move(new_folder));
+  }
   return out;
 }
 
@@ -46,7 +49,7 @@ Status FleetFolder::add(std::size_t index, const std::string& name, const NewPar
 Result<std::vector<WrittenFile>> FleetFolder::commit() {
   std::vector<WrittenFile> out;
   for (auto& part : parts_) {
-    auto files = DDSSEC_TRY(part.commit());
+    DDSSEC_ASSIGN_OR_RETURN(auto files, part.commit());
     std::ranges::move(files, std::back_inserter(out));
   }
   return out;

@@ -87,7 +87,7 @@ Result<TopicRule> topic_rule_from(const std::string& text, governance::Profile p
   std::string_view rest = std::string_view(text).substr(std::min(colon + 1, text.size()));
   while (!rest.empty()) {
     const auto comma = std::min(rest.find(','), rest.size());
-    DDSSEC_TRY(set_key(rule, text, rest.substr(0, comma)));
+    DDSSEC_RETURN_IF_ERROR(set_key(rule, text, rest.substr(0, comma)));
     rest.remove_prefix(std::min(comma + 1, rest.size()));
   }
   return rule;
@@ -105,12 +105,15 @@ Result<ProtectionKind> pre_shared_key_kind(const Arguments& arguments) {
 
 // Topics that no rule names are refused, so the profile's rule for all of them comes last.
 Result<governance::Governance> document_from(const Arguments& arguments) {
-  const auto profile = DDSSEC_TRY(profile_option(arguments));
-  auto rule = governance::domain_rule_of(profile, DDSSEC_TRY(domain_ranges(arguments, "--domain")));
-  rule.rtps_psk_protection_kind = DDSSEC_TRY(pre_shared_key_kind(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const auto profile, profile_option(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(auto ranges, domain_ranges(arguments, "--domain"));
+  auto rule = governance::domain_rule_of(profile, std::move(ranges));
+  DDSSEC_ASSIGN_OR_RETURN(rule.rtps_psk_protection_kind, pre_shared_key_kind(arguments));
   rule.enable_key_revision = arguments.has("--key-revision");
-  for (const auto& text : arguments.all("--topic"))
-    rule.topic_rules.push_back(DDSSEC_TRY(topic_rule_from(text, profile)));
+  for (const auto& text : arguments.all("--topic")) {
+    DDSSEC_ASSIGN_OR_RETURN(auto topic_rule, topic_rule_from(text, profile));
+    rule.topic_rules.push_back(std::move(topic_rule));
+  }
   if (rule.topic_rules.empty() || rule.topic_rules.back().topic_expression != "*")
     rule.topic_rules.push_back(governance::topic_rule_of(profile, "*"));
   governance::Governance out;
@@ -119,16 +122,17 @@ Result<governance::Governance> document_from(const Arguments& arguments) {
 }
 
 Result<Report> governance_new(const Arguments& arguments, const Context& context) {
-  const auto xml = to_xml(DDSSEC_TRY(document_from(arguments)));
+  DDSSEC_ASSIGN_OR_RETURN(const auto governance_document, document_from(arguments));
+  const auto xml = to_xml(governance_document);
   // The arguments may contain something that no document can.
-  const auto document = DDSSEC_TRY(governance::read_governance(as_bytes(xml)));
+  DDSSEC_ASSIGN_OR_RETURN(const auto document, governance::read_governance(as_bytes(xml)));
   Report report;
   add_findings(report, lint(document), arguments.text("-o"));
   if (report.exit != Exit::done) {
     report.text = "not written: the rules contradict one another\n";
     return report;
   }
-  report.files_written = DDSSEC_TRY(write_document(xml, arguments, context));
+  DDSSEC_ASSIGN_OR_RETURN(report.files_written, write_document(xml, arguments, context));
   for (const auto& file : report.files_written) report.text += file.path + "\n";
   report.result = {{"file", report.files_written.front().path},
                    {"profile", arguments.text("--profile")},

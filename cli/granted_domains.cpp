@@ -31,7 +31,7 @@ Result<std::vector<governance::DomainRange>> granted_domains(
   covered = doctor::normal(std::move(covered));
   if (!arguments.has("--domain"))
     return covered.empty() ? std::vector<governance::DomainRange>{{0, 0}} : covered;
-  auto given = DDSSEC_TRY(domain_ranges(arguments, "--domain"));
+  DDSSEC_ASSIGN_OR_RETURN(auto given, domain_ranges(arguments, "--domain"));
   if (!covered.empty() && !have_any_in_common(given, covered))
     findings.push_back(
         {.rule = Rule::DOC050,

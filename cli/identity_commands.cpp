@@ -1,5 +1,6 @@
 // identity show, csr, sign-csr: certificates, and keys that never leave their device.
 #include <filesystem>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -22,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 Result<Report> identity_show(const Arguments& arguments, const Context& context) {
-  const auto certificate = DDSSEC_TRY(certificate_of(arguments.text("PATH")));
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificate, certificate_of(arguments.text("PATH")));
   const auto now = context.clock.now();
   const bool valid = certificate.not_before() <= now && now <= certificate.not_after();
   const auto guid = fmt::format("{:012x}", governance::doctor::guid_start(certificate));
@@ -53,14 +54,14 @@ Result<Report> identity_show(const Arguments& arguments, const Context& context)
 
 Result<Report> identity_csr(const Arguments& arguments, const Context&) {
   const auto name = arguments.text("NAME");
-  DDSSEC_TRY(check_name(name));
+  DDSSEC_RETURN_IF_ERROR(check_name(name));
   const fs::path target = arguments.text("-o");
-  auto folder = DDSSEC_TRY(NewFolder::at(target));
+  DDSSEC_ASSIGN_OR_RETURN(auto folder, NewFolder::at(target));
   const auto subject = arguments.has("--subject") ? arguments.text("--subject") : "CN=" + name;
-  const auto made = DDSSEC_TRY(new_key(arguments));
-  const auto request = DDSSEC_TRY(pki::make_request(made.key, subject));
-  DDSSEC_TRY(add_key(folder, "key.pem", made));
-  DDSSEC_TRY(folder.add_public("request.pem", request));
+  DDSSEC_ASSIGN_OR_RETURN(const auto made, new_key(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const auto request, pki::make_request(made.key, subject));
+  DDSSEC_RETURN_IF_ERROR(add_key(folder, "key.pem", made));
+  DDSSEC_RETURN_IF_ERROR(folder.add_public("request.pem", request));
   Report report;
   report.text = fmt::format(
       "{}  a key, which stays {}, and request.pem for {}\n"
@@ -71,7 +72,7 @@ Result<Report> identity_csr(const Arguments& arguments, const Context&) {
                    {"subject", subject},
                    {"algorithm", to_string(made.key.algorithm())},
                    {"request", (target / "request.pem").string()}};
-  report.files_written = DDSSEC_TRY(folder.commit());
+  DDSSEC_ASSIGN_OR_RETURN(report.files_written, folder.commit());
   return report;
 }
 
@@ -87,7 +88,7 @@ Status confirm_request(const pki::RequestContent& content, const Arguments& argu
 Status check_subject_free(const pki::Certificate& certificate, const pki::IssueLog& log,
                           const Arguments& arguments, WallTime now) {
   if (arguments.has("--another-key")) return {};
-  DDSSEC_TRY(SubjectsInUse(log, {}, now).check(certificate.subject()));
+  DDSSEC_RETURN_IF_ERROR(SubjectsInUse(log, {}, now).check(certificate.subject()));
   const pki::KeyDigests key(certificate);
   const auto wanted = pki::SubjectName::of(certificate).key();
   for (const auto& issued : log.issued()) {
@@ -107,7 +108,8 @@ Status check_subject_of_request(const std::string& subject, const OpenCa& ca,
                                 const Arguments& arguments) {
   if (subject.empty())
     return fail(Code::subject_name_malformed, {.found = "a request without a subject name"});
-  const auto wanted = DDSSEC_TRY(pki::SubjectName::parse(subject)).key();
+  DDSSEC_ASSIGN_OR_RETURN(const auto subject_name, pki::SubjectName::parse(subject));
+  const auto wanted = subject_name.key();
   const auto is_of = [&](const pki::Certificate& certificate) {
     return pki::SubjectName::of(certificate).key() == wanted;
   };
@@ -152,26 +154,30 @@ Result<Report> identity_sign_csr(const Arguments& arguments, const Context& cont
   const fs::path to =
       arguments.has("-o") ? fs::path(arguments.text("-o")) : from.parent_path() / "cert.pem";
   const auto now = context.clock.now();
-  const auto wanted = DDSSEC_TRY(validity(arguments, now));
-  const auto request = DDSSEC_TRY(read_file(from, pki::kMostCertificateOctets));
-  const auto content = DDSSEC_TRY(named(pki::read_request(request), from));
-  DDSSEC_TRY(confirm_request(content, arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const auto wanted, validity(arguments, now));
+  DDSSEC_ASSIGN_OR_RETURN(const auto request, read_file(from, pki::kMostCertificateOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto content, named(pki::read_request(request), from));
+  DDSSEC_RETURN_IF_ERROR(confirm_request(content, arguments));
   CaOpener opener(arguments);
-  const auto ca = DDSSEC_TRY(opener.open("identity"));
-  DDSSEC_TRY(named(check_subject_of_request(content.subject, ca, arguments), from));
-  const auto life = DDSSEC_TRY(within_ca(wanted, ca.certificate(), arguments.has("--clamp")));
-  const auto certificate = DDSSEC_TRY(ca.authority.sign_request(request, life, context.random));
+  DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open("identity"));
+  DDSSEC_RETURN_IF_ERROR(named(check_subject_of_request(content.subject, ca, arguments), from));
+  DDSSEC_ASSIGN_OR_RETURN(const auto life,
+                          within_ca(wanted, ca.certificate(), arguments.has("--clamp")));
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificate,
+                          ca.authority.sign_request(request, life, context.random));
   const auto folder = fs::absolute(to, ignored).lexically_normal().parent_path();
   // Checked before the log is written, so that a refusal leaves nothing.
-  const auto log = DDSSEC_TRY(read_issue_log(ca.paths));
-  DDSSEC_TRY(check_key_not_revoked(certificate, from, ca.paths, log));
-  DDSSEC_TRY(check_subject_free(certificate, log, arguments, now));
+  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(ca.paths));
+  DDSSEC_RETURN_IF_ERROR(check_key_not_revoked(certificate, from, ca.paths, log));
+  DDSSEC_RETURN_IF_ERROR(check_subject_free(certificate, log, arguments, now));
   if (fs::symlink_status(to, ignored).type() > fs::file_type::not_found)
     return fail(Code::would_overwrite, {.document = to});
-  DDSSEC_TRY(log_issued(ca.paths, pki::IssueLog::issued_line(certificate, folder.string(), now,
-                                                             to.filename().string())));
+  DDSSEC_RETURN_IF_ERROR(log_issued(
+      ca.paths,
+      pki::IssueLog::issued_line(certificate, folder.string(), now, to.filename().string())));
   Report report;
-  report.files_written.push_back(DDSSEC_TRY(write_new_file(to, as_bytes(certificate.pem()), 0644)));
+  DDSSEC_ASSIGN_OR_RETURN(auto written, write_new_file(to, as_bytes(certificate.pem()), 0644));
+  report.files_written.push_back(std::move(written));
   report.text = fmt::format("{}  {}  expires {}\n", to.string(), certificate.subject(),
                             date(certificate.not_after())) +
                 same_key_text(certificate, log, now) +

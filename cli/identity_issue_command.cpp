@@ -36,9 +36,9 @@ namespace fs = std::filesystem;
 Result<Bytes> governance_of(const Arguments& arguments, WallTime now) {
   if (!arguments.has("--governance")) return Bytes();
   const auto file = document_path<GovernanceKind>(arguments.text("--governance"));
-  DDSSEC_TRY(check_signing_ca(arguments.text("--ca"), "permissions"));
+  DDSSEC_RETURN_IF_ERROR(check_signing_ca(arguments.text("--ca"), "permissions"));
   const auto ca = ca_paths(arguments.text("--ca"), "permissions").certificate;
-  DDSSEC_TRY(verified(file, ca, now));
+  DDSSEC_RETURN_IF_ERROR(verified(file, ca, now));
   return read_file(file, pki::kMostDocumentOctets);
 }
 
@@ -54,21 +54,22 @@ fs::path governance_file(const Arguments& arguments) {
 // The settings for every participant of the command.
 Result<ParticipantSpec> common_spec(const Arguments& arguments, WallTime now, Findings& findings) {
   ParticipantSpec out{.name = {}, .subject = {}, .life = {}};
-  out.domains = DDSSEC_TRY(granted_domains(arguments, governance_file(arguments), findings));
-  out.life = DDSSEC_TRY(validity(arguments, now));
-  out.key = DDSSEC_TRY(key_spec(arguments));
-  out.publish = DDSSEC_TRY(topics_of(arguments, "--publish"));
-  out.subscribe = DDSSEC_TRY(topics_of(arguments, "--subscribe"));
+  DDSSEC_ASSIGN_OR_RETURN(out.domains,
+                          granted_domains(arguments, governance_file(arguments), findings));
+  DDSSEC_ASSIGN_OR_RETURN(out.life, validity(arguments, now));
+  DDSSEC_ASSIGN_OR_RETURN(out.key, key_spec(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(out.publish, topics_of(arguments, "--publish"));
+  DDSSEC_ASSIGN_OR_RETURN(out.subscribe, topics_of(arguments, "--subscribe"));
   out.partitions = arguments.all("--partition");
   out.takes_other_grants = arguments.has("--other-grants");
-  out.dropin = DDSSEC_TRY(drop_in_of(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(out.dropin, drop_in_of(arguments));
   return out;
 }
 
 Result<ParticipantSpec> spec_of(const Arguments& arguments, WallTime now, Findings& findings) {
-  auto spec = DDSSEC_TRY(common_spec(arguments, now, findings));
+  DDSSEC_ASSIGN_OR_RETURN(auto spec, common_spec(arguments, now, findings));
   spec.name = arguments.text("NAME");
-  DDSSEC_TRY(check_name(spec.name));
+  DDSSEC_RETURN_IF_ERROR(check_name(spec.name));
   spec.subject = arguments.has("--subject") ? arguments.text("--subject") : "CN=" + spec.name;
   if (arguments.has("--partition") && !spec.has_permissions())
     return fail(Code::usage, {.field = "--partition", .note = "it needs --publish or --subscribe"});
@@ -76,8 +77,8 @@ Result<ParticipantSpec> spec_of(const Arguments& arguments, WallTime now, Findin
   if (spec.has_permissions())
     return fail(Code::usage,
                 {.field = "--permissions", .note = "not together with --publish or --subscribe"});
-  spec.permissions =
-      DDSSEC_TRY(read_file(arguments.text("--permissions"), pki::kMostDocumentOctets));
+  DDSSEC_ASSIGN_OR_RETURN(spec.permissions,
+                          read_file(arguments.text("--permissions"), pki::kMostDocumentOctets));
   return spec;
 }
 
@@ -96,9 +97,12 @@ struct Cas {
 
 Result<Cas> open_cas(const Arguments& arguments, bool with_permissions, WallTime now) {
   CaOpener opener(arguments);
-  Cas out{DDSSEC_TRY(opener.open("identity")), std::nullopt, std::nullopt, {}};
-  if (with_permissions) out.permissions = DDSSEC_TRY(opener.open("permissions"));
-  out.list = DDSSEC_TRY(list_for_newcomers(out.identity.paths, now));
+  DDSSEC_ASSIGN_OR_RETURN(auto identity, opener.open("identity"));
+  Cas out{std::move(identity), std::nullopt, std::nullopt, {}};
+  if (with_permissions) {
+    DDSSEC_ASSIGN_OR_RETURN(out.permissions, opener.open("permissions"));
+  }
+  DDSSEC_ASSIGN_OR_RETURN(out.list, list_for_newcomers(out.identity.paths, now));
   if (out.list) out.crl = out.list->pem();
   return out;
 }
@@ -106,22 +110,22 @@ Result<Cas> open_cas(const Arguments& arguments, bool with_permissions, WallTime
 // `from`: the file that an error in the permissions is about.
 Result<NewParticipant> make(ParticipantSpec& spec, const Cas& cas, const Arguments& arguments,
                             const Context& context, const fs::path& from) {
-  spec.life =
-      DDSSEC_TRY(within_ca(spec.life, cas.identity.certificate(), arguments.has("--clamp")));
+  DDSSEC_ASSIGN_OR_RETURN(
+      spec.life, within_ca(spec.life, cas.identity.certificate(), arguments.has("--clamp")));
   return named(make_participant(spec, cas.issuers(spec.has_permissions()), context), from);
 }
 
 // The last step before files get their places: a certificate that the log lacks cannot be revoked.
 Status log_all(const Cas& cas, std::string_view issued, std::string_view signed_lines) {
-  DDSSEC_TRY(check_not_interrupted());
-  if (cas.permissions) DDSSEC_TRY(log_signed(cas.permissions->paths, signed_lines));
+  DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
+  if (cas.permissions) DDSSEC_RETURN_IF_ERROR(log_signed(cas.permissions->paths, signed_lines));
   return log_issued(cas.identity.paths, issued);
 }
 
 // The same for one participant.
 Status log_one(const Cas& cas, const NewParticipant& made, const fs::path& folder, WallTime now) {
-  const auto log = DDSSEC_TRY(read_issue_log(cas.identity.paths));
-  DDSSEC_TRY(SubjectsInUse(log, folder, now).check(made.self.certificate.subject()));
+  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(cas.identity.paths));
+  DDSSEC_RETURN_IF_ERROR(SubjectsInUse(log, folder, now).check(made.self.certificate.subject()));
   return log_all(cas, log_line(made, folder, now),
                  cas.permissions ? signed_line(made, *cas.permissions, folder, now) : "");
 }
@@ -148,34 +152,38 @@ Result<Report> issue_fleet(const Arguments& arguments, const Context& context, F
                   {.field = option, .note = "not together with --from: write it in the file"});
   const fs::path from = arguments.text("--from");
   const fs::path target = arguments.text("-o");
-  const auto common = DDSSEC_TRY(common_spec(arguments, now, findings));
-  auto specs = DDSSEC_TRY(read_fleet(from, common, now));
-  auto folder = DDSSEC_TRY(FleetFolder::at(target, specs));
-  DDSSEC_TRY(governance_of(arguments, now));  // no passphrase for one that cannot be used
+  DDSSEC_ASSIGN_OR_RETURN(const auto common, common_spec(arguments, now, findings));
+  DDSSEC_ASSIGN_OR_RETURN(auto specs, read_fleet(from, common, now));
+  DDSSEC_ASSIGN_OR_RETURN(auto folder, FleetFolder::at(target, specs));
+  DDSSEC_RETURN_IF_ERROR(
+      governance_of(arguments, now));  // no passphrase for one that cannot be used
   const bool any_rights = std::ranges::any_of(specs, &ParticipantSpec::has_permissions);
-  const auto cas = DDSSEC_TRY(open_cas(arguments, any_rights, now));
-  const auto governance = DDSSEC_TRY(governance_of(arguments, now));
+  DDSSEC_ASSIGN_OR_RETURN(const auto cas, open_cas(arguments, any_rights, now));
+  DDSSEC_ASSIGN_OR_RETURN(const auto governance, governance_of(arguments, now));
   Report report;
   report.result = {{"dir", target.string()}, {"participants", Json::array()}};
   FleetMembers members(cas.permissions ? &*cas.permissions : nullptr, target, now);
   SubjectsOfFleet subjects(from);
-  SubjectsInUse in_use(DDSSEC_TRY(read_issue_log(cas.identity.paths)), {}, now);
+  DDSSEC_ASSIGN_OR_RETURN(auto issue_log, read_issue_log(cas.identity.paths));
+  SubjectsInUse in_use(std::move(issue_log), {}, now);
   Progress progress("participants", specs.size());
   for (std::size_t i = 0; i < specs.size(); ++i) {
     auto& spec = specs[i];
-    const auto made = DDSSEC_TRY(make(spec, cas, arguments, context, from));
+    DDSSEC_ASSIGN_OR_RETURN(const auto made, make(spec, cas, arguments, context, from));
     warn_of_topics(spec, from.string(), report);
-    DDSSEC_TRY(folder.add(i, spec.name, made, cas.issuers(spec.has_permissions()), governance));
+    DDSSEC_RETURN_IF_ERROR(
+        folder.add(i, spec.name, made, cas.issuers(spec.has_permissions()), governance));
     members.add(spec.name, made, report);
     const auto& certificate = made.self.certificate;
     subjects.add(spec.name, certificate, report);
-    DDSSEC_TRY(named(in_use.check(certificate.subject()), from));
+    DDSSEC_RETURN_IF_ERROR(named(in_use.check(certificate.subject()), from));
     in_use.add(certificate.subject(), spec.name);
     progress.step();
   }
-  report.text += folder.text() + drop_in_line(DDSSEC_TRY(drop_in_of(arguments)));
-  DDSSEC_TRY(log_all(cas, members.issued(), members.signed_lines()));
-  report.files_written = DDSSEC_TRY(folder.commit());
+  DDSSEC_ASSIGN_OR_RETURN(const auto drop_in, drop_in_of(arguments));
+  report.text += folder.text() + drop_in_line(drop_in);
+  DDSSEC_RETURN_IF_ERROR(log_all(cas, members.issued(), members.signed_lines()));
+  DDSSEC_ASSIGN_OR_RETURN(report.files_written, folder.commit());
   return report;
 }
 
@@ -208,18 +216,18 @@ struct Issued {
 
 Result<Issued> issue(Job& job) {
   const auto now = job.context.clock.now();
-  auto cas = DDSSEC_TRY(open_cas(job.arguments, job.spec.has_permissions(), now));
+  DDSSEC_ASSIGN_OR_RETURN(auto cas, open_cas(job.arguments, job.spec.has_permissions(), now));
   // A rotation that this command waited for has signed it anew.
-  job.governance = DDSSEC_TRY(governance_of(job.arguments, now));
-  auto made = DDSSEC_TRY(
-      make(job.spec, cas, job.arguments, job.context, job.arguments.text("--permissions")));
+  DDSSEC_ASSIGN_OR_RETURN(job.governance, governance_of(job.arguments, now));
+  DDSSEC_ASSIGN_OR_RETURN(auto made, make(job.spec, cas, job.arguments, job.context,
+                                          job.arguments.text("--permissions")));
   return Issued{std::move(cas), std::move(made)};
 }
 
 // Reports what the folder lacks after everything is in place; in a dry run it reports nothing about
 // that.
 Result<Report> finished(Report report, const Job& job, Result<std::vector<WrittenFile>> committed) {
-  report.files_written = DDSSEC_TRY(std::move(committed));
+  DDSSEC_ASSIGN_OR_RETURN(report.files_written, std::move(committed));
   const bool has_permissions = is_there(job.files.permissions);
   const bool has_governance = is_there(job.files.governance);
   report.text += not_in_it(has_permissions, has_governance);
@@ -231,10 +239,12 @@ Result<Report> finished(Report report, const Job& job, Result<std::vector<Writte
 }
 
 Result<Report> make_folder(Job& job) {
-  auto folder = DDSSEC_TRY(NewFolder::at(job.target));
-  const auto [cas, made] = DDSSEC_TRY(issue(job));
-  DDSSEC_TRY(add_flat(folder, "", made, cas.issuers(job.spec.has_permissions()), job.governance));
-  DDSSEC_TRY(log_one(cas, made, job.target, job.context.clock.now()));
+  DDSSEC_ASSIGN_OR_RETURN(auto folder, NewFolder::at(job.target));
+  DDSSEC_ASSIGN_OR_RETURN(const auto issued, issue(job));
+  const auto& [cas, made] = issued;
+  DDSSEC_RETURN_IF_ERROR(
+      add_flat(folder, "", made, cas.issuers(job.spec.has_permissions()), job.governance));
+  DDSSEC_RETURN_IF_ERROR(log_one(cas, made, job.target, job.context.clock.now()));
   return finished(report_on(job, made.self.certificate, ""), job, folder.commit());
 }
 
@@ -276,7 +286,7 @@ class Completion {
       return out_.put(file, octets, mode);
     }
     if (!is_asked_for) return {};
-    const auto found = DDSSEC_TRY(read_file(file, pki::kMostDocumentOctets));
+    DDSSEC_ASSIGN_OR_RETURN(const auto found, read_file(file, pki::kMostDocumentOctets));
     if (std::ranges::equal(found, octets)) return {};
     return in_the_way(file, "it is another one");
   }
@@ -297,7 +307,7 @@ class Completion {
 
 // The certificate that is there must be the one that was asked for, of this CA.
 Status check_same(const Job& job, const pki::Certificate& certificate, const pki::Certificate& ca) {
-  const auto wanted = DDSSEC_TRY(pki::SubjectName::parse(job.spec.subject));
+  DDSSEC_ASSIGN_OR_RETURN(const auto wanted, pki::SubjectName::parse(job.spec.subject));
   if (pki::SubjectName::of(certificate).key() != wanted.key())
     return in_the_way(job.files.certificate, fmt::format("it is that of {}, not of {}",
                                                          certificate.subject(), job.spec.subject));
@@ -312,39 +322,43 @@ Status add_permissions(const Job& job, const pki::Certificate& certificate, Comp
   const auto paths = ca_paths(job.arguments.text("--ca"), "permissions");
   if (!job.spec.has_permissions()) {
     if (!is_there(job.files.permissions) && job.governance.empty()) return {};
-    const auto trust = to_pem(DDSSEC_TRY(read_certificates(paths.certificate)));
+    DDSSEC_ASSIGN_OR_RETURN(const auto certificates, read_certificates(paths.certificate));
+    const auto trust = to_pem(certificates);
     return out.add(job.files.permissions_ca, as_bytes(trust), 0644, true);
   }
   if (is_there(job.files.permissions))
     return in_the_way(job.files.permissions, "the participant has permissions");
-  const auto ca = DDSSEC_TRY(CaOpener(job.arguments).open("permissions"));
-  const auto xml = DDSSEC_TRY(
-      named(permissions_xml(job.spec, certificate, now), job.arguments.text("--permissions")));
-  const auto document = DDSSEC_TRY(sign_permissions(ca.authority, xml, now, job.context.random));
-  DDSSEC_TRY(out.add(job.files.permissions_ca, as_bytes(ca.trust_pem), 0644, true));
-  DDSSEC_TRY(out.add(job.files.permissions, document, 0644, true));
+  DDSSEC_ASSIGN_OR_RETURN(const auto ca, CaOpener(job.arguments).open("permissions"));
+  DDSSEC_ASSIGN_OR_RETURN(const auto xml, named(permissions_xml(job.spec, certificate, now),
+                                                job.arguments.text("--permissions")));
+  DDSSEC_ASSIGN_OR_RETURN(const auto document,
+                          sign_permissions(ca.authority, xml, now, job.context.random));
+  DDSSEC_RETURN_IF_ERROR(out.add(job.files.permissions_ca, as_bytes(ca.trust_pem), 0644, true));
+  DDSSEC_RETURN_IF_ERROR(out.add(job.files.permissions, document, 0644, true));
   return log_signed(ca, as_bytes(xml), job.files.permissions, now);
 }
 
 // Key and certificate stay; only missing files are added.
 Result<Report> complete_folder(Job& job) {
-  const auto certificate = DDSSEC_TRY(read_certificate(job.files.certificate));
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(job.files.certificate));
   const auto paths = ca_paths(job.arguments.text("--ca"), "identity");
-  const auto lock = DDSSEC_TRY(lock_records(paths));
-  const auto cas = DDSSEC_TRY(read_certificates(paths.certificate));
-  DDSSEC_TRY(check_same(job, certificate, cas.front()));
-  const auto log = DDSSEC_TRY(read_issue_log(paths));
-  DDSSEC_TRY(check_not_revoked(certificate, job.files.certificate, paths, log, NextKey::same));
+  DDSSEC_ASSIGN_OR_RETURN(const auto lock, lock_records(paths));
+  DDSSEC_ASSIGN_OR_RETURN(const auto cas, read_certificates(paths.certificate));
+  DDSSEC_RETURN_IF_ERROR(check_same(job, certificate, cas.front()));
+  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(paths));
+  DDSSEC_RETURN_IF_ERROR(
+      check_not_revoked(certificate, job.files.certificate, paths, log, NextKey::same));
   Completion out(job);
-  DDSSEC_TRY(out.add(job.files.identity_ca, as_bytes(to_pem(cas)), 0644, false));
-  DDSSEC_TRY(add_permissions(job, certificate, out));
+  DDSSEC_RETURN_IF_ERROR(out.add(job.files.identity_ca, as_bytes(to_pem(cas)), 0644, false));
+  DDSSEC_RETURN_IF_ERROR(add_permissions(job, certificate, out));
   if (!job.governance.empty())
-    DDSSEC_TRY(out.add(job.files.governance, job.governance, 0644, true));
-  const auto crl = DDSSEC_TRY(list_for_newcomers(paths, job.context.clock.now()));
-  if (crl) DDSSEC_TRY(out.add(job.files.crl, as_bytes(crl->pem()), 0644, false));
-  for (const auto& [name, text] :
-       DDSSEC_TRY(missing_configuration_files(job.files, job.spec.dropin)))
-    DDSSEC_TRY(out.put(job.target / name, text));
+    DDSSEC_RETURN_IF_ERROR(out.add(job.files.governance, job.governance, 0644, true));
+  DDSSEC_ASSIGN_OR_RETURN(const auto crl, list_for_newcomers(paths, job.context.clock.now()));
+  if (crl) DDSSEC_RETURN_IF_ERROR(out.add(job.files.crl, as_bytes(crl->pem()), 0644, false));
+  DDSSEC_ASSIGN_OR_RETURN(const auto missing_files,
+                          missing_configuration_files(job.files, job.spec.dropin));
+  for (const auto& [name, text] : missing_files)
+    DDSSEC_RETURN_IF_ERROR(out.put(job.target / name, text));
   return finished(report_on(job, certificate, "completed, key and certificate are as before, "),
                   job, out.commit());
 }
@@ -375,30 +389,38 @@ Status check_nothing_in_token(const Job& job) {
 
 // Everything that the command creates replaces existing files; other files stay.
 Result<Report> fill_folder(Job& job) {
-  DDSSEC_TRY(check_nothing_in_token(job));
-  const auto [cas, made] = DDSSEC_TRY(issue(job));
+  DDSSEC_RETURN_IF_ERROR(check_nothing_in_token(job));
+  DDSSEC_ASSIGN_OR_RETURN(const auto issued, issue(job));
+  const auto& [cas, made] = issued;
   const auto& files = job.files;
   Replacement out;
-  DDSSEC_TRY(out.put_public(files.identity_ca, cas.identity.trust_pem));
-  if (cas.permissions) DDSSEC_TRY(out.put_public(files.permissions_ca, cas.permissions->trust_pem));
-  if (!made.permissions.empty()) DDSSEC_TRY(out.put(files.permissions, made.permissions, 0644));
+  DDSSEC_RETURN_IF_ERROR(out.put_public(files.identity_ca, cas.identity.trust_pem));
+  if (cas.permissions)
+    DDSSEC_RETURN_IF_ERROR(out.put_public(files.permissions_ca, cas.permissions->trust_pem));
+  if (!made.permissions.empty())
+    DDSSEC_RETURN_IF_ERROR(out.put(files.permissions, made.permissions, 0644));
   const auto plain = fs::path(files.permissions).replace_extension("xml");
   if (!made.permissions.empty() && is_there(plain))
-    DDSSEC_TRY(out.put_public(plain, made.permissions_xml));
-  if (!job.governance.empty()) DDSSEC_TRY(out.put(files.governance, job.governance, 0644));
+    DDSSEC_RETURN_IF_ERROR(out.put_public(plain, made.permissions_xml));
+  if (!job.governance.empty())
+    DDSSEC_RETURN_IF_ERROR(out.put(files.governance, job.governance, 0644));
   if (cas.list) {
-    auto trusted = DDSSEC_TRY(read_certificates(cas.identity.paths.certificate));
-    DDSSEC_TRY(put_list(out, files.crl,
-                        {*cas.list, cas.identity.certificate(), job.arguments.text("--ca"),
-                         &made.self.certificate, std::move(trusted), job.context.clock.now()}));
+    DDSSEC_ASSIGN_OR_RETURN(auto trusted, read_certificates(cas.identity.paths.certificate));
+    DDSSEC_RETURN_IF_ERROR(
+        put_list(out, files.crl,
+                 {*cas.list, cas.identity.certificate(), job.arguments.text("--ca"),
+                  &made.self.certificate, std::move(trusted), job.context.clock.now()}));
   }
   // Changes by the user, such as the network interface, stay.
-  for (const auto& [name, text] : DDSSEC_TRY(missing_configuration_files(files, job.spec.dropin)))
-    DDSSEC_TRY(out.put_public(job.target / name, text));
-  const auto pem = DDSSEC_TRY(made.self.key.to_pem());
-  DDSSEC_TRY(pem.expose([&](BytesView octets) { return out.put(files.key, octets, 0600); }));
-  DDSSEC_TRY(out.put_public(files.certificate, made.self.certificate.pem()));
-  DDSSEC_TRY(log_one(cas, made, job.target, job.context.clock.now()));
+  DDSSEC_ASSIGN_OR_RETURN(const auto missing_files,
+                          missing_configuration_files(files, job.spec.dropin));
+  for (const auto& [name, text] : missing_files)
+    DDSSEC_RETURN_IF_ERROR(out.put_public(job.target / name, text));
+  DDSSEC_ASSIGN_OR_RETURN(const auto pem, made.self.key.to_pem());
+  DDSSEC_RETURN_IF_ERROR(
+      pem.expose([&](BytesView octets) { return out.put(files.key, octets, 0600); }));
+  DDSSEC_RETURN_IF_ERROR(out.put_public(files.certificate, made.self.certificate.pem()));
+  DDSSEC_RETURN_IF_ERROR(log_one(cas, made, job.target, job.context.clock.now()));
   auto report = report_on(job, made.self.certificate, "");
   report.text += about_former(job);
   return finished(std::move(report), job, out.commit());
@@ -413,13 +435,13 @@ Result<Report> start_folder(Job& job) {
 }
 
 Result<Report> issue_one(const Arguments& arguments, const Context& context, Findings& findings) {
-  auto spec = DDSSEC_TRY(spec_of(arguments, context.clock.now(), findings));
+  DDSSEC_ASSIGN_OR_RETURN(auto spec, spec_of(arguments, context.clock.now(), findings));
   const fs::path given = arguments.text("-o");
   const fs::path target = given.has_filename() ? given : given.parent_path();
   std::error_code ignored;
   // A link is followed nowhere.
   const bool is_folder = fs::symlink_status(target, ignored).type() == fs::file_type::directory;
-  auto governance = DDSSEC_TRY(governance_of(arguments, context.clock.now()));
+  DDSSEC_ASSIGN_OR_RETURN(auto governance, governance_of(arguments, context.clock.now()));
   Job job{arguments,
           context,
           std::move(spec),
@@ -427,11 +449,11 @@ Result<Report> issue_one(const Arguments& arguments, const Context& context, Fin
           std::move(governance),
           pki::participant_folder(target, pki::FolderLayout::flat)};
   if (!is_folder) return make_folder(job);
-  DDSSEC_TRY(hold_folder(target));
-  DDSSEC_TRY(check_not_above_participants(target, job.spec.name));
-  DDSSEC_TRY(finish_interrupted(target));
+  DDSSEC_RETURN_IF_ERROR(hold_folder(target));
+  DDSSEC_RETURN_IF_ERROR(check_not_above_participants(target, job.spec.name));
+  DDSSEC_RETURN_IF_ERROR(finish_interrupted(target));
   if (job.is_replacing()) return fill_folder(job);
-  DDSSEC_TRY(check_pair(job));
+  DDSSEC_RETURN_IF_ERROR(check_pair(job));
   return is_there(job.files.certificate) ? complete_folder(job) : start_folder(job);
 }
 
@@ -443,8 +465,9 @@ Result<Report> identity_issue(const Arguments& arguments, const Context& context
                               .note = "it is for one participant, not with "
                                       "--from"});
   Findings findings;
-  auto report = DDSSEC_TRY(arguments.has("--from") ? issue_fleet(arguments, context, findings)
-                                                   : issue_one(arguments, context, findings));
+  DDSSEC_ASSIGN_OR_RETURN(auto report, arguments.has("--from")
+                                           ? issue_fleet(arguments, context, findings)
+                                           : issue_one(arguments, context, findings));
   report.findings.insert(report.findings.end(), findings.begin(), findings.end());
   return report;
 }

@@ -36,8 +36,9 @@ struct OldPermissions {
 // participant's folder is controlled by the participant.
 Result<OldPermissions> permissions_in(const pki::ParticipantFolder& files, const fs::path& ca,
                                       const pki::Certificate& certificate, WallTime now) {
-  const auto proof = DDSSEC_TRY(verified(files.permissions, ca, now));
-  const auto document = DDSSEC_TRY(
+  DDSSEC_ASSIGN_OR_RETURN(const auto proof, verified(files.permissions, ca, now));
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto document,
       named(governance::read_permissions(proof.content(), proof.first_line()), files.permissions));
   const auto subject = pki::SubjectName::of(certificate);
   const auto found = std::ranges::find_if(
@@ -68,8 +69,9 @@ std::optional<OldPermissions> permissions_seen(const pki::ParticipantFolder& fil
 // A participant with another CA in its folder would not accept what this CA signs.
 Status check_same_ca(const pki::ParticipantFolder& files, const OpenCa& ca) {
   if (!is_there(files.permissions_ca)) return {};
-  const auto trusted = DDSSEC_TRY(read_certificates(ca.paths.certificate));
-  for (const auto& one : DDSSEC_TRY(read_certificates(files.permissions_ca)))
+  DDSSEC_ASSIGN_OR_RETURN(const auto trusted, read_certificates(ca.paths.certificate));
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificates, read_certificates(files.permissions_ca));
+  for (const auto& one : certificates)
     if (std::ranges::find(trusted, one) == trusted.end())
       return fail(Code::smime_signer_not_permissions_ca,
                   {.document = files.permissions_ca,
@@ -106,16 +108,18 @@ Result<governance::Permissions> put_extended(Replacement& out, const pki::Partic
                                              const pki::Certificate& renewed, const OpenCa& ca,
                                              const Arguments& arguments, const Context& context) {
   const auto now = context.clock.now();
-  DDSSEC_TRY(check_same_ca(files, ca));
-  const auto old = DDSSEC_TRY(permissions_in(files, ca.paths.certificate, renewed, now));
-  DDSSEC_TRY(check_not_ended(old, files, arguments));
+  DDSSEC_RETURN_IF_ERROR(check_same_ca(files, ca));
+  DDSSEC_ASSIGN_OR_RETURN(const auto old,
+                          permissions_in(files, ca.paths.certificate, renewed, now));
+  DDSSEC_RETURN_IF_ERROR(check_not_ended(old, files, arguments));
   auto document = extended(old, renewed, renewed.not_after());
   const auto xml = to_xml(document);
-  const auto octets = DDSSEC_TRY(sign_permissions(ca.authority, xml, now, context.random));
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets,
+                          sign_permissions(ca.authority, xml, now, context.random));
   const auto plain = fs::path(files.permissions).replace_extension("xml");
-  if (is_there(plain)) DDSSEC_TRY(out.put_public(plain, xml));
-  DDSSEC_TRY(out.put(files.permissions, octets, 0644));
-  DDSSEC_TRY(log_signed(ca, as_bytes(xml), files.permissions, now));
+  if (is_there(plain)) DDSSEC_RETURN_IF_ERROR(out.put_public(plain, xml));
+  DDSSEC_RETURN_IF_ERROR(out.put(files.permissions, octets, 0644));
+  DDSSEC_RETURN_IF_ERROR(log_signed(ca, as_bytes(xml), files.permissions, now));
   return document;
 }
 
@@ -162,14 +166,15 @@ Status check_fits_key(const pki::ParticipantFolder& files, const pki::Certificat
 }
 
 Status put_key(Replacement& out, const fs::path& path, const pki::PrivateKey& key) {
-  const auto pem = DDSSEC_TRY(key.to_pem());
+  DDSSEC_ASSIGN_OR_RETURN(const auto pem, key.to_pem());
   return pem.expose([&](BytesView octets) { return out.put(path, octets, 0600); });
 }
 
 Result<bool> is_needed(const Arguments& arguments, const pki::Certificate& certificate,
                        WallTime now) {
   if (!arguments.has("--within")) return true;
-  return certificate.not_after() < now + DDSSEC_TRY(duration(arguments, "--within"));
+  DDSSEC_ASSIGN_OR_RETURN(const auto within, duration(arguments, "--within"));
+  return certificate.not_after() < now + within;
 }
 
 Report not_needed(const fs::path& path, const pki::Certificate& certificate) {
@@ -196,11 +201,11 @@ struct Renewal {
 
 // The folder's own certificate, of a participant that is not revoked.
 Status check_renewable(const Renewal& job, const OpenCa& ca) {
-  DDSSEC_TRY(check_issuer(job.old, ca, job.path));
-  const auto log = DDSSEC_TRY(read_issue_log(ca.paths));
+  DDSSEC_RETURN_IF_ERROR(check_issuer(job.old, ca, job.path));
+  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(ca.paths));
   const auto next = job.is_rekeying() ? NextKey::fresh : NextKey::same;
-  DDSSEC_TRY(check_not_revoked(job.old, job.path, ca.paths, log, next));
-  DDSSEC_TRY(
+  DDSSEC_RETURN_IF_ERROR(check_not_revoked(job.old, job.path, ca.paths, log, next));
+  DDSSEC_RETURN_IF_ERROR(
       check_own(job.old, job.path.parent_path(), ca.paths, log, job.arguments.text("--subject")));
   if (!job.is_rekeying()) return check_fits_key(job.files, job.old);
   if (job.files.key.extension() == ".p11")
@@ -236,14 +241,15 @@ Status check_no_broken_link(const fs::path& permissions) {
 // The permissions with the certificate, if that was asked for and is needed.
 Status renew_permissions(const Renewal& job, const pki::Certificate& renewed, CaOpener& opener,
                          Replacement& out, Report& report) {
-  if (job.arguments.has("--permissions")) DDSSEC_TRY(check_no_broken_link(job.files.permissions));
+  if (job.arguments.has("--permissions"))
+    DDSSEC_RETURN_IF_ERROR(check_no_broken_link(job.files.permissions));
   const auto seen = permissions_seen(job.files, job.arguments, job.old, job.now());
   const bool is_asked = job.arguments.has("--permissions") && is_there(job.files.permissions);
   const auto end = seen ? seen->grant.validity.not_after : WallTime();
   if (is_asked && (!seen || end < renewed.not_after())) {
-    const auto ca = DDSSEC_TRY(opener.open("permissions"));
-    const auto document =
-        DDSSEC_TRY(put_extended(out, job.files, renewed, ca, job.arguments, job.context));
+    DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open("permissions"));
+    DDSSEC_ASSIGN_OR_RETURN(const auto document,
+                            put_extended(out, job.files, renewed, ca, job.arguments, job.context));
     report.result["permissions_until"] = to_string(renewed.not_after());
     report.text += fmt::format("permissions extended to {}\n", date(renewed.not_after()));
     report.text += signed_in_words(document, job.path.parent_path());
@@ -272,44 +278,50 @@ Status renew_permissions(const Renewal& job, const pki::Certificate& renewed, Ca
 Result<Report> renew(Renewal job) {
   const auto& [arguments, context, path, files, old] = job;
   const auto now = job.now();
-  const auto wanted = DDSSEC_TRY(validity(arguments, now));
+  DDSSEC_ASSIGN_OR_RETURN(const auto wanted, validity(arguments, now));
   CaOpener opener(arguments);
-  const auto ca = DDSSEC_TRY(opener.open("identity"));
-  job.old = DDSSEC_TRY(certificate_of(path));  // a rotation may have been waited for
-  DDSSEC_TRY(check_renewable(job, ca));
-  const auto life = DDSSEC_TRY(within_ca(wanted, ca.certificate(), arguments.has("--clamp")));
+  DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open("identity"));
+  DDSSEC_ASSIGN_OR_RETURN(job.old, certificate_of(path));  // a rotation may have been waited for
+  DDSSEC_RETURN_IF_ERROR(check_renewable(job, ca));
+  DDSSEC_ASSIGN_OR_RETURN(const auto life,
+                          within_ca(wanted, ca.certificate(), arguments.has("--clamp")));
   std::optional<pki::PrivateKey> key;
-  if (job.is_rekeying())
-    key = DDSSEC_TRY(pki::PrivateKey::generate(old.key_algorithm().kind, old.key_algorithm().bits));
-  const auto renewed =
-      DDSSEC_TRY(ca.authority.reissue(old, life, context.random, key ? &*key : nullptr));
+  if (job.is_rekeying()) {
+    DDSSEC_ASSIGN_OR_RETURN(
+        key, pki::PrivateKey::generate(old.key_algorithm().kind, old.key_algorithm().bits));
+  }
+  DDSSEC_ASSIGN_OR_RETURN(const auto renewed,
+                          ca.authority.reissue(old, life, context.random, key ? &*key : nullptr));
   Replacement out;
-  if (key) DDSSEC_TRY(put_key(out, files.key, *key));
-  DDSSEC_TRY(out.put_public(path, renewed.pem()));
+  if (key) DDSSEC_RETURN_IF_ERROR(put_key(out, files.key, *key));
+  DDSSEC_RETURN_IF_ERROR(out.put_public(path, renewed.pem()));
   auto report = renewed_report(job, renewed);
-  DDSSEC_TRY(renew_permissions(job, renewed, opener, out, report));
+  DDSSEC_RETURN_IF_ERROR(renew_permissions(job, renewed, opener, out, report));
   std::error_code ignored;
   const auto folder = fs::absolute(path, ignored).lexically_normal().parent_path();
-  DDSSEC_TRY(check_not_interrupted());
-  DDSSEC_TRY(log_issued(ca.paths, pki::IssueLog::issued_line(renewed, folder.string(), now,
-                                                             path.filename().string())));
+  DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
+  DDSSEC_RETURN_IF_ERROR(log_issued(
+      ca.paths,
+      pki::IssueLog::issued_line(renewed, folder.string(), now, path.filename().string())));
   report.text += old.not_after() <= now
                      ? "the identity had ended, and with it all connections: start the participant "
                        "again\n"
-                     : "a participant on ddssec's plugins takes it while it runs; with stock plugins, restart it\n";
-  report.files_written = DDSSEC_TRY(out.commit());
+                     : "a participant on ddssec's plugins takes it while it runs; with stock "
+                       "plugins, restart it\n";
+  DDSSEC_ASSIGN_OR_RETURN(report.files_written, out.commit());
   return report;
 }
 
 Result<Report> identity_renew(const Arguments& arguments, const Context& context) {
   const fs::path given = arguments.text("PATH");
   const auto path = certificate_path(given);
-  DDSSEC_TRY(finish_interrupted(path.parent_path()));
-  DDSSEC_TRY(certificate_of(given));
-  DDSSEC_TRY(hold_folder(path.parent_path()));
-  const auto old = DDSSEC_TRY(certificate_of(path));
+  DDSSEC_RETURN_IF_ERROR(finish_interrupted(path.parent_path()));
+  DDSSEC_RETURN_IF_ERROR(certificate_of(given));
+  DDSSEC_RETURN_IF_ERROR(hold_folder(path.parent_path()));
+  DDSSEC_ASSIGN_OR_RETURN(const auto old, certificate_of(path));
   const Renewal job{arguments, context, path, pki::participant_folder(path.parent_path()), old};
-  if (!DDSSEC_TRY(is_needed(arguments, job.old, job.now()))) return not_needed(path, job.old);
+  DDSSEC_ASSIGN_OR_RETURN(const auto needed, is_needed(arguments, job.old, job.now()));
+  if (!needed) return not_needed(path, job.old);
   return renew(job);
 }
 

@@ -56,14 +56,15 @@ bool is_serial(std::string_view text) {
 // participant's certificate into its folder. A separate certificate file stands for its subject.
 Result<Doomed> doomed_participant(const fs::path& given, const OpenCa& ca, const pki::IssueLog& log,
                                   const Arguments& arguments) {
-  const auto certificate = DDSSEC_TRY(certificate_of(given));
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificate, certificate_of(given));
   const auto path = certificate_path(given);
-  if (!is_logged(certificate, log)) DDSSEC_TRY(check_issuer(certificate, ca, path));
+  if (!is_logged(certificate, log)) DDSSEC_RETURN_IF_ERROR(check_issuer(certificate, ca, path));
   const auto folder = path.parent_path();
   const auto belonging = belonging_of(certificate, folder, ca.paths, log);
   const bool is_by_itself = path == given && belonging == Belonging::moved;
   if (!is_by_itself)
-    DDSSEC_TRY(check_own(certificate, folder, ca.paths, log, arguments.text("--subject")));
+    DDSSEC_RETURN_IF_ERROR(
+        check_own(certificate, folder, ca.paths, log, arguments.text("--subject")));
   Doomed out{.subject = certificate.subject(), .own_serial = certificate.serial()};
   const auto* own = log.find(certificate.serial());
   // Another tool or an earlier version may have issued it: the key must not come back through a
@@ -192,7 +193,7 @@ std::vector<std::string> without_list(const ParticipantPlaces& places) {
 
 Result<std::string> report_places(const CaPaths& ca, const pki::IssueLog& log,
                                   const std::string& given, Report& report) {
-  const auto places = DDSSEC_TRY(participant_places(ca, log));
+  DDSSEC_ASSIGN_OR_RETURN(const auto places, participant_places(ca, log));
   const auto bare = without_list(places);
   auto& out = report.result;
   out["folders"] = Json::array();
@@ -224,34 +225,39 @@ std::string_view how_revoked_before(const Doomed& what) {
 
 Result<Report> identity_revoke(const Arguments& arguments, const Context& context) {
   const auto now = context.clock.now();
-  const auto reason = DDSSEC_TRY(reason_of(arguments));
-  const int days = DDSSEC_TRY(arguments.number("--next-update", 1, kMostDays));
+  DDSSEC_ASSIGN_OR_RETURN(const auto reason, reason_of(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const int days, arguments.number("--next-update", 1, kMostDays));
   CaOpener opener(arguments);
-  const auto ca = DDSSEC_TRY(opener.open("identity"));
-  DDSSEC_TRY(check_list_date(now, ca.paths, arguments));
-  auto log = DDSSEC_TRY(read_issue_log(ca.paths));
-  auto what = DDSSEC_TRY(doomed(arguments, ca, log));
+  DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open("identity"));
+  DDSSEC_RETURN_IF_ERROR(check_list_date(now, ca.paths, arguments));
+  DDSSEC_ASSIGN_OR_RETURN(auto log, read_issue_log(ca.paths));
+  DDSSEC_ASSIGN_OR_RETURN(auto what, doomed(arguments, ca, log));
   add_same_key(log, reason, what);
   Report report;
   report.result = {
       {"subject", what.subject}, {"serials", what.serials}, {"same_key", what.same_key_serials}};
-  if (what.serials.empty() && what.unlogged_key.empty() && DDSSEC_TRY(lists_all(ca.paths, log))) {
-    report.text = fmt::format("{}  revoked already\n{}", what.subject,
-                              same_key_text(what, arguments.text("--ca")));
-    return report;
+  if (what.serials.empty() && what.unlogged_key.empty()) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto is_complete, lists_all(ca.paths, log));
+    if (is_complete) {
+      report.text = fmt::format("{}  revoked already\n{}", what.subject,
+                                same_key_text(what, arguments.text("--ca")));
+      return report;
+    }
   }
-  for (const auto& serial : what.serials) DDSSEC_TRY(log.add(pki::Revocation{serial, now, reason}));
+  for (const auto& serial : what.serials)
+    DDSSEC_RETURN_IF_ERROR(log.add(pki::Revocation{serial, now, reason}));
   const auto lines = log_lines(what, log.revocations());
-  const auto crl = DDSSEC_TRY(next_crl(ca, log, now, days));
+  DDSSEC_ASSIGN_OR_RETURN(const auto crl, next_crl(ca, log, now, days));
   Replacement out;
-  DDSSEC_TRY(out.put_public(ca.paths.crl, crl.pem()));
-  DDSSEC_TRY(check_not_interrupted());
+  DDSSEC_RETURN_IF_ERROR(out.put_public(ca.paths.crl, crl.pem()));
+  DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   // The log comes first: if the machine stops here, the next list is made from it.
-  if (!lines.empty()) DDSSEC_TRY(log_issued(ca.paths, lines));
+  if (!lines.empty()) DDSSEC_RETURN_IF_ERROR(log_issued(ca.paths, lines));
   report.result["crl"] = {{"file", ca.paths.crl.string()},
                           {"number", number_json(crl)},
                           {"next_update", to_string(*crl.next_update())}};
-  const auto next = DDSSEC_TRY(report_places(ca.paths, log, arguments.text("--ca"), report));
+  DDSSEC_ASSIGN_OR_RETURN(const auto next,
+                          report_places(ca.paths, log, arguments.text("--ca"), report));
   report.text = fmt::format("{}  revoked {}; revocation list {} holds until {}\n{}{}", what.subject,
                             what.serials.empty()
                                 ? std::string(how_revoked_before(what))
@@ -259,7 +265,7 @@ Result<Report> identity_revoke(const Arguments& arguments, const Context& contex
                             number_text(crl), date(*crl.next_update()), what.in_words(),
                             same_key_text(what, arguments.text("--ca")) + next);
   report.text += about_clock(crl, now, arguments.text("--ca"));
-  report.files_written = DDSSEC_TRY(out.commit());
+  DDSSEC_ASSIGN_OR_RETURN(report.files_written, out.commit());
   return report;
 }
 

@@ -54,9 +54,9 @@ Result<std::vector<std::string>> names_of(const Arguments& arguments, pki::Folde
     auto& name = names[i];
     if (layout == pki::FolderLayout::sros2) {
       if (!name.starts_with('/')) name = std::string("/").append(name);
-      DDSSEC_TRY(check_enclave(name));
+      DDSSEC_RETURN_IF_ERROR(check_enclave(name));
     } else {
-      DDSSEC_TRY(
+      DDSSEC_RETURN_IF_ERROR(
           check_name(name, "ddssec identity issue --subject gives a certificate any other name"));
       if (name == "ca")
         return fail(Code::name_unusable, {.found = name,
@@ -72,14 +72,14 @@ Result<std::vector<std::string>> names_of(const Arguments& arguments, pki::Folde
 }
 
 Result<Plan> plan_of(const Arguments& arguments, WallTime now) {
-  const auto layout = DDSSEC_TRY(layout_of(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const auto layout, layout_of(arguments));
   const fs::path target = arguments.text("DIR");
-  auto names = DDSSEC_TRY(names_of(arguments, layout));
-  const auto profile = DDSSEC_TRY(profile_option(arguments));
-  auto domains = DDSSEC_TRY(domain_ranges(arguments, "--domain"));
-  auto topics = DDSSEC_TRY(topics_of(arguments, "--allow-topics"));
-  const auto life = DDSSEC_TRY(validity(arguments, now));
-  auto dropin = DDSSEC_TRY(drop_in_of(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(auto names, names_of(arguments, layout));
+  DDSSEC_ASSIGN_OR_RETURN(const auto profile, profile_option(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(auto domains, domain_ranges(arguments, "--domain"));
+  DDSSEC_ASSIGN_OR_RETURN(auto topics, topics_of(arguments, "--allow-topics"));
+  DDSSEC_ASSIGN_OR_RETURN(const auto life, validity(arguments, now));
+  DDSSEC_ASSIGN_OR_RETURN(auto dropin, drop_in_of(arguments));
   if (layout == pki::FolderLayout::sros2 && !dropin.empty())
     return fail(Code::usage, {.field = "--dropin",
                               .note = "not with --layout sros2: ROS 2 names the libraries itself",
@@ -97,7 +97,8 @@ Result<Plan> plan_of(const Arguments& arguments, WallTime now) {
 }
 
 Result<OpenCa> make_ca(const Plan& plan, std::string_view role, const Context& context) {
-  auto authority = DDSSEC_TRY(
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto authority,
       pki::Authority::create_root(ca_subject(plan.title, role), {}, plan.ca_life, context.random));
   auto pem = authority.certificate().pem();
   return OpenCa{{}, std::move(authority), std::move(pem)};
@@ -126,11 +127,11 @@ Result<Members> add_members(NewFolder& folder, const Plan& plan, const Issuers& 
                                .subscribe = plan.topics,
                                .partitions = {"*"},
                                .dropin = plan.dropin};
-    const auto made = DDSSEC_TRY(make_participant(spec, issuers, context));
+    DDSSEC_ASSIGN_OR_RETURN(const auto made, make_participant(spec, issuers, context));
     const auto below = sros2 ? enclave_folder(name) : fs::path(name);
-    DDSSEC_TRY(sros2 ? add_enclave(folder, below, name, made)
-                     : add_flat(folder, below, made, issuers, governance));
-    if (sros2) DDSSEC_TRY(folder.add_public(below / "crl.pem", issuers.crl));
+    DDSSEC_RETURN_IF_ERROR(sros2 ? add_enclave(folder, below, name, made)
+                                 : add_flat(folder, below, made, issuers, governance));
+    if (sros2) DDSSEC_RETURN_IF_ERROR(folder.add_public(below / "crl.pem", issuers.crl));
     out.log += log_line(made, plan.target / below, now);
     out.signed_log += signed_line(made, *issuers.permissions, plan.target / below, now);
     const auto& certificate = made.self.certificate;
@@ -149,14 +150,14 @@ Result<Members> add_members(NewFolder& folder, const Plan& plan, const Issuers& 
 Status add_cas(NewFolder& folder, const Plan& plan, const OpenCa& identity,
                const OpenCa& permissions, const pki::Crl& crl) {
   if (plan.layout == pki::FolderLayout::sros2) {
-    DDSSEC_TRY(
+    DDSSEC_RETURN_IF_ERROR(
         add_keystore_cas(folder, {identity.authority, permissions.authority, false}, nullptr));
     return folder.add_public("public/identity_ca.crl.pem", crl.pem());
   }
-  DDSSEC_TRY(add_ca(folder, ca_paths_in("ca/identity"), identity.trust_pem,
-                    {identity.authority.key()}, nullptr));
-  DDSSEC_TRY(add_ca(folder, ca_paths_in("ca/permissions"), permissions.trust_pem,
-                    {permissions.authority.key()}, nullptr));
+  DDSSEC_RETURN_IF_ERROR(add_ca(folder, ca_paths_in("ca/identity"), identity.trust_pem,
+                                {identity.authority.key()}, nullptr));
+  DDSSEC_RETURN_IF_ERROR(add_ca(folder, ca_paths_in("ca/permissions"), permissions.trust_pem,
+                                {permissions.authority.key()}, nullptr));
   return folder.add_public("ca/identity/crl.pem", crl.pem());
 }
 
@@ -206,31 +207,32 @@ std::string next_steps(const Plan& plan, const Json& snippets) {
 
 Result<Report> init(const Arguments& arguments, const Context& context) {
   const auto now = context.clock.now();
-  const auto plan = DDSSEC_TRY(plan_of(arguments, now));
-  auto folder = DDSSEC_TRY(NewFolder::at(plan.target));
-  const auto identity = DDSSEC_TRY(make_ca(plan, "Identity", context));
-  const auto permissions = DDSSEC_TRY(make_ca(plan, "Permissions", context));
-  const auto crl = DDSSEC_TRY(first_crl(identity.authority));
+  DDSSEC_ASSIGN_OR_RETURN(const auto plan, plan_of(arguments, now));
+  DDSSEC_ASSIGN_OR_RETURN(auto folder, NewFolder::at(plan.target));
+  DDSSEC_ASSIGN_OR_RETURN(const auto identity, make_ca(plan, "Identity", context));
+  DDSSEC_ASSIGN_OR_RETURN(const auto permissions, make_ca(plan, "Permissions", context));
+  DDSSEC_ASSIGN_OR_RETURN(const auto crl, first_crl(identity.authority));
   const auto list = crl.pem();
   const Issuers issuers{identity, &permissions, list};
-  DDSSEC_TRY(add_cas(folder, plan, identity, permissions, crl));
+  DDSSEC_RETURN_IF_ERROR(add_cas(folder, plan, identity, permissions, crl));
 
   const auto xml = to_xml(governance::governance_of(plan.profile, plan.domains));
-  const auto governance =
-      DDSSEC_TRY(permissions.authority.sign_document(as_bytes(xml), now, context.random));
+  DDSSEC_ASSIGN_OR_RETURN(const auto governance,
+                          permissions.authority.sign_document(as_bytes(xml), now, context.random));
   const bool sros2 = plan.layout == pki::FolderLayout::sros2;
   if (sros2) {
-    DDSSEC_TRY(add_keystore_governance(folder, xml, governance));
+    DDSSEC_RETURN_IF_ERROR(add_keystore_governance(folder, xml, governance));
   } else {
-    DDSSEC_TRY(folder.add_public("governance.xml", xml));
-    DDSSEC_TRY(folder.add("governance.p7s", governance, 0644));
+    DDSSEC_RETURN_IF_ERROR(folder.add_public("governance.xml", xml));
+    DDSSEC_RETURN_IF_ERROR(folder.add("governance.p7s", governance, 0644));
   }
-  const auto members = DDSSEC_TRY(add_members(folder, plan, issuers, governance, context));
+  DDSSEC_ASSIGN_OR_RETURN(const auto members,
+                          add_members(folder, plan, issuers, governance, context));
   const auto document = plan.target / (sros2 ? "enclaves/governance.p7s" : "governance.p7s");
-  DDSSEC_TRY(folder.add_public(
+  DDSSEC_RETURN_IF_ERROR(folder.add_public(
       sros2 ? "private/permissions_ca.signed.jsonl" : "ca/permissions/signed.jsonl",
       signed_line(permissions.certificate(), as_bytes(xml), document, now) + members.signed_log));
-  DDSSEC_TRY(folder.add_public(
+  DDSSEC_RETURN_IF_ERROR(folder.add_public(
       sros2 ? "private/identity_ca.issued.jsonl" : "ca/identity/issued.jsonl", members.log));
 
   Report report;
@@ -249,7 +251,7 @@ Result<Report> init(const Arguments& arguments, const Context& context) {
       {"profile", to_string(plan.profile)},
       {"participants", members.rows},
       {"snippets", snippets}};
-  report.files_written = DDSSEC_TRY(folder.commit());
+  DDSSEC_ASSIGN_OR_RETURN(report.files_written, folder.commit());
   return report;
 }
 

@@ -55,7 +55,7 @@ Result<pki::Passphrase> passphrase_from_stream(int file) {
     if (line[size++] == '\n') break;
   auto out = passphrase_from(without_line_end(as_text(BytesView(line).first(size))));
   wipe(line);
-  DDSSEC_TRY(check_not_interrupted());
+  DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   return out;
 }
 
@@ -74,7 +74,7 @@ Result<pki::Passphrase> passphrase_from_file(const std::string& path) {
   if (path == "-") return passphrase_from_stream(STDIN_FILENO);
   std::error_code ignored;
   if (fs::is_fifo(path, ignored)) return passphrase_from_pipe(path);
-  auto octets = DDSSEC_TRY(read_file(path, kMostPassphraseLine));
+  DDSSEC_ASSIGN_OR_RETURN(auto octets, read_file(path, kMostPassphraseLine));
   auto out = passphrase_from(without_line_end(as_text(octets)));
   wipe(octets);
   return out;
@@ -145,7 +145,7 @@ Status check_directory(const fs::path& folder, std::string_view expected) {
 }
 
 Result<pki::Certificate> read_certificate(const fs::path& path) {
-  const auto octets = DDSSEC_TRY(read_file(path, pki::kMostCertificateOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(path, pki::kMostCertificateOctets));
   auto certificate = pki::Certificate::from_pem(octets);
   if (!certificate) return about(certificate.error(), path);
   return certificate;
@@ -163,9 +163,9 @@ Result<pki::Passphrase> passphrase(const Arguments& arguments, Typed typed, cons
   }
   if (::isatty(STDIN_FILENO) == 0 || ::isatty(STDERR_FILENO) == 0)
     return fail(Code::passphrase_needed);
-  auto first = DDSSEC_TRY(typed_passphrase(prompt));
+  DDSSEC_ASSIGN_OR_RETURN(auto first, typed_passphrase(prompt));
   if (typed == Typed::once) return first;
-  const auto second = DDSSEC_TRY(typed_passphrase("the same again: "));
+  DDSSEC_ASSIGN_OR_RETURN(const auto second, typed_passphrase("the same again: "));
   return first == second ? Result<pki::Passphrase>(std::move(first))
                          : fail(Code::passphrase_unusable);
 }
@@ -233,7 +233,8 @@ pki::Validity validity_of(int days, WallTime now) {
 }
 
 Result<pki::Validity> validity(const Arguments& arguments, WallTime now) {
-  return validity_of(DDSSEC_TRY(arguments.number("--days", 1, kMostDays)), now);
+  DDSSEC_ASSIGN_OR_RETURN(const auto days, arguments.number("--days", 1, kMostDays));
+  return validity_of(days, now);
 }
 
 Result<pki::KeySpec> key_spec_of(std::string_view key, std::string_view field) {
@@ -252,15 +253,19 @@ Result<pki::KeySpec> key_spec(const Arguments& arguments) {
 Result<pki::PrivateKey> token_key(const std::string& uri, const Arguments& arguments) {
   const bool names_pin = uri.contains("pin-source=") || uri.contains("pin-value=");
   if (names_pin) return pki::PrivateKey::load(uri, "");
-  const auto pin = DDSSEC_TRY(passphrase(arguments, Typed::once, "PIN of the token: "));
+  DDSSEC_ASSIGN_OR_RETURN(const auto pin, passphrase(arguments, Typed::once, "PIN of the token: "));
   return pki::PrivateKey::load(uri, "", &pin);
 }
 
 Result<NewKey> new_key(const Arguments& arguments) {
   const auto wanted = arguments.text("--key");
-  if (names_token(wanted)) return NewKey{DDSSEC_TRY(token_key(wanted, arguments)), wanted};
-  const auto spec = DDSSEC_TRY(key_spec(arguments));
-  return NewKey{DDSSEC_TRY(pki::PrivateKey::generate(spec.kind, spec.bits)), {}};
+  if (names_token(wanted)) {
+    DDSSEC_ASSIGN_OR_RETURN(auto private_key, token_key(wanted, arguments));
+    return NewKey{std::move(private_key), wanted};
+  }
+  DDSSEC_ASSIGN_OR_RETURN(const auto spec, key_spec(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(auto private_key, pki::PrivateKey::generate(spec.kind, spec.bits));
+  return NewKey{std::move(private_key), {}};
 }
 
 fs::path certificate_path(const fs::path& given) {
@@ -274,7 +279,7 @@ Status confirm(const std::string& question) {
   std::fputs(fmt::format("{} [y/N] ", question).c_str(), stderr);
   char answer = 0;
   const bool said = ::read(STDIN_FILENO, &answer, 1) == 1;
-  DDSSEC_TRY(check_not_interrupted());
+  DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   if (said && (answer == 'y' || answer == 'Y')) return {};
   return fail(tool_code::not_confirmed, {.note = question});
 }
@@ -286,7 +291,7 @@ std::string folder_name(const fs::path& folder) {
 
 Result<std::vector<std::string>> read_topics(const fs::path& file) {
   constexpr std::size_t kMostOctets = 4 * 1024 * 1024;
-  const auto octets = DDSSEC_TRY(read_file(file, kMostOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, kMostOctets));
   std::vector<std::string> out;
   std::string_view rest = as_text(octets);
   while (!rest.empty()) {

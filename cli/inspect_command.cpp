@@ -174,7 +174,7 @@ Status watch(Capture& capture, int seconds, bool is_live, Watched& out) {
     return out.observer.datagrams() ? Status() : status;
   }
   for (int i = 0; i < seconds && check_not_interrupted(); ++i, progress.step())
-    DDSSEC_TRY(capture.each(std::chrono::seconds(1), take));
+    DDSSEC_RETURN_IF_ERROR(capture.each(std::chrono::seconds(1), take));
   return {};
 }
 
@@ -224,15 +224,18 @@ Result<Report> inspect(const Arguments& arguments, const Context&) {
     return fail(Code::usage,
                 {.expected = "a FILE or --listen", .found = is_live ? "both" : "none"});
   const auto source = is_live ? arguments.text("--listen") : file;
-  const int seconds = DDSSEC_TRY(arguments.number("--for", 1, kLongest));
-  auto capture = DDSSEC_TRY(is_live ? Capture::listen(source) : Capture::open(source));
+  DDSSEC_ASSIGN_OR_RETURN(const int seconds, arguments.number("--for", 1, kLongest));
+  DDSSEC_ASSIGN_OR_RETURN(auto capture, is_live ? Capture::listen(source) : Capture::open(source));
   const auto saved = arguments.text("--save");
-  if (!saved.empty()) DDSSEC_TRY(capture.save_to(saved));
+  if (!saved.empty()) DDSSEC_RETURN_IF_ERROR(capture.save_to(saved));
   Watched watched;
   if (auto status = watch(capture, seconds, is_live, watched); !status)
     return std::unexpected(status.error().in(source));
   auto report = report_of(watched, source);
-  if (!saved.empty()) report.files_written.push_back(DDSSEC_TRY(capture.saved()));
+  if (!saved.empty()) {
+    DDSSEC_ASSIGN_OR_RETURN(auto saved_file, capture.saved());
+    report.files_written.push_back(std::move(saved_file));
+  }
   return report;
 }
 

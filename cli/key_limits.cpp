@@ -17,7 +17,9 @@ bool has_properties(const LoadedFolder& folder) {
 }
 
 Result<spi::KeyLimits> limits_of(const LoadedFolder& folder) {
-  return spi::key_limits(DDSSEC_TRY(spi::read_property_file(folder.paths.properties)));
+  DDSSEC_ASSIGN_OR_RETURN(const auto file_properties,
+                          spi::read_property_file(folder.paths.properties));
+  return spi::key_limits(file_properties);
 }
 
 bool revises_keys(const LoadedFolder& folder, DomainId domain) {

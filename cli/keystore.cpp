@@ -100,23 +100,27 @@ fs::path enclave_folder(std::string_view name) {
 Status add_keystore_cas(NewFolder& keystore, const KeystoreCas& cas,
                         const pki::Passphrase* passphrase) {
   if (cas.are_one) {
-    DDSSEC_TRY(keystore.add_public("public/ca.cert.pem", cas.identity.certificate().pem()));
-    DDSSEC_TRY(add_key(keystore, "private/ca.key.pem", {cas.identity.key()}, passphrase));
+    DDSSEC_RETURN_IF_ERROR(
+        keystore.add_public("public/ca.cert.pem", cas.identity.certificate().pem()));
+    DDSSEC_RETURN_IF_ERROR(
+        add_key(keystore, "private/ca.key.pem", {cas.identity.key()}, passphrase));
     for (const std::string role : {"identity_ca", "permissions_ca"}) {
-      DDSSEC_TRY(keystore.link("public/" + role + ".cert.pem", "ca.cert.pem"));
-      DDSSEC_TRY(keystore.link("private/" + role + ".key.pem", "ca.key.pem"));
+      DDSSEC_RETURN_IF_ERROR(keystore.link("public/" + role + ".cert.pem", "ca.cert.pem"));
+      DDSSEC_RETURN_IF_ERROR(keystore.link("private/" + role + ".key.pem", "ca.key.pem"));
     }
     return {};
   }
-  DDSSEC_TRY(keystore.add_public("public/identity_ca.cert.pem", cas.identity.certificate().pem()));
-  DDSSEC_TRY(
+  DDSSEC_RETURN_IF_ERROR(
+      keystore.add_public("public/identity_ca.cert.pem", cas.identity.certificate().pem()));
+  DDSSEC_RETURN_IF_ERROR(
       keystore.add_public("public/permissions_ca.cert.pem", cas.permissions.certificate().pem()));
-  DDSSEC_TRY(add_key(keystore, "private/identity_ca.key.pem", {cas.identity.key()}, passphrase));
+  DDSSEC_RETURN_IF_ERROR(
+      add_key(keystore, "private/identity_ca.key.pem", {cas.identity.key()}, passphrase));
   return add_key(keystore, "private/permissions_ca.key.pem", {cas.permissions.key()}, passphrase);
 }
 
 Status add_keystore_governance(NewFolder& keystore, std::string_view xml, BytesView signed_octets) {
-  DDSSEC_TRY(keystore.add_public("enclaves/governance.xml", xml));
+  DDSSEC_RETURN_IF_ERROR(keystore.add_public("enclaves/governance.xml", xml));
   return keystore.add("enclaves/governance.p7s", signed_octets, 0644);
 }
 
@@ -127,13 +131,15 @@ Status put_enclave(Folder& folder, const fs::path& below, std::string_view name,
                    const NewParticipant& participant) {
   const auto files = pki::participant_folder(below, pki::FolderLayout::sros2);
   const auto up = up_to_enclaves(name);
-  DDSSEC_TRY(folder.link(files.identity_ca, up / "../public/identity_ca.cert.pem"));
-  DDSSEC_TRY(folder.link(files.permissions_ca, up / "../public/permissions_ca.cert.pem"));
-  if (!up.empty()) DDSSEC_TRY(folder.link(files.governance, up / "governance.p7s"));
-  DDSSEC_TRY(folder.add_public(files.certificate, participant.self.certificate.pem()));
-  const auto pem = DDSSEC_TRY(participant.self.key.to_pem());
-  DDSSEC_TRY(pem.expose([&](BytesView octets) { return folder.add(files.key, octets, 0600); }));
-  DDSSEC_TRY(folder.add_public(below / "permissions.xml", participant.permissions_xml));
+  DDSSEC_RETURN_IF_ERROR(folder.link(files.identity_ca, up / "../public/identity_ca.cert.pem"));
+  DDSSEC_RETURN_IF_ERROR(
+      folder.link(files.permissions_ca, up / "../public/permissions_ca.cert.pem"));
+  if (!up.empty()) DDSSEC_RETURN_IF_ERROR(folder.link(files.governance, up / "governance.p7s"));
+  DDSSEC_RETURN_IF_ERROR(folder.add_public(files.certificate, participant.self.certificate.pem()));
+  DDSSEC_ASSIGN_OR_RETURN(const auto pem, participant.self.key.to_pem());
+  DDSSEC_RETURN_IF_ERROR(
+      pem.expose([&](BytesView octets) { return folder.add(files.key, octets, 0600); }));
+  DDSSEC_RETURN_IF_ERROR(folder.add_public(below / "permissions.xml", participant.permissions_xml));
   return folder.add(files.permissions, participant.permissions, 0644);
 }
 
@@ -244,7 +250,7 @@ void add_unseen(const Enclaves& enclaves, Report& report) {
 // An enclave may belong to another user, who can replace the key by a link or a further name of any
 // file. So the mode of exactly the checked file is changed.
 Result<bool> close_key(const fs::path& key) {
-  if (key.filename() == "key.pem") DDSSEC_TRY(hold_folder(key.parent_path()));
+  if (key.filename() == "key.pem") DDSSEC_RETURN_IF_ERROR(hold_folder(key.parent_path()));
   const int file = ::openat(folder_descriptor(key.parent_path()), key.filename().c_str(),
                             O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   if (file < 0) return unwritable(key, errno);

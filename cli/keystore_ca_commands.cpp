@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 // Upstream links both roles to one CA. Of a killed command the keys may be there and the rest not:
 // that is finished first.
 Result<bool> has_one_ca(const fs::path& keystore) {
-  DDSSEC_TRY(finish_interrupted(keystore / "private", Reach::anywhere));
+  DDSSEC_RETURN_IF_ERROR(finish_interrupted(keystore / "private", Reach::anywhere));
   std::error_code ignored;
   return fs::equivalent(keystore / "private/identity_ca.key.pem",
                         keystore / "private/permissions_ca.key.pem", ignored);
@@ -68,16 +68,16 @@ void add_followed(const Followed& followed, const Enclaves& enclaves, Report& re
 Result<Report> new_permissions_ca(const fs::path& keystore, const std::string& subject,
                                   const Arguments& arguments, const Context& context) {
   CaOpener opener(arguments);
-  const auto old = DDSSEC_TRY(opener.open(ca_paths(keystore, "permissions")));
-  const auto ca = DDSSEC_TRY(new_root(old.certificate(), subject, context));
+  DDSSEC_ASSIGN_OR_RETURN(const auto old, opener.open(ca_paths(keystore, "permissions")));
+  DDSSEC_ASSIGN_OR_RETURN(const auto ca, new_root(old.certificate(), subject, context));
   const Succession change{old, ca, ca.certificate().pem(), opener.used_passphrase(),
                           arguments.has("--unlogged")};
   Replacement out;
   const auto enclaves = enclaves_of(keystore);
-  auto followed =
-      DDSSEC_TRY(follow_permissions_ca(out, change, followers_in(keystore, enclaves),
-                                       {keystore / "enclaves/governance.p7s"}, context));
-  auto files = DDSSEC_TRY(put_in_place(out, followed));
+  DDSSEC_ASSIGN_OR_RETURN(auto followed,
+                          follow_permissions_ca(out, change, followers_in(keystore, enclaves),
+                                                {keystore / "enclaves/governance.p7s"}, context));
+  DDSSEC_ASSIGN_OR_RETURN(auto files, put_in_place(out, followed));
   auto report = report_of(keystore, "permissions", ca.certificate(), followed.again);
   add_followed(followed, enclaves, report);
   report.files_written = std::move(files);
@@ -86,7 +86,7 @@ Result<Report> new_permissions_ca(const fs::path& keystore, const std::string& s
 
 // Until a keystore was split, its identity CA signed the documents as well.
 Result<OpenCa> former_signer(const fs::path& keystore, CaOpener& opener) {
-  auto out = DDSSEC_TRY(opener.open(ca_paths(keystore, "identity")));
+  DDSSEC_ASSIGN_OR_RETURN(auto out, opener.open(ca_paths(keystore, "identity")));
   auto certificate = std::move(out.paths.certificate);
   out.paths = ca_paths(keystore, "permissions");
   out.paths.certificate = std::move(certificate);
@@ -98,14 +98,15 @@ Result<Report> finish_split(const fs::path& keystore, const Enclaves& enclaves,
                             const std::vector<Follower>& left, const Arguments& arguments,
                             const Context& context) {
   CaOpener opener(arguments);
-  const auto former = DDSSEC_TRY(former_signer(keystore, opener));
-  const auto present = DDSSEC_TRY(opener.open(ca_paths(keystore, "permissions")));
+  DDSSEC_ASSIGN_OR_RETURN(const auto former, former_signer(keystore, opener));
+  DDSSEC_ASSIGN_OR_RETURN(const auto present, opener.open(ca_paths(keystore, "permissions")));
   const Succession change{former, present.authority, present.trust_pem, nullptr,
                           arguments.has("--unlogged")};
   Replacement out;
-  auto followed = DDSSEC_TRY(follow_present_permissions_ca(
-      out, change, left, {keystore / "enclaves/governance.p7s"}, context));
-  auto files = DDSSEC_TRY(put_in_place(out, followed));
+  DDSSEC_ASSIGN_OR_RETURN(auto followed,
+                          follow_present_permissions_ca(
+                              out, change, left, {keystore / "enclaves/governance.p7s"}, context));
+  DDSSEC_ASSIGN_OR_RETURN(auto files, put_in_place(out, followed));
   auto report = report_of(keystore, "permissions", present.certificate(), followed.again);
   add_followed(followed, enclaves, report);
   report.files_written = std::move(files);
@@ -114,7 +115,8 @@ Result<Report> finish_split(const fs::path& keystore, const Enclaves& enclaves,
 
 Result<Report> already_split(const fs::path& keystore, const Arguments& arguments,
                              const Context& context) {
-  const auto trusted = DDSSEC_TRY(read_certificates(ca_paths(keystore, "permissions").certificate));
+  DDSSEC_ASSIGN_OR_RETURN(const auto trusted,
+                          read_certificates(ca_paths(keystore, "permissions").certificate));
   const auto enclaves = enclaves_of(keystore);
   const auto left =
       left_with_another_ca(followers_in(keystore, enclaves), to_pem(trusted), context.clock.now());
@@ -128,15 +130,16 @@ Result<Report> already_split(const fs::path& keystore, const Arguments& argument
 Result<Report> new_identity_ca(const fs::path& keystore, const Arguments& arguments,
                                const Context& context) {
   CaOpener opener(arguments);
-  const auto old = DDSSEC_TRY(opener.open(ca_paths(keystore, "identity")));
-  const auto ca = DDSSEC_TRY(new_root(old.certificate(), old.certificate().subject(), context));
+  DDSSEC_ASSIGN_OR_RETURN(const auto old, opener.open(ca_paths(keystore, "identity")));
+  DDSSEC_ASSIGN_OR_RETURN(const auto ca,
+                          new_root(old.certificate(), old.certificate().subject(), context));
   const Succession change{old, ca, ca.certificate().pem(), opener.used_passphrase(),
                           arguments.has("--unlogged")};
   Replacement out;
   const auto enclaves = enclaves_of(keystore);
-  auto followed =
-      DDSSEC_TRY(follow_identity_ca(out, change, followers_in(keystore, enclaves), context));
-  auto files = DDSSEC_TRY(put_in_place(out, followed));
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto followed, follow_identity_ca(out, change, followers_in(keystore, enclaves), context));
+  DDSSEC_ASSIGN_OR_RETURN(auto files, put_in_place(out, followed));
   auto report = report_of(keystore, "identity", ca.certificate(), followed.again);
   for (const auto& name : followed.revoked) report.text += name + " is revoked and was left out\n";
   add_left(followed, report);
@@ -147,26 +150,30 @@ Result<Report> new_identity_ca(const fs::path& keystore, const Arguments& argume
 
 Result<Report> keystore_split_ca(const Arguments& arguments, const Context& context) {
   const fs::path keystore = arguments.text("KEYSTORE");
-  DDSSEC_TRY(check_keystore(keystore));
-  if (!DDSSEC_TRY(has_one_ca(keystore))) return already_split(keystore, arguments, context);
+  DDSSEC_RETURN_IF_ERROR(check_keystore(keystore));
+  DDSSEC_ASSIGN_OR_RETURN(const auto one_ca, has_one_ca(keystore));
+  if (!one_ca) return already_split(keystore, arguments, context);
   return new_permissions_ca(keystore, subject_for(keystore, "Permissions"), arguments, context);
 }
 
 Result<Report> keystore_rotate(const Arguments& arguments, const Context& context) {
   const fs::path keystore = arguments.text("KEYSTORE");
-  const auto role = DDSSEC_TRY(one_role(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const auto role, one_role(arguments));
   std::error_code ignored;
   if (fs::is_directory(keystore, ignored) && !fs::exists(keystore / "public", ignored))
     return fail(Code::usage, {.field = "KEYSTORE",
                               .note = "without a folder public it is no keystore of ROS 2; for a "
                                       "CA of ca create or init it is: ddssec ca rotate"});
-  DDSSEC_TRY(check_keystore(keystore));
-  if (DDSSEC_TRY(has_one_ca(keystore)))
+  DDSSEC_RETURN_IF_ERROR(check_keystore(keystore));
+  DDSSEC_ASSIGN_OR_RETURN(const auto one_ca, has_one_ca(keystore));
+  if (one_ca)
     return fail(Code::usage, {.field = "KEYSTORE",
                               .note = "it has one CA for both: ddssec keystore split-ca first"});
-  DDSSEC_TRY(check_list_date(context.clock.now(), ca_paths(keystore, "identity"), arguments));
+  DDSSEC_RETURN_IF_ERROR(
+      check_list_date(context.clock.now(), ca_paths(keystore, "identity"), arguments));
   if (role == "identity") return new_identity_ca(keystore, arguments, context);
-  const auto ca = DDSSEC_TRY(read_certificate(ca_paths(keystore, "permissions").certificate));
+  DDSSEC_ASSIGN_OR_RETURN(const auto ca,
+                          read_certificate(ca_paths(keystore, "permissions").certificate));
   return new_permissions_ca(keystore, ca.subject(), arguments, context);
 }
 

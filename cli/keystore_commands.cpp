@@ -39,8 +39,8 @@ namespace doctor = governance::doctor;
 
 Result<pki::Authority> make_ca(const fs::path& keystore, std::string_view role,
                                const Arguments& arguments, const Context& context) {
-  return pki::Authority::create_root(ca_subject(folder_name(keystore), role), {},
-                                     DDSSEC_TRY(validity(arguments, context.clock.now())),
+  DDSSEC_ASSIGN_OR_RETURN(const auto life, validity(arguments, context.clock.now()));
+  return pki::Authority::create_root(ca_subject(folder_name(keystore), role), {}, life,
                                      context.random);
 }
 
@@ -53,26 +53,32 @@ Json describe(std::string_view role, const pki::Certificate& ca) {
 
 Result<Report> keystore_create(const Arguments& arguments, const Context& context) {
   const fs::path target = arguments.text("KEYSTORE");
-  const auto profile = DDSSEC_TRY(profile_option(arguments));
-  const auto domains = DDSSEC_TRY(domain_ranges(arguments, "--domain"));
-  auto folder = DDSSEC_TRY(NewFolder::at(target));
+  DDSSEC_ASSIGN_OR_RETURN(const auto profile, profile_option(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const auto domains, domain_ranges(arguments, "--domain"));
+  DDSSEC_ASSIGN_OR_RETURN(auto folder, NewFolder::at(target));
   std::optional<pki::Passphrase> secret;
-  if (!arguments.has("--no-passphrase")) secret = DDSSEC_TRY(passphrase(arguments, Typed::twice));
+  if (!arguments.has("--no-passphrase")) {
+    DDSSEC_ASSIGN_OR_RETURN(secret, passphrase(arguments, Typed::twice));
+  }
   const bool single = arguments.has("--single-ca");
-  const auto identity = DDSSEC_TRY(make_ca(target, single ? "" : "Identity", arguments, context));
-  const auto permissions =
-      single ? identity : DDSSEC_TRY(make_ca(target, "Permissions", arguments, context));
-  DDSSEC_TRY(
+  DDSSEC_ASSIGN_OR_RETURN(const auto identity,
+                          make_ca(target, single ? "" : "Identity", arguments, context));
+  auto permissions = identity;
+  if (!single) {
+    DDSSEC_ASSIGN_OR_RETURN(permissions, make_ca(target, "Permissions", arguments, context));
+  }
+  DDSSEC_RETURN_IF_ERROR(
       add_keystore_cas(folder, {identity, permissions, single}, secret ? &*secret : nullptr));
   const auto xml = to_xml(governance::governance_of(profile, domains));
-  const auto document =
-      DDSSEC_TRY(permissions.sign_document(as_bytes(xml), context.clock.now(), context.random));
-  DDSSEC_TRY(add_keystore_governance(folder, xml, document));
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto document,
+      permissions.sign_document(as_bytes(xml), context.clock.now(), context.random));
+  DDSSEC_RETURN_IF_ERROR(add_keystore_governance(folder, xml, document));
   const auto logged = signed_line(permissions.certificate(), as_bytes(xml),
                                   target / "enclaves/governance.p7s", context.clock.now());
-  DDSSEC_TRY(folder.add("private/permissions_ca.signed.jsonl", as_bytes(logged), 0600));
-  const auto list = DDSSEC_TRY(first_crl(identity));
-  DDSSEC_TRY(folder.add_public("public/identity_ca.crl.pem", list.pem()));
+  DDSSEC_RETURN_IF_ERROR(folder.add("private/permissions_ca.signed.jsonl", as_bytes(logged), 0600));
+  DDSSEC_ASSIGN_OR_RETURN(const auto list, first_crl(identity));
+  DDSSEC_RETURN_IF_ERROR(folder.add_public("public/identity_ca.crl.pem", list.pem()));
   Report report;
   report.result = {{"dir", target.string()},
                    {"encrypted", secret.has_value()},
@@ -82,7 +88,7 @@ Result<Report> keystore_create(const Arguments& arguments, const Context& contex
   report.text = fmt::format("created {}{}\n  identity CA     {}\n  permissions CA  {}\n",
                             target.string(), secret ? "" : "  (the CA keys are NOT encrypted)",
                             identity.certificate().subject(), permissions.certificate().subject());
-  report.files_written = DDSSEC_TRY(folder.commit());
+  DDSSEC_ASSIGN_OR_RETURN(report.files_written, folder.commit());
   return report;
 }
 
@@ -100,7 +106,8 @@ Status check_one_source(const Arguments& arguments) {
 // The rights of the enclave in the policy, as one grant.
 Result<governance::Grant> grant_of_policy(const fs::path& file, const ParticipantSpec& spec,
                                           const Arguments& arguments, Report& report) {
-  const auto policy = with_options(DDSSEC_TRY(read_policy(file, {spec.name})), arguments);
+  DDSSEC_ASSIGN_OR_RETURN(auto file_policy, read_policy(file, {spec.name}));
+  const auto policy = with_options(std::move(file_policy), arguments);
   add_findings(report, merged_profiles(policy), file);
   add_findings(report, prefixed_names(policy), file);
   auto grant = permissions_of(policy, {}).grants.front();
@@ -129,22 +136,25 @@ void warn_of_missing_prefixes(const ParticipantSpec& spec, Report& report) {
 }
 
 Status read_rights(ParticipantSpec& spec, const Arguments& arguments, Report& report) {
-  DDSSEC_TRY(check_one_source(arguments));
-  spec.domains = DDSSEC_TRY(
+  DDSSEC_RETURN_IF_ERROR(check_one_source(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(
+      spec.domains,
       granted_domains(arguments, fs::path(arguments.text("KEYSTORE")) / "enclaves/governance.p7s",
                       report.findings));
-  spec.publish = DDSSEC_TRY(topics_of(arguments, "--publish"));
-  spec.subscribe = DDSSEC_TRY(topics_of(arguments, "--subscribe"));
+  DDSSEC_ASSIGN_OR_RETURN(spec.publish, topics_of(arguments, "--publish"));
+  DDSSEC_ASSIGN_OR_RETURN(spec.subscribe, topics_of(arguments, "--subscribe"));
   warn_of_missing_prefixes(spec, report);
   warn_of_topics(spec, {}, report);
   if (arguments.has("--allow-all")) spec.publish = spec.subscribe = {"*"};
   spec.takes_other_grants = arguments.has("--other-grants");
-  if (arguments.has("--permissions"))
-    spec.permissions =
-        DDSSEC_TRY(read_file(arguments.text("--permissions"), pki::kMostDocumentOctets));
-  if (arguments.has("--policy"))
-    spec.grant = DDSSEC_TRY(grant_of_policy(arguments.text("--policy"), spec, arguments, report));
-  else if (arguments.has("--node-defaults"))
+  if (arguments.has("--permissions")) {
+    DDSSEC_ASSIGN_OR_RETURN(spec.permissions,
+                            read_file(arguments.text("--permissions"), pki::kMostDocumentOctets));
+  }
+  if (arguments.has("--policy")) {
+    DDSSEC_ASSIGN_OR_RETURN(spec.grant,
+                            grant_of_policy(arguments.text("--policy"), spec, arguments, report));
+  } else if (arguments.has("--node-defaults"))
     return fail(Code::usage, {.field = "--node-defaults",
                               .note = "it takes the names of the nodes from --policy"});
   return {};
@@ -153,7 +163,8 @@ Status read_rights(ParticipantSpec& spec, const Arguments& arguments, Report& re
 // The document was just made, so it is valid and can be parsed.
 Status warn_of_missing_rights(std::string_view xml, const fs::path& document, Report& report) {
   if (xml.empty()) return {};
-  auto finding = missing_node_defaults(DDSSEC_TRY(governance::read_permissions(as_bytes(xml))));
+  DDSSEC_ASSIGN_OR_RETURN(const auto permissions, governance::read_permissions(as_bytes(xml)));
+  auto finding = missing_node_defaults(permissions);
   if (!finding) return {};
   finding->document = document;
   report.findings.push_back(*std::move(finding));
@@ -163,7 +174,7 @@ Status warn_of_missing_rights(std::string_view xml, const fs::path& document, Re
 // ROS 2 uses such names, so they are not an error: ddssec's plugins and Fast DDS distinguish them.
 Status warn_of_overlap(const ParticipantSpec& spec, const CaPaths& identity, const fs::path& target,
                        WallTime now, Report& report) {
-  const auto log = DDSSEC_TRY(read_issue_log(identity));
+  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(identity));
   const auto apart = SubjectsInUse(log, target, now).check(spec.subject);
   if (apart) return {};
   const auto& details = apart.error().details();
@@ -180,14 +191,14 @@ Result<Report> keystore_enclave(const Arguments& arguments, const Context& conte
   const fs::path keystore = arguments.text("KEYSTORE");
   const auto name = arguments.text("ENCLAVE");
   const auto now = context.clock.now();
-  DDSSEC_TRY(check_enclave(name));
+  DDSSEC_RETURN_IF_ERROR(check_enclave(name));
   if (name == "/") return fail(Code::enclave_name_unusable, {.found = name});
-  DDSSEC_TRY(check_keystore(keystore));
-  const auto life = DDSSEC_TRY(validity(arguments, now));
-  const auto key = DDSSEC_TRY(key_spec(arguments));
+  DDSSEC_RETURN_IF_ERROR(check_keystore(keystore));
+  DDSSEC_ASSIGN_OR_RETURN(const auto life, validity(arguments, now));
+  DDSSEC_ASSIGN_OR_RETURN(const auto key, key_spec(arguments));
   ParticipantSpec spec{.name = name, .subject = "CN=" + name, .life = life, .key = key};
   Report report;
-  DDSSEC_TRY(read_rights(spec, arguments, report));
+  DDSSEC_RETURN_IF_ERROR(read_rights(spec, arguments, report));
   const auto target = keystore / enclave_folder(name);
   if (is_there(target / "cert.pem"))
     return fail(Code::would_overwrite,
@@ -195,21 +206,25 @@ Result<Report> keystore_enclave(const Arguments& arguments, const Context& conte
                  .note = "the enclave exists",
                  .hint = "ddssec keystore permission gives it other rights; to issue it again with "
                          "a new key, remove its folder first"});
-  auto folder = DDSSEC_TRY(EnclaveFolder::at(keystore, target));
+  DDSSEC_ASSIGN_OR_RETURN(auto folder, EnclaveFolder::at(keystore, target));
   CaOpener opener(arguments);
-  const auto identity = DDSSEC_TRY(opener.open(ca_paths(keystore, "identity")));
-  const auto permissions = DDSSEC_TRY(opener.open(ca_paths(keystore, "permissions")));
-  spec.life = DDSSEC_TRY(within_ca(spec.life, identity.certificate(), arguments.has("--clamp")));
-  DDSSEC_TRY(warn_of_overlap(spec, identity.paths, target, now, report));
-  const auto made = DDSSEC_TRY(named(make_participant(spec, {identity, &permissions}, context),
-                                     arguments.text("--permissions")));
-  DDSSEC_TRY(warn_of_missing_rights(made.permissions_xml, target / "permissions.p7s", report));
-  DDSSEC_TRY(add_enclave(folder, name, made));
-  if (const auto list = DDSSEC_TRY(list_for_newcomers(identity.paths, now)))
-    DDSSEC_TRY(folder.add_public("crl.pem", list->pem()));
-  DDSSEC_TRY(check_not_interrupted());
-  DDSSEC_TRY(log_issued(identity.paths, log_line(made, target, now)));
-  DDSSEC_TRY(log_signed(permissions.paths, signed_line(made, permissions, target, now)));
+  DDSSEC_ASSIGN_OR_RETURN(const auto identity, opener.open(ca_paths(keystore, "identity")));
+  DDSSEC_ASSIGN_OR_RETURN(const auto permissions, opener.open(ca_paths(keystore, "permissions")));
+  DDSSEC_ASSIGN_OR_RETURN(spec.life,
+                          within_ca(spec.life, identity.certificate(), arguments.has("--clamp")));
+  DDSSEC_RETURN_IF_ERROR(warn_of_overlap(spec, identity.paths, target, now, report));
+  DDSSEC_ASSIGN_OR_RETURN(const auto made,
+                          named(make_participant(spec, {identity, &permissions}, context),
+                                arguments.text("--permissions")));
+  DDSSEC_RETURN_IF_ERROR(
+      warn_of_missing_rights(made.permissions_xml, target / "permissions.p7s", report));
+  DDSSEC_RETURN_IF_ERROR(add_enclave(folder, name, made));
+  DDSSEC_ASSIGN_OR_RETURN(const auto list, list_for_newcomers(identity.paths, now));
+  if (list) DDSSEC_RETURN_IF_ERROR(folder.add_public("crl.pem", list->pem()));
+  DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
+  DDSSEC_RETURN_IF_ERROR(log_issued(identity.paths, log_line(made, target, now)));
+  DDSSEC_RETURN_IF_ERROR(
+      log_signed(permissions.paths, signed_line(made, permissions, target, now)));
   const auto& certificate = made.self.certificate;
   report.text = fmt::format("{}  {}  expires {}\n{}", target.string(), certificate.subject(),
                             date(certificate.not_after()), ros2_snippet(keystore, name));
@@ -218,13 +233,13 @@ Result<Report> keystore_enclave(const Arguments& arguments, const Context& conte
                    {"subject", certificate.subject()},
                    {"serial", certificate.serial()},
                    {"not_after", to_string(certificate.not_after())}};
-  report.files_written = DDSSEC_TRY(folder.commit());
+  DDSSEC_ASSIGN_OR_RETURN(report.files_written, folder.commit());
   return report;
 }
 
 Result<Report> keystore_list(const Arguments& arguments, const Context&) {
   const fs::path keystore = arguments.text("KEYSTORE");
-  DDSSEC_TRY(check_keystore(keystore));
+  DDSSEC_RETURN_IF_ERROR(check_keystore(keystore));
   Report report;
   const auto enclaves = enclaves_of(keystore);
   report.result = {{"enclaves", enclaves.names}};
@@ -236,35 +251,37 @@ Result<Report> keystore_list(const Arguments& arguments, const Context&) {
 Result<Report> keystore_permission(const Arguments& arguments, const Context& context) {
   const fs::path keystore = arguments.text("KEYSTORE");
   const auto name = arguments.text("ENCLAVE");
-  DDSSEC_TRY(check_enclave(name));
-  DDSSEC_TRY(check_keystore(keystore));
-  DDSSEC_TRY(check_enclave_in(keystore, name));
+  DDSSEC_RETURN_IF_ERROR(check_enclave(name));
+  DDSSEC_RETURN_IF_ERROR(check_keystore(keystore));
+  DDSSEC_RETURN_IF_ERROR(check_enclave_in(keystore, name));
   const auto files =
       pki::participant_folder(keystore / enclave_folder(name), pki::FolderLayout::sros2);
-  DDSSEC_TRY(hold_folder(files.folder));
-  const auto certificate = DDSSEC_TRY(read_certificate(files.certificate));
+  DDSSEC_RETURN_IF_ERROR(hold_folder(files.folder));
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(files.certificate));
   // The enclave's folder may have come back from its device, and the certificate in it decides
   // which subject gets the permissions, and until when.
-  DDSSEC_TRY(check_issued_for(certificate, files.folder, ca_paths(keystore, "identity")));
+  DDSSEC_RETURN_IF_ERROR(
+      check_issued_for(certificate, files.folder, ca_paths(keystore, "identity")));
   ParticipantSpec spec{.name = name, .subject = {}, .life = {}};
   Report report;
-  DDSSEC_TRY(read_rights(spec, arguments, report));
+  DDSSEC_RETURN_IF_ERROR(read_rights(spec, arguments, report));
   const auto now = context.clock.now();
-  const auto xml =
-      DDSSEC_TRY(named(permissions_xml(spec, certificate, now), arguments.text("--permissions")));
+  DDSSEC_ASSIGN_OR_RETURN(const auto xml, named(permissions_xml(spec, certificate, now),
+                                                arguments.text("--permissions")));
   CaOpener opener(arguments);
-  const auto ca = DDSSEC_TRY(opener.open(ca_paths(keystore, "permissions")));
-  const auto document = DDSSEC_TRY(sign_permissions(ca.authority, xml, now, context.random));
-  DDSSEC_TRY(warn_of_missing_rights(xml, files.permissions, report));
+  DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open(ca_paths(keystore, "permissions")));
+  DDSSEC_ASSIGN_OR_RETURN(const auto document,
+                          sign_permissions(ca.authority, xml, now, context.random));
+  DDSSEC_RETURN_IF_ERROR(warn_of_missing_rights(xml, files.permissions, report));
   Replacement out;
-  DDSSEC_TRY(out.put_public(files.folder / "permissions.xml", xml));
-  DDSSEC_TRY(out.put(files.permissions, document, 0644));
-  DDSSEC_TRY(log_signed(ca, as_bytes(xml), files.permissions, now));
+  DDSSEC_RETURN_IF_ERROR(out.put_public(files.folder / "permissions.xml", xml));
+  DDSSEC_RETURN_IF_ERROR(out.put(files.permissions, document, 0644));
+  DDSSEC_RETURN_IF_ERROR(log_signed(ca, as_bytes(xml), files.permissions, now));
   report.text = fmt::format("{}  signed by {}; it counts when the participant starts again\n",
                             files.permissions.string(), ca.certificate().subject());
   report.result = {
       {"name", name}, {"file", files.permissions.string()}, {"subject", certificate.subject()}};
-  report.files_written = DDSSEC_TRY(out.commit());
+  DDSSEC_ASSIGN_OR_RETURN(report.files_written, out.commit());
   return report;
 }
 

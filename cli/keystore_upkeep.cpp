@@ -138,7 +138,7 @@ void add_findings_of(const doctor::Diagnosis& diagnosis, Report& report) {
 
 Result<Report> keystore_verify(const Arguments& arguments, const Context& context) {
   const fs::path keystore = arguments.text("KEYSTORE");
-  DDSSEC_TRY(check_keystore(keystore));
+  DDSSEC_RETURN_IF_ERROR(check_keystore(keystore));
   const auto now = context.clock.now();
   Report report;
   report.result = {{"enclaves", Json::array()}, {"keys_for_others", Json::array()}};
@@ -158,7 +158,7 @@ Result<Report> keystore_verify(const Arguments& arguments, const Context& contex
     const auto folder =
         pki::participant_folder(keystore / enclave_folder(name), pki::FolderLayout::sros2);
     const auto loaded = doctor::load_folder(folder, now);
-    const auto domain = DDSSEC_TRY(domain_for(arguments, {&loaded}, now, domains));
+    DDSSEC_ASSIGN_OR_RETURN(const auto domain, domain_for(arguments, {&loaded}, now, domains));
     const doctor::Settings settings{.now = now, .domain = domain, .lineup = lineup};
     auto diagnosis = doctor::diagnose(loaded, settings);
     doctor::check_lint(loaded, settings, diagnosis);
@@ -198,12 +198,12 @@ struct Import {
   std::string lines = {};
 
   Status add(const fs::path& folder, const std::string& name, WallTime now, Report& report) {
-    const auto certificate = DDSSEC_TRY(read_certificate(folder / "cert.pem"));
+    DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(folder / "cert.pem"));
     if (!certificate.is_issued_by(ca))
       return fail(Code::issuer_unknown, {.document = folder / "cert.pem",
                                          .expected = "one that " + ca.subject() + " issued",
                                          .found = "one of " + certificate.issuer()});
-    DDSSEC_TRY(check_alone(certificate, folder, paths, log, seen));
+    DDSSEC_RETURN_IF_ERROR(check_alone(certificate, folder, paths, log, seen));
     std::error_code ignored;
     if (log.find(certificate.serial()) != nullptr) return {};
     lines += pki::IssueLog::issued_line(
@@ -260,11 +260,11 @@ void close_keys(const fs::path& keystore, const Enclaves& enclaves, Report& repo
 
 Result<Report> keystore_import(const Arguments& arguments, const Context& context) {
   const fs::path keystore = arguments.text("KEYSTORE");
-  DDSSEC_TRY(check_keystore(keystore));
-  DDSSEC_TRY(check_own_folders(keystore));
+  DDSSEC_RETURN_IF_ERROR(check_keystore(keystore));
+  DDSSEC_RETURN_IF_ERROR(check_own_folders(keystore));
   const auto paths = ca_paths(keystore, "identity");
-  const auto ca = DDSSEC_TRY(read_certificate(paths.certificate));
-  const auto log = DDSSEC_TRY(read_issue_log(paths));
+  DDSSEC_ASSIGN_OR_RETURN(const auto ca, read_certificate(paths.certificate));
+  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(paths));
   Report report;
   report.result = {
       {"folders_closed", Json::array()}, {"keys_closed", Json::array()}, {"logged", Json::array()}};
@@ -279,7 +279,7 @@ Result<Report> keystore_import(const Arguments& arguments, const Context& contex
   }
   close_keys(keystore, enclaves, report);
   close_folder(keystore / "private", report);
-  if (!import.lines.empty()) DDSSEC_TRY(log_issued(paths, import.lines));
+  if (!import.lines.empty()) DDSSEC_RETURN_IF_ERROR(log_issued(paths, import.lines));
   if (report.text.empty() && report.errors.empty()) report.text = "nothing was left to do\n";
   add_unseen(enclaves, report);
   return report;

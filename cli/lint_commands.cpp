@@ -26,9 +26,9 @@ Report report_on(const fs::path& file, std::vector<Finding> findings) {
 
 Result<Report> governance_lint(const Arguments& arguments, const Context&) {
   const auto file = document_path<GovernanceKind>(arguments.text("FILE"));
-  const governance::GovernanceUse use{.domain = DDSSEC_TRY(domain_option(arguments)),
-                                      .choices = true};
-  const auto document = DDSSEC_TRY(unverified_document<GovernanceKind>(file));
+  DDSSEC_ASSIGN_OR_RETURN(const auto domain, domain_option(arguments));
+  const governance::GovernanceUse use{.domain = domain, .choices = true};
+  DDSSEC_ASSIGN_OR_RETURN(const auto document, unverified_document<GovernanceKind>(file));
   return report_on(file, lint(document, use));
 }
 
@@ -36,12 +36,16 @@ Result<Report> permissions_lint(const Arguments& arguments, const Context& conte
   const auto file = document_path<PermissionsKind>(arguments.text("FILE"));
   std::optional<pki::Certificate> certificate;
   std::optional<governance::Governance> governance;
-  if (arguments.has("--cert")) certificate = DDSSEC_TRY(certificate_of(arguments.text("--cert")));
-  if (arguments.has("--governance"))
-    governance = DDSSEC_TRY(unverified_document<GovernanceKind>(
-        document_path<GovernanceKind>(arguments.text("--governance"))));
-  const auto octets = DDSSEC_TRY(read_file(file, pki::kMostDocumentOctets));
-  const auto document = DDSSEC_TRY(unverified_document<PermissionsKind>(file));
+  if (arguments.has("--cert")) {
+    DDSSEC_ASSIGN_OR_RETURN(certificate, certificate_of(arguments.text("--cert")));
+  }
+  if (arguments.has("--governance")) {
+    DDSSEC_ASSIGN_OR_RETURN(governance,
+                            unverified_document<GovernanceKind>(
+                                document_path<GovernanceKind>(arguments.text("--governance"))));
+  }
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMostDocumentOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto document, unverified_document<PermissionsKind>(file));
   return report_on(file, lint(document, {.now = context.clock.now(),
                                          .certificate = certificate ? &*certificate : nullptr,
                                          .governance = governance ? &*governance : nullptr,

@@ -42,14 +42,16 @@ class Latest {
 
 Result<Latest> latest_known(WallTime limit, const CaPaths& ca) {
   Latest out(limit);
-  out.add(DDSSEC_TRY(read_certificate(ca.certificate)).not_before());
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(ca.certificate));
+  out.add(certificate.not_before());
   out.add_file(ca.certificate);
-  const auto log = DDSSEC_TRY(read_issue_log(ca));
+  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(ca));
   if (const auto time = log.latest_before(limit)) out.add(*time);
-  for (const auto& list : DDSSEC_TRY(read_crls(ca.crl))) out.add_if_before(list.this_update());
+  DDSSEC_ASSIGN_OR_RETURN(const auto crls, read_crls(ca.crl));
+  for (const auto& list : crls) out.add_if_before(list.this_update());
   if (out.is_near()) return out;
-  for (const auto& folder : DDSSEC_TRY(participant_places(ca, log)).here)
-    out.add_file(pki::participant_folder(folder).certificate);
+  DDSSEC_ASSIGN_OR_RETURN(const auto places, participant_places(ca, log));
+  for (const auto& folder : places.here) out.add_file(pki::participant_folder(folder).certificate);
   return out;
 }
 
@@ -57,7 +59,7 @@ Result<Latest> latest_known(WallTime limit, const CaPaths& ca) {
 
 Status check_list_date(WallTime date, const CaPaths& ca, const Arguments& arguments) {
   if (arguments.has(kClockIsRight.name)) return {};
-  const auto known = DDSSEC_TRY(latest_known(date, ca));
+  DDSSEC_ASSIGN_OR_RETURN(const auto known, latest_known(date, ca));
   if (known.is_near()) return {};
   return fail(
       Code::crl_not_yet_valid,

@@ -141,7 +141,7 @@ Status check_own(const pki::Certificate& certificate, const fs::path& folder, co
                                       : in_words(*wanted) + ", issued for this folder",
       .found = fmt::format("{}, serial {}", certificate.subject(), certificate.serial())};
   if (!subject.empty() && !is_another) {
-    const auto named = DDSSEC_TRY(pki::SubjectName::parse(subject));
+    DDSSEC_ASSIGN_OR_RETURN(const auto named, pki::SubjectName::parse(subject));
     if (pki::SubjectName::of(certificate).key() == named.key()) return {};
     return fail(Code::certificate_of_another_folder, std::move(details));
   }
@@ -166,7 +166,7 @@ Result<std::string> revoked_serial(const pki::Certificate& certificate, const Ca
                                    const pki::IssueLog& log, NextKey next) {
   const auto serial = certificate.serial();
   if (log.is_revoked(serial)) return serial;
-  const auto listed = DDSSEC_TRY(listed_revocations(ca));
+  DDSSEC_ASSIGN_OR_RETURN(const auto listed, listed_revocations(ca));
   if (std::ranges::find(listed, serial, &pki::Revocation::serial) != listed.end()) return serial;
   const auto* entry = entry_of(certificate, log);
   for (const auto& other : log.issued()) {
@@ -182,7 +182,7 @@ Result<std::string> revoked_serial(const pki::Certificate& certificate, const Ca
 
 Status check_key_not_revoked(const pki::Certificate& certificate, const fs::path& file,
                              const CaPaths& ca, const pki::IssueLog& log) {
-  const auto listed = DDSSEC_TRY(listed_revocations(ca));
+  DDSSEC_ASSIGN_OR_RETURN(const auto listed, listed_revocations(ca));
   const auto serial = revoked_serial_of_key(certificate, listed, log);
   if (serial.empty()) return {};
   return fail(Code::certificate_revoked,
@@ -194,7 +194,7 @@ Status check_key_not_revoked(const pki::Certificate& certificate, const fs::path
 
 Status check_not_revoked(const pki::Certificate& certificate, const fs::path& file,
                          const CaPaths& ca, const pki::IssueLog& log, NextKey next) {
-  const auto serial = DDSSEC_TRY(revoked_serial(certificate, ca, log, next));
+  DDSSEC_ASSIGN_OR_RETURN(const auto serial, revoked_serial(certificate, ca, log, next));
   if (serial.empty()) return {};
   ErrorDetails details{.document = file, .found = certificate.subject()};
   if (serial != certificate.serial())
@@ -205,11 +205,11 @@ Status check_not_revoked(const pki::Certificate& certificate, const fs::path& fi
 Status check_issued_for(const pki::Certificate& certificate, const fs::path& folder,
                         const CaPaths& ca) {
   const auto file = folder / "cert.pem";
-  const auto issuer = DDSSEC_TRY(read_certificate(ca.certificate));
+  DDSSEC_ASSIGN_OR_RETURN(const auto issuer, read_certificate(ca.certificate));
   if (!certificate.is_issued_by(issuer))
     return other_issuer(certificate, issuer, file, "put the folder's own certificate back");
-  const auto log = DDSSEC_TRY(read_issue_log(ca));
-  DDSSEC_TRY(check_own(certificate, folder, ca, log, {}));
+  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(ca));
+  DDSSEC_RETURN_IF_ERROR(check_own(certificate, folder, ca, log, {}));
   return check_not_revoked(certificate, file, ca, log, NextKey::same);
 }
 

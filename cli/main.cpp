@@ -64,18 +64,20 @@ Result<cli::Style> style_of(const cli::Arguments& arguments) {
   const bool quiet = arguments.has("--quiet"), verbose = arguments.has("--verbose");
   if (quiet && verbose)
     return fail(Code::usage, {.field = "--quiet", .note = "not together with --verbose"});
-  return cli::Style{DDSSEC_TRY(color_of(arguments)), quiet, verbose};
+  DDSSEC_ASSIGN_OR_RETURN(const auto color, color_of(arguments));
+  return cli::Style{color, quiet, verbose};
 }
 
 Result<cli::Report> run(const cli::Request& request) {
   const auto format = request.arguments.text("--format");
   if (format != "text" && format != "json")
     return fail(Code::usage, {.field = "--format", .expected = "text or json", .found = format});
-  const ManualClock clock(DDSSEC_TRY(time_of(request.arguments)));
+  DDSSEC_ASSIGN_OR_RETURN(const auto time, time_of(request.arguments));
+  const ManualClock clock(time);
   SystemRandom random;
   if (request.arguments.has("--dry-run")) cli::write_nothing();
   if (request.arguments.has("--quiet")) cli::say_no_progress();
-  auto report = DDSSEC_TRY(request.command->run(request.arguments, {clock, random}));
+  DDSSEC_ASSIGN_OR_RETURN(auto report, request.command->run(request.arguments, {clock, random}));
   if (auto warning = cli::passphrase_warning(request.arguments))
     report.errors.push_back(std::move(*warning));
   cli::report_notices(report);

@@ -213,7 +213,7 @@ Result<pki::Certificate> certificate_of(const fs::path& given) {
     return fail(Code::file_not_found, {.document = given,
                                        .expected = "a participant's folder or a certificate",
                                        .hint = participants_near(given)});
-  if (fs::is_directory(given, ignored)) DDSSEC_TRY(check_participant_folder(given));
+  if (fs::is_directory(given, ignored)) DDSSEC_RETURN_IF_ERROR(check_participant_folder(given));
   auto certificate = read_certificate(certificate_path(given));
   if (!certificate && certificate.error().code() == Code::certificate_malformed && holds_key(given))
     return fail(Code::certificate_malformed,
@@ -243,7 +243,7 @@ Status check_ca_folder(const fs::path& given, std::string_view role) {
 }
 
 Status check_signing_ca(const fs::path& given, std::string_view role) {
-  DDSSEC_TRY(check_role(given, role));
+  DDSSEC_RETURN_IF_ERROR(check_role(given, role));
   return check_ca_folder(given, role);
 }
 

@@ -48,8 +48,8 @@ class CommandLine {
   }
 
   Result<Arguments> parse(std::span<const std::string> words) {
-    DDSSEC_TRY(check_values(words));
-    DDSSEC_TRY(check_names(words));
+    DDSSEC_RETURN_IF_ERROR(check_values(words));
+    DDSSEC_RETURN_IF_ERROR(check_names(words));
     std::vector<std::string> reversed(words.rbegin(), words.rend());  // as CLI11 takes them
     try {
       app_.parse(std::move(reversed));
@@ -266,7 +266,7 @@ Result<Request> parse(std::span<const std::string> given) {
                : wrong("\"" + words[0] + "\" needs a second word: " + second_words(words[0]));
   CommandLine line(*command);
   Request out;
-  out.arguments = DDSSEC_TRY(line.parse(std::span(words).subspan(used)));
+  DDSSEC_ASSIGN_OR_RETURN(out.arguments, line.parse(std::span(words).subspan(used)));
   out.command = command;
   return out;
 }

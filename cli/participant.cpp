@@ -104,11 +104,11 @@ Result<pki::Validity> within_ca(pki::Validity wanted, const pki::Certificate& ca
 Result<std::string> permissions_xml(const ParticipantSpec& spec,
                                     const pki::Certificate& certificate, WallTime now) {
   if (spec.permissions) {
-    const auto document = DDSSEC_TRY(governance::read_permissions(*spec.permissions));
-    DDSSEC_TRY(governance::find_grant(document, pki::SubjectName::of(certificate),
-                                      certificate.subject(), now));
+    DDSSEC_ASSIGN_OR_RETURN(const auto document, governance::read_permissions(*spec.permissions));
+    DDSSEC_RETURN_IF_ERROR(governance::find_grant(document, pki::SubjectName::of(certificate),
+                                                  certificate.subject(), now));
     if (!spec.takes_other_grants)
-      DDSSEC_TRY(
+      DDSSEC_RETURN_IF_ERROR(
           check_own_grants(document, pki::SubjectName::of(certificate), certificate.subject()));
     return std::string(as_text(*spec.permissions));
   }
@@ -117,29 +117,29 @@ Result<std::string> permissions_xml(const ParticipantSpec& spec,
   grant.validity = {certificate.not_before(), certificate.not_after()};
   auto xml = to_xml(governance::Permissions{.grants = {std::move(grant)}});
   // The requested rights may contain something that no document can.
-  DDSSEC_TRY(governance::read_permissions(as_bytes(xml)));
+  DDSSEC_RETURN_IF_ERROR(governance::read_permissions(as_bytes(xml)));
   return xml;
 }
 
 Result<NewParticipant> make_participant(const ParticipantSpec& spec, const Issuers& issuers,
                                         const Context& context) {
-  NewParticipant out{.self = DDSSEC_TRY(issuers.identity.authority.issue(
-                         spec.subject, spec.key, spec.life, context.random)),
-                     .permissions_xml = {},
-                     .permissions = {},
-                     .dropin = spec.dropin};
-  DDSSEC_TRY(check_not_of_ca(out.self.certificate, issuers));
+  DDSSEC_ASSIGN_OR_RETURN(auto issued, issuers.identity.authority.issue(spec.subject, spec.key,
+                                                                        spec.life, context.random));
+  NewParticipant out{
+      .self = std::move(issued), .permissions_xml = {}, .permissions = {}, .dropin = spec.dropin};
+  DDSSEC_RETURN_IF_ERROR(check_not_of_ca(out.self.certificate, issuers));
   if (!spec.has_permissions() || issuers.permissions == nullptr) return out;
   const auto now = context.clock.now();
-  out.permissions_xml = DDSSEC_TRY(permissions_xml(spec, out.self.certificate, now));
-  out.permissions = DDSSEC_TRY(
+  DDSSEC_ASSIGN_OR_RETURN(out.permissions_xml, permissions_xml(spec, out.self.certificate, now));
+  DDSSEC_ASSIGN_OR_RETURN(
+      out.permissions,
       sign_permissions(issuers.permissions->authority, out.permissions_xml, now, context.random));
   return out;
 }
 
 Result<Bytes> sign_permissions(const pki::Authority& ca, std::string_view xml, WallTime now,
                                Random& random) {
-  auto out = DDSSEC_TRY(ca.sign_document(as_bytes(xml), now, random));
+  DDSSEC_ASSIGN_OR_RETURN(auto out, ca.sign_document(as_bytes(xml), now, random));
   if (out.size() <= pki::kMostSentPermissionsOctets) return out;
   return fail(Code::smime_too_large,
               {.expected = fmt::format("at most {} octets", pki::kMostSentPermissionsOctets),
@@ -152,20 +152,21 @@ Result<Bytes> sign_permissions(const pki::Authority& ca, std::string_view xml, W
 Status add_flat(NewFolder& folder, const fs::path& below, const NewParticipant& participant,
                 const Issuers& issuers, BytesView governance) {
   const auto files = pki::participant_folder(below, pki::FolderLayout::flat);
-  DDSSEC_TRY(folder.add_public(files.identity_ca, issuers.identity.trust_pem));
-  DDSSEC_TRY(folder.add_public(files.certificate, participant.self.certificate.pem()));
-  const auto pem = DDSSEC_TRY(participant.self.key.to_pem());
-  DDSSEC_TRY(pem.expose([&](BytesView octets) { return folder.add(files.key, octets, 0600); }));
+  DDSSEC_RETURN_IF_ERROR(folder.add_public(files.identity_ca, issuers.identity.trust_pem));
+  DDSSEC_RETURN_IF_ERROR(folder.add_public(files.certificate, participant.self.certificate.pem()));
+  DDSSEC_ASSIGN_OR_RETURN(const auto pem, participant.self.key.to_pem());
+  DDSSEC_RETURN_IF_ERROR(
+      pem.expose([&](BytesView octets) { return folder.add(files.key, octets, 0600); }));
   if (issuers.permissions != nullptr)
-    DDSSEC_TRY(folder.add_public(files.permissions_ca, issuers.permissions->trust_pem));
+    DDSSEC_RETURN_IF_ERROR(folder.add_public(files.permissions_ca, issuers.permissions->trust_pem));
   if (!participant.permissions.empty())
-    DDSSEC_TRY(folder.add(files.permissions, participant.permissions, 0644));
-  if (!governance.empty()) DDSSEC_TRY(folder.add(files.governance, governance, 0644));
-  if (!issuers.crl.empty()) DDSSEC_TRY(folder.add_public(files.crl, issuers.crl));
+    DDSSEC_RETURN_IF_ERROR(folder.add(files.permissions, participant.permissions, 0644));
+  if (!governance.empty()) DDSSEC_RETURN_IF_ERROR(folder.add(files.governance, governance, 0644));
+  if (!issuers.crl.empty()) DDSSEC_RETURN_IF_ERROR(folder.add_public(files.crl, issuers.crl));
   const auto finally = folder.target() / below;
   for (const auto& [name, text] : configuration_files(
            pki::participant_folder(finally, pki::FolderLayout::flat), participant.dropin))
-    DDSSEC_TRY(folder.add_public(below / name, text));
+    DDSSEC_RETURN_IF_ERROR(folder.add_public(below / name, text));
   return {};
 }
 

@@ -95,12 +95,13 @@ void check_profiles_file(const LoadedFolder& folder, doctor::Diagnosis& out) {
 /// As the plugins judge it when a participant is made.
 Status enforceable(const LoadedFolder& folder, const governance::DomainRule& rule,
                    const access_control::Options& options) {
-  DDSSEC_TRY(access_control::check_enforceable(rule, options));
+  DDSSEC_RETURN_IF_ERROR(access_control::check_enforceable(rule, options));
   const auto& allowed = rule.allowed_algorithms;
   if (!allowed || !folder.certificate || !folder.identity_cas || !folder.permissions_cas) return {};
-  DDSSEC_TRY(access_control::check_identity(*allowed, *folder.certificate, *folder.identity_cas));
+  DDSSEC_RETURN_IF_ERROR(
+      access_control::check_identity(*allowed, *folder.certificate, *folder.identity_cas));
   for (const auto& signer : *folder.permissions_cas)
-    DDSSEC_TRY(access_control::check_authority(*allowed, signer));
+    DDSSEC_RETURN_IF_ERROR(access_control::check_authority(*allowed, signer));
   return {};
 }
 

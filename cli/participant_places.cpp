@@ -126,7 +126,7 @@ bool LoggedFolders::is_of_another_copy(const fs::path& folder) const {
 Result<ParticipantPlaces> participant_places(const CaPaths& ca, const pki::IssueLog& log) {
   ParticipantPlaces out;
   if (log.issued().empty() && ca.log.filename() != "identity_ca.issued.jsonl") return out;
-  const auto certificate = DDSSEC_TRY(read_certificate(ca.certificate));
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(ca.certificate));
   const LoggedFolders folders(ca, log);
   std::set<fs::path> seen;
   for (const auto& logged : log.places()) {

@@ -24,11 +24,11 @@ Result<governance::Rights> rights_from(const Arguments& arguments) {
   if (arguments.has("--partition") && !arguments.has("--publish") && !arguments.has("--subscribe"))
     return fail(Code::usage, {.field = "--partition", .note = "it needs --publish or --subscribe"});
   governance::Rights out;
-  out.domains = DDSSEC_TRY(domain_ranges(arguments, "--domain"));
-  out.publish = DDSSEC_TRY(topics_of(arguments, "--publish"));
-  out.subscribe = DDSSEC_TRY(topics_of(arguments, "--subscribe"));
-  out.deny_publish = DDSSEC_TRY(topics_of(arguments, "--deny-publish"));
-  out.deny_subscribe = DDSSEC_TRY(topics_of(arguments, "--deny-subscribe"));
+  DDSSEC_ASSIGN_OR_RETURN(out.domains, domain_ranges(arguments, "--domain"));
+  DDSSEC_ASSIGN_OR_RETURN(out.publish, topics_of(arguments, "--publish"));
+  DDSSEC_ASSIGN_OR_RETURN(out.subscribe, topics_of(arguments, "--subscribe"));
+  DDSSEC_ASSIGN_OR_RETURN(out.deny_publish, topics_of(arguments, "--deny-publish"));
+  DDSSEC_ASSIGN_OR_RETURN(out.deny_subscribe, topics_of(arguments, "--deny-subscribe"));
   out.partitions = arguments.all("--partition");
   return out;
 }
@@ -40,7 +40,7 @@ Result<governance::Validity> life(const Arguments& arguments, const pki::Certifi
     return fail(Code::usage, {.field = "--days", .note = "not together with --not-after"});
   governance::Validity out{certificate.not_before(), certificate.not_after()};
   if (arguments.has("--days")) {
-    const auto days = DDSSEC_TRY(validity(arguments, now));
+    DDSSEC_ASSIGN_OR_RETURN(const auto days, validity(arguments, now));
     return governance::Validity{days.not_before, days.not_after};
   }
   if (!arguments.has("--not-after")) return out;
@@ -63,7 +63,7 @@ Status check_issued_here(const pki::Certificate& certificate, const Arguments& a
   const auto paths = ca_paths(ca, "identity");
   if (!is_there(paths.certificate) || paths.certificate == ca_paths(ca, "permissions").certificate)
     return {};
-  const auto cas = DDSSEC_TRY(read_certificates(paths.certificate));
+  DDSSEC_ASSIGN_OR_RETURN(const auto cas, read_certificates(paths.certificate));
   if (std::ranges::any_of(cas, [&](const auto& one) { return certificate.is_issued_by(one); }))
     return {};
   return fail(Code::issuer_unknown,
@@ -77,13 +77,14 @@ Status check_issued_here(const pki::Certificate& certificate, const Arguments& a
 }
 
 Result<Report> permissions_new(const Arguments& arguments, const Context& context) {
-  const auto certificate = DDSSEC_TRY(certificate_of(arguments.text("--cert")));
-  DDSSEC_TRY(check_issued_here(certificate, arguments));
-  const auto grant = grant_of("participant", certificate, DDSSEC_TRY(rights_from(arguments)),
-                              DDSSEC_TRY(life(arguments, certificate, context.clock.now())));
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificate, certificate_of(arguments.text("--cert")));
+  DDSSEC_RETURN_IF_ERROR(check_issued_here(certificate, arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const auto rights, rights_from(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const auto validity, life(arguments, certificate, context.clock.now()));
+  const auto grant = grant_of("participant", certificate, rights, validity);
   const auto xml = to_xml(governance::Permissions{.grants = {grant}});
   // The arguments may contain something that no document can.
-  const auto document = DDSSEC_TRY(governance::read_permissions(as_bytes(xml)));
+  DDSSEC_ASSIGN_OR_RETURN(const auto document, governance::read_permissions(as_bytes(xml)));
   Report report;
   add_findings(report, lint(document, {.now = context.clock.now(), .certificate = &certificate}),
                arguments.text("-o"));
@@ -98,7 +99,7 @@ Result<Report> permissions_new(const Arguments& arguments, const Context& contex
     report.text =
         "it lets the participant join and use no topic: --publish and --subscribe allow "
         "topics\n";
-  report.files_written = DDSSEC_TRY(write_document(xml, arguments, context));
+  DDSSEC_ASSIGN_OR_RETURN(report.files_written, write_document(xml, arguments, context));
   for (const auto& file : report.files_written)
     report.text += fmt::format("{}  for {} until {}\n", file.path, grant.subject_name,
                                date(grant.validity.not_after));

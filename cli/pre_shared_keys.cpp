@@ -46,9 +46,10 @@ Result<PreSharedKeys> keys_of(const LoadedFolder& folder) {
   PreSharedKeys out;
   std::error_code ignored;
   spi::PropertyList properties;
-  if (std::filesystem::exists(folder.paths.properties, ignored))
-    properties = DDSSEC_TRY(spi::read_property_file(folder.paths.properties));
-  out.passphrases = DDSSEC_TRY(cryptography::PassphraseFiles(properties, {}).load(out));
+  if (std::filesystem::exists(folder.paths.properties, ignored)) {
+    DDSSEC_ASSIGN_OR_RETURN(properties, spi::read_property_file(folder.paths.properties));
+  }
+  DDSSEC_ASSIGN_OR_RETURN(out.passphrases, cryptography::PassphraseFiles(properties, {}).load(out));
   const auto* const cipher = spi::find_property(properties, property::kPskCipher);
   out.cipher = cipher == nullptr || *cipher == "AUTO" ? std::string(spi::kAes256Name) : *cipher;
   return out;

@@ -50,43 +50,44 @@ Json number_json(const pki::Crl& list) {
 
 Result<std::vector<pki::Crl>> read_crls(const fs::path& path) {
   if (!is_there(path)) return std::vector<pki::Crl>();
-  const auto octets = DDSSEC_TRY(read_file(path, pki::kMostDocumentOctets));
-  auto lists = DDSSEC_TRY(named(pki::Crl::all_from(octets), path));
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(path, pki::kMostDocumentOctets));
+  DDSSEC_ASSIGN_OR_RETURN(auto lists, named(pki::Crl::all_from(octets), path));
   if (lists.empty())
     return fail(Code::crl_malformed, {.document = path, .note = "there is no list in it"});
   return lists;
 }
 
 Result<std::optional<pki::Crl>> present_crl(const CaPaths& ca) {
-  auto lists = DDSSEC_TRY(read_crls(ca.crl));
+  DDSSEC_ASSIGN_OR_RETURN(auto lists, read_crls(ca.crl));
   if (lists.empty()) return std::nullopt;
-  const auto certificate = DDSSEC_TRY(read_certificate(ca.certificate));
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(ca.certificate));
   std::erase_if(lists, [&](const auto& list) { return !is_list_of(list, certificate); });
   const auto newest = std::ranges::max_element(lists, {}, order);
   return newest == lists.end() ? std::nullopt : std::optional(*newest);
 }
 
 Result<std::vector<pki::Revocation>> listed_revocations(const CaPaths& ca) {
-  const auto lists = DDSSEC_TRY(read_crls(ca.crl));
+  DDSSEC_ASSIGN_OR_RETURN(const auto lists, read_crls(ca.crl));
   if (lists.empty()) return std::vector<pki::Revocation>();
-  const auto certificate = DDSSEC_TRY(read_certificate(ca.certificate));
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(ca.certificate));
   std::vector<pki::Revocation> out;
   for (const auto& list : lists) {
     if (!list.is_named_after(certificate)) continue;
-    const auto entries = DDSSEC_TRY(named(list.revoked(), ca.crl));
+    DDSSEC_ASSIGN_OR_RETURN(const auto entries, named(list.revoked(), ca.crl));
     out.insert(out.end(), entries.begin(), entries.end());
   }
   return out;
 }
 
 Result<bool> lists_all(const CaPaths& ca, const pki::IssueLog& log) {
-  auto wanted = DDSSEC_TRY(listed_revocations(ca));
+  DDSSEC_ASSIGN_OR_RETURN(auto wanted, listed_revocations(ca));
   const auto logged = log.revocations();
   wanted.insert(wanted.end(), logged.begin(), logged.end());
   if (wanted.empty()) return true;
-  const auto present = DDSSEC_TRY(present_crl(ca));
+  DDSSEC_ASSIGN_OR_RETURN(const auto present, present_crl(ca));
   if (!present) return false;
-  const auto serials = serials_of(DDSSEC_TRY(named(present->revoked(), ca.crl)));
+  DDSSEC_ASSIGN_OR_RETURN(const auto revoked, named(present->revoked(), ca.crl));
+  const auto serials = serials_of(revoked);
   return std::ranges::all_of(wanted, [&](const auto& one) { return serials.contains(one.serial); });
 }
 
@@ -101,8 +102,10 @@ class Former {
 
   /// The CA's own file is trusted, because only its owner can write it.
   Status add_own(const fs::path& file) {
-    for (const auto& list : DDSSEC_TRY(read_crls(file)))
-      if (list.is_named_after(ca_) || list.is_named_after(before_)) DDSSEC_TRY(add(list));
+    DDSSEC_ASSIGN_OR_RETURN(const auto crls, read_crls(file));
+    for (const auto& list : crls)
+      if (list.is_named_after(ca_) || list.is_named_after(before_))
+        DDSSEC_RETURN_IF_ERROR(add(list));
     return {};
   }
 
@@ -116,12 +119,12 @@ class Former {
 
   /// A file that the command line names.
   Status add_named(const fs::path& file) {
-    const auto lists = DDSSEC_TRY(read_crls(file));
+    DDSSEC_ASSIGN_OR_RETURN(const auto lists, read_crls(file));
     if (lists.empty()) return fail(Code::file_not_found, {.document = file});
     bool is_any = false;
     for (const auto& list : lists) {
       if (!is_genuine(list)) continue;
-      DDSSEC_TRY(add(list));
+      DDSSEC_RETURN_IF_ERROR(add(list));
       is_any = true;
     }
     if (is_any) return {};
@@ -144,7 +147,7 @@ class Former {
   }
 
   Status add(const pki::Crl& list) {
-    const auto entries = DDSSEC_TRY(list.revoked());
+    DDSSEC_ASSIGN_OR_RETURN(const auto entries, list.revoked());
     entries_.insert(entries_.end(), entries.begin(), entries.end());
     number_ = std::max(number_, list.number().value_or(0));
     // Lists of another key are a separate sequence.
@@ -162,11 +165,13 @@ class Former {
 
 Result<Former> former_lists(const OpenCa& ca, const pki::IssueLog& log,
                             const std::vector<fs::path>& more) {
-  Former out(ca, DDSSEC_TRY(read_certificate(ca.paths.certificate)));
-  DDSSEC_TRY(out.add_own(ca.paths.crl));
-  for (const auto& folder : DDSSEC_TRY(participant_places(ca.paths, log)).here)
+  DDSSEC_ASSIGN_OR_RETURN(auto certificate, read_certificate(ca.paths.certificate));
+  Former out(ca, std::move(certificate));
+  DDSSEC_RETURN_IF_ERROR(out.add_own(ca.paths.crl));
+  DDSSEC_ASSIGN_OR_RETURN(const auto places, participant_places(ca.paths, log));
+  for (const auto& folder : places.here)
     out.add_of_participant(pki::participant_folder(folder).crl);
-  for (const auto& file : more) DDSSEC_TRY(out.add_named(file));
+  for (const auto& file : more) DDSSEC_RETURN_IF_ERROR(out.add_named(file));
   return out;
 }
 
@@ -192,13 +197,13 @@ std::vector<pki::Revocation> all_entries(const pki::IssueLog& log, const Former&
 
 Result<pki::Crl> next_crl(const OpenCa& ca, const pki::IssueLog& log, WallTime now, int days,
                           const std::vector<fs::path>& more, ListDate date) {
-  const auto former = DDSSEC_TRY(former_lists(ca, log, more));
+  DDSSEC_ASSIGN_OR_RETURN(const auto former, former_lists(ca, log, more));
   const auto from = date == ListDate::now ? now : former.this_update(now);
   return following(ca, former, all_entries(log, former), from, from + std::chrono::days(days));
 }
 
 Result<pki::Crl> routine_crl(const OpenCa& ca, const pki::IssueLog& log, WallTime now) {
-  const auto former = DDSSEC_TRY(former_lists(ca, log, {}));
+  DDSSEC_ASSIGN_OR_RETURN(const auto former, former_lists(ca, log, {}));
   auto entries = all_entries(log, former);
   const auto from = former.this_update(now);
   const auto until =
@@ -231,10 +236,11 @@ std::string way_out_of_the_future(const std::string& ca) {
 }
 
 Result<std::optional<pki::Crl>> list_for_newcomers(const CaPaths& paths, WallTime now) {
-  auto newest = DDSSEC_TRY(present_crl(paths));
-  const auto ca = DDSSEC_TRY(read_certificate(paths.certificate));
-  const auto log = DDSSEC_TRY(read_issue_log(paths));
-  for (const auto& folder : DDSSEC_TRY(participant_places(paths, log)).here) {
+  DDSSEC_ASSIGN_OR_RETURN(auto newest, present_crl(paths));
+  DDSSEC_ASSIGN_OR_RETURN(const auto ca, read_certificate(paths.certificate));
+  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(paths));
+  DDSSEC_ASSIGN_OR_RETURN(const auto places, participant_places(paths, log));
+  for (const auto& folder : places.here) {
     const auto lists = read_crls(pki::participant_folder(folder).crl);
     if (!lists) continue;  // a fault there does not concern the newcomer
     for (const auto& list : *lists)
@@ -284,8 +290,10 @@ std::unexpected<Error> newer_there(const fs::path& file, const pki::Crl& former,
 
 Status check_follows(const fs::path& file, const pki::Crl& former, const ListForFolder& what) {
   if (!what.list.replaces(former, what.now)) return newer_there(file, former, what, "");
-  const auto serials = serials_of(DDSSEC_TRY(what.list.revoked()));
-  for (const auto& one : DDSSEC_TRY(named(former.revoked(), file)))
+  DDSSEC_ASSIGN_OR_RETURN(const auto revoked, what.list.revoked());
+  const auto serials = serials_of(revoked);
+  DDSSEC_ASSIGN_OR_RETURN(const auto revocations, named(former.revoked(), file));
+  for (const auto& one : revocations)
     if (!serials.contains(one.serial))
       return newer_there(file, former, what, ", which lacks serial number " + one.serial);
   return {};
@@ -322,13 +330,14 @@ Status put_list(Replacement& out, const fs::path& file, const ListForFolder& wha
                                        .expected = "one that " + what.ca.subject() + " issued",
                                        .found = "one of " + what.participant->issuer()});
   std::vector<pki::Crl> lists{what.list};
-  for (const auto& former : DDSSEC_TRY(lists_to_replace(file))) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto former_lists, lists_to_replace(file));
+  for (const auto& former : former_lists) {
     if (is_list_of(former, what.ca))
-      DDSSEC_TRY(check_follows(file, former, what));
+      DDSSEC_RETURN_IF_ERROR(check_follows(file, former, what));
     else if (is_signed_by_one_of(former, what.trusted))
       lists.push_back(former);
   }
-  DDSSEC_TRY(put_own_first(lists, file, what));
+  DDSSEC_RETURN_IF_ERROR(put_own_first(lists, file, what));
   std::string text;
   for (const auto& list : lists) text += list.pem();
   return out.put_public(file, text);

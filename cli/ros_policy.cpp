@@ -54,10 +54,10 @@ Status check_inside(const fs::path& included, const fs::path& policy) {
 Result<RosPolicy> read_policy(const std::filesystem::path& file,
                               const std::vector<std::string>& wanted) {
   const auto read = [&](const fs::path& path) -> Result<Bytes> {
-    if (path != file) DDSSEC_TRY(check_inside(path, file));
+    if (path != file) DDSSEC_RETURN_IF_ERROR(check_inside(path, file));
     return read_file(path, governance::kMostXmlOctets);
   };
-  auto policy = DDSSEC_TRY(governance::read_ros_policy(file, read));
+  DDSSEC_ASSIGN_OR_RETURN(auto policy, governance::read_ros_policy(file, read));
   if (wanted.empty()) return policy;
   for (const auto& path : wanted)
     if (std::ranges::find(policy.enclaves, path, &RosEnclave::path) == policy.enclaves.end())

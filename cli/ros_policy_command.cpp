@@ -19,31 +19,34 @@ namespace fs = std::filesystem;
 // As long as the certificate, as sros2 does; else for --days from now.
 Result<governance::Validity> life(const Arguments& arguments, WallTime now) {
   if (arguments.has("--validity-from")) {
-    const auto certificate = DDSSEC_TRY(read_certificate(arguments.text("--validity-from")));
+    DDSSEC_ASSIGN_OR_RETURN(const auto certificate,
+                            read_certificate(arguments.text("--validity-from")));
     return governance::Validity{certificate.not_before(), certificate.not_after()};
   }
-  const auto days = DDSSEC_TRY(validity(arguments, now));
+  DDSSEC_ASSIGN_OR_RETURN(const auto days, validity(arguments, now));
   return governance::Validity{days.not_before, days.not_after};
 }
 
 Result<Report> from_ros_policy(const Arguments& arguments, const Context& context) {
   const fs::path file = arguments.text("FILE");
-  const auto policy =
-      with_options(DDSSEC_TRY(read_policy(file, arguments.all("--enclave"))), arguments);
+  DDSSEC_ASSIGN_OR_RETURN(auto file_policy, read_policy(file, arguments.all("--enclave")));
+  const auto policy = with_options(std::move(file_policy), arguments);
+  DDSSEC_ASSIGN_OR_RETURN(auto domain_id, domain_of(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const auto validity, life(arguments, context.clock.now()));
   const governance::RosPermissionsOptions options{
-      .domain = DDSSEC_TRY(domain_of(arguments)),
-      .validity = DDSSEC_TRY(life(arguments, context.clock.now())),
+      .domain = std::move(domain_id),
+      .validity = validity,
       .discovery_topic = !arguments.has("--no-discovery-topic")};
   const bool as_sros2 = arguments.has("--sros2-order");
   const auto xml =
       as_sros2 ? sros2_permissions(policy, options) : to_xml(permissions_of(policy, options));
-  const auto document = DDSSEC_TRY(governance::read_permissions(as_bytes(xml)));
+  DDSSEC_ASSIGN_OR_RETURN(const auto document, governance::read_permissions(as_bytes(xml)));
   auto findings = lint(document, {.now = context.clock.now()});
   for (auto& finding : findings) finding.severity = std::min(finding.severity, Severity::warning);
   Report report;
   if (!as_sros2) add_findings(report, merged_profiles(policy), file);
   add_findings(report, prefixed_names(policy), file);
-  report.files_written = DDSSEC_TRY(write_document(xml, arguments, context));
+  DDSSEC_ASSIGN_OR_RETURN(report.files_written, write_document(xml, arguments, context));
   add_findings(report, std::move(findings), report.files_written.front().path);
   report.text = fmt::format("{}: {}\n", report.files_written.front().path,
                             counted(document.grants.size(), "grant"));

@@ -194,8 +194,8 @@ Result<Report> one_topic(const Governance& document, const fs::path& file, const
 
 Result<Report> governance_show(const Arguments& arguments, const Context&) {
   const auto file = document_path<GovernanceKind>(arguments.text("FILE"));
-  const auto wanted = DDSSEC_TRY(domain_option(arguments));
-  const auto document = DDSSEC_TRY(unverified_document<GovernanceKind>(file));
+  DDSSEC_ASSIGN_OR_RETURN(const auto wanted, domain_option(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const auto document, unverified_document<GovernanceKind>(file));
   if (arguments.has("--topic"))
     return one_topic(document, file, arguments.text("--topic"), domain_for(document, wanted));
   if (wanted && document.find(*wanted) == nullptr)
@@ -304,10 +304,11 @@ Json to_json(const Grant& grant, WallTime now) {
 
 Result<Report> permissions_show(const Arguments& arguments, const Context& context) {
   const auto file = document_path<PermissionsKind>(arguments.text("FILE"));
-  const auto document = DDSSEC_TRY(unverified_document<PermissionsKind>(file));
+  DDSSEC_ASSIGN_OR_RETURN(const auto document, unverified_document<PermissionsKind>(file));
   std::optional<pki::SubjectName> subject;
-  if (arguments.has("--subject"))
-    subject = DDSSEC_TRY(pki::SubjectName::parse(arguments.text("--subject")));
+  if (arguments.has("--subject")) {
+    DDSSEC_ASSIGN_OR_RETURN(subject, pki::SubjectName::parse(arguments.text("--subject")));
+  }
   Report report;
   report.result = {{"file", file.string()}, {"grants", Json::array()}};
   for (const auto& grant : document.grants) {

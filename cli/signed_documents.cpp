@@ -60,9 +60,9 @@ std::string signed_line(const pki::Certificate& ca, BytesView text, const fs::pa
 }
 
 Status log_signed(const CaPaths& ca, std::string_view lines) {
-  DDSSEC_TRY(check_not_interrupted());
+  DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   if (lines.empty()) return {};
-  DDSSEC_TRY(check_log_lines(ca.signed_log, lines));
+  DDSSEC_RETURN_IF_ERROR(check_log_lines(ca.signed_log, lines));
   return append_lines(ca.signed_log, lines, ca.key);
 }
 
@@ -74,7 +74,7 @@ Result<pki::SigningLog> read_signing_log(const CaPaths& ca) {
   std::error_code error;
   if (fs::file_size(ca.signed_log, error) == 0 || error == std::errc::no_such_file_or_directory)
     return pki::SigningLog();
-  const auto text = DDSSEC_TRY(read_file(ca.signed_log, pki::kMostIssueLogOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto text, read_file(ca.signed_log, pki::kMostIssueLogOctets));
   auto log = pki::SigningLog::parse(text);
   notice_unreadable_lines(ca.signed_log, log.unreadable());
   return log;
@@ -85,7 +85,7 @@ Result<DocumentOfCa> document_of(const fs::path& file, const OpenCa& ca, const p
   const auto proof = verified(file, ca.paths.certificate, within(ca.certificate(), now));
   if (!proof) return logged_text(file, log, proof.error());
   const auto standing = log.standing(proof->content(), proof->signer());
-  if (!takes_unlogged) DDSSEC_TRY(check_standing(standing, file, ca));
+  if (!takes_unlogged) DDSSEC_RETURN_IF_ERROR(check_standing(standing, file, ca));
   DocumentOfCa out{std::string(as_text(proof->content())), standing == Standing::current};
   std::erase(out.text, '\r');
   return out;

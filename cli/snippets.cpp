@@ -95,7 +95,7 @@ Result<std::vector<ConfigurationFile>> missing_configuration_files(
     if (!is_there(file)) {
       out.push_back(std::move(wanted));
     } else if (wanted.name == kCycloneDdsFile && !dropin.empty()) {
-      const auto octets = DDSSEC_TRY(read_file(file, pki::kMostDocumentOctets));
+      DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMostDocumentOctets));
       const auto found = as_text(octets);
       if (without_libraries(found) != without_libraries(wanted.text))
         return fail(Code::would_overwrite,

@@ -61,7 +61,7 @@ void SubjectsInUse::add(const std::string& subject, std::string where) {
 Status SubjectsInUse::check(const std::string& subject,
                             const std::vector<std::size_t>& entries) const {
   for (const auto i : entries)
-    DDSSEC_TRY(check_apart(subject, entries_[i].subject, entries_[i].where));
+    DDSSEC_RETURN_IF_ERROR(check_apart(subject, entries_[i].subject, entries_[i].where));
   return {};
 }
 
@@ -77,7 +77,7 @@ Status SubjectsInUse::check(const std::string& subject) const {
     if (rarest == nullptr || having->second.size() < rarest->size()) rarest = &having->second;
     // One whose pieces are all in this subject begins with one of them.
     if (const auto beginning = beginning_.find(std::string(piece)); beginning != beginning_.end())
-      DDSSEC_TRY(check(subject, beginning->second));
+      DDSSEC_RETURN_IF_ERROR(check(subject, beginning->second));
   }
   return rarest == nullptr ? Status() : check(subject, *rarest);
 }

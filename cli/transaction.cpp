@@ -139,7 +139,7 @@ Status write_and_close(int file, const Place& at, const fs::path& meant, BytesVi
 
 Status write_exclusively(const fs::path& path, const fs::path& meant, BytesView octets,
                          unsigned mode, Flush flush) {
-  DDSSEC_TRY(check_not_interrupted());
+  DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   const Place at{AT_FDCWD, path.string()};
   const int file = open_new(at, mode);
   if (file < 0) return unwritable(meant, errno);
@@ -151,7 +151,7 @@ Status write_exclusively(const fs::path& path, const fs::path& meant, BytesView 
 // container, where each start may have the same number. remove_drafts_of() knows these names.
 Result<fs::path> write_draft(const fs::path& target, BytesView octets, unsigned mode) {
   constexpr int kMostTries = 100;
-  DDSSEC_TRY(check_not_interrupted());
+  DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   Place at{folder_descriptor(folder_of(target)), {}};
   if (at.folder < 0) return unwritable(target, errno);
   const auto beginning = fmt::format("{}.{}", target.filename().string(), process_mark());
@@ -167,7 +167,7 @@ Result<fs::path> write_draft(const fs::path& target, BytesView octets, unsigned 
     ::unlinkat(at.folder, at.path.c_str(), 0);
     return unwritable(target, error);
   }
-  DDSSEC_TRY(write_and_close(file, at, target, octets, Flush::now));
+  DDSSEC_RETURN_IF_ERROR(write_and_close(file, at, target, octets, Flush::now));
   return target.parent_path() / at.path;
 }
 
@@ -291,7 +291,7 @@ bool writes_nothing() { return dry_run; }
 
 Result<NewFolder> NewFolder::at(const fs::path& given) {
   const fs::path target = given.has_filename() ? given : given.parent_path();
-  DDSSEC_TRY(check_nothing_at(target));
+  DDSSEC_RETURN_IF_ERROR(check_nothing_at(target));
   if (dry_run) return NewFolder(target, {});
   remove_unfinished_folders(target);
   auto staging = (target.parent_path() /
@@ -319,8 +319,9 @@ Status NewFolder::make_parent(const fs::path& name) {
 
 Status NewFolder::add(const fs::path& name, BytesView octets, unsigned mode) {
   if (!dry_run) {
-    DDSSEC_TRY(make_parent(name));
-    DDSSEC_TRY(write_exclusively(staging_ / name, target_ / name, octets, mode, Flush::later));
+    DDSSEC_RETURN_IF_ERROR(make_parent(name));
+    DDSSEC_RETURN_IF_ERROR(
+        write_exclusively(staging_ / name, target_ / name, octets, mode, Flush::later));
     drafts_.push_back(staging_ / name);
   }
   files_.push_back(written(target_ / name, octets, mode));
@@ -328,10 +329,10 @@ Status NewFolder::add(const fs::path& name, BytesView octets, unsigned mode) {
 }
 
 Status NewFolder::link(const fs::path& name, const fs::path& to) {
-  DDSSEC_TRY(check_not_interrupted());
+  DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   files_.push_back({.path = target_ / name, .mode = "link", .link_to = to});
   if (dry_run) return {};
-  DDSSEC_TRY(make_parent(name));
+  DDSSEC_RETURN_IF_ERROR(make_parent(name));
   if (::symlink(to.c_str(), (staging_ / name).c_str()) != 0)
     return unwritable(target_ / name, errno);
   return {};
@@ -353,10 +354,10 @@ Status NewFolder::flush() const {
 }
 
 Result<std::vector<WrittenFile>> NewFolder::commit() {
-  DDSSEC_TRY(check_not_interrupted());
+  DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   if (dry_run) return files_;
-  DDSSEC_TRY(flush());
-  DDSSEC_TRY(check_not_interrupted());
+  DDSSEC_RETURN_IF_ERROR(flush());
+  DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   if (::renameat2(AT_FDCWD, staging_.c_str(), AT_FDCWD, target_.c_str(), RENAME_NOREPLACE) != 0)
     return rename_failed(target_, errno);
   staging_.clear();
@@ -391,10 +392,10 @@ Status check_link_place(const fs::path& target, const fs::path& to) {
 }
 
 Result<WrittenFile> write_link(const fs::path& target, const fs::path& to) {
-  DDSSEC_TRY(check_not_interrupted());
+  DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   WrittenFile out{.path = target, .mode = "link", .link_to = to};
   if (leads_to(target, to)) return out;
-  DDSSEC_TRY(check_nothing_at(target));
+  DDSSEC_RETURN_IF_ERROR(check_nothing_at(target));
   if (!dry_run && ::symlink(to.c_str(), target.c_str()) != 0) return unwritable(target, errno);
   return out;
 }
@@ -408,7 +409,7 @@ Status Replacement::put(const fs::path& target, BytesView octets, unsigned mode,
   auto& folder = folders_.back();
   if (!dry_run) {
     if (!std::exchange(has_drafts_, true)) ++unfinished;
-    auto draft = DDSSEC_TRY(write_draft(target, octets, mode));
+    DDSSEC_ASSIGN_OR_RETURN(auto draft, write_draft(target, octets, mode));
     folder.drafts.push_back({std::move(draft), target});
   }
   folder.files.push_back(written(target, octets, mode));
@@ -430,15 +431,15 @@ std::vector<Draft> Replacement::all_drafts() const {
 }
 
 Result<std::vector<WrittenFile>> Replacement::commit() {
-  DDSSEC_TRY(check_not_interrupted());
+  DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   const auto drafts = all_drafts();
   if (drafts.size() < 2) return put_in_place(nullptr);
-  auto intent = DDSSEC_TRY(Intent::write(folder_of(drafts.front().target), drafts));
+  DDSSEC_ASSIGN_OR_RETURN(auto intent, Intent::write(folder_of(drafts.front().target), drafts));
   return put_in_place(&intent);
 }
 
 Result<std::vector<WrittenFile>> Replacement::commit_each() {
-  DDSSEC_TRY(check_not_interrupted());
+  DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   return put_in_place(nullptr);
 }
 
@@ -446,7 +447,7 @@ Result<std::vector<WrittenFile>> Replacement::commit_each() {
 // check and a rename can still stop this half way; then the next command does the rest.
 Status Replacement::put_in_place(Folder& folder) {
   for (const auto& draft : folder.drafts)
-    if (!draft.draft.empty()) DDSSEC_TRY(check_can_be_put(draft));
+    if (!draft.draft.empty()) DDSSEC_RETURN_IF_ERROR(check_can_be_put(draft));
   for (auto& draft : folder.drafts) {
     if (draft.draft.empty()) continue;
     if (const int error = rename_draft(draft, 0); error != 0)
@@ -489,7 +490,7 @@ Replacement::~Replacement() {
 
 Status append_lines(const fs::path& target, std::string_view lines, const fs::path& lock) {
   if (dry_run) return {};
-  const auto held = DDSSEC_TRY(FileLock::of(lock));
+  DDSSEC_ASSIGN_OR_RETURN(const auto held, FileLock::of(lock));
   const File file(target, O_RDWR | O_CREAT, 0644);
   if (!file) return unwritable(target, errno);
   const auto end = end_of_last_line(file.number());
@@ -502,9 +503,10 @@ Status append_lines(const fs::path& target, std::string_view lines, const fs::pa
 }
 
 Result<WrittenFile> write_new_file(const fs::path& target, BytesView octets, unsigned mode) {
-  DDSSEC_TRY(check_nothing_at(target));
+  DDSSEC_RETURN_IF_ERROR(check_nothing_at(target));
   if (dry_run) return written(target, octets, mode);
-  const Draft draft{DDSSEC_TRY(write_draft(target, octets, mode)), target};
+  DDSSEC_ASSIGN_OR_RETURN(auto draft_file, write_draft(target, octets, mode));
+  const Draft draft{std::move(draft_file), target};
   if (const int error = rename_draft(draft, RENAME_NOREPLACE); error != 0) {
     remove_draft(draft);
     return rename_failed(target, error);

@@ -186,7 +186,7 @@ struct List {
     std::vector<Entry> left;
     for (auto& entry : entries_of(text)) {
       if (!entry.target.has_parent_path())
-        DDSSEC_TRY(put_in_place(entry));
+        DDSSEC_RETURN_IF_ERROR(put_in_place(entry));
       else if (reach == Reach::folder)
         return untrusted(path, "a file of another folder in it");
       else if (!put_elsewhere(entry))
@@ -242,11 +242,11 @@ Result<std::vector<Entry>> finish_list(const fs::path& given, Reach reach) {
   if (!file || !is_still_there(file.number())) return std::vector<Entry>();
   const List list{at / kListName, folder.number(), reach};
   // The owner is checked first, because another user may hold a lock on their own file forever.
-  DDSSEC_TRY(check_trusted(list, file.number()));
-  DDSSEC_TRY(lock_file(file.number(), list.path, kListPatience));
+  DDSSEC_RETURN_IF_ERROR(check_trusted(list, file.number()));
+  DDSSEC_RETURN_IF_ERROR(lock_file(file.number(), list.path, kListPatience));
   if (!is_still_there(file.number())) return std::vector<Entry>();
-  DDSSEC_TRY(check_trusted(list, file.number()));
-  auto left = DDSSEC_TRY(list.finish(content_of(file.number())));
+  DDSSEC_RETURN_IF_ERROR(check_trusted(list, file.number()));
+  DDSSEC_ASSIGN_OR_RETURN(auto left, list.finish(content_of(file.number())));
   if (left.empty()) ::unlinkat(folder.number(), kListName, 0);
   return left;
 }
@@ -254,7 +254,7 @@ Result<std::vector<Entry>> finish_list(const fs::path& given, Reach reach) {
 }  // namespace
 
 Result<Intent> Intent::write(const fs::path& folder, std::span<const Draft> drafts) {
-  auto left = DDSSEC_TRY(finish_list(folder, reach_of(folder, drafts)));
+  DDSSEC_ASSIGN_OR_RETURN(auto left, finish_list(folder, reach_of(folder, drafts)));
   const bool has_left = !left.empty();
   auto all = left_besides(std::move(left), drafts);
   all.insert(all.end(), drafts.begin(), drafts.end());
@@ -280,7 +280,7 @@ Intent::Intent(Intent&& other) noexcept
     : folder_(other.folder_), file_(std::exchange(other.file_, -1)), is_kept_(other.is_kept_) {}
 
 Status finish_interrupted(const fs::path& folder, Reach reach) {
-  if (!writes_nothing()) DDSSEC_TRY(finish_list(folder, reach));
+  if (!writes_nothing()) DDSSEC_RETURN_IF_ERROR(finish_list(folder, reach));
   return {};
 }
 

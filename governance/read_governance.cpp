@@ -1,3 +1,5 @@
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "governance/read.hpp"
@@ -17,31 +19,34 @@ Result<TopicRule> read_topic_rule(ReadContext& context, XmlElement element) {
                                   {"enable_write_access_control"},
                                   {"metadata_protection_kind"},
                                   {"data_protection_kind"}};
-  const auto child = DDSSEC_TRY(XmlChildren::of(element, kSpecs));
+  DDSSEC_ASSIGN_OR_RETURN(const auto child, XmlChildren::of(element, kSpecs));
   if (!child.in_order())
     context.note(NoteKind::order, element, "is not in the schema's order: Fast DDS refuses it");
   TopicRule rule;
   rule.line = element.line();
   note_padding(context, child.one(0));
   rule.is_padded = child.one(0).is_padded();
-  rule.topic_expression = DDSSEC_TRY(child.one(0).nonempty_text());
-  rule.enable_discovery_protection = DDSSEC_TRY(read_boolean(context, child.one(1)));
-  rule.enable_liveliness_protection = DDSSEC_TRY(read_boolean(context, child.one(2)));
-  rule.enable_read_access_control = DDSSEC_TRY(read_boolean(context, child.one(3)));
-  rule.enable_write_access_control = DDSSEC_TRY(read_boolean(context, child.one(4)));
-  rule.metadata_protection_kind = DDSSEC_TRY(read_protection_kind(context, child.one(5), false));
-  rule.data_protection_kind = DDSSEC_TRY(read_protection_kind(context, child.one(6), true));
+  DDSSEC_ASSIGN_OR_RETURN(rule.topic_expression, child.one(0).nonempty_text());
+  DDSSEC_ASSIGN_OR_RETURN(rule.enable_discovery_protection, read_boolean(context, child.one(1)));
+  DDSSEC_ASSIGN_OR_RETURN(rule.enable_liveliness_protection, read_boolean(context, child.one(2)));
+  DDSSEC_ASSIGN_OR_RETURN(rule.enable_read_access_control, read_boolean(context, child.one(3)));
+  DDSSEC_ASSIGN_OR_RETURN(rule.enable_write_access_control, read_boolean(context, child.one(4)));
+  DDSSEC_ASSIGN_OR_RETURN(rule.metadata_protection_kind,
+                          read_protection_kind(context, child.one(5), false));
+  DDSSEC_ASSIGN_OR_RETURN(rule.data_protection_kind,
+                          read_protection_kind(context, child.one(6), true));
   return rule;
 }
 
 Result<std::vector<TopicRule>> read_topic_rules(ReadContext& context, XmlElement element) {
   constexpr ChildSpec kSpecs[] = {{"topic_rule", Count::many}};
-  const auto children = DDSSEC_TRY(XmlChildren::of(element, kSpecs));
+  DDSSEC_ASSIGN_OR_RETURN(const auto children, XmlChildren::of(element, kSpecs));
   std::vector<TopicRule> rules;
   rules.reserve(children.all().size());
   for (const auto& [kind, child] : children.all()) {
-    DDSSEC_TRY(context.count(child));
-    rules.push_back(DDSSEC_TRY(read_topic_rule(context, child)));
+    DDSSEC_RETURN_IF_ERROR(context.count(child));
+    DDSSEC_ASSIGN_OR_RETURN(auto topic_rule, read_topic_rule(context, child));
+    rules.push_back(std::move(topic_rule));
   }
   if (rules.empty()) {
     return fail(
@@ -78,7 +83,7 @@ Result<AllowedAlgorithms> read_algorithms(ReadContext& context, XmlElement eleme
                                   {"digital_signature_trust_chain", Count::optional},
                                   {"key_establishment", Count::optional},
                                   {"symmetric_cipher", Count::optional}};
-  const auto child = DDSSEC_TRY(XmlChildren::of(element, kSpecs));
+  DDSSEC_ASSIGN_OR_RETURN(const auto child, XmlChildren::of(element, kSpecs));
   if (child.one(1) && child.one(2)) {
     return fail(Code::element_repeated,
                 {.line = child.one(2).line(), .field = "<digital_signature_trust_chain>"});
@@ -88,13 +93,13 @@ Result<AllowedAlgorithms> read_algorithms(ReadContext& context, XmlElement eleme
   const auto list = [&](std::size_t at, std::span<const std::string_view> if_absent) {
     return read_algorithm_list(context, element, child.one(at), {kSpecs[at].name, if_absent});
   };
-  allowed.digital_signature = DDSSEC_TRY(list(0, kStandardSignatures));
+  DDSSEC_ASSIGN_OR_RETURN(allowed.digital_signature, list(0, kStandardSignatures));
   if (trust_chain) {
-    allowed.digital_signature_identity_trust_chain =
-        DDSSEC_TRY(read_texts(context, trust_chain, "algorithm"));
+    DDSSEC_ASSIGN_OR_RETURN(allowed.digital_signature_identity_trust_chain,
+                            read_texts(context, trust_chain, "algorithm"));
   }
-  allowed.key_establishment = DDSSEC_TRY(list(3, kStandardKeyEstablishments));
-  allowed.symmetric_cipher = DDSSEC_TRY(list(4, kStandardCiphers));
+  DDSSEC_ASSIGN_OR_RETURN(allowed.key_establishment, list(3, kStandardKeyEstablishments));
+  DDSSEC_ASSIGN_OR_RETURN(allowed.symmetric_cipher, list(4, kStandardCiphers));
   return allowed;
 }
 
@@ -126,35 +131,36 @@ constexpr ChildSpec kDomainRuleSpecs[] = {{"domains"},
 /// The elements that only DDS-Security 1.2 knows; 1.1 documents lack them.
 Status read_additions(ReadContext& context, const XmlChildren& child, DomainRule& rule) {
   if (const auto e = child.one(kKeyRevision)) {
-    rule.enable_key_revision = DDSSEC_TRY(read_boolean(context, e));
+    DDSSEC_ASSIGN_OR_RETURN(rule.enable_key_revision, read_boolean(context, e));
   }
   if (const auto e = child.one(kRtpsPsk)) {
-    rule.rtps_psk_protection_kind = DDSSEC_TRY(read_protection_kind(context, e, true));
+    DDSSEC_ASSIGN_OR_RETURN(rule.rtps_psk_protection_kind, read_protection_kind(context, e, true));
   }
   if (const auto e = child.one(kAlgorithms)) {
-    rule.allowed_algorithms = DDSSEC_TRY(read_algorithms(context, e));
+    DDSSEC_ASSIGN_OR_RETURN(rule.allowed_algorithms, read_algorithms(context, e));
   }
   return {};
 }
 
 Result<DomainRule> read_domain_rule(ReadContext& context, XmlElement element) {
-  const auto child = DDSSEC_TRY(XmlChildren::of(element, kDomainRuleSpecs));
+  DDSSEC_ASSIGN_OR_RETURN(const auto child, XmlChildren::of(element, kDomainRuleSpecs));
   if (!child.in_order())
     context.note(NoteKind::order, element, "is not in the schema's order: Fast DDS refuses it");
   DomainRule rule;
   rule.line = element.line();
-  rule.domains = DDSSEC_TRY(read_domains(context, child.one(kDomains)));
-  rule.allow_unauthenticated_participants =
-      DDSSEC_TRY(read_boolean(context, child.one(kAllowUnauthenticated)));
-  rule.enable_join_access_control =
-      DDSSEC_TRY(read_boolean(context, child.one(kJoinAccessControl)));
-  rule.discovery_protection_kind =
-      DDSSEC_TRY(read_protection_kind(context, child.one(kDiscovery), false));
-  rule.liveliness_protection_kind =
-      DDSSEC_TRY(read_protection_kind(context, child.one(kLiveliness), false));
-  rule.rtps_protection_kind = DDSSEC_TRY(read_protection_kind(context, child.one(kRtps), false));
-  DDSSEC_TRY(read_additions(context, child, rule));
-  rule.topic_rules = DDSSEC_TRY(read_topic_rules(context, child.one(kTopicRules)));
+  DDSSEC_ASSIGN_OR_RETURN(rule.domains, read_domains(context, child.one(kDomains)));
+  DDSSEC_ASSIGN_OR_RETURN(rule.allow_unauthenticated_participants,
+                          read_boolean(context, child.one(kAllowUnauthenticated)));
+  DDSSEC_ASSIGN_OR_RETURN(rule.enable_join_access_control,
+                          read_boolean(context, child.one(kJoinAccessControl)));
+  DDSSEC_ASSIGN_OR_RETURN(rule.discovery_protection_kind,
+                          read_protection_kind(context, child.one(kDiscovery), false));
+  DDSSEC_ASSIGN_OR_RETURN(rule.liveliness_protection_kind,
+                          read_protection_kind(context, child.one(kLiveliness), false));
+  DDSSEC_ASSIGN_OR_RETURN(rule.rtps_protection_kind,
+                          read_protection_kind(context, child.one(kRtps), false));
+  DDSSEC_RETURN_IF_ERROR(read_additions(context, child, rule));
+  DDSSEC_ASSIGN_OR_RETURN(rule.topic_rules, read_topic_rules(context, child.one(kTopicRules)));
   return rule;
 }
 
@@ -162,17 +168,18 @@ Result<DomainRule> read_domain_rule(ReadContext& context, XmlElement element) {
 
 Result<Governance> read_governance(BytesView xml, int first_line) {
   constexpr ChildSpec kSpecs[] = {{"domain_rule", Count::many}};
-  const auto document = DDSSEC_TRY(XmlDocument::parse(xml, first_line));
-  const auto body = DDSSEC_TRY(document_body(document, "domain_access_rules"));
-  const auto children = DDSSEC_TRY(XmlChildren::of(body, kSpecs));
+  DDSSEC_ASSIGN_OR_RETURN(const auto document, XmlDocument::parse(xml, first_line));
+  DDSSEC_ASSIGN_OR_RETURN(const auto body, document_body(document, "domain_access_rules"));
+  DDSSEC_ASSIGN_OR_RETURN(const auto children, XmlChildren::of(body, kSpecs));
   Governance governance;
   ReadContext context(governance.notes);
   note_byte_order_mark(context, xml, document.root());
   note_end_tags(context, xml, first_line);
   note_extensions(context, document.root());
   for (const auto& [kind, child] : children.all()) {
-    DDSSEC_TRY(context.count(child));
-    governance.domain_rules.push_back(DDSSEC_TRY(read_domain_rule(context, child)));
+    DDSSEC_RETURN_IF_ERROR(context.count(child));
+    DDSSEC_ASSIGN_OR_RETURN(auto domain_rule, read_domain_rule(context, child));
+    governance.domain_rules.push_back(std::move(domain_rule));
   }
   if (governance.domain_rules.empty()) {
     return fail(

@@ -10,7 +10,7 @@ using Count = ChildSpec::Count;
 using std::chrono::seconds;
 
 Result<DateTime> read_time(ReadContext& context, XmlElement element, Round round) {
-  const std::string text = DDSSEC_TRY(element.nonempty_text());
+  DDSSEC_ASSIGN_OR_RETURN(const std::string text, element.nonempty_text());
   const auto moment = parse_date_time(text, round);
   if (!moment) {
     return fail(Code::value_not_date_time, {.line = element.line(),
@@ -35,10 +35,10 @@ Result<DateTime> read_time(ReadContext& context, XmlElement element, Round round
 
 Result<Validity> read_validity(ReadContext& context, XmlElement element) {
   constexpr ChildSpec kSpecs[] = {{"not_before"}, {"not_after"}};
-  const auto child = DDSSEC_TRY(XmlChildren::of(element, kSpecs));
+  DDSSEC_ASSIGN_OR_RETURN(const auto child, XmlChildren::of(element, kSpecs));
   // A fraction of a second makes the validity shorter, never longer.
-  const auto begin = DDSSEC_TRY(read_time(context, child.one(0), Round::up));
-  const auto end = DDSSEC_TRY(read_time(context, child.one(1), Round::down));
+  DDSSEC_ASSIGN_OR_RETURN(const auto begin, read_time(context, child.one(0), Round::up));
+  DDSSEC_ASSIGN_OR_RETURN(const auto end, read_time(context, child.one(1), Round::down));
   const Validity validity{begin.time, end.time, end.is_for_cyclone};
   if (validity.not_before > validity.not_after) {
     const bool is_within_a_second = validity.not_before - validity.not_after == seconds(1);
@@ -56,7 +56,7 @@ Result<Validity> read_validity(ReadContext& context, XmlElement element) {
 /// A tag holds pairs of name and value; the schema lets one element repeat them.
 Status read_tag(ReadContext& context, XmlElement element, std::vector<DataTag>& tags) {
   constexpr ChildSpec kSpecs[] = {{"name", Count::many}, {"value", Count::many}};
-  const auto children = DDSSEC_TRY(XmlChildren::of(element, kSpecs));
+  DDSSEC_ASSIGN_OR_RETURN(const auto children, XmlChildren::of(element, kSpecs));
   const auto& all = children.all();
   for (std::size_t i = 0; i < all.size() || i == 0; i += 2) {
     if (i >= all.size() || all[i].first != 0 || i + 1 >= all.size() || all[i + 1].first != 1) {
@@ -64,9 +64,9 @@ Status read_tag(ReadContext& context, XmlElement element, std::vector<DataTag>& 
           Code::element_missing,
           {.line = element.line(), .field = "<tag>", .expected = "a <name> and then a <value>"});
     }
-    DDSSEC_TRY(context.count(all[i].second));
-    auto name = DDSSEC_TRY(all[i].second.nonempty_text());
-    auto value = DDSSEC_TRY(all[i + 1].second.text());
+    DDSSEC_RETURN_IF_ERROR(context.count(all[i].second));
+    DDSSEC_ASSIGN_OR_RETURN(auto name, all[i].second.nonempty_text());
+    DDSSEC_ASSIGN_OR_RETURN(auto value, all[i + 1].second.text());
     tags.push_back({std::move(name), std::move(value)});
   }
   return {};
@@ -74,9 +74,10 @@ Status read_tag(ReadContext& context, XmlElement element, std::vector<DataTag>& 
 
 Result<std::vector<DataTag>> read_data_tags(ReadContext& context, XmlElement element) {
   constexpr ChildSpec kSpecs[] = {{"tag", Count::many}};
-  const auto children = DDSSEC_TRY(XmlChildren::of(element, kSpecs));
+  DDSSEC_ASSIGN_OR_RETURN(const auto children, XmlChildren::of(element, kSpecs));
   std::vector<DataTag> tags;
-  for (const auto& [kind, child] : children.all()) DDSSEC_TRY(read_tag(context, child, tags));
+  for (const auto& [kind, child] : children.all())
+    DDSSEC_RETURN_IF_ERROR(read_tag(context, child, tags));
   if (tags.empty()) {
     return fail(Code::element_missing,
                 {.line = element.line(), .field = "<data_tags>", .expected = "<tag>"});
@@ -87,37 +88,40 @@ Result<std::vector<DataTag>> read_data_tags(ReadContext& context, XmlElement ele
 Result<Criteria> read_criteria(ReadContext& context, XmlElement element) {
   constexpr ChildSpec kSpecs[] = {
       {"topics"}, {"partitions", Count::optional}, {"data_tags", Count::optional}};
-  const auto child = DDSSEC_TRY(XmlChildren::of(element, kSpecs));
+  DDSSEC_ASSIGN_OR_RETURN(const auto child, XmlChildren::of(element, kSpecs));
   Criteria criteria{.line = element.line()};
-  criteria.topics = DDSSEC_TRY(read_texts(context, child.one(0), "topic"));
+  DDSSEC_ASSIGN_OR_RETURN(criteria.topics, read_texts(context, child.one(0), "topic"));
   if (const auto e = child.one(1)) {
     // An empty <partition> names the default partition.
-    criteria.partitions = DDSSEC_TRY(read_texts(context, e, "partition", true));
+    DDSSEC_ASSIGN_OR_RETURN(criteria.partitions, read_texts(context, e, "partition", true));
   }
-  if (const auto e = child.one(2)) criteria.data_tags = DDSSEC_TRY(read_data_tags(context, e));
+  if (const auto e = child.one(2)) {
+    DDSSEC_ASSIGN_OR_RETURN(criteria.data_tags, read_data_tags(context, e));
+  }
   return criteria;
 }
 
 Result<Rule> read_rule(ReadContext& context, XmlElement element) {
   constexpr ChildSpec kSpecs[] = {
       {"domains"}, {"publish", Count::many}, {"subscribe", Count::many}, {"relay", Count::many}};
-  const auto children = DDSSEC_TRY(XmlChildren::of(element, kSpecs));
+  DDSSEC_ASSIGN_OR_RETURN(const auto children, XmlChildren::of(element, kSpecs));
   if (!children.in_order()) {
     context.note(NoteKind::order, element, "is not in the schema's order: Fast DDS refuses it");
   }
   Rule rule{.allow = element.name() == "allow_rule", .line = element.line()};
-  rule.domains = DDSSEC_TRY(read_domains(context, children.one(0)));
+  DDSSEC_ASSIGN_OR_RETURN(rule.domains, read_domains(context, children.one(0)));
   for (const auto& [kind, child] : children.all()) {
     if (kind == 0) continue;
-    DDSSEC_TRY(context.count(child));
+    DDSSEC_RETURN_IF_ERROR(context.count(child));
     auto& list = kind == 1 ? rule.publish : kind == 2 ? rule.subscribe : rule.relay;
-    list.push_back(DDSSEC_TRY(read_criteria(context, child)));
+    DDSSEC_ASSIGN_OR_RETURN(auto criteria, read_criteria(context, child));
+    list.push_back(std::move(criteria));
   }
   return rule;
 }
 
 Result<bool> read_default(ReadContext& context, XmlElement element) {
-  const std::string text = DDSSEC_TRY(element.nonempty_text());
+  DDSSEC_ASSIGN_OR_RETURN(const std::string text, element.nonempty_text());
   note_refused_padding(context, element);
   if (text == "ALLOW") return true;
   if (text == "DENY") return false;
@@ -153,30 +157,31 @@ Status read_subject(XmlElement element, const XmlChildren& children, Grant& gran
   }
   grant.subject_is_expression = !name;
   const auto& subject = name ? name : expression;
-  grant.subject_name = DDSSEC_TRY(subject.nonempty_text());
-  grant.subject_has_line_breaks =
-      trimmed(DDSSEC_TRY(subject.raw_text()), " ") != grant.subject_name;
+  DDSSEC_ASSIGN_OR_RETURN(grant.subject_name, subject.nonempty_text());
+  DDSSEC_ASSIGN_OR_RETURN(const auto raw_text, subject.raw_text());
+  grant.subject_has_line_breaks = trimmed(raw_text, " ") != grant.subject_name;
   return {};
 }
 
 Result<Grant> read_grant(ReadContext& context, XmlElement element) {
-  const auto children = DDSSEC_TRY(XmlChildren::of(element, kGrantSpecs));
+  DDSSEC_ASSIGN_OR_RETURN(const auto children, XmlChildren::of(element, kGrantSpecs));
   Grant grant{.line = element.line()};
   if (const char* name = element.attribute("name")) grant.name = name;
   if (grant.name.empty())
     context.note(NoteKind::no_name, element, "has no name: Fast DDS refuses it");
-  DDSSEC_TRY(read_subject(element, children, grant));
-  grant.validity = DDSSEC_TRY(read_validity(context, children.one(kValidity)));
+  DDSSEC_RETURN_IF_ERROR(read_subject(element, children, grant));
+  DDSSEC_ASSIGN_OR_RETURN(grant.validity, read_validity(context, children.one(kValidity)));
   for (const auto& [kind, child] : children.all()) {
     if (kind != kAllowRule && kind != kDenyRule) continue;
-    DDSSEC_TRY(context.count(child));
-    grant.rules.push_back(DDSSEC_TRY(read_rule(context, child)));
+    DDSSEC_RETURN_IF_ERROR(context.count(child));
+    DDSSEC_ASSIGN_OR_RETURN(auto rule, read_rule(context, child));
+    grant.rules.push_back(std::move(rule));
   }
   if (const auto e = children.one(kDefault)) {
     if (children.all().back().first != kDefault)
       context.note(NoteKind::order, element,
                    "has its <default> before other elements: Fast DDS refuses it");
-    grant.default_allow = DDSSEC_TRY(read_default(context, e));
+    DDSSEC_ASSIGN_OR_RETURN(grant.default_allow, read_default(context, e));
   } else {
     context.note(NoteKind::no_default, element,
                  "has no <default>: it denies; some products refuse the document");
@@ -188,17 +193,18 @@ Result<Grant> read_grant(ReadContext& context, XmlElement element) {
 
 Result<Permissions> read_permissions(BytesView xml, int first_line) {
   constexpr ChildSpec kSpecs[] = {{"grant", Count::many}};
-  const auto document = DDSSEC_TRY(XmlDocument::parse(xml, first_line));
-  const auto body = DDSSEC_TRY(document_body(document, "permissions"));
-  const auto children = DDSSEC_TRY(XmlChildren::of(body, kSpecs));
+  DDSSEC_ASSIGN_OR_RETURN(const auto document, XmlDocument::parse(xml, first_line));
+  DDSSEC_ASSIGN_OR_RETURN(const auto body, document_body(document, "permissions"));
+  DDSSEC_ASSIGN_OR_RETURN(const auto children, XmlChildren::of(body, kSpecs));
   Permissions permissions;
   ReadContext context(permissions.notes);
   note_byte_order_mark(context, xml, document.root());
   note_end_tags(context, xml, first_line);
   note_extensions(context, document.root());
   for (const auto& [kind, child] : children.all()) {
-    DDSSEC_TRY(context.count(child));
-    permissions.grants.push_back(DDSSEC_TRY(read_grant(context, child)));
+    DDSSEC_RETURN_IF_ERROR(context.count(child));
+    DDSSEC_ASSIGN_OR_RETURN(auto grant, read_grant(context, child));
+    permissions.grants.push_back(std::move(grant));
   }
   if (permissions.grants.empty()) {
     return fail(Code::element_missing,

@@ -60,7 +60,7 @@ class Policies {
   explicit Policies(const ReadFile& read) : read_(read) {}
 
   Result<Node> open(const fs::path& file) {
-    const auto octets = DDSSEC_TRY(read_(file));
+    DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_(file));
     octets_ += octets.size();
     if (octets_ > kMostXmlOctets) return fail(Code::xml_too_large, {.document = file});
     auto document = XmlDocument::parse(octets);
@@ -79,7 +79,8 @@ class Policies {
         out.push_back(node);
         continue;
       }
-      for (auto& included : DDSSEC_TRY(includes(node, depth))) out.push_back(std::move(included));
+      DDSSEC_ASSIGN_OR_RETURN(auto nodes, includes(node, depth));
+      for (auto& included : nodes) out.push_back(std::move(included));
     }
     return out;
   }
@@ -105,15 +106,18 @@ class Policies {
     const bool leaves = std::ranges::find(path, fs::path("..")) != path.end();
     if (href.empty() || path.is_absolute() || leaves || href.find(':') != href.npos)
       return refuse(Code::policy_include, include, "a file beside or below this one", href);
-    const auto steps = DDSSEC_TRY(steps_of(include));
-    std::vector<Node> found = {DDSSEC_TRY(open(include.file.parent_path() / path))};
+    DDSSEC_ASSIGN_OR_RETURN(const auto steps, steps_of(include));
+    DDSSEC_ASSIGN_OR_RETURN(auto opened, open(include.file.parent_path() / path));
+    std::vector<Node> found = {std::move(opened)};
     if (found[0].element.name() != steps[0]) found.clear();
     for (std::size_t i = 1; i <= steps.size(); ++i) {
       std::vector<Node> next;
-      for (const auto& node : found)
-        for (auto& child : DDSSEC_TRY(children(node, depth + 1)))
+      for (const auto& node : found) {
+        DDSSEC_ASSIGN_OR_RETURN(auto nodes, children(node, depth + 1));
+        for (auto& child : nodes)
           if (i == steps.size() || child.element.name() == steps[i])
             next.push_back(std::move(child));
+      }
       found = std::move(next);
     }
     if (found.empty()) return refuse(Code::policy_include, include, "elements there", "none");
@@ -175,21 +179,26 @@ class Reader {
   Result<RosPolicy> policy(const Node& root) {
     if (root.element.name() != "policy")
       return refuse(Code::document_kind, root, "<policy>", std::string(root.element.name()));
-    DDSSEC_TRY(check_attributes(root, {"version"}));
+    DDSSEC_RETURN_IF_ERROR(check_attributes(root, {"version"}));
     if (const auto version = text_of(root.element.attribute("version")); version != "0.2.0")
       return refuse(Code::policy_value, root, "version 0.2.0", version);
     RosPolicy out;
-    for (const auto& enclaves : DDSSEC_TRY(named_children(root, "enclaves")))
-      for (const auto& node : DDSSEC_TRY(named_children(enclaves, "enclave")))
-        out.enclaves.push_back(DDSSEC_TRY(enclave(node)));
-    DDSSEC_TRY(require(root, !out.enclaves.empty(), "<enclave>"));
+    DDSSEC_ASSIGN_OR_RETURN(const auto nodes, named_children(root, "enclaves"));
+    for (const auto& enclaves : nodes) {
+      DDSSEC_ASSIGN_OR_RETURN(const auto children, named_children(enclaves, "enclave"));
+      for (const auto& node : children) {
+        DDSSEC_ASSIGN_OR_RETURN(auto ros_enclave, enclave(node));
+        out.enclaves.push_back(std::move(ros_enclave));
+      }
+    }
+    DDSSEC_RETURN_IF_ERROR(require(root, !out.enclaves.empty(), "<enclave>"));
     return out;
   }
 
  private:
   Result<std::vector<Node>> named_children(const Node& parent, std::string_view name,
                                            std::string_view or_ignored = {}) {
-    auto all = DDSSEC_TRY(policies_.children(parent));
+    DDSSEC_ASSIGN_OR_RETURN(auto all, policies_.children(parent));
     std::erase_if(all, [&](const Node& n) { return n.element.name() == or_ignored; });
     for (const auto& node : all)
       if (node.element.name() != name) return unknown(node);
@@ -197,46 +206,54 @@ class Reader {
   }
 
   Result<RosEnclave> enclave(const Node& node) {
-    DDSSEC_TRY(check_attributes(node, {"path"}));
+    DDSSEC_RETURN_IF_ERROR(check_attributes(node, {"path"}));
     RosEnclave out{.path = text_of(node.element.attribute("path")), .line = node.element.line()};
     if (!out.path.starts_with('/'))
       return refuse(Code::policy_value, node, "an absolute path", out.path);
-    for (const auto& profiles : DDSSEC_TRY(named_children(node, "profiles"))) {
-      DDSSEC_TRY(check_attributes(profiles, {"type"}));
+    DDSSEC_ASSIGN_OR_RETURN(const auto nodes, named_children(node, "profiles"));
+    for (const auto& profiles : nodes) {
+      DDSSEC_RETURN_IF_ERROR(check_attributes(profiles, {"type"}));
       auto& list = out.profiles.emplace_back();
-      for (const auto& one : DDSSEC_TRY(named_children(profiles, "profile", "metadata")))
-        list.push_back(DDSSEC_TRY(profile(one)));
-      DDSSEC_TRY(require(profiles, !list.empty(), "<profile>"));
+      DDSSEC_ASSIGN_OR_RETURN(const auto children, named_children(profiles, "profile", "metadata"));
+      for (const auto& one : children) {
+        DDSSEC_ASSIGN_OR_RETURN(auto ros_profile, profile(one));
+        list.push_back(std::move(ros_profile));
+      }
+      DDSSEC_RETURN_IF_ERROR(require(profiles, !list.empty(), "<profile>"));
     }
-    DDSSEC_TRY(require(node, !out.profiles.empty(), "<profiles>"));
+    DDSSEC_RETURN_IF_ERROR(require(node, !out.profiles.empty(), "<profiles>"));
     return out;
   }
 
   Result<RosProfile> profile(const Node& node) {
-    DDSSEC_TRY(check_attributes(node, {"ns", "node"}));
+    DDSSEC_RETURN_IF_ERROR(check_attributes(node, {"ns", "node"}));
     RosProfile out{text_of(node.element.attribute("ns")), text_of(node.element.attribute("node"))};
     if (!out.ns.starts_with('/') || out.node.empty())
       return refuse(Code::policy_value, node, "ns= an absolute namespace and node= a name",
                     out.ns + " " + out.node);
-    for (const auto& child : DDSSEC_TRY(policies_.children(node)))
-      out.elements.push_back(DDSSEC_TRY(element(child)));
+    DDSSEC_ASSIGN_OR_RETURN(const auto children, policies_.children(node));
+    for (const auto& child : children) {
+      DDSSEC_ASSIGN_OR_RETURN(auto ros_element, element(child));
+      out.elements.push_back(std::move(ros_element));
+    }
     return out;
   }
 
   Result<RosElement> element(const Node& node) {
     const auto words = std::ranges::find(kWords, node.element.name(), &Words::list);
     if (words == kWords.end()) return unknown(node);
-    DDSSEC_TRY(check_attributes(node, {words->first, words->second}));
-    RosElement out{.kind = words->kind,
-                   .first = DDSSEC_TRY(qualifier(node, words->first)),
-                   .second = DDSSEC_TRY(qualifier(node, words->second))};
-    for (const auto& item : DDSSEC_TRY(named_children(node, words->item))) {
+    DDSSEC_RETURN_IF_ERROR(check_attributes(node, {words->first, words->second}));
+    DDSSEC_ASSIGN_OR_RETURN(const auto first, qualifier(node, words->first));
+    DDSSEC_ASSIGN_OR_RETURN(const auto second, qualifier(node, words->second));
+    RosElement out{.kind = words->kind, .first = first, .second = second};
+    DDSSEC_ASSIGN_OR_RETURN(const auto nodes, named_children(node, words->item));
+    for (const auto& item : nodes) {
       auto name = item.element.raw_text();
       if (!name) return std::unexpected(name.error().in(item.file));
       if (name->empty()) return refuse(Code::element_empty, item, "a name", "");
       out.names.push_back(*std::move(name));
     }
-    DDSSEC_TRY(require(node, !out.names.empty(), in_brackets(words->item)));
+    DDSSEC_RETURN_IF_ERROR(require(node, !out.names.empty(), in_brackets(words->item)));
     return out;
   }
 
@@ -247,7 +264,7 @@ class Reader {
 
 Result<RosPolicy> read_ros_policy(const fs::path& file, const ReadFile& read) {
   Policies policies(read);
-  const auto root = DDSSEC_TRY(policies.open(file));
+  DDSSEC_ASSIGN_OR_RETURN(const auto root, policies.open(file));
   return Reader(policies).policy(root);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <utility>
 
 #include "base/text.hpp"
 #include "governance/read.hpp"
@@ -76,7 +77,7 @@ constexpr const char* kLeadingZero =
     "Cyclone DDS reads a number with a leading zero as octal, other products as decimal";
 
 Result<DomainId> read_domain_id(XmlElement element) {
-  const std::string text = DDSSEC_TRY(element.nonempty_text());
+  DDSSEC_ASSIGN_OR_RETURN(const std::string text, element.nonempty_text());
   DomainId id = -1;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
   const bool whole = error == std::errc() && end == text.data() + text.size();
@@ -94,7 +95,7 @@ Result<DomainId> read_domain_id(XmlElement element) {
 
 Result<DomainRange> read_range(ReadContext& context, XmlElement element) {
   constexpr ChildSpec kSpecs[] = {{"min", Count::optional}, {"max", Count::optional}};
-  const auto children = DDSSEC_TRY(XmlChildren::of(element, kSpecs));
+  DDSSEC_ASSIGN_OR_RETURN(const auto children, XmlChildren::of(element, kSpecs));
   const XmlElement min = children.one(0);
   const XmlElement max = children.one(1);
   if (!min && !max) {
@@ -102,8 +103,12 @@ Result<DomainRange> read_range(ReadContext& context, XmlElement element) {
                 {.line = element.line(), .field = "<id_range>", .expected = "<min> and <max>"});
   }
   DomainRange range{.first = 0, .last = kHighestDomainId, .is_open = !max};
-  if (min) range.first = DDSSEC_TRY(read_domain_id(min));
-  if (max) range.last = DDSSEC_TRY(read_domain_id(max));
+  if (min) {
+    DDSSEC_ASSIGN_OR_RETURN(range.first, read_domain_id(min));
+  }
+  if (max) {
+    DDSSEC_ASSIGN_OR_RETURN(range.last, read_domain_id(max));
+  }
   const auto note = [&](std::string_view text) {
     context.note(NoteKind::open_range, element, text);
   };
@@ -225,16 +230,17 @@ Result<XmlElement> document_body(const XmlDocument& document, std::string_view n
         {.line = at.line(), .expected = in_brackets(expected), .found = in_brackets(at.name())});
   };
   if (root.name() != "dds") return refuse(root, "dds");
-  DDSSEC_TRY(root.check_attributes());
+  DDSSEC_RETURN_IF_ERROR(root.check_attributes());
   for (XmlElement child = root.first_child(); child; child = child.next_sibling()) {
     if (child.name() != name && !child.may_be_ignored()) return refuse(child, name);
   }
   const ChildSpec specs[] = {{name}};
-  return DDSSEC_TRY(XmlChildren::of(root, specs)).one(0);
+  DDSSEC_ASSIGN_OR_RETURN(const auto xml_children, XmlChildren::of(root, specs));
+  return xml_children.one(0);
 }
 
 Result<bool> read_boolean(ReadContext& context, XmlElement element) {
-  const std::string text = DDSSEC_TRY(element.nonempty_text());
+  DDSSEC_ASSIGN_OR_RETURN(const std::string text, element.nonempty_text());
   const std::string lower = ascii_lower(text);
   const bool value = lower == "true" || lower == "1";
   if (!value && lower != "false" && lower != "0") {
@@ -257,7 +263,7 @@ Result<bool> read_boolean(ReadContext& context, XmlElement element) {
 }
 
 Result<ProtectionKind> read_protection_kind(ReadContext& context, XmlElement element, bool basic) {
-  const std::string text = DDSSEC_TRY(element.nonempty_text());
+  DDSSEC_ASSIGN_OR_RETURN(const std::string text, element.nonempty_text());
   note_refused_padding(context, element);
   const std::string upper = ascii_upper(text);
   const auto kind = protection_kind_from(upper);
@@ -280,19 +286,21 @@ Result<DomainSet> read_domains(ReadContext& context, XmlElement element) {
                                   {"id_range", Count::many},
                                   {"tag", Count::many},
                                   {"tag_expression", Count::many}};
-  const auto children = DDSSEC_TRY(XmlChildren::of(element, kSpecs));
+  DDSSEC_ASSIGN_OR_RETURN(const auto children, XmlChildren::of(element, kSpecs));
   DomainSet domains{.line = element.line()};
   for (const auto& [kind, child] : children.all()) {
-    DDSSEC_TRY(context.count(child));
+    DDSSEC_RETURN_IF_ERROR(context.count(child));
     if (kind == 0) {
-      const DomainId id = DDSSEC_TRY(read_domain_id(child));
+      DDSSEC_ASSIGN_OR_RETURN(const DomainId id, read_domain_id(child));
       domains.ranges.push_back({id, id});
     } else if (kind == 1) {
-      domains.ranges.push_back(DDSSEC_TRY(read_range(context, child)));
+      DDSSEC_ASSIGN_OR_RETURN(const auto range, read_range(context, child));
+      domains.ranges.push_back(range);
     } else {
       auto& list = kind == 2 ? domains.tags : domains.tag_expressions;
       // The empty tag is a tag: it is the one that a participant has by default.
-      list.push_back({DDSSEC_TRY(child.text()), child.line()});
+      DDSSEC_ASSIGN_OR_RETURN(auto text, child.text());
+      list.push_back({std::move(text), child.line()});
     }
   }
   if (domains.ranges.empty()) {
@@ -306,14 +314,14 @@ Result<DomainSet> read_domains(ReadContext& context, XmlElement element) {
 Result<std::vector<Text>> read_texts(ReadContext& context, XmlElement list, std::string_view name,
                                      bool may_be_empty) {
   const ChildSpec specs[] = {{name, Count::many}};
-  const auto children = DDSSEC_TRY(XmlChildren::of(list, specs));
+  DDSSEC_ASSIGN_OR_RETURN(const auto children, XmlChildren::of(list, specs));
   std::vector<Text> texts;
   texts.reserve(children.all().size());
   for (const auto& [kind, child] : children.all()) {
-    DDSSEC_TRY(context.count(child));
+    DDSSEC_RETURN_IF_ERROR(context.count(child));
     note_padding(context, child);
-    texts.push_back({may_be_empty ? DDSSEC_TRY(child.text()) : DDSSEC_TRY(child.nonempty_text()),
-                     child.line(), child.is_padded()});
+    DDSSEC_ASSIGN_OR_RETURN(auto text, may_be_empty ? child.text() : child.nonempty_text());
+    texts.push_back({std::move(text), child.line(), child.is_padded()});
   }
   if (texts.empty()) {
     return fail(

@@ -165,13 +165,13 @@ XmlDocument::XmlDocument(XmlDocument&&) noexcept = default;
 XmlDocument& XmlDocument::operator=(XmlDocument&&) noexcept = default;
 
 Result<XmlChildren> XmlChildren::of(XmlElement parent, std::span<const ChildSpec> specs) {
-  DDSSEC_TRY(parent.check_no_text());
+  DDSSEC_RETURN_IF_ERROR(parent.check_no_text());
   XmlChildren children;
   std::uint64_t seen = 0;
   for (XmlElement child = parent.first_child(); child; child = child.next_sibling()) {
     const auto row = std::ranges::find(specs, child.name(), &ChildSpec::name);
     if (row == specs.end()) {
-      DDSSEC_TRY(child.check_attributes());
+      DDSSEC_RETURN_IF_ERROR(child.check_attributes());
       if (child.may_be_ignored()) continue;
       return refuse(Code::element_unknown, child, {.note = "inside " + in_brackets(parent.name())});
     }
@@ -180,7 +180,7 @@ Result<XmlChildren> XmlChildren::of(XmlElement parent, std::span<const ChildSpec
       return refuse(Code::element_repeated, child,
                     {.note = "inside " + in_brackets(parent.name())});
     }
-    DDSSEC_TRY(child.check_attributes(child.name() == "grant" ? "name" : ""));
+    DDSSEC_RETURN_IF_ERROR(child.check_attributes(child.name() == "grant" ? "name" : ""));
     seen |= std::uint64_t{1} << index;
     children.all_.emplace_back(index, child);
   }

@@ -44,7 +44,7 @@ Status check_subject_length(const X509_NAME* subject) {
 }
 
 Result<NamePtr> make_name(std::string_view text) {
-  const auto subject = DDSSEC_TRY(SubjectName::parse(text));
+  DDSSEC_ASSIGN_OR_RETURN(const auto subject, SubjectName::parse(text));
   NamePtr name(X509_NAME_new());
   if (!name) return openssl_failure(Code::internal);
   for (const auto& rdn : rdns_from_root(subject))
@@ -53,14 +53,14 @@ Result<NamePtr> make_name(std::string_view text) {
         return openssl_failure(
             Code::subject_name_malformed,
             {.field = subject.attributes()[i].type, .found = subject.attributes()[i].value});
-  DDSSEC_TRY(check_subject_length(name.get()));
+  DDSSEC_RETURN_IF_ERROR(check_subject_length(name.get()));
   return name;
 }
 
 // 128 random bits: serial numbers are unpredictable (CA/Browser baseline asks for 64).
 Status set_serial(X509* x509, Random& random) {
   std::array<std::uint8_t, 16> octets{};
-  DDSSEC_TRY(random.fill(octets));
+  DDSSEC_RETURN_IF_ERROR(random.fill(octets));
   octets[0] = static_cast<std::uint8_t>((octets[0] & 0x7f) | 0x40);
   const BignumPtr number(BN_bin2bn(octets.data(), static_cast<int>(octets.size()), nullptr));
   if (!number || BN_to_ASN1_INTEGER(number.get(), X509_get_serialNumber(x509)) == nullptr)
@@ -104,8 +104,8 @@ Result<Certificate> build(const CertificateTemplate& content, Subject subject,
                           Random& random) {
   const X509Ptr x509(X509_new());
   X509* by = issuer != nullptr ? issuer->impl().x509.get() : x509.get();
-  const auto from = DDSSEC_TRY(encoded(content.validity.not_before));
-  const auto until = DDSSEC_TRY(encoded(content.validity.not_after));
+  DDSSEC_ASSIGN_OR_RETURN(const auto from, encoded(content.validity.not_before));
+  DDSSEC_ASSIGN_OR_RETURN(const auto until, encoded(content.validity.not_after));
   if (!x509 || X509_set_version(x509.get(), X509_VERSION_3) != 1 ||
       X509_set_subject_name(x509.get(), subject.name) != 1 ||
       X509_set_issuer_name(x509.get(), X509_get_subject_name(by)) != 1 ||
@@ -113,8 +113,8 @@ Result<Certificate> build(const CertificateTemplate& content, Subject subject,
       X509_set1_notBefore(x509.get(), from.get()) != 1 ||
       X509_set1_notAfter(x509.get(), until.get()) != 1)
     return openssl_failure(Code::internal);
-  DDSSEC_TRY(set_serial(x509.get(), random));
-  DDSSEC_TRY(add_extensions(x509.get(), by, content));
+  DDSSEC_RETURN_IF_ERROR(set_serial(x509.get(), random));
+  DDSSEC_RETURN_IF_ERROR(add_extensions(x509.get(), by, content));
   unsigned char* der = nullptr;
   const bool signed_ok =
       X509_sign(x509.get(), signing_key.impl().pkey.get(), digest_of(signing_key)) > 0;
@@ -148,7 +148,7 @@ Result<RequestPtr> parsed_request(BytesView pem) {
   // The signature shows that the requester has the private key.
   if (key == nullptr || X509_REQ_verify(request.get(), key) != 1)
     return openssl_failure(Code::request_invalid);
-  DDSSEC_TRY(judge_key(key));
+  DDSSEC_RETURN_IF_ERROR(judge_key(key));
   return request;
 }
 
@@ -175,8 +175,8 @@ bool add_reason(X509_REVOKED* entry, RevocationReason reason) {
 
 Status add_revoked(X509_CRL* crl, const Revocation& revocation) {
   RevokedPtr entry(X509_REVOKED_new());
-  const auto serial = DDSSEC_TRY(to_serial(revocation.serial));
-  const auto when = DDSSEC_TRY(encoded(revocation.time));
+  DDSSEC_ASSIGN_OR_RETURN(const auto serial, to_serial(revocation.serial));
+  DDSSEC_ASSIGN_OR_RETURN(const auto when, encoded(revocation.time));
   if (!entry || X509_REVOKED_set_serialNumber(entry.get(), serial.get()) != 1 ||
       X509_REVOKED_set_revocationDate(entry.get(), when.get()) != 1 ||
       !add_reason(entry.get(), revocation.reason) || X509_CRL_add0_revoked(crl, entry.get()) != 1)
@@ -205,7 +205,7 @@ Result<Bytes> detached_signature(const Credential& signer, BytesView content, Wa
   constexpr unsigned kFlags = CMS_DETACHED | CMS_BINARY;
   const CmsPtr cms(CMS_sign(nullptr, nullptr, nullptr, nullptr, kFlags | CMS_PARTIAL));
   const BioPtr data = bio_over(content);
-  const auto signing_time = DDSSEC_TRY(encoded(time));
+  DDSSEC_ASSIGN_OR_RETURN(const auto signing_time, encoded(time));
   CMS_SignerInfo* info = cms ? CMS_add1_signer(cms.get(), signer.certificate.impl().x509.get(),
                                                signer.key.impl().pkey.get(), digest_of(signer.key),
                                                kFlags | CMS_PARTIAL | CMS_NOSMIMECAP)
@@ -235,14 +235,14 @@ std::string base64_lines(BytesView octets) {
 
 Result<std::string> random_boundary(Random& random) {
   std::array<std::uint8_t, 16> octets{};
-  DDSSEC_TRY(random.fill(octets));
+  DDSSEC_RETURN_IF_ERROR(random.fill(octets));
   return "----" + to_hex(octets);
 }
 
 }  // namespace
 
 Result<std::string> make_request(const PrivateKey& key, std::string_view subject) {
-  const auto name = DDSSEC_TRY(make_name(subject));
+  DDSSEC_ASSIGN_OR_RETURN(const auto name, make_name(subject));
   const RequestPtr request(X509_REQ_new());
   EVP_PKEY* pkey = key.impl().pkey.get();
   const BioPtr bio(BIO_new(BIO_s_mem()));
@@ -257,64 +257,68 @@ Result<std::string> make_request(const PrivateKey& key, std::string_view subject
 
 Result<Credential> Authority::self_sign(const CertificateTemplate& content, PrivateKey key,
                                         Random& random) {
-  const auto name = DDSSEC_TRY(make_name(content.subject));
-  auto certificate =
-      DDSSEC_TRY(build(content, {name.get(), key.impl().pkey.get()}, nullptr, key, random));
+  DDSSEC_ASSIGN_OR_RETURN(const auto name, make_name(content.subject));
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto certificate, build(content, {name.get(), key.impl().pkey.get()}, nullptr, key, random));
   return Credential{std::move(certificate), std::move(key)};
 }
 
 Result<Authority> Authority::create_root(std::string_view subject, KeySpec key, Validity validity,
                                          Random& random) {
-  return create_root(subject, DDSSEC_TRY(PrivateKey::generate(key.kind, key.bits)), validity,
-                     random);
+  DDSSEC_ASSIGN_OR_RETURN(auto private_key, PrivateKey::generate(key.kind, key.bits));
+  return create_root(subject, std::move(private_key), validity, random);
 }
 
 Result<Authority> Authority::create_root(std::string_view subject, PrivateKey key,
                                          Validity validity, Random& random) {
   auto content = ca_template(subject, validity);
   content.path_length = 1;
-  return Authority(DDSSEC_TRY(self_sign(content, std::move(key), random)));
+  DDSSEC_ASSIGN_OR_RETURN(auto credential, self_sign(content, std::move(key), random));
+  return Authority(std::move(credential));
 }
 
 Result<Authority> Authority::create(std::string_view subject, KeySpec key, Validity validity,
                                     Random& random) {
-  auto own = DDSSEC_TRY(PrivateKey::generate(key.kind, key.bits));
-  return Authority(DDSSEC_TRY(self_sign(ca_template(subject, validity), std::move(own), random)));
+  DDSSEC_ASSIGN_OR_RETURN(auto own, PrivateKey::generate(key.kind, key.bits));
+  DDSSEC_ASSIGN_OR_RETURN(auto credential,
+                          self_sign(ca_template(subject, validity), std::move(own), random));
+  return Authority(std::move(credential));
 }
 
 Result<Authority> Authority::load(Certificate certificate, PrivateKey key) {
   if (!certificate.is_ca())
     return fail(Code::not_a_ca,
                 {.field = certificate.subject(), .expected = "basicConstraints CA:TRUE"});
-  DDSSEC_TRY(key.matches(certificate));
+  DDSSEC_RETURN_IF_ERROR(key.matches(certificate));
   return Authority(Credential{std::move(certificate), std::move(key)});
 }
 
 Result<Authority> Authority::subordinate(std::string_view subject, KeySpec key, Validity validity,
                                          Random& random) const {
-  return subordinate(subject, DDSSEC_TRY(PrivateKey::generate(key.kind, key.bits)), validity,
-                     random);
+  DDSSEC_ASSIGN_OR_RETURN(auto private_key, PrivateKey::generate(key.kind, key.bits));
+  return subordinate(subject, std::move(private_key), validity, random);
 }
 
 Result<Authority> Authority::subordinate(std::string_view subject, PrivateKey key,
                                          Validity validity, Random& random) const {
   auto content = ca_template(subject, validity);
   content.path_length = 0;
-  auto certificate = DDSSEC_TRY(certify(content, key, random));
+  DDSSEC_ASSIGN_OR_RETURN(auto certificate, certify(content, key, random));
   return Authority(Credential{std::move(certificate), std::move(key)});
 }
 
 Result<Credential> Authority::issue(std::string_view subject, KeySpec key, Validity validity,
                                     Random& random) const {
-  auto own = DDSSEC_TRY(PrivateKey::generate(key.kind, key.bits));
-  auto certificate =
-      DDSSEC_TRY(certify({.subject = std::string(subject), .validity = validity}, own, random));
+  DDSSEC_ASSIGN_OR_RETURN(auto own, PrivateKey::generate(key.kind, key.bits));
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto certificate,
+      certify({.subject = std::string(subject), .validity = validity}, own, random));
   return Credential{std::move(certificate), std::move(own)};
 }
 
 Result<Certificate> Authority::certify(const CertificateTemplate& content, const PrivateKey& key,
                                        Random& random) const {
-  const auto name = DDSSEC_TRY(make_name(content.subject));
+  DDSSEC_ASSIGN_OR_RETURN(const auto name, make_name(content.subject));
   return build(content, {name.get(), key.impl().pkey.get()}, &self_.certificate, self_.key, random);
 }
 
@@ -335,8 +339,8 @@ Result<Certificate> Authority::renewed(Validity validity, Random& random) const 
 
 Result<Certificate> Authority::sign_request(BytesView request_pem, Validity validity,
                                             Random& random) const {
-  const auto request = DDSSEC_TRY(parsed_request(request_pem));
-  DDSSEC_TRY(check_subject_length(X509_REQ_get_subject_name(request.get())));
+  DDSSEC_ASSIGN_OR_RETURN(const auto request, parsed_request(request_pem));
+  DDSSEC_RETURN_IF_ERROR(check_subject_length(X509_REQ_get_subject_name(request.get())));
   const CertificateTemplate content{.subject = {}, .validity = validity};
   return build(content,
                {X509_REQ_get_subject_name(request.get()), X509_REQ_get0_pubkey(request.get())},
@@ -344,19 +348,19 @@ Result<Certificate> Authority::sign_request(BytesView request_pem, Validity vali
 }
 
 Result<RequestContent> read_request(BytesView request_pem) {
-  const auto request = DDSSEC_TRY(parsed_request(request_pem));
+  DDSSEC_ASSIGN_OR_RETURN(const auto request, parsed_request(request_pem));
   const X509_NAME* subject = X509_REQ_get_subject_name(request.get());
-  const auto key = DDSSEC_TRY(judge_key(X509_REQ_get0_pubkey(request.get())));
-  DDSSEC_TRY(check_name(subject, "subject"));
-  DDSSEC_TRY(check_subject_length(subject));
+  DDSSEC_ASSIGN_OR_RETURN(const auto key, judge_key(X509_REQ_get0_pubkey(request.get())));
+  DDSSEC_RETURN_IF_ERROR(check_name(subject, "subject"));
+  DDSSEC_RETURN_IF_ERROR(check_subject_length(subject));
   return RequestContent{name_rfc2253(subject), key};
 }
 
 Result<Crl> Authority::make_crl(const CrlTemplate& content) const {
   const CrlPtr crl(X509_CRL_new());
   X509* issuer = self_.certificate.impl().x509.get();
-  const auto this_update = DDSSEC_TRY(encoded(content.this_update));
-  const auto next_update = DDSSEC_TRY(encoded(content.next_update));
+  DDSSEC_ASSIGN_OR_RETURN(const auto this_update, encoded(content.this_update));
+  DDSSEC_ASSIGN_OR_RETURN(const auto next_update, encoded(content.next_update));
   if (!crl || X509_CRL_set_version(crl.get(), X509_CRL_VERSION_2) != 1 ||
       X509_CRL_set_issuer_name(crl.get(), X509_get_subject_name(issuer)) != 1 ||
       X509_CRL_set1_lastUpdate(crl.get(), this_update.get()) != 1 ||
@@ -365,17 +369,18 @@ Result<Crl> Authority::make_crl(const CrlTemplate& content) const {
   std::unordered_set<std::string> listed;
   for (const auto& certificate : content.revoked)
     if (listed.insert(certificate.serial()).second)
-      DDSSEC_TRY(
+      DDSSEC_RETURN_IF_ERROR(
           add_revoked(crl.get(), {.serial = certificate.serial(), .time = content.this_update}));
   for (const auto& entry : content.entries)
-    if (listed.insert(entry.serial).second) DDSSEC_TRY(add_revoked(crl.get(), entry));
-  DDSSEC_TRY(add_crl_extensions(crl.get(), issuer, content.number));
+    if (listed.insert(entry.serial).second) DDSSEC_RETURN_IF_ERROR(add_revoked(crl.get(), entry));
+  DDSSEC_RETURN_IF_ERROR(add_crl_extensions(crl.get(), issuer, content.number));
   X509_CRL_sort(crl.get());
   const BioPtr bio(BIO_new(BIO_s_mem()));
   if (!bio || X509_CRL_sign(crl.get(), self_.key.impl().pkey.get(), digest_of(self_.key)) <= 0 ||
       i2d_X509_CRL_bio(bio.get(), crl.get()) != 1)
     return openssl_failure(Code::internal);
-  return std::move(DDSSEC_TRY(Crl::all_from(bio_octets(bio))).front());
+  DDSSEC_ASSIGN_OR_RETURN(auto crls, Crl::all_from(bio_octets(bio)));
+  return std::move(crls.front());
 }
 
 Result<Bytes> Authority::sign_document(BytesView document, WallTime signing_time,
@@ -387,9 +392,9 @@ Result<Bytes> sign_document(const Credential& signer, BytesView document, WallTi
                             Random& random) {
   if (as_text(document).find('\0') != std::string_view::npos) return fail(Code::smime_nul);
   auto text = std::string("Content-Type: text/plain\r\n\r\n").append(as_text(document));
-  const auto content = DDSSEC_TRY(canonical_text(text));
-  const auto signature = DDSSEC_TRY(detached_signature(signer, content, signing_time));
-  const auto boundary = DDSSEC_TRY(random_boundary(random));
+  DDSSEC_ASSIGN_OR_RETURN(const auto content, canonical_text(text));
+  DDSSEC_ASSIGN_OR_RETURN(const auto signature, detached_signature(signer, content, signing_time));
+  DDSSEC_ASSIGN_OR_RETURN(const auto boundary, random_boundary(random));
   const bool sha384 = signer.key.algorithm().kind == KeyKind::ec_p384;
   std::string out = "MIME-Version: 1.0\nContent-Type: multipart/signed; ";
   out.append("protocol=\"application/x-pkcs7-signature\"; micalg=\"")

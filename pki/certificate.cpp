@@ -51,7 +51,7 @@ Result<X509Ptr> decode(BytesView der) {
     return std::unexpected(malformed("octets follow the certificate"));
   if (!is_distinguished(x509.get(), der))
     return std::unexpected(malformed("it is not in the distinguished encoding"));
-  DDSSEC_TRY(check_distribution_points(x509.get()));
+  DDSSEC_RETURN_IF_ERROR(check_distribution_points(x509.get()));
   // Reads the extensions now, so that later use by several threads only reads.
   if (X509_check_purpose(x509.get(), -1, 0) != 1 ||
       (X509_get_extension_flags(x509.get()) & EXFLAG_INVALID) != 0)
@@ -78,16 +78,16 @@ Result<std::unique_ptr<const Certificate::Impl>> finish(X509Ptr x509, BytesView 
   auto out = std::make_unique<Certificate::Impl>();
   const X509_NAME* subject = X509_get_subject_name(x509.get());
   const X509_NAME* issuer = X509_get_issuer_name(x509.get());
-  DDSSEC_TRY(check_name(subject, "subject"));
-  DDSSEC_TRY(check_name(issuer, "issuer"));
+  DDSSEC_RETURN_IF_ERROR(check_name(subject, "subject"));
+  DDSSEC_RETURN_IF_ERROR(check_name(issuer, "issuer"));
   out->subject = name_rfc2253(subject);
   out->subject_one_line = one_line(subject);
   out->issuer = name_rfc2253(issuer);
   auto key = judge_key(X509_get0_pubkey(x509.get()), key_type(x509.get()));
   if (!key) return std::unexpected(key.error().in("certificate of " + out->subject));
   out->key = *key;
-  out->not_before = DDSSEC_TRY(time_of(X509_get0_notBefore(x509.get()), "notBefore"));
-  out->not_after = DDSSEC_TRY(time_of(X509_get0_notAfter(x509.get()), "notAfter"));
+  DDSSEC_ASSIGN_OR_RETURN(out->not_before, time_of(X509_get0_notBefore(x509.get()), "notBefore"));
+  DDSSEC_ASSIGN_OR_RETURN(out->not_after, time_of(X509_get0_notAfter(x509.get()), "notAfter"));
   const unsigned char* name_der = nullptr;
   std::size_t name_size = 0;
   if (X509_NAME_get0_der(subject, &name_der, &name_size) != 1)
@@ -151,7 +151,8 @@ Result<std::optional<Certificate>> next_certificate(BIO* bio) {
     if (!block) return std::unexpected(malformed(block.error().details().note));
     if (!*block) return std::nullopt;
     if ((*block)->label != kLabel) continue;
-    return DDSSEC_TRY(Certificate::from_der((*block)->der));
+    DDSSEC_ASSIGN_OR_RETURN(auto certificate, Certificate::from_der((*block)->der));
+    return certificate;
   }
 }
 
@@ -174,7 +175,9 @@ Result<Certificate> Certificate::from_der(BytesView octets) {
     return std::unexpected(too_large(kMostCertificateOctets, octets.size()));
   auto& held = Held::by_anybody();
   if (auto known = held.find(sha256(octets))) return Certificate(std::move(known));
-  return Certificate(held.share(DDSSEC_TRY(finish(DDSSEC_TRY(decode(octets)), octets))));
+  DDSSEC_ASSIGN_OR_RETURN(auto decoded, decode(octets));
+  DDSSEC_ASSIGN_OR_RETURN(auto checked, finish(std::move(decoded), octets));
+  return Certificate(held.share(std::move(checked)));
 }
 
 Result<Certificate> Certificate::from_pem(BytesView octets) {
@@ -182,7 +185,7 @@ Result<Certificate> Certificate::from_pem(BytesView octets) {
     return std::unexpected(too_large(kMostCertificateOctets, octets.size()));
   if (!octets.empty() && octets.back() == 0) octets = octets.first(octets.size() - 1);
   const BioPtr bio = bio_over(octets);
-  auto certificate = DDSSEC_TRY(next_certificate(bio.get()));
+  DDSSEC_ASSIGN_OR_RETURN(auto certificate, next_certificate(bio.get()));
   if (!certificate) return std::unexpected(malformed("there is no PEM block CERTIFICATE"));
   return *std::move(certificate);
 }
@@ -192,7 +195,10 @@ Result<std::vector<Certificate>> Certificate::bundle_from_pem(BytesView octets) 
     return std::unexpected(too_large(kMostBundleOctets, octets.size()));
   const BioPtr bio = bio_over(octets);
   std::vector<Certificate> out;
-  while (auto certificate = DDSSEC_TRY(next_certificate(bio.get()))) {
+  while (true) {
+    DDSSEC_ASSIGN_OR_RETURN(auto certificate, next_certificate(bio.get()));
+    if (!certificate) break;
+
     if (out.size() == kMostCertificatesInBundle)
       return fail(Code::certificate_too_large,
                   {.expected = "at most " + std::to_string(kMostCertificatesInBundle) +

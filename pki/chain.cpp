@@ -303,12 +303,12 @@ Result<ChainValid> ChainVerifier::Impl::judge_path(const Certificate& certificat
     take_openssl_reason();
     return std::unexpected(explain(context.get(), anchors, now));
   }
-  DDSSEC_TRY(check_every_list(context.get(), now));
+  DDSSEC_RETURN_IF_ERROR(check_every_list(context.get(), now));
   return prove(certificate, context.get());
 }
 
 Result<ChainValid> ChainVerifier::Impl::judge(const Certificate& certificate, WallTime now) const {
-  DDSSEC_TRY(check_key_usage(certificate));
+  DDSSEC_RETURN_IF_ERROR(check_key_usage(certificate));
   // Verifies up to a root first, so that an expired root in the file counts. Only if the file has
   // no root for it, a subordinate CA is the end of the path (with the flag, OpenSSL would stop at
   // it even if its issuer were in the file).
@@ -349,13 +349,13 @@ Result<ChainVerifier> ChainVerifier::make(std::vector<Certificate> anchors, std:
   impl->anchors = std::move(anchors);
   impl->crls = std::move(crls);
   impl->drop_superseded();
-  DDSSEC_TRY(impl->fill_store(policy));
+  DDSSEC_RETURN_IF_ERROR(impl->fill_store(policy));
   return ChainVerifier(std::move(impl));
 }
 
 Result<ChainValid> ChainVerifier::verify(const Certificate& certificate, WallTime now) const {
   if (auto known = impl_->recall(certificate, now)) return *std::move(known);
-  auto proof = DDSSEC_TRY(impl_->judge(certificate, now));
+  DDSSEC_ASSIGN_OR_RETURN(auto proof, impl_->judge(certificate, now));
   impl_->remember(proof);
   return proof;
 }

@@ -45,7 +45,8 @@ Status check_critical(const X509_EXTENSION* extension, std::initializer_list<int
 
 Status check_entry(const X509_REVOKED* entry) {
   for (int i = 0; i < X509_REVOKED_get_ext_count(entry); ++i)
-    DDSSEC_TRY(check_critical(X509_REVOKED_get_ext(entry, i), {NID_certificate_issuer}));
+    DDSSEC_RETURN_IF_ERROR(
+        check_critical(X509_REVOKED_get_ext(entry, i), {NID_certificate_issuer}));
   const auto number = reason_number(entry);
   if (number != kRemoveFromCrl) return {};
   return fail(Code::crl_malformed,
@@ -57,11 +58,11 @@ Status check_entry(const X509_REVOKED* entry) {
 /// Checks that OpenSSL does not make, or makes only when it verifies a certificate with the list.
 Status check_extensions(X509_CRL* crl) {
   for (int i = 0; i < X509_CRL_get_ext_count(crl); ++i)
-    DDSSEC_TRY(check_critical(X509_CRL_get_ext(crl, i),
-                              {NID_issuing_distribution_point, NID_authority_key_identifier}));
+    DDSSEC_RETURN_IF_ERROR(check_critical(
+        X509_CRL_get_ext(crl, i), {NID_issuing_distribution_point, NID_authority_key_identifier}));
   const auto* entries = X509_CRL_get_REVOKED(crl);
   for (int i = 0; i < sk_X509_REVOKED_num(entries); ++i)
-    DDSSEC_TRY(check_entry(sk_X509_REVOKED_value(entries, i)));
+    DDSSEC_RETURN_IF_ERROR(check_entry(sk_X509_REVOKED_value(entries, i)));
   return {};
 }
 
@@ -76,7 +77,7 @@ Result<Crl> from_der(BytesView der) {
   if (is_delta(crl.get()))
     return fail(Code::crl_is_delta, {.expected = "a complete list of " + out->issuer,
                                      .found = "a list with deltaCRLIndicator"});
-  DDSSEC_TRY(check_extensions(crl.get()));
+  DDSSEC_RETURN_IF_ERROR(check_extensions(crl.get()));
   const auto this_update = to_wall_time(X509_CRL_get0_lastUpdate(crl.get()));
   if (!this_update) return fail(Code::crl_malformed, {.field = "thisUpdate"});
   out->this_update = *this_update;
@@ -130,7 +131,8 @@ Result<std::vector<Crl>> from_pem(BytesView octets) {
     if (out.size() == kMostCrlsInFile)
       return fail(Code::crl_too_large,
                   {.expected = "at most " + std::to_string(kMostCrlsInFile) + " lists in a file"});
-    out.push_back(DDSSEC_TRY(from_der((*block)->der)));
+    DDSSEC_ASSIGN_OR_RETURN(auto crl, from_der((*block)->der));
+    out.push_back(std::move(crl));
   }
 }
 
@@ -201,7 +203,8 @@ Result<std::vector<Crl>> Crl::all_from(BytesView octets) {
                 {.expected = "at most " + std::to_string(kMostDocumentOctets) + " octets",
                  .found = std::to_string(octets.size())});
   if (octets.empty() || octets[0] != kDerSequence) return from_pem(octets);
-  return std::vector<Crl>{DDSSEC_TRY(from_der(octets))};
+  DDSSEC_ASSIGN_OR_RETURN(auto crl, from_der(octets));
+  return std::vector<Crl>{std::move(crl)};
 }
 
 const std::string& Crl::issuer() const { return impl_->issuer; }
@@ -213,8 +216,10 @@ std::optional<CrlNumber> Crl::number() const { return number_of(impl_->crl.get()
 Result<std::vector<Revocation>> Crl::revoked() const {
   std::vector<Revocation> out;
   auto* entries = X509_CRL_get_REVOKED(impl_->crl.get());
-  for (int i = 0; entries != nullptr && i < sk_X509_REVOKED_num(entries); ++i)
-    out.push_back(DDSSEC_TRY(revocation_of(sk_X509_REVOKED_value(entries, i))));
+  for (int i = 0; entries != nullptr && i < sk_X509_REVOKED_num(entries); ++i) {
+    DDSSEC_ASSIGN_OR_RETURN(auto revocation, revocation_of(sk_X509_REVOKED_value(entries, i)));
+    out.push_back(std::move(revocation));
+  }
   return out;
 }
 

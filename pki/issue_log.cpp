@@ -83,11 +83,11 @@ Status IssueLog::add_line(std::string_view line) {
   if (line.size() > kMaxLogLineOctets) return malformed_line("the line is too long");
   const auto object = Json::parse(line, nullptr, false);
   if (!object.is_object()) return malformed_line("the line is no JSON object");
-  auto serial = DDSSEC_TRY(serial_of(object));
+  DDSSEC_ASSIGN_OR_RETURN(auto serial, serial_of(object));
   const auto event = text_of(object, "event");
   if (const auto time = time_from(text_of(object, "time"))) times_.push_back(*time);
   if (event == "issued") {
-    const auto not_after = DDSSEC_TRY(time_of(object, "not_after"));
+    DDSSEC_ASSIGN_OR_RETURN(const auto not_after, time_of(object, "not_after"));
     IssuedCertificate one{.serial = serial,
                           .subject = text_of(object, "subject"),
                           .not_after = not_after,
@@ -102,7 +102,7 @@ Status IssueLog::add_line(std::string_view line) {
   if (event != "revoked") return malformed_line("event is neither issued nor revoked");
   const auto reason = revocation_reason_from(text_of(object, "reason"));
   if (!reason) return malformed_line("reason is none of RFC 5280");
-  const auto time = DDSSEC_TRY(time_of(object, "time"));
+  DDSSEC_ASSIGN_OR_RETURN(const auto time, time_of(object, "time"));
   const Revocation revocation{serial, time, *reason};
   if (auto key = text_of(object, "key"); !key.empty())
     revoked_keys_.emplace(std::move(key), serial);

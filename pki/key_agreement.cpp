@@ -113,7 +113,7 @@ Result<PkeyPtr> parse_modp(BytesView value) {
   // DH keys are taken at the group's full length only.
   std::array<std::uint8_t, kModpOctets> padded{};
   std::copy(value.begin(), value.end(), padded.end() - static_cast<std::ptrdiff_t>(value.size()));
-  PkeyPtr pkey = DDSSEC_TRY(with_public(KeyAgreementKind::dh_modp_2048_256, padded));
+  DDSSEC_ASSIGN_OR_RETURN(PkeyPtr pkey, with_public(KeyAgreementKind::dh_modp_2048_256, padded));
   const PkeyContextPtr context(EVP_PKEY_CTX_new_from_pkey(nullptr, pkey.get(), nullptr));
   // 1 < y < p - 1 and y^q = 1 mod p (SP 800-56A 5.6.2.3.1).
   if (!context || EVP_PKEY_public_check(context.get()) != 1)
@@ -205,7 +205,10 @@ Result<PeerPublicKey> PeerPublicKey::parse(KeyAgreementKind kind, BytesView octe
   const auto wrap = [&](PublicKeyEncoding encoding, PkeyPtr pkey) {
     return PeerPublicKey(kind, encoding, std::make_shared<const Impl>(std::move(pkey)));
   };
-  if (!is_modp(kind)) return wrap(PublicKeyEncoding::point, DDSSEC_TRY(parse_point(kind, octets)));
+  if (!is_modp(kind)) {
+    DDSSEC_ASSIGN_OR_RETURN(auto point, parse_point(kind, octets));
+    return wrap(PublicKeyEncoding::point, std::move(point));
+  }
   if (octets.size() > kMostModpDerOctets)
     return std::unexpected(bad_form("at most 261 octets", std::to_string(octets.size())));
   // Up to 256 octets, both readings are possible for one key in 2^24; the subgroup decides.
@@ -214,7 +217,8 @@ Result<PeerPublicKey> PeerPublicKey::parse(KeyAgreementKind kind, BytesView octe
     if (pkey) return wrap(PublicKeyEncoding::der_integer, *std::move(pkey));
     if (octets.size() > kModpOctets) return std::unexpected(pkey.error());
   }
-  return wrap(PublicKeyEncoding::plain_integer, DDSSEC_TRY(parse_modp(octets)));
+  DDSSEC_ASSIGN_OR_RETURN(auto modp, parse_modp(octets));
+  return wrap(PublicKeyEncoding::plain_integer, std::move(modp));
 }
 
 Result<EphemeralKey> EphemeralKey::generate(KeyAgreementKind kind) {
@@ -233,8 +237,8 @@ Result<EphemeralKey> EphemeralKey::from_private(KeyAgreementKind kind, BytesView
       BN_bin2bn(number.data(), static_cast<int>(number.size()), BN_secure_new()));
   const auto element = secret ? public_of(kind, secret.get()) : Bytes();
   if (element.empty()) return std::unexpected(not_in_group("the private number is out of range"));
-  return EphemeralKey(
-      kind, std::make_shared<const Impl>(DDSSEC_TRY(make_pair(kind, secret.get(), element))));
+  DDSSEC_ASSIGN_OR_RETURN(auto pair, make_pair(kind, secret.get(), element));
+  return EphemeralKey(kind, std::make_shared<const Impl>(std::move(pair)));
 }
 
 Bytes EphemeralKey::public_octets(PublicKeyEncoding encoding) const {
@@ -264,7 +268,8 @@ Result<SharedSecret> EphemeralKey::derive(const PeerPublicKey& peer) const {
 }
 
 Result<SharedSecret> EphemeralKey::derive(BytesView peer_octets) const {
-  return derive(DDSSEC_TRY(PeerPublicKey::parse(kind_, peer_octets)));
+  DDSSEC_ASSIGN_OR_RETURN(const auto peer_public_key, PeerPublicKey::parse(kind_, peer_octets));
+  return derive(peer_public_key);
 }
 
 }  // namespace ddssec::pki

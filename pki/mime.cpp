@@ -193,8 +193,8 @@ bool is_pkcs7_signature(std::string_view type) {
 
 // The boundary that a message header announces.
 Result<std::string> boundary_of(const std::vector<Header>& headers) {
-  const auto text = DDSSEC_TRY(only_header(headers, "content-type"));
-  const auto type = DDSSEC_TRY(parse_media_type(text));
+  DDSSEC_ASSIGN_OR_RETURN(const auto text, only_header(headers, "content-type"));
+  DDSSEC_ASSIGN_OR_RETURN(const auto type, parse_media_type(text));
   if (type.type != "multipart/signed")
     return std::unexpected(refusal(Code::smime_not_multipart, "Content-Type: multipart/signed",
                                    shown_type(type.type)));
@@ -239,7 +239,8 @@ Result<std::vector<Delimiter>> find_delimiters(std::string_view body, const std:
     if (at != 0 && body[at - 1] != '\n')
       return std::unexpected(refusal(Code::smime_malformed, "a boundary at the beginning of a line",
                                      "one within a line"));
-    found.push_back(DDSSEC_TRY(read_delimiter(body, at, marker.size())));
+    DDSSEC_ASSIGN_OR_RETURN(const auto delimiter, read_delimiter(body, at, marker.size()));
+    found.push_back(delimiter);
     from = found.back().end;
   }
   return found;
@@ -263,13 +264,13 @@ std::string_view without_last_break(std::string_view part) {
 }
 
 Result<std::string_view> signature_text(std::string_view part) {
-  const auto headers = DDSSEC_TRY(take_headers(part));
-  const auto text = DDSSEC_TRY(only_header(headers, "content-type"));
-  const auto type = DDSSEC_TRY(parse_media_type(text));
+  DDSSEC_ASSIGN_OR_RETURN(const auto headers, take_headers(part));
+  DDSSEC_ASSIGN_OR_RETURN(const auto text, only_header(headers, "content-type"));
+  DDSSEC_ASSIGN_OR_RETURN(const auto type, parse_media_type(text));
   if (!is_pkcs7_signature(type.type))
     return std::unexpected(
         refusal(Code::smime_content_type, "application/x-pkcs7-signature", shown_type(type.type)));
-  const auto encoding = DDSSEC_TRY(only_header(headers, "content-transfer-encoding"));
+  DDSSEC_ASSIGN_OR_RETURN(const auto encoding, only_header(headers, "content-transfer-encoding"));
   if (ascii_lower(encoding) != "base64")
     return std::unexpected(
         refusal(Code::smime_content_type, "Content-Transfer-Encoding: base64", "another value"));
@@ -307,8 +308,8 @@ Result<MultipartSigned> split_multipart_signed(std::string_view text) {
     return std::unexpected(
         refusal(Code::smime_not_multipart, "Content-Type: multipart/signed", kind_of_file(text)));
   }
-  const auto boundary = DDSSEC_TRY(boundary_of(*headers));
-  const auto lines = DDSSEC_TRY(find_delimiters(body, "--" + boundary));
+  DDSSEC_ASSIGN_OR_RETURN(const auto boundary, boundary_of(*headers));
+  DDSSEC_ASSIGN_OR_RETURN(const auto lines, find_delimiters(body, "--" + boundary));
   const bool two_parts =
       lines.size() == 3 && !lines[0].closes && !lines[1].closes && lines[2].closes;
   if (!two_parts)
@@ -319,7 +320,8 @@ Result<MultipartSigned> split_multipart_signed(std::string_view text) {
   const auto part = [&](std::size_t i) {
     return without_last_break(body.substr(lines[i].end, lines[i + 1].begin - lines[i].end));
   };
-  return MultipartSigned{part(0), DDSSEC_TRY(signature_text(part(1)))};
+  DDSSEC_ASSIGN_OR_RETURN(const auto signature, signature_text(part(1)));
+  return MultipartSigned{part(0), signature};
 }
 
 Result<Bytes> canonical_text(std::string_view part) {
@@ -346,9 +348,9 @@ Result<std::size_t> text_header_octets(std::string_view canonical_part) {
   };
   const auto headers = take_headers(rest);
   if (!headers) return bad("other header lines");
-  const auto text = DDSSEC_TRY(only_header(*headers, "content-type"));
-  const auto type = DDSSEC_TRY(parse_media_type(text));
-  const auto encoding = DDSSEC_TRY(only_header(*headers, "content-transfer-encoding"));
+  DDSSEC_ASSIGN_OR_RETURN(const auto text, only_header(*headers, "content-type"));
+  DDSSEC_ASSIGN_OR_RETURN(const auto type, parse_media_type(text));
+  DDSSEC_ASSIGN_OR_RETURN(const auto encoding, only_header(*headers, "content-transfer-encoding"));
   if (type.type != "text/plain" || !is_plain_charset(ascii_lower(type.parameter("charset"))))
     return bad(shown_type(type.type));
   if (!is_plain_encoding(ascii_lower(encoding))) return bad("another Content-Transfer-Encoding");

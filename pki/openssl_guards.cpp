@@ -111,12 +111,14 @@ Status check_signed_data(PKCS7* pkcs7) {
                                              .found = "an empty set"});
   auto* signers = PKCS7_get_signer_info(pkcs7);
   const int count = signers != nullptr ? sk_PKCS7_SIGNER_INFO_num(signers) : 0;
-  for (int i = 0; i < count; ++i) DDSSEC_TRY(check_signer(sk_PKCS7_SIGNER_INFO_value(signers, i)));
+  for (int i = 0; i < count; ++i)
+    DDSSEC_RETURN_IF_ERROR(check_signer(sk_PKCS7_SIGNER_INFO_value(signers, i)));
   // The chain is built from the certificates inside.
   const auto* certificates = pkcs7->d.sign->cert;
   Copies copies;
   const int inside = certificates != nullptr ? sk_X509_num(certificates) : 0;
-  for (int i = 0; i < inside; ++i) DDSSEC_TRY(add(sk_X509_value(certificates, i), copies));
+  for (int i = 0; i < inside; ++i)
+    DDSSEC_RETURN_IF_ERROR(add(sk_X509_value(certificates, i), copies));
   return judge(copies);
 }
 
@@ -124,7 +126,7 @@ Status check_signed_data(PKCS7* pkcs7) {
 
 Status check_distribution_points(const X509* x509) {
   Copies copies;
-  DDSSEC_TRY(add(x509, copies));
+  DDSSEC_RETURN_IF_ERROR(add(x509, copies));
   return judge(copies);
 }
 
@@ -132,7 +134,8 @@ Status verify_cms(CMS_ContentInfo* cms, STACK_OF(X509) * trusted, BIO* content, 
                   std::string signer) {
   auto* signers = CMS_get0_SignerInfos(cms);
   const int count = signers != nullptr ? sk_CMS_SignerInfo_num(signers) : 0;
-  for (int i = 0; i < count; ++i) DDSSEC_TRY(check_signer(sk_CMS_SignerInfo_value(signers, i)));
+  for (int i = 0; i < count; ++i)
+    DDSSEC_RETURN_IF_ERROR(check_signer(sk_CMS_SignerInfo_value(signers, i)));
   // CMS_verify makes a second BIO over a memory BIO, and leaks it if a digest is missing or unknown
   // (seen with OpenSSL 3.0.19). A peer's permissions could do that in each handshake. It does not
   // do so with a filter.
@@ -147,7 +150,7 @@ Status verify_cms(CMS_ContentInfo* cms, STACK_OF(X509) * trusted, BIO* content, 
 }
 
 Status verify_pkcs7(PKCS7* pkcs7, X509_STORE* store, BIO* content, BIO* out, int flags) {
-  DDSSEC_TRY(check_signed_data(pkcs7));
+  DDSSEC_RETURN_IF_ERROR(check_signed_data(pkcs7));
   if (PKCS7_verify(pkcs7, nullptr, store, content, out, flags) != 1)
     return openssl_failure(Code::smime_signature_invalid);
   return {};

@@ -177,7 +177,7 @@ Result<SplitUri> read_pin_source(std::string_view text) {
   constexpr std::string_view kName = "pin-source=";
   if (!names_object(uri))
     return fail(Code::pkcs11_not_found, {.expected = "object= or id=", .found = without_pin(uri)});
-  DDSSEC_TRY(check_attributes_once(uri));
+  DDSSEC_RETURN_IF_ERROR(check_attributes_once(uri));
   const auto at = find_attribute(uri, kName);
   if (at == uri.npos) return SplitUri{uri, std::nullopt};
   const auto end = std::min(uri.find_first_of("&;", at), uri.size());
@@ -203,10 +203,10 @@ Result<SplitUri> read_pin_source(std::string_view text) {
 void stop_at_first_wrong_pin() { one_wrong_pin_is_all = true; }
 
 Result<PkeyPtr> token_private_key(std::string_view uri, const Passphrase* pin) {
-  DDSSEC_TRY(check_may_log_in(uri));
-  const auto split = DDSSEC_TRY(read_pin_source(uri));
+  DDSSEC_RETURN_IF_ERROR(check_may_log_in(uri));
+  DDSSEC_ASSIGN_OR_RETURN(const auto split, read_pin_source(uri));
   const SignalsBlocked blocked;  // a token's module may start threads
-  ENGINE* const token = DDSSEC_TRY(engine());
+  DDSSEC_ASSIGN_OR_RETURN(auto* const token, engine());
   const PinRequest request(split.pin ? &*split.pin : pin);
   ERR_clear_error();
   PkeyPtr key(ENGINE_load_private_key(token, split.uri.c_str(), pin_method(), nullptr));
@@ -216,10 +216,10 @@ Result<PkeyPtr> token_private_key(std::string_view uri, const Passphrase* pin) {
 }
 
 Result<X509Ptr> token_certificate(std::string_view uri) {
-  DDSSEC_TRY(check_may_log_in(uri));
-  const auto split = DDSSEC_TRY(read_pin_source(uri));
+  DDSSEC_RETURN_IF_ERROR(check_may_log_in(uri));
+  DDSSEC_ASSIGN_OR_RETURN(const auto split, read_pin_source(uri));
   const SignalsBlocked blocked;  // a token's module may start threads
-  ENGINE* const token = DDSSEC_TRY(engine());
+  DDSSEC_ASSIGN_OR_RETURN(auto* const token, engine());
   const PinRequest request(split.pin ? &*split.pin : nullptr);
   struct {
     const char* uri;

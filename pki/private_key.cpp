@@ -34,7 +34,7 @@ int give_passphrase(char* out, int room, int /*writing*/, void* user) {
 }
 
 Result<PrivateKey> finish(PkeyPtr pkey) {
-  const auto algorithm = DDSSEC_TRY(judge_key(pkey.get()));
+  DDSSEC_ASSIGN_OR_RETURN(const auto algorithm, judge_key(pkey.get()));
   return PrivateKey(std::make_shared<PrivateKey::Impl>(std::move(pkey), algorithm));
 }
 
@@ -49,14 +49,14 @@ Result<KeyAlgorithm> judge_token_key(EVP_PKEY* key) {
 }
 
 Result<PrivateKey> from_token(std::string_view uri, const Passphrase* pin) {
-  auto pkey = DDSSEC_TRY(token_private_key(uri, pin));
-  const auto algorithm = DDSSEC_TRY(judge_token_key(pkey.get()));
+  DDSSEC_ASSIGN_OR_RETURN(auto pkey, token_private_key(uri, pin));
+  DDSSEC_ASSIGN_OR_RETURN(const auto algorithm, judge_token_key(pkey.get()));
   return PrivateKey(std::make_shared<PrivateKey::Impl>(std::move(pkey), algorithm, true));
 }
 
 Result<PrivateKey> from_uri(std::string_view uri, const Passphrase* passphrase) {
   if (names_token(uri)) return from_token(uri, passphrase);
-  const auto pem = DDSSEC_TRY(load_secret<KeyPem>(uri, ""));
+  DDSSEC_ASSIGN_OR_RETURN(const auto pem, load_secret<KeyPem>(uri, ""));
   return PrivateKey::from_pem(pem, passphrase);
 }
 

@@ -136,15 +136,15 @@ Status verify_with(const Certificate& ca, CMS_ContentInfo* cms, BytesView conten
 
 Result<Certificate> verified_signer(const std::vector<Certificate>& cas, BytesView signature,
                                     BytesView content) {
-  CmsPtr cms = DDSSEC_TRY(decode_signature(signature));
-  CMS_SignerInfo* signer = DDSSEC_TRY(only_signer(cms.get()));
-  DDSSEC_TRY(check_digest(signer));
-  const auto possible = DDSSEC_TRY(candidates(signer, cas));
+  DDSSEC_ASSIGN_OR_RETURN(CmsPtr cms, decode_signature(signature));
+  DDSSEC_ASSIGN_OR_RETURN(auto* signer, only_signer(cms.get()));
+  DDSSEC_RETURN_IF_ERROR(check_digest(signer));
+  DDSSEC_ASSIGN_OR_RETURN(const auto possible, candidates(signer, cas));
   Status status = verify_with(possible.front(), cms.get(), content);
   if (status) return possible.front();
   for (std::size_t i = 1; i < possible.size(); ++i) {
     // A structure remembers the certificate it was tried with: each further one gets a fresh one.
-    cms = DDSSEC_TRY(decode_signature(signature));
+    DDSSEC_ASSIGN_OR_RETURN(cms, decode_signature(signature));
     status = verify_with(possible[i], cms.get(), content);
     if (status) return possible[i];
   }
@@ -154,14 +154,15 @@ Result<Certificate> verified_signer(const std::vector<Certificate>& cas, BytesVi
 }  // namespace
 
 Result<DocumentVerifier> DocumentVerifier::make(std::vector<Certificate> permissions_cas) {
-  return DocumentVerifier(DDSSEC_TRY(ChainVerifier::make(std::move(permissions_cas))));
+  DDSSEC_ASSIGN_OR_RETURN(auto chain_verifier, ChainVerifier::make(std::move(permissions_cas)));
+  return DocumentVerifier(std::move(chain_verifier));
 }
 
 Result<SignedDocument> DocumentVerifier::verify(BytesView file, WallTime now) const {
-  auto document = DDSSEC_TRY(read_document(file));
-  const auto signer =
-      DDSSEC_TRY(verified_signer(permissions_cas(), document.signature, document.signed_octets));
-  auto proof = DDSSEC_TRY(chain_.verify(signer, now));
+  DDSSEC_ASSIGN_OR_RETURN(auto document, read_document(file));
+  DDSSEC_ASSIGN_OR_RETURN(const auto signer, verified_signer(permissions_cas(), document.signature,
+                                                             document.signed_octets));
+  DDSSEC_ASSIGN_OR_RETURN(auto proof, chain_.verify(signer, now));
   return SignedDocument(std::move(document.signed_octets), document.header_octets,
                         document.first_line, std::move(proof));
 }

@@ -95,7 +95,7 @@ class Rfc4514 {
     if (!name) return std::unexpected(malformed("the attribute type is unknown", type));
     at_ = equals + 1;
     skip_blanks();
-    auto value = DDSSEC_TRY(this->value());
+    DDSSEC_ASSIGN_OR_RETURN(auto value, this->value());
     skip_blanks();
     if (!valid_utf8_without_nul(value))
       return std::unexpected(malformed("a value is not UTF-8 text", text_));
@@ -146,7 +146,11 @@ class Rfc4514 {
     std::string out;
     for (++at_; !at_end() && text_[at_] != '"';) {
       const char c = text_[at_++];
-      out.push_back(c == '\\' ? DDSSEC_TRY(escaped()) : c);
+      char meant_character = c;
+      if (c == '\\') {
+        DDSSEC_ASSIGN_OR_RETURN(meant_character, escaped());
+      }
+      out.push_back(meant_character);
     }
     if (at_end()) return std::unexpected(malformed("a quotation mark is not closed", text_));
     ++at_;
@@ -160,7 +164,11 @@ class Rfc4514 {
       const char c = text_[at_++];
       if (std::string_view("\";<>").find(c) != std::string_view::npos)
         return std::unexpected(malformed("a special character is not escaped", text_));
-      out.push_back(c == '\\' ? DDSSEC_TRY(escaped()) : c);
+      char meant_character = c;
+      if (c == '\\') {
+        DDSSEC_ASSIGN_OR_RETURN(meant_character, escaped());
+      }
+      out.push_back(meant_character);
       if (c == '\\' || kBlanks.find(c) == kBlanks.npos) meant = out.size();
     }
     out.resize(meant);
@@ -222,8 +230,8 @@ Result<OneLine> parse_one_line(std::string_view text) {
     const auto equals = text.find('=', at);
     const auto next = next_one_line_type(text, equals);
     auto type = canonical_type(trimmed(text.substr(at + 1, equals - at - 1), kBlanks));
-    auto value =
-        DDSSEC_TRY(unescape_one_line(trimmed(text.substr(equals + 1, next - equals - 1), kBlanks)));
+    DDSSEC_ASSIGN_OR_RETURN(auto value, unescape_one_line(trimmed(
+                                            text.substr(equals + 1, next - equals - 1), kBlanks)));
     out.attributes.push_back({*std::move(type), std::move(value)});
     out.joined.push_back(text[at] == '+');
     at = next;
@@ -241,7 +249,7 @@ Result<SubjectName> SubjectName::parse(std::string_view text) {
   SubjectName name;
   if (text.front() == '/') {
     name.root_first_ = true;
-    auto read = DDSSEC_TRY(parse_one_line(text));
+    DDSSEC_ASSIGN_OR_RETURN(auto read, parse_one_line(text));
     name.attributes_ = std::move(read.attributes);
     name.joined_ = std::move(read.joined);
     return name;
@@ -249,7 +257,8 @@ Result<SubjectName> SubjectName::parse(std::string_view text) {
   Rfc4514 reader(text);
   for (char separator = ',';;) {
     if (name.attributes_.size() == kMostNameAttributes) return std::unexpected(too_many(text));
-    name.attributes_.push_back(DDSSEC_TRY(reader.attribute()));
+    DDSSEC_ASSIGN_OR_RETURN(auto attribute, reader.attribute());
+    name.attributes_.push_back(std::move(attribute));
     name.joined_.push_back(separator == '+');
     if (reader.at_end()) return name;
     separator = reader.separator();

@@ -76,12 +76,12 @@ int line_breaks(std::string_view text) { return static_cast<int>(std::ranges::co
 }  // namespace
 
 Result<UnverifiedDocument> read_document(BytesView file) {
-  const auto octets = DDSSEC_TRY(check_octets(file));
-  const auto parts = DDSSEC_TRY(split_multipart_signed(as_text(octets)));
-  auto content = DDSSEC_TRY(canonical_text(parts.content));
-  const auto header = DDSSEC_TRY(text_header_octets(as_text(content)));
-  auto signature = DDSSEC_TRY(decode_base64(parts.signature));
-  DDSSEC_TRY(check_unsigned(octets, content, signature));
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, check_octets(file));
+  DDSSEC_ASSIGN_OR_RETURN(const auto parts, split_multipart_signed(as_text(octets)));
+  DDSSEC_ASSIGN_OR_RETURN(auto content, canonical_text(parts.content));
+  DDSSEC_ASSIGN_OR_RETURN(const auto header, text_header_octets(as_text(content)));
+  DDSSEC_ASSIGN_OR_RETURN(auto signature, decode_base64(parts.signature));
+  DDSSEC_RETURN_IF_ERROR(check_unsigned(octets, content, signature));
   const auto before = static_cast<std::size_t>(parts.content.data() - as_text(octets).data());
   const int first_line = 1 + line_breaks(as_text(octets).substr(0, before)) +
                          line_breaks(as_text(content).substr(0, header));

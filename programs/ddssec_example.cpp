@@ -68,16 +68,16 @@ class ExampleSet {
                   clock_.now() + std::chrono::days(options.days)} {}
 
   Status make() {
-    const auto authorities = DDSSEC_TRY(make_authorities());
+    DDSSEC_ASSIGN_OR_RETURN(const auto authorities, make_authorities());
     for (const auto& entry : fs::directory_iterator(options_.documents)) {
       const std::string name = entry.path().filename();
       if (name.ends_with(kPermissionsSuffix)) {
-        DDSSEC_TRY(make_participant(authorities, entry.path(),
-                                    name.substr(0, name.size() - kPermissionsSuffix.size())));
+        DDSSEC_RETURN_IF_ERROR(make_participant(
+            authorities, entry.path(), name.substr(0, name.size() - kPermissionsSuffix.size())));
       } else if (name.starts_with("governance") && name.ends_with(".xml")) {
-        DDSSEC_TRY(sign({authorities.permissions().certificate(), authorities.permissions().key()},
-                        entry.path(),
-                        options_.out / entry.path().filename().replace_extension(".p7s")));
+        DDSSEC_RETURN_IF_ERROR(
+            sign({authorities.permissions().certificate(), authorities.permissions().key()},
+                 entry.path(), options_.out / entry.path().filename().replace_extension(".p7s")));
       }
     }
     return {};
@@ -85,28 +85,33 @@ class ExampleSet {
 
  private:
   Result<Authorities> make_authorities() {
-    auto identity = DDSSEC_TRY(make_authority("identity_ca"));
+    DDSSEC_ASSIGN_OR_RETURN(auto identity, make_authority("identity_ca"));
     std::optional<pki::Authority> permissions;
-    if (!options_.one_ca) permissions = DDSSEC_TRY(make_authority("permissions_ca"));
+    if (!options_.one_ca) {
+      DDSSEC_ASSIGN_OR_RETURN(permissions, make_authority("permissions_ca"));
+    }
     Authorities authorities{std::move(identity), std::move(permissions)};
-    DDSSEC_TRY(write_file(options_.out / "permissions_ca.pem",
-                          as_bytes(authorities.permissions().certificate().pem())));
+    DDSSEC_RETURN_IF_ERROR(write_file(options_.out / "permissions_ca.pem",
+                                      as_bytes(authorities.permissions().certificate().pem())));
     return authorities;
   }
 
   Result<pki::Authority> make_authority(const std::string& name) {
-    auto authority = DDSSEC_TRY(
+    DDSSEC_ASSIGN_OR_RETURN(
+        auto authority,
         pki::Authority::create("CN=" + name + ",O=ddssec example", {}, validity_, random_));
-    DDSSEC_TRY(write_credential(options_.out / name, authority.certificate(), authority.key()));
+    DDSSEC_RETURN_IF_ERROR(
+        write_credential(options_.out / name, authority.certificate(), authority.key()));
     return authority;
   }
 
   Status make_participant(const Authorities& authorities, const fs::path& permissions,
                           const std::string& name) {
-    const pki::Credential self = DDSSEC_TRY(
+    DDSSEC_ASSIGN_OR_RETURN(
+        const pki::Credential self,
         authorities.identity.issue("CN=" + name + ",O=ddssec example", {}, validity_, random_));
     const auto folder = options_.out / name;
-    DDSSEC_TRY(write_credential(folder / "identity", self.certificate, self.key));
+    DDSSEC_RETURN_IF_ERROR(write_credential(folder / "identity", self.certificate, self.key));
     // CVE-2023-24011: the rogue participant signs its permissions with its own identity.
     const auto& ca = authorities.permissions();
     return sign(name == options_.rogue ? self : pki::Credential{ca.certificate(), ca.key()},
@@ -115,15 +120,17 @@ class ExampleSet {
 
   static Status write_credential(const fs::path& stem, const pki::Certificate& certificate,
                                  const pki::PrivateKey& key) {
-    DDSSEC_TRY(write_file(fs::path(stem) += ".pem", as_bytes(certificate.pem())));
-    const auto pem = DDSSEC_TRY(key.to_pem());
+    DDSSEC_RETURN_IF_ERROR(write_file(fs::path(stem) += ".pem", as_bytes(certificate.pem())));
+    DDSSEC_ASSIGN_OR_RETURN(const auto pem, key.to_pem());
     return pem.expose(
         [&](BytesView octets) { return write_file(fs::path(stem) += ".key", octets); });
   }
 
   Status sign(const pki::Credential& signer, const fs::path& document, const fs::path& to) {
-    const auto octets = DDSSEC_TRY(read_file(document));
-    return write_file(to, DDSSEC_TRY(pki::sign_document(signer, octets, clock_.now(), random_)));
+    DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(document));
+    DDSSEC_ASSIGN_OR_RETURN(const auto sign_document,
+                            pki::sign_document(signer, octets, clock_.now(), random_));
+    return write_file(to, sign_document);
   }
 
   const Options& options_;

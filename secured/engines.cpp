@@ -13,7 +13,7 @@ namespace ddssec::secured {
 
 Result<spi::PropertyList> folder_properties(const std::filesystem::path& path) {
   namespace property = spi::property;
-  DDSSEC_TRY(check_is_participant(path));
+  DDSSEC_RETURN_IF_ERROR(check_is_participant(path));
   std::error_code error;
   const auto folder = pki::participant_folder(path);
   spi::PropertyList out;
@@ -21,14 +21,14 @@ Result<spi::PropertyList> folder_properties(const std::filesystem::path& path) {
     out.push_back({std::string(name), "file:" + file.string(), false});
   };
   const auto add_item = [&](std::string_view name, const std::filesystem::path& file) -> Status {
-    auto uri = DDSSEC_TRY(pki::uri_of(file));
+    DDSSEC_ASSIGN_OR_RETURN(auto uri, pki::uri_of(file));
     out.push_back({std::string(name), std::move(uri), false});
     return {};
   };
-  DDSSEC_TRY(add_item(property::kIdentityCa, folder.identity_ca));
-  DDSSEC_TRY(add_item(property::kIdentityCertificate, folder.certificate));
-  DDSSEC_TRY(add_item(property::kPrivateKey, folder.key));
-  DDSSEC_TRY(add_item(property::kPermissionsCa, folder.permissions_ca));
+  DDSSEC_RETURN_IF_ERROR(add_item(property::kIdentityCa, folder.identity_ca));
+  DDSSEC_RETURN_IF_ERROR(add_item(property::kIdentityCertificate, folder.certificate));
+  DDSSEC_RETURN_IF_ERROR(add_item(property::kPrivateKey, folder.key));
+  DDSSEC_RETURN_IF_ERROR(add_item(property::kPermissionsCa, folder.permissions_ca));
   add(property::kGovernance, folder.governance);
   add(property::kPermissions, folder.permissions);
   // A dangling symbolic link counts as present: a file was meant to be there.
@@ -38,7 +38,8 @@ Result<spi::PropertyList> folder_properties(const std::filesystem::path& path) {
   };
   add(is_meant(folder.crl) ? property::kCrl : property::kLaterCrl, folder.crl);
   if (!is_meant(folder.properties)) return out;
-  for (auto& further : DDSSEC_TRY(spi::read_property_file(folder.properties))) {
+  DDSSEC_ASSIGN_OR_RETURN(auto file_properties, spi::read_property_file(folder.properties));
+  for (auto& further : file_properties) {
     if (spi::find_property(out, further.name) != nullptr)
       return fail(Code::property_without_effect, {.document = folder.properties.string(),
                                                   .field = further.name,

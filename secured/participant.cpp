@@ -23,11 +23,13 @@ void StandardErrorEvents::raise(const Event& event) {
 Result<Participant> Participant::join(const std::filesystem::path& folder,
                                       rtps::DomainParticipantOptions options, EventSink* events) {
   auto state = std::make_unique<State>(events);
-  options.security.emplace(state->engines.view(), DDSSEC_TRY(folder_properties(folder)));
-  state->participant = DDSSEC_TRY(rtps::DomainParticipant::create(
-      std::move(options), {state->clock, state->random, state->limited}));
-  state->publisher = DDSSEC_TRY(state->participant->create_publisher());
-  state->subscriber = DDSSEC_TRY(state->participant->create_subscriber());
+  DDSSEC_ASSIGN_OR_RETURN(auto properties, folder_properties(folder));
+  options.security.emplace(state->engines.view(), std::move(properties));
+  DDSSEC_ASSIGN_OR_RETURN(state->participant,
+                          rtps::DomainParticipant::create(
+                              std::move(options), {state->clock, state->random, state->limited}));
+  DDSSEC_ASSIGN_OR_RETURN(state->publisher, state->participant->create_publisher());
+  DDSSEC_ASSIGN_OR_RETURN(state->subscriber, state->participant->create_subscriber());
   return Participant(std::move(state));
 }
 

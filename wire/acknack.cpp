@@ -10,10 +10,10 @@ constexpr std::uint8_t kFlagFinal = 0x02;
 Result<AckNack> read_acknack(const SubmessageView& view) {
   auto reader = view.reader();
   AckNack out;
-  out.reader = DDSSEC_TRY(read_entity_id(reader));
-  out.writer = DDSSEC_TRY(read_entity_id(reader));
-  out.missing = DDSSEC_TRY(read_sequence_number_set(reader, 0));
-  out.count = DDSSEC_TRY(reader.read<std::int32_t>());
+  DDSSEC_ASSIGN_OR_RETURN(out.reader, read_entity_id(reader));
+  DDSSEC_ASSIGN_OR_RETURN(out.writer, read_entity_id(reader));
+  DDSSEC_ASSIGN_OR_RETURN(out.missing, read_sequence_number_set(reader, 0));
+  DDSSEC_ASSIGN_OR_RETURN(out.count, reader.read<std::int32_t>());
   out.is_final = view.has(kFlagFinal);
   return out;
 }

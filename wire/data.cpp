@@ -27,19 +27,19 @@ std::uint8_t flags_of(const Data& data) {
 Result<Data> read_data(const SubmessageView& view) {
   auto reader = view.reader();
   Data out;
-  out.kind = DDSSEC_TRY(payload_kind(view));
-  DDSSEC_TRY(reader.skip(2));
-  const auto to_inline_qos = DDSSEC_TRY(reader.read<std::uint16_t>());
-  out.reader = DDSSEC_TRY(read_entity_id(reader));
-  out.writer = DDSSEC_TRY(read_entity_id(reader));
-  out.sequence_number = DDSSEC_TRY(read_sequence_number(reader));
+  DDSSEC_ASSIGN_OR_RETURN(out.kind, payload_kind(view));
+  DDSSEC_RETURN_IF_ERROR(reader.skip(2));
+  DDSSEC_ASSIGN_OR_RETURN(const auto to_inline_qos, reader.read<std::uint16_t>());
+  DDSSEC_ASSIGN_OR_RETURN(out.reader, read_entity_id(reader));
+  DDSSEC_ASSIGN_OR_RETURN(out.writer, read_entity_id(reader));
+  DDSSEC_ASSIGN_OR_RETURN(out.sequence_number, read_sequence_number(reader));
   if (to_inline_qos < kFixedPart || to_inline_qos - kFixedPart > reader.remaining())
     return fail(Code::rtps_submessage_overrun);
-  DDSSEC_TRY(reader.skip(to_inline_qos - kFixedPart));
+  DDSSEC_RETURN_IF_ERROR(reader.skip(to_inline_qos - kFixedPart));
   if (view.has(kFlagInlineQos)) {
-    const auto list = DDSSEC_TRY(parameter_list_prefix(reader.rest(), view.endian()));
-    out.inline_qos = DDSSEC_TRY(read_inline_qos(list, view.endian()));
-    DDSSEC_TRY(reader.skip(list.size()));
+    DDSSEC_ASSIGN_OR_RETURN(const auto list, parameter_list_prefix(reader.rest(), view.endian()));
+    DDSSEC_ASSIGN_OR_RETURN(out.inline_qos, read_inline_qos(list, view.endian()));
+    DDSSEC_RETURN_IF_ERROR(reader.skip(list.size()));
   }
   if (out.kind != PayloadKind::none) out.payload = reader.rest();
   return out;

@@ -19,15 +19,16 @@ Result<std::size_t> covered_octets(const DataFrag& frag) {
 }
 
 Result<std::uint16_t> read_fixed_part(Reader& reader, DataFrag& out) {
-  DDSSEC_TRY(reader.skip(2));
-  const auto to_inline_qos = DDSSEC_TRY(reader.read<std::uint16_t>());
-  out.reader = DDSSEC_TRY(read_entity_id(reader));
-  out.writer = DDSSEC_TRY(read_entity_id(reader));
-  out.sequence_number = DDSSEC_TRY(read_sequence_number(reader));
-  out.first = FragmentNumber{DDSSEC_TRY(reader.read<std::uint32_t>())};
-  out.count = DDSSEC_TRY(reader.read<std::uint16_t>());
-  out.fragment_size = DDSSEC_TRY(reader.read<std::uint16_t>());
-  out.sample_size = DDSSEC_TRY(reader.read<std::uint32_t>());
+  DDSSEC_RETURN_IF_ERROR(reader.skip(2));
+  DDSSEC_ASSIGN_OR_RETURN(const auto to_inline_qos, reader.read<std::uint16_t>());
+  DDSSEC_ASSIGN_OR_RETURN(out.reader, read_entity_id(reader));
+  DDSSEC_ASSIGN_OR_RETURN(out.writer, read_entity_id(reader));
+  DDSSEC_ASSIGN_OR_RETURN(out.sequence_number, read_sequence_number(reader));
+  DDSSEC_ASSIGN_OR_RETURN(const auto first, reader.read<std::uint32_t>());
+  out.first = FragmentNumber{first};
+  DDSSEC_ASSIGN_OR_RETURN(out.count, reader.read<std::uint16_t>());
+  DDSSEC_ASSIGN_OR_RETURN(out.fragment_size, reader.read<std::uint16_t>());
+  DDSSEC_ASSIGN_OR_RETURN(out.sample_size, reader.read<std::uint32_t>());
   return to_inline_qos;
 }
 
@@ -36,24 +37,24 @@ Result<std::uint16_t> read_fixed_part(Reader& reader, DataFrag& out) {
 Result<DataFrag> read_data_frag(const SubmessageView& view) {
   auto reader = view.reader();
   DataFrag out;
-  const auto to_inline_qos = DDSSEC_TRY(read_fixed_part(reader, out));
-  const auto covered = DDSSEC_TRY(covered_octets(out));
+  DDSSEC_ASSIGN_OR_RETURN(const auto to_inline_qos, read_fixed_part(reader, out));
+  DDSSEC_ASSIGN_OR_RETURN(const auto covered, covered_octets(out));
   if (to_inline_qos < kFragFixedPart || to_inline_qos - kFragFixedPart > reader.remaining())
     return fail(Code::rtps_submessage_overrun);
-  DDSSEC_TRY(reader.skip(to_inline_qos - kFragFixedPart));
+  DDSSEC_RETURN_IF_ERROR(reader.skip(to_inline_qos - kFragFixedPart));
   if (view.has(kFragFlagInlineQos)) {
-    const auto list = DDSSEC_TRY(parameter_list_prefix(reader.rest(), view.endian()));
-    out.inline_qos = DDSSEC_TRY(read_inline_qos(list, view.endian()));
-    DDSSEC_TRY(reader.skip(list.size()));
+    DDSSEC_ASSIGN_OR_RETURN(const auto list, parameter_list_prefix(reader.rest(), view.endian()));
+    DDSSEC_ASSIGN_OR_RETURN(out.inline_qos, read_inline_qos(list, view.endian()));
+    DDSSEC_RETURN_IF_ERROR(reader.skip(list.size()));
   }
   out.is_key = view.has(kFragFlagKey);
   out.encoded = reader.rest();
-  out.payload = DDSSEC_TRY(reader.read_bytes(covered));
+  DDSSEC_ASSIGN_OR_RETURN(out.payload, reader.read_bytes(covered));
   return out;
 }
 
 Result<DataFrag> with_payload(DataFrag frag, BytesView plain) {
-  const auto covered = DDSSEC_TRY(covered_octets(frag));
+  DDSSEC_ASSIGN_OR_RETURN(const auto covered, covered_octets(frag));
   if (plain.size() < covered) return fail(Code::truncated);
   frag.payload = plain.first(covered);
   return frag;

@@ -10,14 +10,14 @@ constexpr std::uint8_t kFlagGroup = 0x02;
 Result<Gap> read_gap(const SubmessageView& view) {
   auto reader = view.reader();
   Gap out;
-  out.reader = DDSSEC_TRY(read_entity_id(reader));
-  out.writer = DDSSEC_TRY(read_entity_id(reader));
-  out.start = DDSSEC_TRY(read_sequence_number(reader));
-  out.list = DDSSEC_TRY(read_sequence_number_set(reader, 1));
+  DDSSEC_ASSIGN_OR_RETURN(out.reader, read_entity_id(reader));
+  DDSSEC_ASSIGN_OR_RETURN(out.writer, read_entity_id(reader));
+  DDSSEC_ASSIGN_OR_RETURN(out.start, read_sequence_number(reader));
+  DDSSEC_ASSIGN_OR_RETURN(out.list, read_sequence_number_set(reader, 1));
   if (out.list.base() < out.start) return fail(Code::rtps_number_invalid);
   if (!view.has(kFlagGroup)) return out;
-  const auto first = DDSSEC_TRY(read_sequence_number(reader));
-  const auto last = DDSSEC_TRY(read_any_sequence_number(reader));
+  DDSSEC_ASSIGN_OR_RETURN(const auto first, read_sequence_number(reader));
+  DDSSEC_ASSIGN_OR_RETURN(const auto last, read_any_sequence_number(reader));
   if (last < first.previous() || last > kGreatestSequenceNumber)
     return fail(Code::rtps_number_invalid);
   out.group = {first, last};

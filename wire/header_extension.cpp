@@ -24,12 +24,17 @@ Result<HeaderExtension> read_header_extension(const SubmessageView& view,
                                               std::size_t message_size) {
   auto reader = view.reader();
   HeaderExtension out;
-  if (view.has(kFlagLength)) out.message_length = DDSSEC_TRY(reader.read<std::uint32_t>());
-  if (view.has(kFlagTimestamp)) out.send_time = DDSSEC_TRY(read_time(reader));
-  if (view.has(kFlagUExtension4)) DDSSEC_TRY(reader.skip(4));
-  if (view.has(kFlagWExtension8)) DDSSEC_TRY(reader.skip(8));
-  DDSSEC_TRY(reader.skip(checksum_size(view.flags)));
-  if (view.has(kFlagParameters)) DDSSEC_TRY(parameter_list_prefix(reader.rest(), view.endian()));
+  if (view.has(kFlagLength)) {
+    DDSSEC_ASSIGN_OR_RETURN(out.message_length, reader.read<std::uint32_t>());
+  }
+  if (view.has(kFlagTimestamp)) {
+    DDSSEC_ASSIGN_OR_RETURN(out.send_time, read_time(reader));
+  }
+  if (view.has(kFlagUExtension4)) DDSSEC_RETURN_IF_ERROR(reader.skip(4));
+  if (view.has(kFlagWExtension8)) DDSSEC_RETURN_IF_ERROR(reader.skip(8));
+  DDSSEC_RETURN_IF_ERROR(reader.skip(checksum_size(view.flags)));
+  if (view.has(kFlagParameters))
+    DDSSEC_RETURN_IF_ERROR(parameter_list_prefix(reader.rest(), view.endian()));
   if (out.message_length && *out.message_length != message_size)
     return fail(Code::rtps_submessage_overrun);
   return out;

@@ -10,15 +10,17 @@ constexpr std::uint8_t kHeartbeatFlagGroup = 0x08;
 // The table in 9.4.5.7 ends with lastGSN; the model in 8.3.8.6 also has the digests.
 Result<GroupState> read_group(Reader& reader) {
   GroupState out;
-  out.current = DDSSEC_TRY(read_any_sequence_number(reader));
-  out.first = DDSSEC_TRY(read_sequence_number(reader));
-  out.last = DDSSEC_TRY(read_any_sequence_number(reader));
+  DDSSEC_ASSIGN_OR_RETURN(out.current, read_any_sequence_number(reader));
+  DDSSEC_ASSIGN_OR_RETURN(out.first, read_sequence_number(reader));
+  DDSSEC_ASSIGN_OR_RETURN(out.last, read_any_sequence_number(reader));
   const bool good = out.current.value >= 0 && out.current <= kGreatestSequenceNumber &&
                     out.last >= out.first.previous() && out.last <= kGreatestSequenceNumber;
   if (!good) return fail(Code::rtps_number_invalid);
   if (reader.remaining() == 0) return out;
-  for (auto* digest : {&out.writers, &out.secure_writers})
-    std::ranges::copy(DDSSEC_TRY(reader.read_bytes(digest->size())), digest->begin());
+  for (auto* digest : {&out.writers, &out.secure_writers}) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto octets, reader.read_bytes(digest->size()));
+    std::ranges::copy(octets, digest->begin());
+  }
   return out;
 }
 
@@ -27,16 +29,18 @@ Result<GroupState> read_group(Reader& reader) {
 Result<Heartbeat> read_heartbeat(const SubmessageView& view) {
   auto reader = view.reader();
   Heartbeat out;
-  out.reader = DDSSEC_TRY(read_entity_id(reader));
-  out.writer = DDSSEC_TRY(read_entity_id(reader));
-  out.first = DDSSEC_TRY(read_sequence_number(reader));
-  out.last = DDSSEC_TRY(read_any_sequence_number(reader));
-  out.count = DDSSEC_TRY(reader.read<std::int32_t>());
+  DDSSEC_ASSIGN_OR_RETURN(out.reader, read_entity_id(reader));
+  DDSSEC_ASSIGN_OR_RETURN(out.writer, read_entity_id(reader));
+  DDSSEC_ASSIGN_OR_RETURN(out.first, read_sequence_number(reader));
+  DDSSEC_ASSIGN_OR_RETURN(out.last, read_any_sequence_number(reader));
+  DDSSEC_ASSIGN_OR_RETURN(out.count, reader.read<std::int32_t>());
   out.is_final = view.has(kHeartbeatFlagFinal);
   out.asserts_liveliness = view.has(kHeartbeatFlagLiveliness);
   if (out.last < out.first.previous() || out.last > kGreatestSequenceNumber)
     return fail(Code::rtps_number_invalid);
-  if (view.has(kHeartbeatFlagGroup)) out.group = DDSSEC_TRY(read_group(reader));
+  if (view.has(kHeartbeatFlagGroup)) {
+    DDSSEC_ASSIGN_OR_RETURN(out.group, read_group(reader));
+  }
   return out;
 }
 

@@ -5,11 +5,12 @@ namespace ddssec::rtps {
 Result<HeartbeatFrag> read_heartbeat_frag(const SubmessageView& view) {
   auto reader = view.reader();
   HeartbeatFrag out;
-  out.reader = DDSSEC_TRY(read_entity_id(reader));
-  out.writer = DDSSEC_TRY(read_entity_id(reader));
-  out.sequence_number = DDSSEC_TRY(read_sequence_number(reader));
-  out.last = FragmentNumber{DDSSEC_TRY(reader.read<std::uint32_t>())};
-  out.count = DDSSEC_TRY(reader.read<std::int32_t>());
+  DDSSEC_ASSIGN_OR_RETURN(out.reader, read_entity_id(reader));
+  DDSSEC_ASSIGN_OR_RETURN(out.writer, read_entity_id(reader));
+  DDSSEC_ASSIGN_OR_RETURN(out.sequence_number, read_sequence_number(reader));
+  DDSSEC_ASSIGN_OR_RETURN(const auto last, reader.read<std::uint32_t>());
+  out.last = FragmentNumber{last};
+  DDSSEC_ASSIGN_OR_RETURN(out.count, reader.read<std::int32_t>());
   if (out.last.value == 0) return fail(Code::rtps_number_invalid);
   return out;
 }

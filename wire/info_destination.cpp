@@ -4,7 +4,8 @@ namespace ddssec::rtps {
 
 Result<InfoDestination> read_info_destination(const SubmessageView& view) {
   auto reader = view.reader();
-  return InfoDestination{DDSSEC_TRY(read_guid_prefix(reader))};
+  DDSSEC_ASSIGN_OR_RETURN(const auto guid_prefix, read_guid_prefix(reader));
+  return InfoDestination{guid_prefix};
 }
 
 void write(SpanWriter& out, const InfoDestination& info) {

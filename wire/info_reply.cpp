@@ -6,10 +6,10 @@ namespace {
 constexpr std::uint8_t kFlagMulticast = 0x02;
 
 Result<Locator> read_list(Reader& reader) {
-  const auto count = DDSSEC_TRY(reader.read_count(kLocatorSize));
+  DDSSEC_ASSIGN_OR_RETURN(const auto count, reader.read_count(kLocatorSize));
   if (count == 0) return Locator{};
-  const auto first = DDSSEC_TRY(read_locator(reader));
-  DDSSEC_TRY(reader.skip((count - 1) * kLocatorSize));
+  DDSSEC_ASSIGN_OR_RETURN(const auto first, read_locator(reader));
+  DDSSEC_RETURN_IF_ERROR(reader.skip((count - 1) * kLocatorSize));
   return first.kind == LocatorKind::invalid ? Locator{} : first;
 }
 
@@ -21,8 +21,9 @@ void write_list(SpanWriter& out, const Locator& locator) {
 
 // LocatorUDPv4: the address as one number in the submessage's byte order, then the port.
 Result<Locator> read_ip4(Reader& reader) {
-  const auto address = DDSSEC_TRY(reader.read<std::uint32_t>());
-  Locator out{LocatorKind::udp_v4, DDSSEC_TRY(reader.read<std::uint32_t>()), {}};
+  DDSSEC_ASSIGN_OR_RETURN(const auto address, reader.read<std::uint32_t>());
+  DDSSEC_ASSIGN_OR_RETURN(const auto port, reader.read<std::uint32_t>());
+  Locator out{LocatorKind::udp_v4, port, {}};
   for (unsigned i = 0; i < 4; ++i)
     out.address[12 + i] = static_cast<std::uint8_t>(address >> (24 - 8 * i));
   return out;
@@ -33,16 +34,20 @@ Result<Locator> read_ip4(Reader& reader) {
 Result<InfoReply> read_info_reply(const SubmessageView& view) {
   auto reader = view.reader();
   InfoReply info;
-  info.unicast = DDSSEC_TRY(read_list(reader));
-  if (view.has(kFlagMulticast)) info.multicast = DDSSEC_TRY(read_list(reader));
+  DDSSEC_ASSIGN_OR_RETURN(info.unicast, read_list(reader));
+  if (view.has(kFlagMulticast)) {
+    DDSSEC_ASSIGN_OR_RETURN(info.multicast, read_list(reader));
+  }
   return info;
 }
 
 Result<InfoReply> read_info_reply_ip4(const SubmessageView& view) {
   auto reader = view.reader();
   InfoReply info;
-  info.unicast = DDSSEC_TRY(read_ip4(reader));
-  if (view.has(kFlagMulticast)) info.multicast = DDSSEC_TRY(read_ip4(reader));
+  DDSSEC_ASSIGN_OR_RETURN(info.unicast, read_ip4(reader));
+  if (view.has(kFlagMulticast)) {
+    DDSSEC_ASSIGN_OR_RETURN(info.multicast, read_ip4(reader));
+  }
   return info;
 }
 

@@ -4,11 +4,13 @@ namespace ddssec::rtps {
 
 Result<InfoSource> read_info_source(const SubmessageView& view) {
   auto reader = view.reader();
-  DDSSEC_TRY(reader.skip(4));
+  DDSSEC_RETURN_IF_ERROR(reader.skip(4));
   InfoSource info;
-  info.source.version = ProtocolVersion::from(DDSSEC_TRY(reader.read_bytes(ProtocolVersion::size)));
-  info.source.vendor = VendorId::from(DDSSEC_TRY(reader.read_bytes(VendorId::size)));
-  info.source.prefix = DDSSEC_TRY(read_guid_prefix(reader));
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, reader.read_bytes(ProtocolVersion::size));
+  info.source.version = ProtocolVersion::from(octets);
+  DDSSEC_ASSIGN_OR_RETURN(const auto vendor, reader.read_bytes(VendorId::size));
+  info.source.vendor = VendorId::from(vendor);
+  DDSSEC_ASSIGN_OR_RETURN(info.source.prefix, read_guid_prefix(reader));
   if (info.source.version.octets[0] != 2) return fail(Code::rtps_version_unsupported);
   return info;
 }

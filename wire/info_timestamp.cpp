@@ -10,7 +10,7 @@ constexpr std::uint8_t kFlagInvalidate = 0x02;
 Result<InfoTimestamp> read_info_timestamp(const SubmessageView& view) {
   if (view.has(kFlagInvalidate)) return InfoTimestamp{};
   auto reader = view.reader();
-  const auto time = DDSSEC_TRY(read_time(reader));
+  DDSSEC_ASSIGN_OR_RETURN(const auto time, read_time(reader));
   return time.is_valid() ? InfoTimestamp{time} : InfoTimestamp{};
 }
 

@@ -17,7 +17,7 @@ bool must_be_understood(ParameterId id) {
 
 Result<SequenceNumber> read_number(BytesView value, Endian endian) {
   Reader reader(value, endian);
-  const auto number = DDSSEC_TRY(read_any_sequence_number(reader));
+  DDSSEC_ASSIGN_OR_RETURN(const auto number, read_any_sequence_number(reader));
   constexpr SequenceNumber kUnknown{-(std::int64_t{1} << 32)};
   if (number == kUnknown) return SequenceNumber{};
   if (!is_valid(number)) return fail(Code::rtps_number_invalid);
@@ -28,8 +28,9 @@ Result<SequenceNumber> read_number(BytesView value, Endian endian) {
 Result<Original> read_original(BytesView value, Endian endian) {
   if (value.size() < 24) return fail(Code::rtps_parameter_invalid);
   Reader reader(value, endian);
-  Original out{DDSSEC_TRY(read_guid(reader)), {}};
-  out.number = DDSSEC_TRY(read_sequence_number(reader));
+  DDSSEC_ASSIGN_OR_RETURN(const auto guid, read_guid(reader));
+  Original out{guid, {}};
+  DDSSEC_ASSIGN_OR_RETURN(out.number, read_sequence_number(reader));
   return out;
 }
 
@@ -58,7 +59,10 @@ void write_number(SpanWriter& out, ParameterId id, SequenceNumber number) {
 Result<InlineQos> read_inline_qos(BytesView list, Endian endian) {
   InlineQos qos;
   ParameterReader parameters(list, endian);
-  while (const auto parameter = DDSSEC_TRY(parameters.next())) {
+  while (true) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto parameter, parameters.next());
+    if (!parameter) break;
+
     const auto& value = parameter->value;
     if (parameter->id == pid::kKeyHash) {
       if (value.size() < 16) return fail(Code::rtps_parameter_invalid);
@@ -69,15 +73,15 @@ Result<InlineQos> read_inline_qos(BytesView list, Endian endian) {
                     (value[3] & kFiltered) != 0};
     } else if (const auto number = number_of(parameter->id)) {
       if (value.size() < 8) return fail(Code::rtps_parameter_invalid);
-      qos.coherence.*number = DDSSEC_TRY(read_number(value, endian));
+      DDSSEC_ASSIGN_OR_RETURN(qos.coherence.*number, read_number(value, endian));
     } else if (parameter->id == pid::kWriterGroupInfo) {
       if (value.size() < 4) return fail(Code::rtps_parameter_invalid);
       std::copy_n(value.begin(), 4, qos.coherence.writers.begin());
     } else if (parameter->id == pid::kOriginalWriterInfo) {
-      qos.original = DDSSEC_TRY(read_original(value, endian));
+      DDSSEC_ASSIGN_OR_RETURN(qos.original, read_original(value, endian));
     } else if (parameter->id == pid::kSourceTime && value.size() >= 8) {
       Reader reader(value, endian);
-      qos.source_time = DDSSEC_TRY(read_time(reader));
+      DDSSEC_ASSIGN_OR_RETURN(qos.source_time, read_time(reader));
     } else if (must_be_understood(parameter->id)) {
       return fail(Code::rtps_parameter_not_understood);
     }

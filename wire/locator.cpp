@@ -76,9 +76,10 @@ std::string to_string(const Locator& locator) {
 
 Result<Locator> read_locator(Reader& reader) {
   Locator out;
-  out.kind = static_cast<LocatorKind>(DDSSEC_TRY(reader.read<std::int32_t>()));
-  out.port = DDSSEC_TRY(reader.read<std::uint32_t>());
-  DDSSEC_TRY(reader.read_into(out.address));
+  DDSSEC_ASSIGN_OR_RETURN(const auto kind, reader.read<std::int32_t>());
+  out.kind = static_cast<LocatorKind>(kind);
+  DDSSEC_ASSIGN_OR_RETURN(out.port, reader.read<std::uint32_t>());
+  DDSSEC_RETURN_IF_ERROR(reader.read_into(out.address));
   return out;
 }
 

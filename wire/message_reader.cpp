@@ -11,7 +11,7 @@ bool may_be_empty(SubmessageId id) {
 }  // namespace
 
 Result<MessageReader> MessageReader::open(BytesView message) {
-  const auto header = DDSSEC_TRY(read_header(message));
+  DDSSEC_ASSIGN_OR_RETURN(const auto header, read_header(message));
   return MessageReader(header, message.subspan(kHeaderSize));
 }
 
@@ -19,7 +19,8 @@ Result<std::optional<SubmessageView>> MessageReader::next() {
   if (rest_.empty()) return std::nullopt;
   if (rest_.size() < kSubmessageHeaderSize) return fail(Code::truncated);
   SubmessageView view{static_cast<SubmessageId>(rest_[0]), rest_[1], {}, {}};
-  std::size_t length = DDSSEC_TRY(Reader(rest_.subspan(2, 2), view.endian()).read<std::uint16_t>());
+  DDSSEC_ASSIGN_OR_RETURN(std::size_t length,
+                          Reader(rest_.subspan(2, 2), view.endian()).read<std::uint16_t>());
   const auto left = rest_.size() - kSubmessageHeaderSize;
   if (length == 0 && !may_be_empty(view.id)) length = left;
   // Only the last submessage may have a length that is not a multiple of 4; otherwise the next one

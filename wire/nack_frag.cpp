@@ -5,11 +5,11 @@ namespace ddssec::rtps {
 Result<NackFrag> read_nack_frag(const SubmessageView& view) {
   auto reader = view.reader();
   NackFrag out;
-  out.reader = DDSSEC_TRY(read_entity_id(reader));
-  out.writer = DDSSEC_TRY(read_entity_id(reader));
-  out.sequence_number = DDSSEC_TRY(read_sequence_number(reader));
-  out.missing = DDSSEC_TRY(read_fragment_number_set(reader));
-  out.count = DDSSEC_TRY(reader.read<std::int32_t>());
+  DDSSEC_ASSIGN_OR_RETURN(out.reader, read_entity_id(reader));
+  DDSSEC_ASSIGN_OR_RETURN(out.writer, read_entity_id(reader));
+  DDSSEC_ASSIGN_OR_RETURN(out.sequence_number, read_sequence_number(reader));
+  DDSSEC_ASSIGN_OR_RETURN(out.missing, read_fragment_number_set(reader));
+  DDSSEC_ASSIGN_OR_RETURN(out.count, reader.read<std::int32_t>());
   return out;
 }
 

@@ -52,13 +52,15 @@ std::string to_string(const Duration& duration) {
 }
 
 Result<Duration> read_duration(Reader& reader) {
-  const auto seconds = DDSSEC_TRY(reader.read<std::int32_t>());
-  return Duration{{seconds, DDSSEC_TRY(reader.read<std::uint32_t>())}};
+  DDSSEC_ASSIGN_OR_RETURN(const auto seconds, reader.read<std::int32_t>());
+  DDSSEC_ASSIGN_OR_RETURN(const auto fraction, reader.read<std::uint32_t>());
+  return Duration{{seconds, fraction}};
 }
 
 Result<Time> read_time(Reader& reader) {
-  const auto seconds = DDSSEC_TRY(reader.read<std::int32_t>());
-  return Time{{seconds, DDSSEC_TRY(reader.read<std::uint32_t>())}};
+  DDSSEC_ASSIGN_OR_RETURN(const auto seconds, reader.read<std::int32_t>());
+  DDSSEC_ASSIGN_OR_RETURN(const auto fraction, reader.read<std::uint32_t>());
+  return Time{{seconds, fraction}};
 }
 
 }  // namespace ddssec::rtps

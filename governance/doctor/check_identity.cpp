@@ -331,7 +331,7 @@ void check_several_lists(const LoadedFolder& folder, Diagnosis& out) {
 
 // By the lists that the product reads.
 Status status_by_lists(const LoadedFolder& folder, Vendor vendor, WallTime now) {
-  const auto verifier = DDSSEC_TRY(folder.chain(vendor));
+  DDSSEC_ASSIGN_OR_RETURN(const auto verifier, folder.chain(vendor));
   const auto proof = verifier.verify(*folder.certificate, now);
   return proof ? Status() : std::unexpected(proof.error());
 }

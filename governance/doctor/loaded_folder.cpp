@@ -34,7 +34,7 @@ auto load_with(const fs::path& path, std::size_t most, Parse parse)
 }
 
 Result<pki::PrivateKey> load_key(const fs::path& path) {
-  const auto uri = DDSSEC_TRY(named(pki::uri_of(path), path));
+  DDSSEC_ASSIGN_OR_RETURN(const auto uri, named(pki::uri_of(path), path));
   return named(pki::PrivateKey::load(uri, path.string()), path);
 }
 
@@ -95,7 +95,7 @@ Status believes(Vendor judge, BytesView file, const Certificates& cas, WallTime 
   if (!cas) return std::unexpected(cas.error());
   if (judge == Vendor::cyclonedds) return pki::stock_products_believe(file, {cas->front()}, now);
   if (judge == Vendor::fastdds) return pki::stock_products_believe(file, *cas, now);
-  const auto verifier = DDSSEC_TRY(pki::DocumentVerifier::make(*cas));
+  DDSSEC_ASSIGN_OR_RETURN(const auto verifier, pki::DocumentVerifier::make(*cas));
   const auto proof = verifier.verify(file, now);
   return proof ? Status() : std::unexpected(proof.error());
 }

@@ -84,7 +84,7 @@ Status judge_certificate(const Party& judge, const Party& subject, WallTime now)
   const auto& certificate = subject.folder.certificate;
   if (!certificate) return std::unexpected(certificate.error());
   if (!judge.folder.identity_cas) return std::unexpected(judge.folder.identity_cas.error());
-  const auto verifier = DDSSEC_TRY(judge.folder.chain(judge.vendor));
+  DDSSEC_ASSIGN_OR_RETURN(const auto verifier, judge.folder.chain(judge.vendor));
   const auto proof = verifier.verify(*certificate, now);
   const auto outcomes =
       chain_outcomes(*certificate, *judge.folder.identity_cas, proof, false, judge.lineup);
@@ -171,8 +171,8 @@ Status judge_permissions_of(const Party& judge, const Party& subject, WallTime n
     return fail(Code::permissions_too_large,
                 {.expected = fmt::format("at most {} octets", pki::kMostSentPermissionsOctets),
                  .found = fmt::format("{} octets", document.file.size())});
-  DDSSEC_TRY(believes(judge.vendor, document.file, judge.folder.permissions_cas, now));
-  DDSSEC_TRY(document.read_by(judge.vendor));
+  DDSSEC_RETURN_IF_ERROR(believes(judge.vendor, document.file, judge.folder.permissions_cas, now));
+  DDSSEC_RETURN_IF_ERROR(document.read_by(judge.vendor));
   if (!subject.folder.certificate) return std::unexpected(subject.folder.certificate.error());
   const auto& certificate = *subject.folder.certificate;
   for (const auto& grant : document.model->grants)

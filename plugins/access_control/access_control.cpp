@@ -153,24 +153,25 @@ class Plugin final : public spi::AccessControl {
   }
 
   Result<spi::Token> permissions_token(PermissionsHandle local) override {
-    DDSSEC_TRY(known(local));
+    DDSSEC_RETURN_IF_ERROR(known(local));
     // Fast DDS refuses any dds.perm_ca.sn or dds.perm_ca.algo but its own spelling: none is best.
     return spi::Token{.class_id = std::string(spi::class_id::kPermissions)};
   }
   Result<spi::Token> permissions_credential_token(PermissionsHandle local) override {
-    const Holder holder = DDSSEC_TRY(known(local));
+    DDSSEC_ASSIGN_OR_RETURN(const Holder holder, known(local));
     return spi::Token{.class_id = std::string(spi::class_id::kPermissionsCredential),
                       .properties = {{"dds.perm.cert", holder->text()}}};
   }
 
   Result<spi::ParticipantSecurityAttributes> participant_sec_attributes(
       PermissionsHandle local) override {
-    const Holder holder = DDSSEC_TRY(known(local));
+    DDSSEC_ASSIGN_OR_RETURN(const Holder holder, known(local));
     return participant_attributes(holder->participant()->governance->domain_rule());
   }
   Result<spi::TopicSecurityAttributes> topic_sec_attributes(PermissionsHandle local,
                                                             std::string_view topic_name) override {
-    return DDSSEC_TRY(attributes(local, topic_name)).topic;
+    DDSSEC_ASSIGN_OR_RETURN(auto endpoint_attributes, attributes(local, topic_name));
+    return std::move(endpoint_attributes).topic;
   }
   Result<spi::EndpointSecurityAttributes> datawriter_sec_attributes(
       PermissionsHandle local, const EndpointRequest& request) override {
@@ -228,7 +229,7 @@ class Plugin final : public spi::AccessControl {
   /// Finds the holder, lets `judge` decide and raises what it refuses.
   template <class Judge>
   Status check(PermissionsHandle handle, DomainId domain_id, Judge&& judge) {
-    const Holder holder = DDSSEC_TRY(known(handle));
+    DDSSEC_ASSIGN_OR_RETURN(const Holder holder, known(handle));
     const DomainId own = holder->participant()->domain;
     const Status status =
         own == domain_id ? judge(*holder)
@@ -295,7 +296,7 @@ Result<PermissionsHandle> Plugin::validate_remote_permissions(spi::IdentityHandl
 Status Plugin::judge_participant(PermissionsHolder& holder) {
   const auto& rule = holder.participant()->governance->domain_rule();
   if (!rule.enable_join_access_control) return {};
-  const Grant grant = DDSSEC_TRY(grant_now(holder));
+  DDSSEC_ASSIGN_OR_RETURN(const Grant grant, grant_now(holder));
   const auto verdict = grant->judge_participant();
   if (!verdict.allowed) return std::unexpected(participant_denied(holder, *grant, verdict));
   return {};
@@ -307,7 +308,7 @@ Status Plugin::judge_endpoint(PermissionsHolder& holder, Action action,
   const auto* rule = participant.governance->topic_rule(request.topic_name);
   if (!rule) return std::unexpected(topic_not_covered(participant, request.topic_name));
   if (!is_access_controlled(*rule, action)) return {};
-  const Grant grant = DDSSEC_TRY(grant_now(holder));
+  DDSSEC_ASSIGN_OR_RETURN(const Grant grant, grant_now(holder));
   const auto tags = data_tags_of(request);
   const auto verdict = grant->judge(action, {request.topic_name, request.partitions, tags});
   if (!verdict.allowed)
@@ -318,8 +319,8 @@ Status Plugin::judge_endpoint(PermissionsHolder& holder, Action action,
 /// What the host asks, as a peer announced it.
 Status Plugin::judge_announced(PermissionsHolder& holder, Action action,
                                const EndpointRequest& request) {
-  if (holder.remote()) DDSSEC_TRY(check_lengths(request));
-  DDSSEC_TRY(judge_endpoint(holder, action, request));
+  if (holder.remote()) DDSSEC_RETURN_IF_ERROR(check_lengths(request));
+  DDSSEC_RETURN_IF_ERROR(judge_endpoint(holder, action, request));
   if (holder.remote()) holder.announced().note(action, request);
   return {};
 }
@@ -348,8 +349,8 @@ Status Plugin::judge_own(const PermissionsHolder& remote, const Match& match) {
 }
 
 Status Plugin::check_remote_match(PermissionsHandle remote, const Match& match) {
-  const Holder holder = DDSSEC_TRY(known(remote));
-  DDSSEC_TRY(judge_own(*holder, match));
+  DDSSEC_ASSIGN_OR_RETURN(const Holder holder, known(remote));
+  DDSSEC_RETURN_IF_ERROR(judge_own(*holder, match));
   const auto action = match.remote_writes ? Action::publish : Action::subscribe;
   if (may_as_announced(*holder, action, match.local)) return {};
   const auto status = judge_endpoint(*holder, action, match.local);
@@ -360,12 +361,12 @@ Status Plugin::check_remote_match(PermissionsHandle remote, const Match& match) 
 }
 
 Status Plugin::judge_topic(PermissionsHolder& holder, std::string_view topic) {
-  if (holder.remote()) DDSSEC_TRY(check_topic_length(topic));
+  if (holder.remote()) DDSSEC_RETURN_IF_ERROR(check_topic_length(topic));
   const auto& participant = *holder.participant();
   const auto* rule = participant.governance->topic_rule(topic);
   if (!rule) return std::unexpected(topic_not_covered(participant, topic));
   if (!rule->enable_read_access_control || !rule->enable_write_access_control) return {};
-  const Grant grant = DDSSEC_TRY(grant_now(holder));
+  DDSSEC_ASSIGN_OR_RETURN(const Grant grant, grant_now(holder));
   const auto publish = grant->judge_topic(Action::publish, topic);
   if (publish.allowed || grant->judge_topic(Action::subscribe, topic).allowed) return {};
   return std::unexpected(topic_denied(holder, *grant, publish, topic));
@@ -390,13 +391,13 @@ Result<spi::AccessControl::RemoteDatareader> Plugin::check_remote_datareader(
     answer.relay_only = options_.accept_relays && may_relay(holder, request);
     return answer.relay_only ? Status() : status;
   };
-  DDSSEC_TRY(check(remote, domain_id, judge));
+  DDSSEC_RETURN_IF_ERROR(check(remote, domain_id, judge));
   return answer;
 }
 
 Result<spi::EndpointSecurityAttributes> Plugin::attributes(PermissionsHandle local,
                                                            std::string_view topic) {
-  const Holder holder = DDSSEC_TRY(known(local));
+  DDSSEC_ASSIGN_OR_RETURN(const Holder holder, known(local));
   const auto& participant = *holder->participant();
   const auto& governance = *participant.governance;
   if (const auto builtin = builtin_attributes(governance.domain_rule(), topic)) return *builtin;

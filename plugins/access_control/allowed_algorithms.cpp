@@ -83,8 +83,8 @@ Status check_authority(const AllowedAlgorithms& allowed, const pki::Certificate&
 
 Status check_identity(const AllowedAlgorithms& allowed, const pki::Certificate& certificate,
                       std::span<const pki::Certificate> authorities) {
-  DDSSEC_TRY(check_key(Code::identity_algorithm_not_allowed, allowed.digital_signature,
-                       allowed.line, "<digital_signature>", certificate));
+  DDSSEC_RETURN_IF_ERROR(check_key(Code::identity_algorithm_not_allowed, allowed.digital_signature,
+                                   allowed.line, "<digital_signature>", certificate));
   const auto* below = &certificate;
   for (int i = 0; i < kMostAuthorities; ++i) {
     const auto issuer = std::ranges::find_if(
@@ -98,7 +98,7 @@ Status check_identity(const AllowedAlgorithms& allowed, const pki::Certificate& 
                    .found = "unknown: the issuer is not in identity_ca",
                    .note = certificate.issuer()});
     }
-    DDSSEC_TRY(check_authority(allowed, *issuer));
+    DDSSEC_RETURN_IF_ERROR(check_authority(allowed, *issuer));
     if (issuer->is_self_issued()) return {};
     below = &*issuer;
   }

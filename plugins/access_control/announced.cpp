@@ -35,10 +35,11 @@ Status check_topic_length(std::string_view topic) {
 }
 
 Status check_lengths(const spi::EndpointRequest& request) {
-  DDSSEC_TRY(check_topic_length(request.topic_name));
-  DDSSEC_TRY(at_most(kMaxPartitions, request.partitions.size(), "PARTITION", "partitions"));
+  DDSSEC_RETURN_IF_ERROR(check_topic_length(request.topic_name));
+  DDSSEC_RETURN_IF_ERROR(
+      at_most(kMaxPartitions, request.partitions.size(), "PARTITION", "partitions"));
   for (const auto partition : request.partitions)
-    DDSSEC_TRY(at_most(kMaxNameOctets, partition.size(), "partition", "octets"));
+    DDSSEC_RETURN_IF_ERROR(at_most(kMaxNameOctets, partition.size(), "partition", "octets"));
   return at_most(kMaxRequestOctets, octets_of(request), "topic name, partitions and data tags",
                  "octets");
 }

@@ -11,15 +11,16 @@
 namespace ddssec::access_control {
 
 Result<std::shared_ptr<const PermissionsCa>> PermissionsCa::load(const std::string& uri) {
-  const auto file = DDSSEC_TRY(
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto file,
       pki::load_certificates(uri, spi::property::kPermissionsCa, pki::kMostBundleOctets));
-  auto certificates = DDSSEC_TRY(pki::Certificate::bundle_from_pem(file));
+  DDSSEC_ASSIGN_OR_RETURN(auto certificates, pki::Certificate::bundle_from_pem(file));
   Bytes fingerprints;
   for (const auto& certificate : certificates) {
     const auto& f = certificate.fingerprint();
     fingerprints.insert(fingerprints.end(), f.begin(), f.end());
   }
-  auto verifier = DDSSEC_TRY(pki::DocumentVerifier::make(std::move(certificates)));
+  DDSSEC_ASSIGN_OR_RETURN(auto verifier, pki::DocumentVerifier::make(std::move(certificates)));
   return std::make_shared<const PermissionsCa>(std::move(verifier), sha256(fingerprints));
 }
 
@@ -43,9 +44,9 @@ Status PermissionsDocument::check_signer(WallTime now) const {
 Result<Grant> PermissionsDocument::grant_for(const pki::SubjectName& subject,
                                              std::string_view shown, DomainId domain,
                                              const std::string& tag, WallTime now) {
-  DDSSEC_TRY(check_signer(now));
-  const governance::Grant* grant =
-      DDSSEC_TRY(governance::find_grant(*permissions_, subject, shown, now));
+  DDSSEC_RETURN_IF_ERROR(check_signer(now));
+  DDSSEC_ASSIGN_OR_RETURN(const governance::Grant* grant,
+                          governance::find_grant(*permissions_, subject, shown, now));
   const std::lock_guard lock(mutex_);
   const std::tuple key(grant, domain, tag);
   if (compiled_.size() >= kMostCompiled && !compiled_.contains(key)) compiled_.clear();
@@ -62,18 +63,18 @@ Result<std::shared_ptr<PermissionsDocument>> DocumentCache::permissions(const Pe
                                                                         WallTime now) {
   const Sha256Digest form = sha256({ca.digest(), file});
   if (auto known = find(by_form_, form)) {
-    DDSSEC_TRY(known->check_signer(now));
+    DDSSEC_RETURN_IF_ERROR(known->check_signer(now));
     return known;
   }
-  const auto document = DDSSEC_TRY(ca.verifier().verify(file, now));
+  DDSSEC_ASSIGN_OR_RETURN(const auto document, ca.verifier().verify(file, now));
   const Sha256Digest text =
       sha256({ca.digest(), document.signer().fingerprint(), document.content()});
   if (auto known = find(by_text_, text)) {
     add_form(text, form);
     return known;
   }
-  auto permissions =
-      DDSSEC_TRY(governance::read_permissions(document.content(), document.first_line()));
+  DDSSEC_ASSIGN_OR_RETURN(auto permissions,
+                          governance::read_permissions(document.content(), document.first_line()));
   auto judged = std::make_shared<PermissionsDocument>(std::move(permissions), document);
   judged->set_partition_match(partition_match_);
   insert({text, file.size(), judged});

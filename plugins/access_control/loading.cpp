@@ -54,7 +54,7 @@ auto certificates_of(const spi::PropertyList& properties, std::string_view prope
                      std::size_t most, Read&& read) -> decltype(read(BytesView())) {
   const auto* uri = spi::find_property(properties, property);
   if (!uri || uri->empty()) return fail(Code::missing_property, {.field = std::string(property)});
-  const auto file = DDSSEC_TRY(pki::load_certificates(*uri, property, most));
+  DDSSEC_ASSIGN_OR_RETURN(const auto file, pki::load_certificates(*uri, property, most));
   return in_document(read(file), document_name(property, *uri));
 }
 
@@ -68,25 +68,30 @@ Status check_own_algorithms(Participant& own, const pki::Certificate& certificat
                             const spi::PropertyList& properties) {
   const auto* const allowed = own.allowed_algorithms();
   if (allowed == nullptr) return {};
-  own.identity_authorities =
-      DDSSEC_TRY(certificates_of(properties, spi::property::kIdentityCa, pki::kMostBundleOctets,
-                                 pki::Certificate::bundle_from_pem));
-  DDSSEC_TRY(check_identity(*allowed, certificate, own.identity_authorities));
-  const auto signers =
-      DDSSEC_TRY(certificates_of(properties, spi::property::kPermissionsCa, pki::kMostBundleOctets,
-                                 pki::Certificate::bundle_from_pem));
-  for (const auto& signer : signers) DDSSEC_TRY(check_authority(*allowed, signer));
+  DDSSEC_ASSIGN_OR_RETURN(
+      own.identity_authorities,
+      certificates_of(properties, spi::property::kIdentityCa, pki::kMostBundleOctets,
+                      pki::Certificate::bundle_from_pem));
+  DDSSEC_RETURN_IF_ERROR(check_identity(*allowed, certificate, own.identity_authorities));
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto signers,
+      certificates_of(properties, spi::property::kPermissionsCa, pki::kMostBundleOctets,
+                      pki::Certificate::bundle_from_pem));
+  for (const auto& signer : signers) DDSSEC_RETURN_IF_ERROR(check_authority(*allowed, signer));
   return {};
 }
 
 Result<std::shared_ptr<const governance::CompiledGovernance>> compile_governance(
     const LoadContext& context, const Participant& participant, BytesView file) {
-  const auto document = DDSSEC_TRY(participant.ca->verifier().verify(file, context.now));
-  auto content = std::make_shared<const governance::Governance>(
-      DDSSEC_TRY(governance::read_governance(document.content(), document.first_line())));
-  auto compiled = DDSSEC_TRY(governance::CompiledGovernance::make(
-      std::move(content), participant.domain, participant.domain_tag));
-  DDSSEC_TRY(check_enforceable(compiled->domain_rule(), context.options));
+  DDSSEC_ASSIGN_OR_RETURN(const auto document,
+                          participant.ca->verifier().verify(file, context.now));
+  DDSSEC_ASSIGN_OR_RETURN(auto rules,
+                          governance::read_governance(document.content(), document.first_line()));
+  auto content = std::make_shared<const governance::Governance>(std::move(rules));
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto compiled, governance::CompiledGovernance::make(std::move(content), participant.domain,
+                                                          participant.domain_tag));
+  DDSSEC_RETURN_IF_ERROR(check_enforceable(compiled->domain_rule(), context.options));
   return compiled;
 }
 
@@ -119,36 +124,40 @@ Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context
                                                       spi::IdentityHandle identity, DomainId domain,
                                                       const spi::PropertyList& properties,
                                                       std::string_view domain_tag) {
-  const auto uris = DDSSEC_TRY(document_uris(properties));
+  DDSSEC_ASSIGN_OR_RETURN(const auto uris, document_uris(properties));
   const auto& [ca_uri, governance_uri, permissions_uri] = uris;
-  const auto certificate = DDSSEC_TRY(local_certificate(properties));
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificate, local_certificate(properties));
   Subject subject{pki::SubjectName::of(certificate), certificate.subject()};
   auto participant = std::make_shared<Participant>();
   participant->identity = identity;
   participant->domain = domain;
   participant->domain_tag = domain_tag;
-  participant->warn_before_end = DDSSEC_TRY(spi::warning_days(properties));
-  const auto poll_interval = DDSSEC_TRY(spi::files_poll_interval(properties));
-  participant->ca = DDSSEC_TRY(in_document(PermissionsCa::load(ca_uri),
-                                           document_name(spi::property::kPermissionsCa, ca_uri)));
+  DDSSEC_ASSIGN_OR_RETURN(participant->warn_before_end, spi::warning_days(properties));
+  DDSSEC_ASSIGN_OR_RETURN(const auto poll_interval, spi::files_poll_interval(properties));
+  DDSSEC_ASSIGN_OR_RETURN(participant->ca,
+                          in_document(PermissionsCa::load(ca_uri),
+                                      document_name(spi::property::kPermissionsCa, ca_uri)));
   participant->governance_name = document_name(spi::property::kGovernance, governance_uri);
-  const auto governance_file =
-      DDSSEC_TRY(pki::load(governance_uri, spi::property::kGovernance, pki::kMostDocumentOctets));
-  participant->governance = DDSSEC_TRY(in_document(
-      compile_governance(context, *participant, governance_file), participant->governance_name));
-  DDSSEC_TRY(in_document(check_own_algorithms(*participant, certificate, properties),
-                         participant->governance_name));
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto governance_file,
+      pki::load(governance_uri, spi::property::kGovernance, pki::kMostDocumentOctets));
+  DDSSEC_ASSIGN_OR_RETURN(participant->governance,
+                          in_document(compile_governance(context, *participant, governance_file),
+                                      participant->governance_name));
+  DDSSEC_RETURN_IF_ERROR(in_document(check_own_algorithms(*participant, certificate, properties),
+                                     participant->governance_name));
   const auto name = document_name(spi::property::kPermissions, permissions_uri);
   auto watch = std::make_unique<PermissionsWatch>(permissions_uri, name, poll_interval);
-  const auto file =
-      DDSSEC_TRY(pki::load(permissions_uri, spi::property::kPermissions, pki::kMostDocumentOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto file, pki::load(permissions_uri, spi::property::kPermissions,
+                                                     pki::kMostDocumentOctets));
   watch->note_read(file);
-  auto document = DDSSEC_TRY(
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto document,
       in_document(context.documents.permissions(*participant->ca, file, context.now), name));
   auto holder = std::make_shared<PermissionsHolder>(std::move(participant), std::nullopt,
                                                     std::move(subject), name, std::move(document));
   holder->set_own(std::string(as_text(file)), std::move(watch));
-  DDSSEC_TRY(holder->grant(context.now));
+  DDSSEC_RETURN_IF_ERROR(holder->grant(context.now));
   return holder;
 }
 
@@ -157,9 +166,9 @@ Status check_remote_algorithms(const Participant& local, const spi::Token& crede
   const auto* const allowed = local.allowed_algorithms();
   const auto octets = octets_of(credential, "c.id");
   if (allowed == nullptr || !octets) return {};
-  const auto certificate = DDSSEC_TRY(pki::Certificate::from_pem(*octets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificate, pki::Certificate::from_pem(*octets));
   subject = {pki::SubjectName::of(certificate), certificate.subject()};
-  DDSSEC_TRY(check_identity(*allowed, certificate, local.identity_authorities));
+  DDSSEC_RETURN_IF_ERROR(check_identity(*allowed, certificate, local.identity_authorities));
   const auto agreement = octets_of(credential, "c.kagree_algo");
   return check_key_establishment(*allowed,
                                  agreement ? std::optional(as_text(*agreement)) : std::nullopt);
@@ -172,7 +181,7 @@ Result<std::shared_ptr<PermissionsDocument>> judge_remote(const LoadContext& con
                                                           Subject& subject) {
   const auto certificate_octets = octets_of(credential, "c.id");
   if (!certificate_octets) return fail(Code::peer_certificate_missing, {.field = "c.id"});
-  const auto certificate = DDSSEC_TRY(pki::Certificate::from_pem(*certificate_octets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificate, pki::Certificate::from_pem(*certificate_octets));
   subject = {pki::SubjectName::of(certificate), certificate.subject()};
   if (!is_compatible_class(permissions_token.class_id)) {
     return fail(Code::permissions_token_class,
@@ -190,9 +199,10 @@ Result<std::shared_ptr<PermissionsDocument>> judge_remote(const LoadContext& con
                  .expected = std::to_string(context.options.most_permissions_octets) + " octets",
                  .found = std::to_string(file->size())});
   }
-  auto document = DDSSEC_TRY(context.documents.permissions(*local.ca, *file, context.now));
-  DDSSEC_TRY(document->grant_for(subject.name, subject.shown, local.domain, local.domain_tag,
-                                 context.now));
+  DDSSEC_ASSIGN_OR_RETURN(auto document,
+                          context.documents.permissions(*local.ca, *file, context.now));
+  DDSSEC_RETURN_IF_ERROR(document->grant_for(subject.name, subject.shown, local.domain,
+                                             local.domain_tag, context.now));
   return document;
 }
 

@@ -99,14 +99,14 @@ Result<bool> PermissionsHolder::renew(DocumentCache& documents, const Clock& clo
   if (!watch_) return false;
   return watch_->look(clock.monotonic(), [&](BytesView file) -> Status {
     const auto now = clock.now();
-    auto document = DDSSEC_TRY(documents.permissions(*participant_->ca, file, now));
+    DDSSEC_ASSIGN_OR_RETURN(auto document, documents.permissions(*participant_->ca, file, now));
     return take(std::move(document), file, now);
   });
 }
 
 Status PermissionsHolder::take(std::shared_ptr<PermissionsDocument> document, BytesView file,
                                WallTime now) {
-  auto renewed = DDSSEC_TRY(grant_in(*document, now));
+  DDSSEC_ASSIGN_OR_RETURN(auto renewed, grant_in(*document, now));
   std::string text(as_text(file));
   const std::lock_guard lock(mutex_);
   // The host has cut the participant off, and keeps to that.

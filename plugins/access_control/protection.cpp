@@ -83,8 +83,9 @@ spi::CipherMask ciphers_in(const std::vector<governance::Text>& names) {
 Status check_algorithms(const governance::AllowedAlgorithms& allowed) {
   // Local handshakes begin with this key agreement, and key tokens and peers may always use both
   // ciphers. All other algorithms are checked when they are used (allowed_algorithms.hpp).
-  DDSSEC_TRY(check_listed(allowed.line, "<key_establishment>", allowed.key_establishment,
-                          {{"ECDHE-CEUM+P256", "ECDH+prime256v1-CEUM", "ECDH+prime256v1"}}));
+  DDSSEC_RETURN_IF_ERROR(
+      check_listed(allowed.line, "<key_establishment>", allowed.key_establishment,
+                   {{"ECDHE-CEUM+P256", "ECDH+prime256v1-CEUM", "ECDH+prime256v1"}}));
   return check_listed(allowed.line, "<symmetric_cipher>", allowed.symmetric_cipher,
                       {{"AES128+GCM"}, {"AES256+GCM"}});
 }

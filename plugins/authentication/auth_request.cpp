@@ -10,7 +10,7 @@ spi::Token write_auth_request(const spi::Challenge& future_challenge) {
 }
 
 Result<spi::Challenge> read_auth_request(const spi::Token& token) {
-  const auto fields = DDSSEC_TRY(TokenFields::of(token, TokenClass::auth_request));
+  DDSSEC_ASSIGN_OR_RETURN(const auto fields, TokenFields::of(token, TokenClass::auth_request));
   return fields.challenge(kFutureChallenge);
 }
 

@@ -138,28 +138,28 @@ Result<PkiDh::LocalIdentity> PkiDh::validate_local_identity(DomainId,
 Result<PkiDh::LocalIdentity> PkiDh::load_local(const spi::PropertyList& properties,
                                                const Guid& candidate) {
   const WallTime now = environment_.clock.now();
-  auto files = DDSSEC_TRY(IdentityFiles::load(properties, stores_, now));
+  DDSSEC_ASSIGN_OR_RETURN(auto files, IdentityFiles::load(properties, stores_, now));
   const auto no_list = files.revocation_lists.absence();
   auto identity = std::make_shared<authentication::LocalIdentity>(std::move(files), candidate);
-  const auto chain = DDSSEC_TRY(identity->verify(now));
-  const auto handle = DDSSEC_TRY(table_.add_local(identity, chain));
+  DDSSEC_ASSIGN_OR_RETURN(const auto chain, identity->verify(now));
+  DDSSEC_ASSIGN_OR_RETURN(const auto handle, table_.add_local(identity, chain));
   if (no_list) environment_.events.raise(event_about(our_name(identity->guid()), *no_list));
   return LocalIdentity{handle, identity->guid()};
 }
 
 Result<Token> PkiDh::identity_token(IdentityHandle local, spi::CipherMask ciphers) {
-  const auto identity = DDSSEC_TRY(reported(table_.local(local)));
+  DDSSEC_ASSIGN_OR_RETURN(const auto identity, reported(table_.local(local)));
   return identity->identity_token(ciphers);
 }
 
 Result<Token> PkiDh::identity_status_token(IdentityHandle local) {
-  DDSSEC_TRY(reported(table_.local(local)));
+  DDSSEC_RETURN_IF_ERROR(reported(table_.local(local)));
   return Token{std::string(spi::class_id::kIdentity)};
 }
 
 Status PkiDh::set_permissions_credential_and_token(IdentityHandle local, const Token& credential,
                                                    const Token&) {
-  const auto identity = DDSSEC_TRY(reported(table_.local(local)));
+  DDSSEC_ASSIGN_OR_RETURN(const auto identity, reported(table_.local(local)));
   return reported(identity->set_permissions(credential));
 }
 
@@ -173,18 +173,21 @@ Result<PkiDh::RemoteIdentity> PkiDh::validate_remote_identity(
 Result<PkiDh::RemoteIdentity> PkiDh::admit(IdentityHandle local,
                                            const std::optional<Token>& auth_request,
                                            const Token& identity_token, const Guid& guid) {
-  const auto identity = DDSSEC_TRY(table_.local(local));
-  auto claim = DDSSEC_TRY(read_identity_token(identity_token));
+  DDSSEC_ASSIGN_OR_RETURN(const auto identity, table_.local(local));
+  DDSSEC_ASSIGN_OR_RETURN(auto claim, read_identity_token(identity_token));
   if (guid == identity->guid()) return fail(Code::remote_guid_is_local);
   if (!is_adjusted(guid)) return fail(Code::guid_not_adjusted, {.found = guid.to_string()});
   std::optional<spi::Challenge> announced;
-  if (auth_request) announced = DDSSEC_TRY(read_auth_request(*auth_request));
-  DDSSEC_TRY(identity->verify(environment_.clock.now()));
+  if (auth_request) {
+    DDSSEC_ASSIGN_OR_RETURN(announced, read_auth_request(*auth_request));
+  }
+  DDSSEC_RETURN_IF_ERROR(identity->verify(environment_.clock.now()));
   const auto kept = kept_requests_.challenge(local, guid, environment_.clock.monotonic());
   auto own_challenge = kept.value_or(spi::Challenge{});
-  if (!kept) DDSSEC_TRY(environment_.random.fill(own_challenge));
+  if (!kept) DDSSEC_RETURN_IF_ERROR(environment_.random.fill(own_challenge));
 
-  const auto pair = DDSSEC_TRY(
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto pair,
       table_.admit_remote(local, {guid, identity_token, std::move(claim.subject)}, own_challenge));
   const std::scoped_lock lock(pair->mutex);
   if (kept && pair->own_challenge == *kept) take_up_request(pair);
@@ -281,7 +284,7 @@ std::vector<IdentityHandle> PkiDh::expire(IdentityHandle local) {
 
 Result<HandshakeContext> PkiDh::context(const Pair& pair) const {
   const WallTime now = environment_.clock.now();
-  DDSSEC_TRY(pair.local->verify(now));
+  DDSSEC_RETURN_IF_ERROR(pair.local->verify(now));
   return HandshakeContext{*pair.local, pair.remote_guid, pair.own_challenge,
                           pair.announced_challenge, now};
 }
@@ -359,9 +362,9 @@ Status check_participant_data_size(BytesView participant_data) {
 
 Result<PkiDh::HandshakeStep> PkiDh::request(IdentityHandle local, IdentityHandle remote,
                                             BytesView participant_data) {
-  DDSSEC_TRY(check_participant_data_size(participant_data));
-  const auto pair = DDSSEC_TRY(table_.pair(local, remote));
-  DDSSEC_TRY(
+  DDSSEC_RETURN_IF_ERROR(check_participant_data_size(participant_data));
+  DDSSEC_ASSIGN_OR_RETURN(const auto pair, table_.pair(local, remote));
+  DDSSEC_RETURN_IF_ERROR(
       check_role(initiates(pair->local->guid(), pair->remote_guid), "begin_handshake_request"));
   const std::scoped_lock lock(pair->mutex);
   for (const auto& handshake : pair->handshakes) {
@@ -371,9 +374,10 @@ Result<PkiDh::HandshakeStep> PkiDh::request(IdentityHandle local, IdentityHandle
       return HandshakeStep{handshake.handle, ValidationResult::pending_handshake_message,
                            waiting->request};
   }
-  const auto what = DDSSEC_TRY(context(*pair));
-  DDSSEC_TRY(check_room(*pair));
-  return keep(pair, DDSSEC_TRY(start_request(what, participant_data)), participant_data);
+  DDSSEC_ASSIGN_OR_RETURN(const auto what, context(*pair));
+  DDSSEC_RETURN_IF_ERROR(check_room(*pair));
+  DDSSEC_ASSIGN_OR_RETURN(auto request, start_request(what, participant_data));
+  return keep(pair, std::move(request), participant_data);
 }
 
 Result<PkiDh::HandshakeStep> PkiDh::begin_handshake_reply(const Token& request,
@@ -385,9 +389,9 @@ Result<PkiDh::HandshakeStep> PkiDh::begin_handshake_reply(const Token& request,
 
 Result<PkiDh::HandshakeStep> PkiDh::reply(const Token& request, IdentityHandle local,
                                           IdentityHandle remote, BytesView participant_data) {
-  DDSSEC_TRY(check_participant_data_size(participant_data));
-  const auto pair = DDSSEC_TRY(table_.pair(local, remote));
-  DDSSEC_TRY(
+  DDSSEC_RETURN_IF_ERROR(check_participant_data_size(participant_data));
+  DDSSEC_ASSIGN_OR_RETURN(const auto pair, table_.pair(local, remote));
+  DDSSEC_RETURN_IF_ERROR(
       check_role(!initiates(pair->local->guid(), pair->remote_guid), "begin_handshake_reply"));
   const std::scoped_lock lock(pair->mutex);
   for (const auto& handshake : pair->handshakes) {
@@ -400,10 +404,10 @@ Result<PkiDh::HandshakeStep> PkiDh::reply(const Token& request, IdentityHandle l
     return HandshakeStep{handshake.handle, ValidationResult::pending_handshake_message,
                          waiting->reply};
   }
-  const auto what = DDSSEC_TRY(context(*pair));
-  DDSSEC_TRY(check_room(*pair));
-  auto outcome = DDSSEC_TRY(start_reply(what, request, participant_data));
-  auto share = DDSSEC_TRY(share_of(*pair, request, outcome));
+  DDSSEC_ASSIGN_OR_RETURN(const auto what, context(*pair));
+  DDSSEC_RETURN_IF_ERROR(check_room(*pair));
+  DDSSEC_ASSIGN_OR_RETURN(auto outcome, start_reply(what, request, participant_data));
+  DDSSEC_ASSIGN_OR_RETURN(auto share, share_of(*pair, request, outcome));
   return keep(pair, std::move(outcome), participant_data, std::move(share));
 }
 
@@ -425,26 +429,27 @@ Result<UnprovenOctets::Share> PkiDh::share_of(const Pair& pair, const Token& req
 
 /// Our certificate may have ended since the handshake began, if it was renewed.
 Status PkiDh::note_authenticated(const Pair& pair, const Established& done) {
-  const auto own = DDSSEC_TRY(pair.local->verify(done.own->certificate, environment_.clock.now()));
+  DDSSEC_ASSIGN_OR_RETURN(const auto own,
+                          pair.local->verify(done.own->certificate, environment_.clock.now()));
   return table_.note_authenticated(pair.remote_handle, {done.peer.chain(), own});
 }
 
 Result<PkiDh::HandshakeStep> PkiDh::process_handshake(HandshakeHandle handshake,
                                                       const Token& message) {
-  const auto pair = DDSSEC_TRY(reported(table_.pair_of(handshake)));
+  DDSSEC_ASSIGN_OR_RETURN(const auto pair, reported(table_.pair_of(handshake)));
   return reported(step(handshake, message), pair->remote_handle);
 }
 
 Result<PkiDh::HandshakeStep> PkiDh::step(HandshakeHandle handle, const Token& message) {
-  const auto pair = DDSSEC_TRY(table_.pair_of(handle));
+  DDSSEC_ASSIGN_OR_RETURN(const auto pair, table_.pair_of(handle));
   const std::scoped_lock lock(pair->mutex);
   const auto handshake = std::ranges::find(pair->handshakes, handle, &PairHandshake::handle);
   if (handshake == pair->handshakes.end()) return fail(Code::unknown_handshake);
-  const auto what = DDSSEC_TRY(context(*pair));
-  auto outcome = DDSSEC_TRY(process(handshake->state, what, message));
+  DDSSEC_ASSIGN_OR_RETURN(const auto what, context(*pair));
+  DDSSEC_ASSIGN_OR_RETURN(auto outcome, process(handshake->state, what, message));
   if (outcome.next) {
     if (const auto* done = std::get_if<Established>(&*outcome.next))
-      DDSSEC_TRY(note_authenticated(*pair, *done));
+      DDSSEC_RETURN_IF_ERROR(note_authenticated(*pair, *done));
     static_assert(std::is_nothrow_move_assignable_v<HandshakeState>);
     handshake->state = std::move(*outcome.next);
     if (!is_pending(*handshake)) handshake->unproven = {};
@@ -455,7 +460,7 @@ Result<PkiDh::HandshakeStep> PkiDh::step(HandshakeHandle handle, const Token& me
 template <class F>
 auto PkiDh::established(HandshakeHandle handle, F&& f) const
     -> Result<std::invoke_result_t<F, const Established&>> {
-  const auto pair = DDSSEC_TRY(table_.pair_of(handle));
+  DDSSEC_ASSIGN_OR_RETURN(const auto pair, table_.pair_of(handle));
   const std::scoped_lock lock(pair->mutex);
   const auto handshake = std::ranges::find(pair->handshakes, handle, &PairHandshake::handle);
   if (handshake == pair->handshakes.end()) return fail(Code::unknown_handshake);
@@ -469,8 +474,10 @@ Result<std::shared_ptr<const spi::SharedSecret>> PkiDh::shared_secret(HandshakeH
 }
 
 Result<Token> PkiDh::authenticated_peer_credential_token(HandshakeHandle handshake) {
-  auto credential = DDSSEC_TRY(reported(
-      established(handshake, [](const Established& done) { return done.peer.credential(); })));
+  DDSSEC_ASSIGN_OR_RETURN(auto credential,
+                          reported(established(handshake, [](const Established& done) {
+                            return done.peer.credential();
+                          })));
   if (!credential) return reported(Result<Token>(fail(Code::credential_given_out)));
   const std::scoped_lock lock(given_out_mutex_);
   if (std::ranges::find(given_out_, handshake) == given_out_.end()) given_out_.push_back(handshake);
@@ -503,7 +510,7 @@ void PkiDh::drop_credentials_given_out() {
 }
 
 Status PkiDh::return_handshake_handle(HandshakeHandle handle) {
-  const auto pair = DDSSEC_TRY(table_.pair_of(handle));
+  DDSSEC_ASSIGN_OR_RETURN(const auto pair, table_.pair_of(handle));
   const std::scoped_lock lock(pair->mutex);
   table_.remove_handshake(handle);
   std::erase_if(pair->handshakes, [&](const auto& h) { return h.handle == handle; });

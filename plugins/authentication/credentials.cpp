@@ -27,8 +27,8 @@ std::vector<spi::NamedOctets> in_order(const Credentials& c) {
 }  // namespace
 
 Result<Credentials> Credentials::read(const TokenFields& fields) {
-  const auto key_agreement_octets = DDSSEC_TRY(fields.required(kKeyAgreementAlgorithm));
-  const auto signature_octets = DDSSEC_TRY(fields.required(kSignatureAlgorithm));
+  DDSSEC_ASSIGN_OR_RETURN(const auto key_agreement_octets, fields.required(kKeyAgreementAlgorithm));
+  DDSSEC_ASSIGN_OR_RETURN(const auto signature_octets, fields.required(kSignatureAlgorithm));
   const auto signature_name = algorithm_text(signature_octets);
   if (!is_signature_algorithm(signature_name))
     return fail(Code::signature_algorithm_unknown, {.field = std::string(kSignatureAlgorithm.name),
@@ -39,9 +39,12 @@ Result<Credentials> Credentials::read(const TokenFields& fields) {
     return fail(Code::key_agreement_algorithm_unknown,
                 {.field = std::string(kKeyAgreementAlgorithm.name),
                  .found = std::string(key_agreement_name)});
-  return Credentials{.id = DDSSEC_TRY(fields.required(kId)),
-                     .permissions = DDSSEC_TRY(fields.optional(kPermissions)),
-                     .participant_data = DDSSEC_TRY(fields.required(kParticipantData)),
+  DDSSEC_ASSIGN_OR_RETURN(const auto id, fields.required(kId));
+  DDSSEC_ASSIGN_OR_RETURN(const auto permissions, fields.optional(kPermissions));
+  DDSSEC_ASSIGN_OR_RETURN(const auto participant_data, fields.required(kParticipantData));
+  return Credentials{.id = id,
+                     .permissions = permissions,
+                     .participant_data = participant_data,
                      .signature_algorithm = signature_octets,
                      .key_agreement_algorithm = key_agreement_octets,
                      .key_agreement = *kind};

@@ -26,9 +26,10 @@ Result<std::shared_ptr<const spi::SharedSecret>> shared_secret(const pki::Epheme
                                                                const Transcript& transcript,
                                                                const JudgedPeer& peer,
                                                                const HandshakeContext& context) {
-  const auto derived = DDSSEC_TRY(key.derive(peer_key));
-  auto octets = DDSSEC_TRY(
-      derived.expose([](BytesView view) { return spi::SharedSecretOctets::copy_of(view); }));
+  DDSSEC_ASSIGN_OR_RETURN(const auto derived, key.derive(peer_key));
+  DDSSEC_ASSIGN_OR_RETURN(auto octets, derived.expose([](BytesView view) {
+    return spi::SharedSecretOctets::copy_of(view);
+  }));
   return std::make_shared<const spi::SharedSecret>(
       spi::SharedSecret{.secret = std::move(octets),
                         .challenge1 = transcript.challenge1,
@@ -96,15 +97,17 @@ Result<HandshakeOutcome> on(const AwaitReply& state, const HandshakeReply& reply
                 {.field = "c.kagree_algo",
                  .expected = std::string(key_agreement_name(state.key.kind())),
                  .found = std::string(algorithm_text(credentials.key_agreement_algorithm))});
-  auto transcript = DDSSEC_TRY(reply.verify(state.transcript));
-  DDSSEC_TRY(check_announced(context, reply.challenge2, kChallenge2));
-  auto peer = DDSSEC_TRY(JudgedPeer::judge(credentials, context.remote_guid,
-                                           *context.local.peer_trust(), context.now));
-  const auto peer_key = DDSSEC_TRY(pki::PeerPublicKey::parse(state.key.kind(), reply.dh2));
-  auto proof =
-      DDSSEC_TRY(pki::verify(peer.certificate(), transcript.reply_input(), reply.signature));
-  auto secret = DDSSEC_TRY(shared_secret(state.key, peer_key, transcript, peer, context));
-  auto final = DDSSEC_TRY(HandshakeFinal::write(transcript, state.own->key));
+  DDSSEC_ASSIGN_OR_RETURN(auto transcript, reply.verify(state.transcript));
+  DDSSEC_RETURN_IF_ERROR(check_announced(context, reply.challenge2, kChallenge2));
+  DDSSEC_ASSIGN_OR_RETURN(auto peer, JudgedPeer::judge(credentials, context.remote_guid,
+                                                       *context.local.peer_trust(), context.now));
+  DDSSEC_ASSIGN_OR_RETURN(const auto peer_key,
+                          pki::PeerPublicKey::parse(state.key.kind(), reply.dh2));
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto proof, pki::verify(peer.certificate(), transcript.reply_input(), reply.signature));
+  DDSSEC_ASSIGN_OR_RETURN(auto secret,
+                          shared_secret(state.key, peer_key, transcript, peer, context));
+  DDSSEC_ASSIGN_OR_RETURN(auto final, HandshakeFinal::write(transcript, state.own->key));
   HandshakeOutcome outcome{ValidationResult::ok_final_message, final};
   outcome.next = Established{.secret = std::move(secret),
                              .own = state.own,
@@ -128,13 +131,13 @@ Result<HandshakeOutcome> on(const AwaitFinal& state, const HandshakeRequest& req
 // AwaitFinal --Final--> Established
 Result<HandshakeOutcome> on(const AwaitFinal& state, const HandshakeFinal& final,
                             const HandshakeContext& context) {
-  DDSSEC_TRY(final.verify(state.transcript));
+  DDSSEC_RETURN_IF_ERROR(final.verify(state.transcript));
   // The peer's certificate may have expired or been revoked since the request.
-  DDSSEC_TRY(context.local.peer_trust()->verify(state.peer.certificate(), context.now));
-  auto proof = DDSSEC_TRY(
-      pki::verify(state.peer.certificate(), state.transcript.final_input(), final.signature));
-  auto secret =
-      DDSSEC_TRY(shared_secret(state.key, state.peer_key, state.transcript, state.peer, context));
+  DDSSEC_RETURN_IF_ERROR(context.local.peer_trust()->verify(state.peer.certificate(), context.now));
+  DDSSEC_ASSIGN_OR_RETURN(auto proof, pki::verify(state.peer.certificate(),
+                                                  state.transcript.final_input(), final.signature));
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto secret, shared_secret(state.key, state.peer_key, state.transcript, state.peer, context));
   HandshakeOutcome outcome{ValidationResult::ok};
   outcome.next = Established{.secret = std::move(secret),
                              .own = state.own,
@@ -175,7 +178,7 @@ Result<HandshakeOutcome> on(const auto& state, const auto& message, const Handsh
 template <class Message>
 Result<HandshakeOutcome> dispatch(const HandshakeState& state, const HandshakeContext& context,
                                   const spi::Token& token) {
-  const auto message = DDSSEC_TRY(Message::read(token));
+  DDSSEC_ASSIGN_OR_RETURN(const auto message, Message::read(token));
   return std::visit([&](const auto& current) { return on(current, message, context); }, state);
 }
 
@@ -184,13 +187,14 @@ Result<HandshakeOutcome> dispatch(const HandshakeState& state, const HandshakeCo
 Result<HandshakeOutcome> start_request(const HandshakeContext& context,
                                        BytesView participant_data) {
   constexpr auto kKind = pki::KeyAgreementKind::ecdh_p256;
-  auto key = DDSSEC_TRY(pki::EphemeralKey::generate(kKind));
+  DDSSEC_ASSIGN_OR_RETURN(auto key, pki::EphemeralKey::generate(kKind));
   auto own = context.local.presented();
   const auto credentials =
       own_credentials(*own, participant_data, as_bytes(key_agreement_name(kKind)));
+  DDSSEC_ASSIGN_OR_RETURN(auto dh1, public_octets(key, pki::PublicKeyEncoding::point));
   Transcript transcript{.hash_c1 = context.local.hash_of(own, credentials),
                         .challenge1 = context.own_challenge,
-                        .dh1 = DDSSEC_TRY(public_octets(key, pki::PublicKeyEncoding::point))};
+                        .dh1 = std::move(dh1)};
   auto request = HandshakeRequest::write(credentials, transcript);
   HandshakeOutcome outcome{ValidationResult::pending_handshake_message, request};
   outcome.next =
@@ -201,22 +205,22 @@ Result<HandshakeOutcome> start_request(const HandshakeContext& context,
 // (start) --Req--> AwaitFinal
 Result<HandshakeOutcome> start_reply(const HandshakeContext& context, const spi::Token& token,
                                      BytesView participant_data) {
-  const auto request = DDSSEC_TRY(HandshakeRequest::read(token));
-  auto transcript = DDSSEC_TRY(request.verify());
-  DDSSEC_TRY(check_announced(context, request.challenge1, kChallenge1));
-  auto peer = DDSSEC_TRY(JudgedPeer::judge(request.credentials, context.remote_guid,
-                                           *context.local.peer_trust(), context.now));
+  DDSSEC_ASSIGN_OR_RETURN(const auto request, HandshakeRequest::read(token));
+  DDSSEC_ASSIGN_OR_RETURN(auto transcript, request.verify());
+  DDSSEC_RETURN_IF_ERROR(check_announced(context, request.challenge1, kChallenge1));
+  DDSSEC_ASSIGN_OR_RETURN(auto peer, JudgedPeer::judge(request.credentials, context.remote_guid,
+                                                       *context.local.peer_trust(), context.now));
   const auto kind = request.credentials.key_agreement;
-  auto peer_key = DDSSEC_TRY(pki::PeerPublicKey::parse(kind, request.dh1));
-  auto key = DDSSEC_TRY(pki::EphemeralKey::generate(kind));
+  DDSSEC_ASSIGN_OR_RETURN(auto peer_key, pki::PeerPublicKey::parse(kind, request.dh1));
+  DDSSEC_ASSIGN_OR_RETURN(auto key, pki::EphemeralKey::generate(kind));
   auto own = context.local.presented();
   // Fast DDS demands its own name back, octet for octet. Cyclone DDS accepts it without the NUL.
   const auto name = as_bytes(algorithm_text(request.credentials.key_agreement_algorithm));
   const auto credentials = own_credentials(*own, participant_data, name);
   transcript.hash_c2 = context.local.hash_of(own, credentials);
   transcript.challenge2 = context.own_challenge;
-  transcript.dh2 = DDSSEC_TRY(public_octets(key, peer_key.encoding()));
-  auto reply = DDSSEC_TRY(HandshakeReply::write(credentials, transcript, own->key));
+  DDSSEC_ASSIGN_OR_RETURN(transcript.dh2, public_octets(key, peer_key.encoding()));
+  DDSSEC_ASSIGN_OR_RETURN(auto reply, HandshakeReply::write(credentials, transcript, own->key));
   HandshakeOutcome outcome{ValidationResult::pending_handshake_message, reply};
   outcome.next = AwaitFinal{.own = std::move(own),
                             .key = std::move(key),

@@ -3,17 +3,19 @@
 namespace ddssec::authentication {
 
 Result<HandshakeRequest> HandshakeRequest::read(const spi::Token& token) {
-  const auto fields = DDSSEC_TRY(TokenFields::of(token, TokenClass::request));
-  return HandshakeRequest{.credentials = DDSSEC_TRY(Credentials::read(fields)),
-                          .dh1 = DDSSEC_TRY(fields.required(kDh1)),
-                          .challenge1 = DDSSEC_TRY(fields.challenge(kChallenge1)),
-                          .hash_c1 = DDSSEC_TRY(fields.optional_hash(kHashC1))};
+  DDSSEC_ASSIGN_OR_RETURN(const auto fields, TokenFields::of(token, TokenClass::request));
+  DDSSEC_ASSIGN_OR_RETURN(const auto credentials, Credentials::read(fields));
+  DDSSEC_ASSIGN_OR_RETURN(const auto dh1, fields.required(kDh1));
+  DDSSEC_ASSIGN_OR_RETURN(const auto challenge1, fields.challenge(kChallenge1));
+  DDSSEC_ASSIGN_OR_RETURN(const auto hash_c1, fields.optional_hash(kHashC1));
+  return HandshakeRequest{
+      .credentials = credentials, .dh1 = dh1, .challenge1 = challenge1, .hash_c1 = hash_c1};
 }
 
 Result<Transcript> HandshakeRequest::verify() const {
   Transcript transcript{
       .hash_c1 = credentials.hash(), .challenge1 = challenge1, .dh1 = to_bytes(dh1)};
-  DDSSEC_TRY(check_repeated(kHashC1, hash_c1, transcript.hash_c1, TokenClass::request));
+  DDSSEC_RETURN_IF_ERROR(check_repeated(kHashC1, hash_c1, transcript.hash_c1, TokenClass::request));
   return transcript;
 }
 

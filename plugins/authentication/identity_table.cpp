@@ -79,11 +79,12 @@ PeerName IdentityTable::Remote::name() const {
 
 Result<std::shared_ptr<LocalIdentity>> IdentityTable::local(spi::IdentityHandle handle) const {
   const std::shared_lock lock(mutex_);
-  return DDSSEC_TRY(live_local(handle))->identity;
+  DDSSEC_ASSIGN_OR_RETURN(const auto local, live_local(handle));
+  return local->identity;
 }
 
 Status IdentityTable::renew_claim(spi::IdentityHandle handle, RemoteClaim claim) {
-  DDSSEC_TRY(live_remote(handle));
+  DDSSEC_RETURN_IF_ERROR(live_remote(handle));
   Remote& remote = remotes_.at(handle.value);
   if (remote.claim.identity_token == claim.identity_token) return {};
   if (remote.authenticated)
@@ -97,13 +98,13 @@ Result<std::shared_ptr<Pair>> IdentityTable::admit_remote(spi::IdentityHandle lo
                                                           RemoteClaim claim,
                                                           const spi::Challenge& own_challenge) {
   const std::unique_lock lock(mutex_);
-  DDSSEC_TRY(live_local(local_handle));
+  DDSSEC_RETURN_IF_ERROR(live_local(local_handle));
   Local& local = locals_.at(local_handle.value);
   if (const auto known = local.remotes.find(claim.guid); known != local.remotes.end()) {
-    DDSSEC_TRY(renew_claim({known->second}, std::move(claim)));
+    DDSSEC_RETURN_IF_ERROR(renew_claim({known->second}, std::move(claim)));
     return remotes_.at(known->second).pair;
   }
-  DDSSEC_TRY(local.counts.check_claim(claim.guid, remote_limits_));
+  DDSSEC_RETURN_IF_ERROR(local.counts.check_claim(claim.guid, remote_limits_));
   const auto handle = next_handle();
   std::shared_ptr<Pair> pair(
       new Pair{local_handle, {handle}, local.identity, claim.guid, own_challenge, {}});
@@ -120,8 +121,9 @@ Result<std::shared_ptr<Pair>> IdentityTable::admit_remote(spi::IdentityHandle lo
 Result<std::shared_ptr<Pair>> IdentityTable::pair(spi::IdentityHandle local,
                                                   spi::IdentityHandle remote) const {
   const std::shared_lock lock(mutex_);
-  DDSSEC_TRY(live_local(local));
-  const auto& pair = DDSSEC_TRY(live_remote(remote))->pair;
+  DDSSEC_RETURN_IF_ERROR(live_local(local));
+  DDSSEC_ASSIGN_OR_RETURN(const auto live, live_remote(remote));
+  const auto& pair = live->pair;
   if (pair->local_handle != local)
     return fail(Code::unknown_identity, {.note = "validate_remote_identity was not called"});
   return pair;
@@ -131,8 +133,8 @@ Result<std::shared_ptr<Pair>> IdentityTable::pair_of(spi::HandshakeHandle handle
   const std::shared_lock lock(mutex_);
   const auto found = handshakes_.find(handle.value);
   if (found == handshakes_.end()) return fail(Code::unknown_handshake);
-  DDSSEC_TRY(live_local(found->second->local_handle));
-  DDSSEC_TRY(live_remote(found->second->remote_handle));
+  DDSSEC_RETURN_IF_ERROR(live_local(found->second->local_handle));
+  DDSSEC_RETURN_IF_ERROR(live_remote(found->second->remote_handle));
   return found->second;
 }
 
@@ -173,7 +175,7 @@ Status IdentityTable::note_authenticated(spi::IdentityHandle handle, const Proof
   auto& remote = found->second;
   auto& counts = locals_.at(remote.pair->local_handle.value).counts;
   if (!remote.authenticated)
-    DDSSEC_TRY(counts.check_authenticated(remote.pair->remote_guid, remote_limits_));
+    DDSSEC_RETURN_IF_ERROR(counts.check_authenticated(remote.pair->remote_guid, remote_limits_));
   auto subject = chain.certificate().subject();
   auto certificate = chain.certificate();
   const bool ends_with_ours = own.not_after() < chain.not_after();

@@ -35,7 +35,7 @@ spi::CipherMask announced_ciphers(const spi::Token& identity_token) {
 }
 
 Result<IdentityClaim> read_identity_token(const spi::Token& token) {
-  DDSSEC_TRY(TokenFields::of(token, TokenClass::identity));
+  DDSSEC_RETURN_IF_ERROR(TokenFields::of(token, TokenClass::identity));
   const std::string* subject = spi::find_property(token.properties, kCertificateSubject);
   return IdentityClaim{subject == nullptr ? std::string() : *subject};
 }

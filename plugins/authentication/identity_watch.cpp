@@ -31,12 +31,12 @@ std::string path_in(const spi::PropertyList& properties, std::string_view name) 
 
 Result<pki::Certificate> load_identity_certificate(const spi::PropertyList& properties) {
   constexpr auto kName = property::kIdentityCertificate;
-  const Bytes octets = DDSSEC_TRY(load_octets(spi::property_value(properties, kName)));
+  DDSSEC_ASSIGN_OR_RETURN(const Bytes octets, load_octets(spi::property_value(properties, kName)));
   return in(pki::Certificate::from_pem(octets), kName);
 }
 
 Result<pki::PrivateKey> load_identity_key(const spi::PropertyList& properties) {
-  const auto passphrase = DDSSEC_TRY(own_passphrase(properties));
+  DDSSEC_ASSIGN_OR_RETURN(const auto passphrase, own_passphrase(properties));
   return load_key(spi::property_value(properties, property::kPrivateKey), passphrase);
 }
 
@@ -48,15 +48,17 @@ Result<OwnPassphrase> own_passphrase(const spi::PropertyList& properties) {
                 {.document = std::string(property::kPassword),
                  .expected = "at most " + std::to_string(pki::Passphrase::capacity) + " octets",
                  .found = std::to_string(password.size())});
-  auto passphrase = DDSSEC_TRY(pki::Passphrase::copy_of(as_bytes(password)));
+  DDSSEC_ASSIGN_OR_RETURN(auto passphrase, pki::Passphrase::copy_of(as_bytes(password)));
   return std::make_shared<const pki::Passphrase>(std::move(passphrase));
 }
 
 Result<IdentityWatch> IdentityWatch::of(const spi::PropertyList& properties) {
-  const auto interval = DDSSEC_TRY(spi::files_poll_interval(properties));
+  DDSSEC_ASSIGN_OR_RETURN(const auto interval, spi::files_poll_interval(properties));
   IdentityWatch out(path_in(properties, property::kIdentityCertificate),
                     path_in(properties, property::kPrivateKey), interval);
-  if (!out.key_path_.empty()) out.passphrase_ = DDSSEC_TRY(own_passphrase(properties));
+  if (!out.key_path_.empty()) {
+    DDSSEC_ASSIGN_OR_RETURN(out.passphrase_, own_passphrase(properties));
+  }
   return out;
 }
 
@@ -97,20 +99,22 @@ Result<std::optional<IdentityWatch::Found>> IdentityWatch::look(std::chrono::nan
 Result<std::optional<IdentityWatch::Found>> IdentityWatch::read(const Found& in_force,
                                                                 const Accept& accept,
                                                                 Sha256Digest& content) const {
-  const Bytes octets = DDSSEC_TRY(load_octets(uri_of(path_)));
+  DDSSEC_ASSIGN_OR_RETURN(const Bytes octets, load_octets(uri_of(path_)));
   content = sha256(octets);
-  auto certificate =
-      DDSSEC_TRY(in(pki::Certificate::from_pem(octets), property::kIdentityCertificate));
+  DDSSEC_ASSIGN_OR_RETURN(auto certificate,
+                          in(pki::Certificate::from_pem(octets), property::kIdentityCertificate));
   if (certificate == in_force.certificate && key_path_.empty()) return std::nullopt;
-  auto key =
-      key_path_.empty() ? in_force.key : DDSSEC_TRY(load_key(uri_of(key_path_), passphrase_));
+  auto key = in_force.key;
+  if (!key_path_.empty()) {
+    DDSSEC_ASSIGN_OR_RETURN(key, load_key(uri_of(key_path_), passphrase_));
+  }
   if (certificate == in_force.certificate) {
     // The key of a certificate that has not come yet, or the old one in another form.
-    DDSSEC_TRY(in(key.matches(certificate), property::kPrivateKey));
+    DDSSEC_RETURN_IF_ERROR(in(key.matches(certificate), property::kPrivateKey));
     return std::nullopt;
   }
   Found found{std::move(certificate), std::move(key)};
-  DDSSEC_TRY(accept(found));
+  DDSSEC_RETURN_IF_ERROR(accept(found));
   return found;
 }
 

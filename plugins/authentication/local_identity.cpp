@@ -42,7 +42,8 @@ Result<T> locate(Result<T> result, const spi::PropertyList& properties,
 }
 
 Result<std::vector<pki::Certificate>> load_bundle(std::string_view uri, std::string_view name) {
-  const Bytes octets = DDSSEC_TRY(pki::load_certificates(uri, name, pki::kMostBundleOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const Bytes octets,
+                          pki::load_certificates(uri, name, pki::kMostBundleOctets));
   return in(pki::Certificate::bundle_from_pem(octets), name);
 }
 
@@ -79,7 +80,7 @@ Result<std::shared_ptr<const TrustStore>> load_own_trust(const spi::PropertyList
                                                          const RevocationLists& lists,
                                                          TrustStores& stores) {
   constexpr auto kName = property::kIdentityCa;
-  auto anchors = DDSSEC_TRY(load_bundle(spi::property_value(properties, kName), kName));
+  DDSSEC_ASSIGN_OR_RETURN(auto anchors, load_bundle(spi::property_value(properties, kName), kName));
   return in(stores.open(std::move(anchors), lists.in_force()), kName);
 }
 
@@ -93,7 +94,7 @@ Result<std::shared_ptr<const TrustStore>> load_peer_trust(
   if (folder.empty()) return own;
   if (!lists.in_force().empty())
     return fail(Code::trusted_ca_dir_with_crl, {.document = std::string(kName)});
-  auto anchors = DDSSEC_TRY(load_folder(folder));
+  DDSSEC_ASSIGN_OR_RETURN(auto anchors, load_folder(folder));
   for (const auto& ca : own->anchors())
     if (std::ranges::find(anchors, ca) == anchors.end())
       return fail(
@@ -110,18 +111,19 @@ Status check_belongs(const pki::PrivateKey& key, const pki::Certificate& certifi
 
 Result<IdentityFiles> IdentityFiles::load(const spi::PropertyList& properties, TrustStores& stores,
                                           WallTime now) {
-  auto warn_before_end = DDSSEC_TRY(spi::warning_days(properties));
-  auto watch = DDSSEC_TRY(IdentityWatch::of(properties));
-  auto lists = DDSSEC_TRY(RevocationLists::load(properties));
+  DDSSEC_ASSIGN_OR_RETURN(auto warn_before_end, spi::warning_days(properties));
+  DDSSEC_ASSIGN_OR_RETURN(auto watch, IdentityWatch::of(properties));
+  DDSSEC_ASSIGN_OR_RETURN(auto lists, RevocationLists::load(properties));
   constexpr auto kCa = property::kIdentityCa, kKey = property::kPrivateKey;
   constexpr auto kCertificate = property::kIdentityCertificate;
-  auto own = DDSSEC_TRY(locate(load_own_trust(properties, lists, stores), properties, {kCa}));
-  auto peers = DDSSEC_TRY(load_peer_trust(properties, lists, own, stores));
-  auto certificate =
-      DDSSEC_TRY(locate(load_identity_certificate(properties), properties, {kCertificate}));
-  auto key = DDSSEC_TRY(locate(load_identity_key(properties), properties, {kKey}));
-  DDSSEC_TRY(locate(check_belongs(key, certificate), properties, {kKey, kCertificate}));
-  DDSSEC_TRY(
+  DDSSEC_ASSIGN_OR_RETURN(auto own,
+                          locate(load_own_trust(properties, lists, stores), properties, {kCa}));
+  DDSSEC_ASSIGN_OR_RETURN(auto peers, load_peer_trust(properties, lists, own, stores));
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto certificate, locate(load_identity_certificate(properties), properties, {kCertificate}));
+  DDSSEC_ASSIGN_OR_RETURN(auto key, locate(load_identity_key(properties), properties, {kKey}));
+  DDSSEC_RETURN_IF_ERROR(locate(check_belongs(key, certificate), properties, {kKey, kCertificate}));
+  DDSSEC_RETURN_IF_ERROR(
       locate(in(own->verify(certificate, now), kCertificate), properties, {kCertificate, kCa}));
   return IdentityFiles{.certificate = std::move(certificate),
                        .key = std::move(key),
@@ -206,8 +208,9 @@ Result<bool> LocalIdentity::renew_revocation_lists(TrustStores& stores, const Cl
 Status LocalIdentity::adopt(const std::vector<pki::Crl>& lists, TrustStores& stores, WallTime now) {
   const auto former = own_trust();
   if (peer_trust() != former) return fail(Code::trusted_ca_dir_with_crl);
-  DDSSEC_TRY(check_renewal(lists, revocation_lists_.in_force(), former->anchors(), now));
-  auto renewed = DDSSEC_TRY(stores.open(former->anchors(), lists));
+  DDSSEC_RETURN_IF_ERROR(
+      check_renewal(lists, revocation_lists_.in_force(), former->anchors(), now));
+  DDSSEC_ASSIGN_OR_RETURN(auto renewed, stores.open(former->anchors(), lists));
   const auto own = renewed->verify(certificate(), now);
   if (!own && own.error().code() != Code::certificate_revoked) return std::unexpected(own.error());
   const std::scoped_lock lock(mutex_);
@@ -279,17 +282,19 @@ Status LocalIdentity::check_renewed(const IdentityWatch::Found& found, WallTime 
   if (renewed.not_after() < former.not_after())
     return differs("notAfter", to_string(former.not_after()) + " or later",
                    to_string(renewed.not_after()));
-  DDSSEC_TRY(check_belongs(found.key, renewed));
-  DDSSEC_TRY(verify(renewed, now));
+  DDSSEC_RETURN_IF_ERROR(check_belongs(found.key, renewed));
+  DDSSEC_RETURN_IF_ERROR(verify(renewed, now));
   return {};
 }
 
 Result<bool> LocalIdentity::renew_identity(const Clock& clock) {
   const std::scoped_lock lock(renewal_mutex_);
   const auto former = presented();
-  const auto found = DDSSEC_TRY(watch_.look(
-      clock.monotonic(), {former->certificate, former->key},
-      [&](const IdentityWatch::Found& one) { return check_renewed(one, clock.now()); }));
+  DDSSEC_ASSIGN_OR_RETURN(const auto found,
+                          watch_.look(clock.monotonic(), {former->certificate, former->key},
+                                      [&](const IdentityWatch::Found& one) {
+                                        return check_renewed(one, clock.now());
+                                      }));
   if (!found) return false;
   const std::scoped_lock presenting(mutex_);
   presented_ = std::make_shared<const Presented>(

@@ -65,7 +65,10 @@ Guid guid_from(BytesView octets) {
 Result<Guid> participant_guid_in(BytesView participant_data) {
   Reader reader(participant_data, Endian::big);
   std::optional<Guid> found;
-  while (const auto parameter = DDSSEC_TRY(next_parameter(reader))) {
+  while (true) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto parameter, next_parameter(reader));
+    if (!parameter) break;
+
     if (parameter->id != kPidParticipantGuid) continue;
     if (parameter->value.size() < 16) return malformed("a short PARTICIPANT_GUID");
     const Guid guid = guid_from(parameter->value);

@@ -8,7 +8,7 @@ namespace ddssec::authentication {
 namespace {
 
 Status check_participant_data(BytesView participant_data, const Guid& guid) {
-  const Guid claimed = DDSSEC_TRY(participant_guid_in(participant_data));
+  DDSSEC_ASSIGN_OR_RETURN(const Guid claimed, participant_guid_in(participant_data));
   if (claimed == guid) return {};
   return fail(Code::participant_guid_differs, {.field = "c.pdata PARTICIPANT_GUID",
                                                .expected = guid.to_string(),
@@ -34,10 +34,10 @@ BytesView without_trailing_nul(BytesView octets) {
 
 Result<JudgedPeer> JudgedPeer::judge(const Credentials& credentials, const Guid& guid,
                                      const TrustStore& trust, WallTime now) {
-  DDSSEC_TRY(check_participant_data(credentials.participant_data, guid));
-  const auto certificate = DDSSEC_TRY(trust.certificate(credentials.id));
-  DDSSEC_TRY(check_binding(certificate, guid));
-  auto chain = DDSSEC_TRY(trust.verify(certificate, now));
+  DDSSEC_RETURN_IF_ERROR(check_participant_data(credentials.participant_data, guid));
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificate, trust.certificate(credentials.id));
+  DDSSEC_RETURN_IF_ERROR(check_binding(certificate, guid));
+  DDSSEC_ASSIGN_OR_RETURN(auto chain, trust.verify(certificate, now));
   trust.remember(credentials.id, certificate);
   spi::Token credential{std::string(class_id_of(TokenClass::identity))};
   add_field(credential, "c.id", as_bytes(certificate.pem()));

@@ -19,7 +19,7 @@ constexpr std::string_view kUsualName = "crl.pem";
 constexpr std::size_t kMostDescription = 512;
 
 Result<std::vector<pki::Crl>> parse(BytesView octets, std::string_view uri) {
-  auto lists = DDSSEC_TRY(pki::Crl::all_from(octets));
+  DDSSEC_ASSIGN_OR_RETURN(auto lists, pki::Crl::all_from(octets));
   // A file that lists nothing because it is no list must not look like an empty list.
   if (lists.empty()) return fail(Code::crl_file_empty, {.found = std::string(uri.substr(0, 256))});
   return lists;
@@ -78,10 +78,10 @@ Status check_replaced(const pki::Crl& held, const std::vector<pki::Crl>& lists,
 
 Status check_renewal(const std::vector<pki::Crl>& lists, const std::vector<pki::Crl>& former,
                      const std::vector<pki::Certificate>& anchors, WallTime now) {
-  for (const auto& crl : lists) DDSSEC_TRY(check_signed(crl, anchors, now));
+  for (const auto& crl : lists) DDSSEC_RETURN_IF_ERROR(check_signed(crl, anchors, now));
   for (const auto& held : former)
     if (std::ranges::any_of(anchors, [&](const auto& ca) { return held.is_named_after(ca); }))
-      DDSSEC_TRY(check_replaced(held, lists, anchors, now));
+      DDSSEC_RETURN_IF_ERROR(check_replaced(held, lists, anchors, now));
   return {};
 }
 
@@ -90,7 +90,7 @@ RevocationLists::Place::Place(std::string from, std::chrono::seconds interval)
 
 Result<RevocationLists> RevocationLists::load(const spi::PropertyList& properties) {
   RevocationLists out;
-  out.interval_ = DDSSEC_TRY(spi::files_poll_interval(properties));
+  DDSSEC_ASSIGN_OR_RETURN(out.interval_, spi::files_poll_interval(properties));
   const auto must = spi::property_value(properties, property::kCrl);
   const auto may = spi::property_value(properties, property::kLaterCrl);
   if (!must.empty() && !may.empty())
@@ -103,14 +103,14 @@ Result<RevocationLists> RevocationLists::load(const spi::PropertyList& propertie
   const auto name = must.empty() ? property::kLaterCrl : property::kCrl;
   if (!must.empty() || !may.empty()) {
     out.places_.emplace_back(std::string(must.empty() ? may : must), out.interval_);
-    DDSSEC_TRY(out.read_first(out.places_.front(), name, must.empty()));
+    DDSSEC_RETURN_IF_ERROR(out.read_first(out.places_.front(), name, must.empty()));
     return out;
   }
   if (!spi::property_value(properties, property::kTrustedCaDir).empty()) return out;
   for (auto& uri : usual_places(properties))
     out.places_.emplace_back(std::move(uri), out.interval_);
   for (std::size_t i = 0; i < out.places_.size() && out.lists_.empty(); ++i)
-    DDSSEC_TRY(out.read_first(out.places_[i], out.places_[i].path, true));
+    DDSSEC_RETURN_IF_ERROR(out.read_first(out.places_[i], out.places_[i].path, true));
   return out;
 }
 
@@ -164,7 +164,8 @@ std::string RevocationLists::description() const {
 Result<bool> RevocationLists::look(std::chrono::nanoseconds now, const Accept& accept) {
   for (auto& place : places_) {
     if (!place.watch.may_have_changed(now)) continue;
-    if (!DDSSEC_TRY(look_at(place, accept))) continue;
+    DDSSEC_ASSIGN_OR_RETURN(const auto accepted, look_at(place, accept));
+    if (!accepted) continue;
     keep_only(place);
     return true;
   }
@@ -188,8 +189,8 @@ Result<bool> RevocationLists::look_at(Place& place, const Accept& accept) {
 }
 
 Result<bool> RevocationLists::take(BytesView octets, const std::string& uri, const Accept& accept) {
-  auto lists = DDSSEC_TRY(parse(octets, uri));
-  DDSSEC_TRY(accept(lists));
+  DDSSEC_ASSIGN_OR_RETURN(auto lists, parse(octets, uri));
+  DDSSEC_RETURN_IF_ERROR(accept(lists));
   lists_ = std::move(lists);
   return true;
 }

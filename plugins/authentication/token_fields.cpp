@@ -103,7 +103,7 @@ Result<std::optional<BytesView>> TokenFields::optional(const FieldRule& rule) co
 }
 
 Result<BytesView> TokenFields::required(const FieldRule& rule) const {
-  const auto found = DDSSEC_TRY(optional(rule));
+  DDSSEC_ASSIGN_OR_RETURN(const auto found, optional(rule));
   if (!found)
     return fail(Code::token_field_missing,
                 {.document = std::string(document_name(class_)), .field = std::string(rule.name)});
@@ -112,14 +112,14 @@ Result<BytesView> TokenFields::required(const FieldRule& rule) const {
 
 Result<spi::Challenge> TokenFields::challenge(std::string_view name) const {
   spi::Challenge challenge{};
-  const auto found = DDSSEC_TRY(required({name, challenge.size(), challenge.size()}));
+  DDSSEC_ASSIGN_OR_RETURN(const auto found, required({name, challenge.size(), challenge.size()}));
   std::ranges::copy(found, challenge.begin());
   return challenge;
 }
 
 Result<std::optional<Sha256Digest>> TokenFields::optional_hash(std::string_view name) const {
   Sha256Digest digest{};
-  const auto found = DDSSEC_TRY(optional({name, digest.size(), digest.size()}));
+  DDSSEC_ASSIGN_OR_RETURN(const auto found, optional({name, digest.size(), digest.size()}));
   if (!found) return std::nullopt;
   std::ranges::copy(*found, digest.begin());
   return digest;

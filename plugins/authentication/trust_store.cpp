@@ -48,8 +48,8 @@ Result<std::shared_ptr<const TrustStore>> TrustStores::open(std::vector<pki::Cer
   std::erase_if(stores_, [](const auto& entry) { return entry.second.expired(); });
   if (const auto known = stores_.find(digest); known != stores_.end())
     if (auto store = known->second.lock()) return store;
-  auto verifier =
-      DDSSEC_TRY(pki::ChainVerifier::make(std::move(anchors), std::move(crls), policy_));
+  DDSSEC_ASSIGN_OR_RETURN(auto verifier,
+                          pki::ChainVerifier::make(std::move(anchors), std::move(crls), policy_));
   auto store = std::make_shared<const TrustStore>(std::move(verifier));
   stores_[digest] = store;
   return store;

@@ -27,7 +27,7 @@ Result<bool> check_inline_qos(const BuiltinTopic& topic, const Owner& owner,
     if (is_deprecated_address((*parameter)->id))
       return unreadable_name(topic, "it has an address in the form of RTPS 1");
     if ((*parameter)->id == kKeyHash)
-      DDSSEC_TRY(check_name(topic, owner, "key hash", (*parameter)->value));
+      DDSSEC_RETURN_IF_ERROR(check_name(topic, owner, "key hash", (*parameter)->value));
     if ((*parameter)->id != kStatusInfo) continue;
     const bool says = says_end((*parameter)->value);
     if (ends.value_or(says) != says)
@@ -72,15 +72,15 @@ Result<TypeInformationAt> check_whole(const BuiltinTopic& topic, const Owner& ow
                                       const DataPiece& piece, bool ends,
                                       AnnouncedEndpoints* announced) {
   if (topic.key == 0) {
-    DDSSEC_TRY(check_liveliness(topic, owner, piece.payload));
+    DDSSEC_RETURN_IF_ERROR(check_liveliness(topic, owner, piece.payload));
     return TypeInformationAt{};
   }
   ParameterWalk walk;
-  DDSSEC_TRY(walk.read(topic, owner, piece.payload));
-  DDSSEC_TRY(walk.check_end(topic));
+  DDSSEC_RETURN_IF_ERROR(walk.read(topic, owner, piece.payload));
+  DDSSEC_RETURN_IF_ERROR(walk.check_end(topic));
   const auto kind = ends ? Announcement::Kind::ends : Announcement::Kind::announces;
   if (announced != nullptr)
-    DDSSEC_TRY(announced->note(
+    DDSSEC_RETURN_IF_ERROR(announced->note(
         topic, {piece.number, kind, walk.entity(), walk.cost(piece.payload.size())}));
   return walk.type_information();
 }
@@ -132,18 +132,18 @@ Result<TypeInformationAt> check_builtin_source(BytesView submessage, const Owner
   const auto* const topic = builtin_topic_of(*writer);
   // Without an owner there is no name to compare that of liveliness with.
   if (topic == nullptr || (topic->key == 0 && !owner)) {
-    DDSSEC_TRY(check_other_inline_qos(submessage));
+    DDSSEC_RETURN_IF_ERROR(check_other_inline_qos(submessage));
     return TypeInformationAt{};
   }
   const auto piece = read_data_piece(submessage);
   if (!piece) return unreadable_name(*topic, "its lengths contradict one another");
-  const bool ends = DDSSEC_TRY(check_inline_qos(*topic, owner, *piece));
+  DDSSEC_ASSIGN_OR_RETURN(const bool ends, check_inline_qos(*topic, owner, *piece));
   auto* const peer = announcer(*topic, owner, peers);
   if (!piece->has_data && !piece->has_key) {
-    DDSSEC_TRY(check_without_payload(*topic, *piece, peer));
+    DDSSEC_RETURN_IF_ERROR(check_without_payload(*topic, *piece, peer));
     return TypeInformationAt{};
   }
-  auto at = DDSSEC_TRY(check_payload(*topic, owner, *piece, ends, peer, peers.now()));
+  DDSSEC_ASSIGN_OR_RETURN(auto at, check_payload(*topic, owner, *piece, ends, peer, peers.now()));
   if (at) *at += static_cast<std::uint32_t>(piece->payload.data() - submessage.data());
   return at;
 }

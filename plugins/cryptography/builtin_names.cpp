@@ -94,7 +94,8 @@ Status ParameterWalk::read(const BuiltinTopic& topic, const Owner& owner, BytesV
   piece_begins_ = position_;
   while (state_ != State::ended && !octets.empty()) {
     if (state_ == State::partitions) {
-      octets = octets.subspan(DDSSEC_TRY(read_partitions(topic, octets)));
+      DDSSEC_ASSIGN_OR_RETURN(const auto partitions, read_partitions(topic, octets));
+      octets = octets.subspan(partitions);
       continue;
     }
     const auto skipped = std::min<std::size_t>(to_skip_, octets.size());
@@ -105,7 +106,7 @@ Status ParameterWalk::read(const BuiltinTopic& topic, const Owner& owner, BytesV
     octets = octets.subspan(taken);
     filled_ += taken;
     position_ += static_cast<std::uint32_t>(skipped + taken);
-    if (filled_ == wanted_) DDSSEC_TRY(take(topic, owner));
+    if (filled_ == wanted_) DDSSEC_RETURN_IF_ERROR(take(topic, owner));
   }
   return {};
 }
@@ -131,7 +132,7 @@ Status ParameterWalk::take(const BuiltinTopic& topic, const Owner& owner) {
   state_ = State::header;
   to_skip_ = length_ - static_cast<std::uint32_t>(kGuidSize);
   has_name_ = true;
-  DDSSEC_TRY(check_name(topic, owner, name_of(topic, id_), part_));
+  DDSSEC_RETURN_IF_ERROR(check_name(topic, owner, name_of(topic, id_), part_));
   if (id_ != topic.key) return {};
   if (has_entity_) return unreadable_name(topic, "it names two endpoints");
   has_entity_ = true;
@@ -158,9 +159,9 @@ Status ParameterWalk::begin_parameter(const BuiltinTopic& topic) {
   if (length_ % 4 != 0) return unreadable_name(topic, "its parameters have lengths that lie");
   if (is_deprecated_address(id_))
     return unreadable_name(topic, "it has an address in the form of RTPS 1");
-  if (id_ == parameter_id::kTypeInformation) DDSSEC_TRY(note_type_information(topic));
+  if (id_ == parameter_id::kTypeInformation) DDSSEC_RETURN_IF_ERROR(note_type_information(topic));
   if (id_ == parameter_id::kPartition) return begin_partitions(topic);
-  DDSSEC_TRY(count_locator(topic));
+  DDSSEC_RETURN_IF_ERROR(count_locator(topic));
   if (id_ == parameter_id::kPropertyList) properties_ += length_;
   if (name_of(topic, id_) == nullptr) {
     to_skip_ = length_;
@@ -193,7 +194,7 @@ Status ParameterWalk::begin_partitions(const BuiltinTopic& topic) {
 
 Result<std::size_t> ParameterWalk::read_partitions(const BuiltinTopic& topic, BytesView octets) {
   const auto part = octets.first(std::min(partitions_.rest(), octets.size()));
-  DDSSEC_TRY(partitions_.read(topic, part));
+  DDSSEC_RETURN_IF_ERROR(partitions_.read(topic, part));
   position_ += static_cast<std::uint32_t>(part.size());
   if (partitions_.rest() == 0) state_ = State::header;
   return part.size();

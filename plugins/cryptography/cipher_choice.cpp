@@ -46,8 +46,9 @@ spi::CipherMask ciphers_of(const AeadBackend& backend) {
 }
 
 Result<std::optional<Cipher>> cipher_asked(const spi::PropertyList& properties) {
-  const auto by_size = DDSSEC_TRY(aes_by_size(properties));
-  const auto by_name = DDSSEC_TRY(cipher_by_name(properties, spi::property::kSymmetricCipher));
+  DDSSEC_ASSIGN_OR_RETURN(const auto by_size, aes_by_size(properties));
+  DDSSEC_ASSIGN_OR_RETURN(const auto by_name,
+                          cipher_by_name(properties, spi::property::kSymmetricCipher));
   if (!by_name) return by_size;
   if (by_size && *by_name != Cipher::chacha20_poly1305 && by_name != by_size)
     return invalid(spi::property::kSymmetricCipher,
@@ -57,16 +58,21 @@ Result<std::optional<Cipher>> cipher_asked(const spi::PropertyList& properties) 
 }
 
 Result<ParticipantCiphers> participant_ciphers(const spi::PropertyList& properties) {
-  const auto endpoint = DDSSEC_TRY(cipher_asked(properties)).value_or(Cipher::aes256_gcm);
+  DDSSEC_ASSIGN_OR_RETURN(const auto cipher, cipher_asked(properties));
+  const auto endpoint = cipher.value_or(Cipher::aes256_gcm);
   auto message = endpoint;
   if (endpoint == Cipher::chacha20_poly1305)  // all of a domain hear messages: not unless asked for
-    message = DDSSEC_TRY(aes_by_size(properties)).value_or(Cipher::aes256_gcm);
-  const auto asked = DDSSEC_TRY(cipher_by_name(properties, spi::property::kMessageCipher));
+  {
+    DDSSEC_ASSIGN_OR_RETURN(const auto aes, aes_by_size(properties));
+    message = aes.value_or(Cipher::aes256_gcm);
+  }
+  DDSSEC_ASSIGN_OR_RETURN(const auto asked,
+                          cipher_by_name(properties, spi::property::kMessageCipher));
   return ParticipantCiphers{asked.value_or(message), endpoint};
 }
 
 Result<Cipher> pre_shared_cipher(const spi::PropertyList& properties) {
-  const auto asked = DDSSEC_TRY(cipher_by_name(properties, spi::property::kPskCipher));
+  DDSSEC_ASSIGN_OR_RETURN(const auto asked, cipher_by_name(properties, spi::property::kPskCipher));
   return asked.value_or(Cipher::aes256_gcm);
 }
 

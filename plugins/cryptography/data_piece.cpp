@@ -19,10 +19,10 @@ constexpr std::size_t kEntitiesAt = kSubmessageHeaderSize,
 
 /// Reads the fields of a DATA_FRAG after writerSN; returns the octets of the sample that it holds.
 Result<std::uint64_t> read_fragment(Reader& in, DataPiece& piece) {
-  const auto first = DDSSEC_TRY(in.read<std::uint32_t>());
-  const auto count = DDSSEC_TRY(in.read<std::uint16_t>());
-  piece.fragment_size = DDSSEC_TRY(in.read<std::uint16_t>());
-  const std::uint64_t whole = DDSSEC_TRY(in.read<std::uint32_t>());
+  DDSSEC_ASSIGN_OR_RETURN(const auto first, in.read<std::uint32_t>());
+  DDSSEC_ASSIGN_OR_RETURN(const auto count, in.read<std::uint16_t>());
+  DDSSEC_ASSIGN_OR_RETURN(piece.fragment_size, in.read<std::uint16_t>());
+  DDSSEC_ASSIGN_OR_RETURN(const std::uint64_t whole, in.read<std::uint32_t>());
   if (first == 0 || count == 0 || piece.fragment_size == 0) return fail(Code::malformed);
   const auto begin = std::uint64_t{first - 1} * piece.fragment_size;
   if (begin >= whole) return fail(Code::malformed);
@@ -39,13 +39,15 @@ Result<BytesView> read_inline_qos(Reader& in) {
   const auto begin = in.position();
   for (;;) {
     const auto size = in.position() - begin;
-    if (!DDSSEC_TRY(next_parameter(in))) return all.first(size);
+    DDSSEC_ASSIGN_OR_RETURN(const auto parameter, next_parameter(in));
+    if (!parameter) return all.first(size);
   }
 }
 
 Result<std::uint64_t> read_number(Reader& in) {
-  const std::uint64_t high = DDSSEC_TRY(in.read<std::uint32_t>());
-  return high << 32 | DDSSEC_TRY(in.read<std::uint32_t>());
+  DDSSEC_ASSIGN_OR_RETURN(const std::uint64_t high, in.read<std::uint32_t>());
+  DDSSEC_ASSIGN_OR_RETURN(const auto number, in.read<std::uint32_t>());
+  return high << 32 | number;
 }
 
 Endian endian_of(BytesView submessage) {
@@ -55,11 +57,13 @@ Endian endian_of(BytesView submessage) {
 /// Reads a GAP from after the ids of reader and writer.
 Result<Skipped> read_gap(Reader& in, const EntityId& writer) {
   constexpr std::uint32_t kMostBits = 256;
-  const auto begin = DDSSEC_TRY(read_number(in)), base = DDSSEC_TRY(read_number(in));
+  DDSSEC_ASSIGN_OR_RETURN(const auto begin, read_number(in));
+  DDSSEC_ASSIGN_OR_RETURN(const auto base, read_number(in));
   Skipped out{writer, {{begin, base}}};
-  const auto bits = std::min(DDSSEC_TRY(in.read<std::uint32_t>()), kMostBits);
+  DDSSEC_ASSIGN_OR_RETURN(const auto number, in.read<std::uint32_t>());
+  const auto bits = std::min(number, kMostBits);
   for (std::uint32_t word = 0; word < (bits + 31) / 32; ++word) {
-    const auto set = DDSSEC_TRY(in.read<std::uint32_t>());
+    DDSSEC_ASSIGN_OR_RETURN(const auto set, in.read<std::uint32_t>());
     for (std::uint32_t bit = 0; bit < 32; ++bit)
       if ((set >> (31 - bit) & 1) != 0)
         out.ranges.emplace_back(base + 32 * word + bit, base + 32 * word + bit + 1);
@@ -68,7 +72,7 @@ Result<Skipped> read_gap(Reader& in, const EntityId& writer) {
 }
 
 Result<Skipped> read_heartbeat(Reader& in, const EntityId& writer) {
-  const auto first = DDSSEC_TRY(read_number(in));
+  DDSSEC_ASSIGN_OR_RETURN(const auto first, read_number(in));
   return Skipped{writer, {{0, first}}};
 }
 
@@ -117,17 +121,21 @@ Result<DataPiece> read_data_piece(BytesView submessage) {
                   .inline_qos = {},
                   .payload = {}};
   Reader in(submessage, piece.endian);
-  DDSSEC_TRY(in.skip(kSubmessageHeaderSize + 2));
-  const auto to_inline_qos = DDSSEC_TRY(in.read<std::uint16_t>());
+  DDSSEC_RETURN_IF_ERROR(in.skip(kSubmessageHeaderSize + 2));
+  DDSSEC_ASSIGN_OR_RETURN(const auto to_inline_qos, in.read<std::uint16_t>());
   const auto counted_from = in.position();
-  DDSSEC_TRY(in.skip(2 * EntityId::size));
-  piece.number = DDSSEC_TRY(read_number(in));
+  DDSSEC_RETURN_IF_ERROR(in.skip(2 * EntityId::size));
+  DDSSEC_ASSIGN_OR_RETURN(piece.number, read_number(in));
   auto most = static_cast<std::uint64_t>(submessage.size());
-  if (is_fragment) most = DDSSEC_TRY(read_fragment(in, piece));
+  if (is_fragment) {
+    DDSSEC_ASSIGN_OR_RETURN(most, read_fragment(in, piece));
+  }
   if (to_inline_qos % 4 != 0 || counted_from + to_inline_qos < in.position())
     return fail(Code::malformed);
-  DDSSEC_TRY(in.skip(counted_from + to_inline_qos - in.position()));
-  if ((header.flags & kInlineQosFlag) != 0) piece.inline_qos = DDSSEC_TRY(read_inline_qos(in));
+  DDSSEC_RETURN_IF_ERROR(in.skip(counted_from + to_inline_qos - in.position()));
+  if ((header.flags & kInlineQosFlag) != 0) {
+    DDSSEC_ASSIGN_OR_RETURN(piece.inline_qos, read_inline_qos(in));
+  }
   if (!piece.has_data && !piece.has_key) return piece;
   piece.payload = in.rest();
   if (piece.payload.size() > most)
@@ -136,11 +144,11 @@ Result<DataPiece> read_data_piece(BytesView submessage) {
 }
 
 Result<std::optional<Parameter>> next_parameter(Reader& in) {
-  const auto id = DDSSEC_TRY(in.read<std::uint16_t>());
-  const auto length = DDSSEC_TRY(in.read<std::uint16_t>());
+  DDSSEC_ASSIGN_OR_RETURN(const auto id, in.read<std::uint16_t>());
+  DDSSEC_ASSIGN_OR_RETURN(const auto length, in.read<std::uint16_t>());
   if (id == kSentinel) return std::nullopt;
   if (length % 4 != 0) return fail(Code::malformed);
-  const auto value = DDSSEC_TRY(in.read_bytes(length));
+  DDSSEC_ASSIGN_OR_RETURN(const auto value, in.read_bytes(length));
   return Parameter{id, value};
 }
 

@@ -37,7 +37,7 @@ Result<TypeInformationAt> FragmentWalks::take(const BuiltinTopic& topic, const O
                                               MonotonicTime now) {
   const std::lock_guard lock(mutex_);
   auto& writer = writers_[topic.writer];
-  const auto sample = DDSSEC_TRY(sample_of(topic, writer, piece, announced, now));
+  DDSSEC_ASSIGN_OR_RETURN(const auto sample, sample_of(topic, writer, piece, announced, now));
   auto status = read(topic, owner, piece, sample->second, announced, now);
   const auto type_information = sample->second.type_information;
   if (sample->second.passed.empty()) {  // the host got nothing of it
@@ -63,8 +63,8 @@ Result<FragmentWalks::Samples::iterator> FragmentWalks::sample_of(const BuiltinT
   if (count > kMostOfSample || piece.sample_size > kMostOctets)
     return unreadable_name(topic, "it is too large");
   if (piece.number <= writer.forgotten_until || !piece.begins_sample) return early();
-  DDSSEC_TRY(make_room(topic, writer, piece.number, count, announced, now));
-  DDSSEC_TRY(announced.note(
+  DDSSEC_RETURN_IF_ERROR(make_room(topic, writer, piece.number, count, announced, now));
+  DDSSEC_RETURN_IF_ERROR(announced.note(
       topic,
       {.number = piece.number, .kind = Announcement::Kind::unread, .octets = piece.sample_size}));
   writer.fragments += count;
@@ -113,7 +113,7 @@ Status FragmentWalks::read(const BuiltinTopic& topic, const Owner& owner, const 
     }
   }
   if (added.empty()) return {};
-  DDSSEC_TRY(go_on(topic, owner, piece, unread, added, sample, announced));
+  DDSSEC_RETURN_IF_ERROR(go_on(topic, owner, piece, unread, added, sample, announced));
   sample.last_progress = now;
   return {};
 }
@@ -126,15 +126,15 @@ Status FragmentWalks::go_on(const BuiltinTopic& topic, const Owner& owner, const
   while (!octets.empty()) {
     const auto fragment = octets.first(std::min<std::size_t>(sample.fragment_size, octets.size()));
     octets = octets.subspan(fragment.size());
-    DDSSEC_TRY(walk.read(topic, owner, fragment));
+    DDSSEC_RETURN_IF_ERROR(walk.read(topic, owner, fragment));
   }
   const bool is_whole = sample.passed.size() + added.size() == sample.count;
   if (is_whole) {
-    DDSSEC_TRY(walk.check_end(topic));
-    DDSSEC_TRY(announced.complete(topic, {.number = piece.number,
-                                          .kind = Announcement::Kind::announces,
-                                          .entity = walk.entity(),
-                                          .octets = walk.cost(sample.size)}));
+    DDSSEC_RETURN_IF_ERROR(walk.check_end(topic));
+    DDSSEC_RETURN_IF_ERROR(announced.complete(topic, {.number = piece.number,
+                                                      .kind = Announcement::Kind::announces,
+                                                      .entity = walk.entity(),
+                                                      .octets = walk.cost(sample.size)}));
   }
   sample.type_information = walk.type_information();
   sample.passed.insert(sample.passed.end(), added.begin(), added.end());

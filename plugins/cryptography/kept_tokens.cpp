@@ -126,11 +126,12 @@ bool needs_tokens(const Shared& shared, const LocalParticipant& participant,
 Status keep_tokens(Shared& shared, const RemoteEndpoint& sender, const Pair& pair,
                    MutableBytes submessage) {
   if (!writer_of_data(submessage)) return {};
-  const auto piece = DDSSEC_TRY(read_data_piece(submessage));
-  auto message = DDSSEC_TRY(read_token_message(piece));
+  DDSSEC_ASSIGN_OR_RETURN(const auto piece, read_data_piece(submessage));
+  DDSSEC_ASSIGN_OR_RETURN(auto message, read_token_message(piece));
   if (!message) return {};
   const Rollback wipe_copy([&] { wipe_tokens(message->tokens); });
-  const auto [passage, reported] = DDSSEC_TRY(judge(shared, sender, pair, *message));
+  DDSSEC_ASSIGN_OR_RETURN(const auto judged, judge(shared, sender, pair, *message));
+  const auto& [passage, reported] = judged;
   const auto payload = submessage.subspan(
       static_cast<std::size_t>(piece.payload.data() - submessage.data()), piece.payload.size());
   write_ticket(passage.ticket, *message, piece, payload);

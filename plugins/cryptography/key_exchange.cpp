@@ -62,7 +62,7 @@ class HeldTokens {
 Result<std::vector<KeyMaterial>> read_all(std::span<const spi::Token> tokens) {
   std::vector<KeyMaterial> materials;
   for (const auto& token : tokens) {
-    auto material = DDSSEC_TRY(read_crypto_token(token));
+    DDSSEC_ASSIGN_OR_RETURN(auto material, read_crypto_token(token));
     const bool twice = std::ranges::any_of(
         materials, [&](const auto& one) { return one.sender_key_id == material.sender_key_id; });
     if (twice) return fail(Code::key_material_key_id);
@@ -170,7 +170,7 @@ Result<std::unique_ptr<ReceiveKey>> KeyExchange::receive_key(KeyMaterial materia
   if (!from.local.revises_keys && revision_of(material.kind) != 0)
     return fail(Code::key_revision_not_enabled, {.found = material.kind.to_string()});
   const auto traits = *traits_of(material.kind);
-  DDSSEC_TRY(check_cipher(traits, from));
+  DDSSEC_RETURN_IF_ERROR(check_cipher(traits, from));
   if (material.position && !from.is_with_ours()) return fail(Code::key_material_length);
   return std::make_unique<ReceiveKey>(std::move(material), traits, shared_.keys);
 }
@@ -189,8 +189,9 @@ Status KeyExchange::check_replacement(const RemoteKeys& next, const RemoteKeys* 
 Result<std::vector<spi::Token>> KeyExchange::create_local_participant_crypto_tokens(
     spi::ParticipantCryptoHandle local, spi::ParticipantCryptoHandle remote, spi::KeyStage stage) {
   const std::lock_guard lock(shared_.mutex);
-  const auto* const participant = DDSSEC_TRY(shared_.local_participant(local));
-  const auto* const pair = DDSSEC_TRY(shared_.remote_participant(remote))->pair(local.value);
+  DDSSEC_ASSIGN_OR_RETURN(const auto* const participant, shared_.local_participant(local));
+  DDSSEC_ASSIGN_OR_RETURN(const auto remote_participant, shared_.remote_participant(remote));
+  const auto* const pair = remote_participant->pair(local.value);
   if (pair == nullptr) return fail(Code::crypto_not_matched);
   const bool revised = stage == spi::KeyStage::revised;
   const auto* const key = revised ? participant->next_key.get() : participant->key.read();
@@ -208,10 +209,11 @@ Status KeyExchange::set_remote_participant_crypto_tokens(spi::ParticipantCryptoH
                                                          std::span<const spi::Token> tokens) {
   const HeldTokens held(shared_, tokens);
   const std::lock_guard lock(shared_.mutex);
-  const auto* const participant = DDSSEC_TRY(shared_.local_participant(local));
-  auto* const pair = DDSSEC_TRY(shared_.remote_participant(remote))->pair(local.value);
+  DDSSEC_ASSIGN_OR_RETURN(const auto* const participant, shared_.local_participant(local));
+  DDSSEC_ASSIGN_OR_RETURN(const auto remote_participant, shared_.remote_participant(remote));
+  auto* const pair = remote_participant->pair(local.value);
   if (pair == nullptr) return fail(Code::crypto_not_matched);
-  DDSSEC_TRY(held.check_source(*pair));
+  DDSSEC_RETURN_IF_ERROR(held.check_source(*pair));
   auto status = take(*participant, remote, *pair, held.tokens());
   if (!status && !shared_.host_checks_sources && status.error().code() != Code::keys_already_set)
     shared_.report(status.error(), pair->peer_prefix);
@@ -221,16 +223,20 @@ Status KeyExchange::set_remote_participant_crypto_tokens(spi::ParticipantCryptoH
 Status KeyExchange::take(const LocalParticipant& participant, spi::ParticipantCryptoHandle remote,
                          Pair& pair, std::span<const spi::Token> tokens) {
   if (tokens.size() != 1) return fail(Code::crypto_token_count);
-  auto material = DDSSEC_TRY(read_crypto_token(tokens.front()));
+  DDSSEC_ASSIGN_OR_RETURN(auto material, read_crypto_token(tokens.front()));
   // Fast DDS sends a GMAC key even if nothing is protected.
   if (!is_protected(participant.rtps)) return {};
   auto keys = std::make_unique<RemoteKeys>();
-  keys->submessage = DDSSEC_TRY(receive_key(std::move(material), participant.rtps, pair));
-  DDSSEC_TRY(check_replacement(*keys, pair.remote_keys.read(), &pair));
-  if (!shared_.host_checks_sources)
-    share_window(*keys, *DDSSEC_TRY(shared_.remote_participant(remote)));
+  DDSSEC_ASSIGN_OR_RETURN(keys->submessage,
+                          receive_key(std::move(material), participant.rtps, pair));
+  DDSSEC_RETURN_IF_ERROR(check_replacement(*keys, pair.remote_keys.read(), &pair));
+  if (!shared_.host_checks_sources) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto remote_participant, shared_.remote_participant(remote));
+    share_window(*keys, *remote_participant);
+  }
   keep_position(*keys, pair.remote_keys.read());
-  DDSSEC_TRY(inherit(*keys, pair.remote_keys.read(), shared_.environment.clock.monotonic()));
+  DDSSEC_RETURN_IF_ERROR(
+      inherit(*keys, pair.remote_keys.read(), shared_.environment.clock.monotonic()));
   shared_.note_former(remote.value, *keys);
   pair.remote_keys.replace(std::move(keys), shared_.graveyard);
   return {};
@@ -238,8 +244,9 @@ Status KeyExchange::take(const LocalParticipant& participant, spi::ParticipantCr
 
 template <class Local, class Remote>
 Result<RemoteEndpoint*> KeyExchange::matched(Local local, Remote remote) const {
-  DDSSEC_TRY(shared_.local_endpoint(local, local_kind(local)));
-  auto* const endpoint = DDSSEC_TRY(shared_.remote_endpoint(remote, remote_kind(remote)));
+  DDSSEC_RETURN_IF_ERROR(shared_.local_endpoint(local, local_kind(local)));
+  DDSSEC_ASSIGN_OR_RETURN(auto* const endpoint,
+                          shared_.remote_endpoint(remote, remote_kind(remote)));
   if (endpoint->local.handle() != local.value) return fail(Code::crypto_not_matched);
   return endpoint;
 }
@@ -248,7 +255,8 @@ template <class Local, class Remote>
 Result<std::vector<spi::Token>> KeyExchange::create(Local local, Remote remote,
                                                     spi::KeyStage stage) {
   const std::lock_guard lock(shared_.mutex);
-  const auto& endpoint = *DDSSEC_TRY(matched(local, remote));
+  DDSSEC_ASSIGN_OR_RETURN(const auto found_endpoint, matched(local, remote));
+  const auto& endpoint = *found_endpoint;
   std::vector<spi::Token> tokens;
   // The submessage key comes before the payload key: receivers use the first one for routing.
   const auto& own = endpoint.local;
@@ -278,11 +286,12 @@ Result<std::unique_ptr<RemoteKeys>> KeyExchange::endpoint_keys(
     payload.receiver_key = {};
     // A payload inside a protected submessage needs no replay check of its own.
     if (is_protected(local.submessage)) payload.position.reset();
-    keys->payload = DDSSEC_TRY(receive_key(std::move(payload), local.payload, *pair));
+    DDSSEC_ASSIGN_OR_RETURN(keys->payload, receive_key(std::move(payload), local.payload, *pair));
   }
-  if (is_protected(local.submessage))
-    keys->submessage =
-        DDSSEC_TRY(receive_key(std::move(materials.front()), local.submessage, *pair));
+  if (is_protected(local.submessage)) {
+    DDSSEC_ASSIGN_OR_RETURN(keys->submessage,
+                            receive_key(std::move(materials.front()), local.submessage, *pair));
+  }
   return keys;
 }
 
@@ -295,15 +304,16 @@ Status KeyExchange::set(Local local, Remote remote, std::span<const spi::Token> 
   const HeldTokens held(shared_, from_host,
                         {pair == nullptr ? 0 : pair->number, local.value, remote.value});
   const auto tokens = held.tokens();
-  auto& endpoint = *DDSSEC_TRY(found);
+  DDSSEC_RETURN_IF_ERROR(found);
+  auto& endpoint = **found;
   if (!endpoint.local.has_tokens()) return fail(Code::crypto_tokens_not_expected);
   if (pair == nullptr) return fail(Code::crypto_not_matched);
-  DDSSEC_TRY(held.check_source(*pair));
+  DDSSEC_RETURN_IF_ERROR(held.check_source(*pair));
   // A place is taken now and not at the announcement. A host that trusts unprotected discovery also
   // registers readers that an attacker invented in the peer's name. It sends nothing to a reader
   // whose tokens have not come.
   const bool had_place = endpoint.place.has_value();
-  DDSSEC_TRY(shared_.take_place(endpoint, *pair));
+  DDSSEC_RETURN_IF_ERROR(shared_.take_place(endpoint, *pair));
   Rollback give_back([&] {
     if (!had_place) shared_.give_back_place(endpoint);
   });
@@ -313,15 +323,17 @@ Status KeyExchange::set(Local local, Remote remote, std::span<const spi::Token> 
   }
   if (tokens.empty() || tokens.size() > kMostTokensPerEndpoint)
     return fail(Code::crypto_token_count);
-  auto keys = DDSSEC_TRY(endpoint_keys(endpoint, DDSSEC_TRY(read_all(tokens))));
+  DDSSEC_ASSIGN_OR_RETURN(auto all, read_all(tokens));
+  DDSSEC_ASSIGN_OR_RETURN(auto keys, endpoint_keys(endpoint, std::move(all)));
   keys->owner = held.owner();
   if (const auto* const present = endpoint.remote_keys.read(); present && keys->owner.is_zero())
     keys->owner = present->owner;
-  DDSSEC_TRY(check_owner(endpoint, *keys));
-  DDSSEC_TRY(check_replacement(*keys, endpoint.remote_keys.read(), pair));
+  DDSSEC_RETURN_IF_ERROR(check_owner(endpoint, *keys));
+  DDSSEC_RETURN_IF_ERROR(check_replacement(*keys, endpoint.remote_keys.read(), pair));
   share_state(shared_, *keys, endpoint);
   share_payload_position(shared_, *keys, endpoint);
-  DDSSEC_TRY(inherit(*keys, endpoint.remote_keys.read(), shared_.environment.clock.monotonic()));
+  DDSSEC_RETURN_IF_ERROR(
+      inherit(*keys, endpoint.remote_keys.read(), shared_.environment.clock.monotonic()));
   shared_.note_former(remote.value, *keys);
   auto former = endpoint.remote_keys.exchange(std::move(keys));
   Rollback take_back([&] { endpoint.remote_keys.replace(std::move(former), shared_.graveyard); });

@@ -34,7 +34,7 @@ void give_back_place(LocalParticipant& local, Pair& pair) noexcept {
 template <class T>
 Result<T> KeyFactory::random() {
   std::array<std::uint8_t, sizeof(T)> octets;
-  DDSSEC_TRY(shared_.environment.random.fill(octets));
+  DDSSEC_RETURN_IF_ERROR(shared_.environment.random.fill(octets));
   T value;
   std::memcpy(&value, octets.data(), sizeof value);
   return value;
@@ -62,19 +62,19 @@ Result<KeyMaterial> KeyFactory::fresh_material(bool encrypts, Cipher cipher) {
 Result<KeyMaterial> KeyFactory::fresh_material(TransformKind kind, KeyId id) {
   const auto size = traits_of(kind)->key_size();
   KeyMaterial material{.kind = kind};
-  material.salt = DDSSEC_TRY(random_key<MasterSalt>(size));
+  DDSSEC_ASSIGN_OR_RETURN(material.salt, random_key<MasterSalt>(size));
   material.sender_key_id = id;
-  material.sender_key = DDSSEC_TRY(random_key<MasterKey>(size));
+  DDSSEC_ASSIGN_OR_RETURN(material.sender_key, random_key<MasterKey>(size));
   return material;
 }
 
 Result<std::unique_ptr<SendKey>> KeyFactory::send_key(KeyMaterial material) {
-  const auto start = DDSSEC_TRY(SendStart::draw(shared_.environment.random));
+  DDSSEC_ASSIGN_OR_RETURN(const auto start, SendStart::draw(shared_.environment.random));
   return SendKey::create(std::move(material), start, shared_.keys);
 }
 
 Result<std::unique_ptr<ReceiverKey>> KeyFactory::receiver_key(Cipher cipher) {
-  auto key = DDSSEC_TRY(random_key<MasterReceiverKey>(key_size_of(cipher)));
+  DDSSEC_ASSIGN_OR_RETURN(auto key, random_key<MasterReceiverKey>(key_size_of(cipher)));
   return std::make_unique<ReceiverKey>(fresh_key_id(), std::move(key), shared_.keys);
 }
 
@@ -90,7 +90,8 @@ spi::CipherMask KeyFactory::supported_ciphers() const { return ciphers_of(shared
 
 Result<spi::SymmetricCipherInfo> KeyFactory::cipher_info(spi::ParticipantCryptoHandle local) {
   const std::lock_guard lock(shared_.mutex);
-  const auto& participant = *DDSSEC_TRY(shared_.local_participant(local));
+  DDSSEC_ASSIGN_OR_RETURN(const auto local_participant, shared_.local_participant(local));
+  const auto& participant = *local_participant;
   return spi::SymmetricCipherInfo{.supported = supported_ciphers() & participant.allowed_ciphers,
                                   .builtin_required = bit_of(participant.cipher),
                                   .key_exchange_required = spi::kAes256Bit,
@@ -99,12 +100,16 @@ Result<spi::SymmetricCipherInfo> KeyFactory::cipher_info(spi::ParticipantCryptoH
 
 Result<spi::CipherMask> KeyFactory::required_ciphers(spi::DatawriterCryptoHandle local) {
   const std::lock_guard lock(shared_.mutex);
-  return bit_of(DDSSEC_TRY(shared_.local_endpoint(local, EntityKind::local_writer))->cipher);
+  DDSSEC_ASSIGN_OR_RETURN(const auto local_endpoint,
+                          shared_.local_endpoint(local, EntityKind::local_writer));
+  return bit_of(local_endpoint->cipher);
 }
 
 Result<spi::CipherMask> KeyFactory::required_ciphers(spi::DatareaderCryptoHandle local) {
   const std::lock_guard lock(shared_.mutex);
-  return bit_of(DDSSEC_TRY(shared_.local_endpoint(local, EntityKind::local_reader))->cipher);
+  DDSSEC_ASSIGN_OR_RETURN(const auto local_endpoint,
+                          shared_.local_endpoint(local, EntityKind::local_reader));
+  return bit_of(local_endpoint->cipher);
 }
 
 Result<spi::ParticipantCryptoHandle> KeyFactory::register_local_participant(
@@ -112,37 +117,40 @@ Result<spi::ParticipantCryptoHandle> KeyFactory::register_local_participant(
     const spi::ParticipantSecurityAttributes& attributes) {
   const std::lock_guard lock(shared_.mutex);
   auto participant = std::make_unique<LocalParticipant>();
-  const auto ciphers = DDSSEC_TRY(participant_ciphers(properties));
+  DDSSEC_ASSIGN_OR_RETURN(const auto ciphers, participant_ciphers(properties));
   participant->cipher = ciphers.message;
   participant->endpoint_cipher = ciphers.endpoint;
   participant->allowed_ciphers = attributes.allowed_ciphers;
   for (const auto cipher : {ciphers.message, ciphers.endpoint})
-    DDSSEC_TRY(check_cipher(cipher, attributes.allowed_ciphers));
+    DDSSEC_RETURN_IF_ERROR(check_cipher(cipher, attributes.allowed_ciphers));
   participant->rtps = attributes.rtps;
   participant->revises_keys = attributes.is_key_revision_enabled;
-  participant->trusts_type_information =
-      DDSSEC_TRY(spi::flag_property(properties, spi::property::kTrustTypeInformation));
-  DDSSEC_TRY(limit_keys(*participant, properties));
-  if (is_protected(attributes.rtps))
-    participant->key.replace(DDSSEC_TRY(send_key(DDSSEC_TRY(fresh_material(
-                                 is_encrypted(attributes.rtps), participant->cipher)))),
-                             shared_.graveyard);
+  DDSSEC_ASSIGN_OR_RETURN(participant->trusts_type_information,
+                          spi::flag_property(properties, spi::property::kTrustTypeInformation));
+  DDSSEC_RETURN_IF_ERROR(limit_keys(*participant, properties));
+  if (is_protected(attributes.rtps)) {
+    DDSSEC_ASSIGN_OR_RETURN(auto material,
+                            fresh_material(is_encrypted(attributes.rtps), participant->cipher));
+    DDSSEC_ASSIGN_OR_RETURN(auto fresh_key, send_key(std::move(material)));
+    participant->key.replace(std::move(fresh_key), shared_.graveyard);
+  }
   const auto& added = *participant;
-  DDSSEC_TRY(shared_.registry.add(std::move(participant)));
+  DDSSEC_RETURN_IF_ERROR(shared_.registry.add(std::move(participant)));
   return spi::ParticipantCryptoHandle{added.handle()};
 }
 
 Status KeyFactory::begin_life(LocalParticipant& participant) {
   if (!participant.life.is_limited()) return {};
-  participant.life.begin(shared_.environment.clock.monotonic(),
-                         DDSSEC_TRY(random<std::uint64_t>()));
+  DDSSEC_ASSIGN_OR_RETURN(const auto random_number, random<std::uint64_t>());
+  participant.life.begin(shared_.environment.clock.monotonic(), random_number);
   return {};
 }
 
 Result<std::unique_ptr<Pair>> KeyFactory::make_pair(const LocalParticipant& local,
                                                     const spi::SharedSecret& shared_secret) {
   if (shared_secret.secret.empty()) return fail(Code::length_out_of_range);
-  if (local.key.read() != nullptr) DDSSEC_TRY(check_peer(local.cipher, shared_secret.peer_ciphers));
+  if (local.key.read() != nullptr)
+    DDSSEC_RETURN_IF_ERROR(check_peer(local.cipher, shared_secret.peer_ciphers));
   auto pair = std::make_unique<Pair>(local);
   pair->number = ++shared_.pairs_made;
   pair->peer_ciphers = shared_secret.peer_ciphers;
@@ -152,9 +160,10 @@ Result<std::unique_ptr<Pair>> KeyFactory::make_pair(const LocalParticipant& loca
   pair->key_exchange_receive =
       std::make_unique<ReceiveKey>(material.clone(), *traits_of(material.kind), shared_.keys);
   // Both directions share the key. A random session id and suffix keep their IVs apart.
-  pair->key_exchange_send = DDSSEC_TRY(send_key(std::move(material)));
-  if (is_origin_authenticated(local.rtps))
-    pair->receiver_key = DDSSEC_TRY(receiver_key(local.cipher));
+  DDSSEC_ASSIGN_OR_RETURN(pair->key_exchange_send, send_key(std::move(material)));
+  if (is_origin_authenticated(local.rtps)) {
+    DDSSEC_ASSIGN_OR_RETURN(pair->receiver_key, receiver_key(local.cipher));
+  }
   return pair;
 }
 
@@ -167,7 +176,7 @@ Result<RemoteParticipant*> KeyFactory::remote_with_identity(spi::IdentityHandle 
   auto* const added = remote.get();
   const auto known = by_identity_.emplace(identity.value, added).first;
   Rollback forget([&] { by_identity_.erase(known); });
-  DDSSEC_TRY(shared_.registry.add(std::move(remote)));
+  DDSSEC_RETURN_IF_ERROR(shared_.registry.add(std::move(remote)));
   forget.release();
   return added;
 }
@@ -201,8 +210,8 @@ Result<spi::ParticipantCryptoHandle> KeyFactory::register_matched_remote_partici
     spi::ParticipantCryptoHandle local, spi::IdentityHandle remote_identity,
     spi::PermissionsHandle remote_permissions, const spi::SharedSecret& shared_secret) {
   const std::lock_guard lock(shared_.mutex);
-  auto* const participant = DDSSEC_TRY(shared_.local_participant(local));
-  auto fresh = DDSSEC_TRY(make_pair(*participant, shared_secret));
+  DDSSEC_ASSIGN_OR_RETURN(auto* const participant, shared_.local_participant(local));
+  DDSSEC_ASSIGN_OR_RETURN(auto fresh, make_pair(*participant, shared_secret));
   fresh->permissions = remote_permissions;
   if (auto* const former = known_pair(local.value, remote_identity)) {
     if (same_key_exchange(*former, *fresh)) {
@@ -211,9 +220,9 @@ Result<spi::ParticipantCryptoHandle> KeyFactory::register_matched_remote_partici
     }
     give_back_place(*participant, *former);
   }
-  DDSSEC_TRY(take_place(*participant, remote_identity, *fresh));
+  DDSSEC_RETURN_IF_ERROR(take_place(*participant, remote_identity, *fresh));
   Rollback give_back([&] { give_back_place(*participant, *fresh); });
-  auto* const remote = DDSSEC_TRY(remote_with_identity(remote_identity));
+  DDSSEC_ASSIGN_OR_RETURN(auto* const remote, remote_with_identity(remote_identity));
   remote->discovery.announced.count_for(
       shared_.announcements.of(subject_of(remote_identity.value, *fresh)));
   auto& pair = remote->pairs[local.value];
@@ -234,16 +243,22 @@ Status KeyFactory::make_endpoint_keys(LocalEndpoint& endpoint) {
   const auto cipher = endpoint.cipher;
   const bool protects_submessages = is_protected(endpoint.submessage);
   const auto fresh = [&](spi::ProtectionKind kind) -> Result<std::unique_ptr<SendKey>> {
-    return send_key(DDSSEC_TRY(fresh_material(is_encrypted(kind), cipher)));
+    DDSSEC_ASSIGN_OR_RETURN(auto material, fresh_material(is_encrypted(kind), cipher));
+    return send_key(std::move(material));
   };
-  if (protects_submessages && !endpoint.has_peer_keys())
-    endpoint.submessage_key.replace(DDSSEC_TRY(fresh(endpoint.submessage)), shared_.graveyard);
+  if (protects_submessages && !endpoint.has_peer_keys()) {
+    DDSSEC_ASSIGN_OR_RETURN(auto send_key, fresh(endpoint.submessage));
+    endpoint.submessage_key.replace(std::move(send_key), shared_.graveyard);
+  }
   if (!is_protected(endpoint.payload)) return {};
-  if (endpoint.kind() == EntityKind::local_writer)
-    endpoint.payload_key.replace(DDSSEC_TRY(fresh(endpoint.payload)), shared_.graveyard);
-  else if (!protects_submessages)
-    // Fast DDS 2.9 matches its writer only after a token of the reader, even if it needs none.
-    endpoint.token_only = DDSSEC_TRY(fresh_material(false, Cipher::aes256_gcm));
+  if (endpoint.kind() == EntityKind::local_writer) {
+    DDSSEC_ASSIGN_OR_RETURN(auto send_key, fresh(endpoint.payload));
+    endpoint.payload_key.replace(std::move(send_key), shared_.graveyard);
+  } else if (!protects_submessages)
+  // Fast DDS 2.9 matches its writer only after a token of the reader, even if it needs none.
+  {
+    DDSSEC_ASSIGN_OR_RETURN(endpoint.token_only, fresh_material(false, Cipher::aes256_gcm));
+  }
   return {};
 }
 
@@ -251,7 +266,7 @@ Result<std::int64_t> KeyFactory::register_local_endpoint(
     EntityKind kind, spi::ParticipantCryptoHandle participant, const spi::PropertyList& properties,
     const spi::EndpointSecurityAttributes& attributes) {
   const std::lock_guard lock(shared_.mutex);
-  auto* const parent = DDSSEC_TRY(shared_.local_participant(participant));
+  DDSSEC_ASSIGN_OR_RETURN(auto* const parent, shared_.local_participant(participant));
   auto endpoint = std::make_unique<LocalEndpoint>(kind, *parent);
   endpoint->is_volatile = is_volatile(kind, properties);
   endpoint->is_builtin = attributes.is_builtin;
@@ -260,11 +275,12 @@ Result<std::int64_t> KeyFactory::register_local_endpoint(
   if (!endpoint->is_volatile) endpoint->payload = attributes.payload;
   endpoint->gate = attributes.gate;
   const auto otherwise = attributes.is_builtin ? parent->cipher : parent->endpoint_cipher;
-  endpoint->cipher = DDSSEC_TRY(cipher_asked(properties)).value_or(otherwise);
-  DDSSEC_TRY(check_cipher(endpoint->cipher, parent->allowed_ciphers));
-  DDSSEC_TRY(make_endpoint_keys(*endpoint));
+  DDSSEC_ASSIGN_OR_RETURN(const auto cipher, cipher_asked(properties));
+  endpoint->cipher = cipher.value_or(otherwise);
+  DDSSEC_RETURN_IF_ERROR(check_cipher(endpoint->cipher, parent->allowed_ciphers));
+  DDSSEC_RETURN_IF_ERROR(make_endpoint_keys(*endpoint));
   const auto& added = *endpoint;
-  DDSSEC_TRY(shared_.registry.add(std::move(endpoint)));
+  DDSSEC_RETURN_IF_ERROR(shared_.registry.add(std::move(endpoint)));
   Rollback forget([&] { drop(added); });
   parent->endpoints.insert(added.handle());
   forget.release();
@@ -274,23 +290,28 @@ Result<std::int64_t> KeyFactory::register_local_endpoint(
 Result<spi::DatawriterCryptoHandle> KeyFactory::register_local_datawriter(
     spi::ParticipantCryptoHandle participant, const spi::PropertyList& properties,
     const spi::EndpointSecurityAttributes& attributes) {
-  return spi::DatawriterCryptoHandle{DDSSEC_TRY(
-      register_local_endpoint(EntityKind::local_writer, participant, properties, attributes))};
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto local_endpoint,
+      register_local_endpoint(EntityKind::local_writer, participant, properties, attributes));
+  return spi::DatawriterCryptoHandle{local_endpoint};
 }
 
 Result<spi::DatareaderCryptoHandle> KeyFactory::register_local_datareader(
     spi::ParticipantCryptoHandle participant, const spi::PropertyList& properties,
     const spi::EndpointSecurityAttributes& attributes) {
-  return spi::DatareaderCryptoHandle{DDSSEC_TRY(
-      register_local_endpoint(EntityKind::local_reader, participant, properties, attributes))};
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto local_endpoint,
+      register_local_endpoint(EntityKind::local_reader, participant, properties, attributes));
+  return spi::DatareaderCryptoHandle{local_endpoint};
 }
 
 Result<KeyFactory::Match> KeyFactory::find_match(std::int64_t local, EntityKind kind,
                                                  spi::ParticipantCryptoHandle remote) {
   const auto of_ours =
       kind == EntityKind::remote_writer ? EntityKind::local_reader : EntityKind::local_writer;
-  auto* const endpoint = DDSSEC_TRY(shared_.registry.find<LocalEndpoint>(local, of_ours));
-  auto* const parent = DDSSEC_TRY(shared_.remote_participant(remote));
+  DDSSEC_ASSIGN_OR_RETURN(auto* const endpoint,
+                          shared_.registry.find<LocalEndpoint>(local, of_ours));
+  DDSSEC_ASSIGN_OR_RETURN(auto* const parent, shared_.remote_participant(remote));
   const auto* const pair = parent->pair(endpoint->participant.handle());
   if (pair == nullptr) return fail(Code::crypto_not_matched);
   return Match{*endpoint, *parent, *pair};
@@ -304,14 +325,14 @@ Result<std::int64_t> KeyFactory::match(std::int64_t local, EntityKind kind,
   std::optional<spi::PermissionsHandle> admitted;
   std::unique_lock lock(shared_.mutex);
   while (true) {
-    const auto found = DDSSEC_TRY(find_match(local, kind, remote));
+    DDSSEC_ASSIGN_OR_RETURN(const auto found, find_match(local, kind, remote));
     const auto gate = found.local.gate;
     if (!gate || admitted == found.pair.permissions) return add_match(found, kind);
     const spi::MatchGate::Peer peer{.permissions = found.pair.permissions,
                                     .prefix = found.pair.peer_prefix,
                                     .writes = kind == EntityKind::remote_writer};
     lock.unlock();
-    DDSSEC_TRY(gate->check(peer));
+    DDSSEC_RETURN_IF_ERROR(gate->check(peer));
     admitted = peer.permissions;
     lock.lock();
   }
@@ -323,9 +344,10 @@ Status KeyFactory::take_peer_key(RemoteEndpoint& writer) {
   if (!key) {
     Rollback forget([&] { local.peer_keys.erase(writer.participant.handle()); });
     auto fresh = std::make_shared<PeerKey>();
-    fresh->key.replace(DDSSEC_TRY(send_key(DDSSEC_TRY(
-                           fresh_material(is_encrypted(local.submessage), local.cipher)))),
-                       shared_.graveyard);
+    DDSSEC_ASSIGN_OR_RETURN(auto material,
+                            fresh_material(is_encrypted(local.submessage), local.cipher));
+    DDSSEC_ASSIGN_OR_RETURN(auto fresh_key, send_key(std::move(material)));
+    fresh->key.replace(std::move(fresh_key), shared_.graveyard);
     key = std::move(fresh);
     forget.release();
   }
@@ -344,15 +366,16 @@ void KeyFactory::give_back_peer_key(const RemoteEndpoint& writer) noexcept {
 /// counter instead of starting two.
 Result<std::int64_t> KeyFactory::add_match(const Match& match, EntityKind kind) {
   auto& [local, parent, pair] = match;
-  if (local.sends_protected()) DDSSEC_TRY(check_peer(local.cipher, pair.peer_ciphers));
+  if (local.sends_protected()) DDSSEC_RETURN_IF_ERROR(check_peer(local.cipher, pair.peer_ciphers));
   auto remote = std::make_unique<RemoteEndpoint>(kind, local, parent);
-  if (!local.is_volatile && is_origin_authenticated(local.submessage))
-    remote->receiver_key = DDSSEC_TRY(receiver_key(local.cipher));
+  if (!local.is_volatile && is_origin_authenticated(local.submessage)) {
+    DDSSEC_ASSIGN_OR_RETURN(remote->receiver_key, receiver_key(local.cipher));
+  }
   auto& added = *remote;
-  DDSSEC_TRY(shared_.registry.add(std::move(remote)));
+  DDSSEC_RETURN_IF_ERROR(shared_.registry.add(std::move(remote)));
   Rollback forget([&] { drop_remote(added); });
-  if (local.has_peer_keys()) DDSSEC_TRY(take_peer_key(added));
-  if (shared_.host_checks_sources) DDSSEC_TRY(shared_.take_place(added, pair));
+  if (local.has_peer_keys()) DDSSEC_RETURN_IF_ERROR(take_peer_key(added));
+  if (shared_.host_checks_sources) DDSSEC_RETURN_IF_ERROR(shared_.take_place(added, pair));
   local.matched.insert(added.handle());
   parent.endpoints.insert(added.handle());
   if (local.is_volatile) shared_.publish_route(added);
@@ -363,15 +386,17 @@ Result<std::int64_t> KeyFactory::add_match(const Match& match, EntityKind kind) 
 Result<spi::DatareaderCryptoHandle> KeyFactory::register_matched_remote_datareader(
     spi::DatawriterCryptoHandle local_datawriter, spi::ParticipantCryptoHandle remote_participant,
     const spi::SharedSecret&, bool) {
-  return spi::DatareaderCryptoHandle{
-      DDSSEC_TRY(match(local_datawriter.value, EntityKind::remote_reader, remote_participant))};
+  DDSSEC_ASSIGN_OR_RETURN(const auto matched, match(local_datawriter.value,
+                                                    EntityKind::remote_reader, remote_participant));
+  return spi::DatareaderCryptoHandle{matched};
 }
 
 Result<spi::DatawriterCryptoHandle> KeyFactory::register_matched_remote_datawriter(
     spi::DatareaderCryptoHandle local_datareader, spi::ParticipantCryptoHandle remote_participant,
     const spi::SharedSecret&) {
-  return spi::DatawriterCryptoHandle{
-      DDSSEC_TRY(match(local_datareader.value, EntityKind::remote_writer, remote_participant))};
+  DDSSEC_ASSIGN_OR_RETURN(const auto matched, match(local_datareader.value,
+                                                    EntityKind::remote_writer, remote_participant));
+  return spi::DatawriterCryptoHandle{matched};
 }
 
 // Removal: an object is first removed from the tables that lead to it, then from the registry, then
@@ -457,7 +482,8 @@ Status KeyFactory::unregister_participant(spi::ParticipantCryptoHandle participa
     drop_local(**local);
     return {};
   }
-  drop_remote(*DDSSEC_TRY(shared_.remote_participant(participant)));
+  DDSSEC_ASSIGN_OR_RETURN(const auto remote_participant, shared_.remote_participant(participant));
+  drop_remote(*remote_participant);
   return {};
 }
 
@@ -467,7 +493,9 @@ Status KeyFactory::unregister_endpoint(std::int64_t handle, EntityKind local, En
     drop_local(**endpoint);
     return {};
   }
-  drop_remote(*DDSSEC_TRY(shared_.registry.find<RemoteEndpoint>(handle, remote)));
+  DDSSEC_ASSIGN_OR_RETURN(const auto remote_endpoint,
+                          shared_.registry.find<RemoteEndpoint>(handle, remote));
+  drop_remote(*remote_endpoint);
   return {};
 }
 

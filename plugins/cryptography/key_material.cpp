@@ -108,20 +108,22 @@ Bytes serialize_key_material(const KeyMaterial& material) {
 
 Result<KeyMaterial> parse_key_material(BytesView octets) {
   Reader reader(octets);
-  const auto kind = DDSSEC_TRY(read_id<TransformKind>(reader));
+  DDSSEC_ASSIGN_OR_RETURN(const auto kind, read_id<TransformKind>(reader));
   if (kind == kKindNone) return parse_none(octets);
   const auto traits = traits_of(kind);
   if (!traits) return fail(Code::key_material_kind_unknown, {.found = kind.to_string()});
   KeyMaterial material{.kind = kind};
-  material.salt = DDSSEC_TRY(read_key<MasterSalt>(reader, traits->key_size()));
-  material.sender_key_id = DDSSEC_TRY(read_id<KeyId>(reader));
-  material.sender_key = DDSSEC_TRY(read_key<MasterKey>(reader, traits->key_size()));
-  material.receiver_key_id = DDSSEC_TRY(read_id<KeyId>(reader));
+  DDSSEC_ASSIGN_OR_RETURN(material.salt, read_key<MasterSalt>(reader, traits->key_size()));
+  DDSSEC_ASSIGN_OR_RETURN(material.sender_key_id, read_id<KeyId>(reader));
+  DDSSEC_ASSIGN_OR_RETURN(material.sender_key, read_key<MasterKey>(reader, traits->key_size()));
+  DDSSEC_ASSIGN_OR_RETURN(material.receiver_key_id, read_id<KeyId>(reader));
   // Id 0 is "no receiver-specific key": then there must be none.
-  material.receiver_key = DDSSEC_TRY(
+  DDSSEC_ASSIGN_OR_RETURN(
+      material.receiver_key,
       read_key<MasterReceiverKey>(reader, material.has_receiver_key() ? traits->key_size() : 0));
   if (!reader.at_end()) {
-    material.position = parse_send_position(DDSSEC_TRY(reader.read_bytes(reader.remaining())));
+    DDSSEC_ASSIGN_OR_RETURN(const auto position, reader.read_bytes(reader.remaining()));
+    material.position = parse_send_position(position);
     if (!material.position) return fail(Code::key_material_length);
   }
   if (material.sender_key_id.is_zero()) return fail(Code::key_material_key_id);

@@ -94,7 +94,8 @@ Result<std::unique_ptr<SendKey>> KeyFactory::revised(const Published<SendKey>& k
   if (present == nullptr) return nullptr;
   const auto& of = present->material();
   const auto kind = with_revision(of.kind, next_revision(revision_of(of.kind)));
-  return send_key(DDSSEC_TRY(fresh_material(kind, of.sender_key_id)));
+  DDSSEC_ASSIGN_OR_RETURN(auto material, fresh_material(kind, of.sender_key_id));
+  return send_key(std::move(material));
 }
 
 template <class F>
@@ -107,7 +108,8 @@ void KeyFactory::each_endpoint(const LocalParticipant& participant, F&& f) {
 // All keys are made before any takes effect, so that a failure leaves everything as it was.
 Result<KeyRevision> KeyFactory::revise_local_entity_keys(spi::ParticipantCryptoHandle local) {
   const std::lock_guard lock(shared_.mutex);
-  auto& participant = *DDSSEC_TRY(shared_.local_participant(local));
+  DDSSEC_ASSIGN_OR_RETURN(const auto local_participant, shared_.local_participant(local));
+  auto& participant = *local_participant;
   if (!participant.revises_keys) return KeyRevision{0};
   if (participant.is_revising) return fail(Code::key_revision_out_of_turn);
   const auto take_back = [&] {
@@ -116,22 +118,23 @@ Result<KeyRevision> KeyFactory::revise_local_entity_keys(spi::ParticipantCryptoH
   };
   Rollback rollback(take_back);
   Status status;
-  participant.next_key = DDSSEC_TRY(revised(participant.key));
+  DDSSEC_ASSIGN_OR_RETURN(participant.next_key, revised(participant.key));
   each_endpoint(participant, [&](LocalEndpoint& endpoint) {
     if (status) status = revise(endpoint);
   });
-  DDSSEC_TRY(std::move(status));
-  DDSSEC_TRY(begin_life(participant));
+  DDSSEC_RETURN_IF_ERROR(std::move(status));
+  DDSSEC_RETURN_IF_ERROR(begin_life(participant));
   rollback.release();
   participant.is_revising = true;
   return participant.revision = next_revision(participant.revision);
 }
 
 Status KeyFactory::revise(LocalEndpoint& endpoint) {
-  endpoint.next_submessage_key = DDSSEC_TRY(revised(endpoint.submessage_key));
-  endpoint.next_payload_key = DDSSEC_TRY(revised(endpoint.payload_key));
-  for (const auto& [participant, peer] : endpoint.peer_keys)
-    peer->next = DDSSEC_TRY(revised(peer->key));
+  DDSSEC_ASSIGN_OR_RETURN(endpoint.next_submessage_key, revised(endpoint.submessage_key));
+  DDSSEC_ASSIGN_OR_RETURN(endpoint.next_payload_key, revised(endpoint.payload_key));
+  for (const auto& [participant, peer] : endpoint.peer_keys) {
+    DDSSEC_ASSIGN_OR_RETURN(peer->next, revised(peer->key));
+  }
   return {};
 }
 
@@ -153,7 +156,8 @@ void KeyFactory::activate_revision(LocalEndpoint& endpoint) {
 
 Status KeyFactory::activate_key_revision(spi::ParticipantCryptoHandle local, KeyRevision revision) {
   const std::lock_guard lock(shared_.mutex);
-  auto& participant = *DDSSEC_TRY(shared_.local_participant(local));
+  DDSSEC_ASSIGN_OR_RETURN(const auto local_participant, shared_.local_participant(local));
+  auto& participant = *local_participant;
   if (!participant.is_revising || revision != participant.revision)
     return fail(Code::key_revision_out_of_turn,
                 {.field = "key_revision", .found = std::to_string(revision)});
@@ -166,7 +170,7 @@ Status KeyFactory::activate_key_revision(spi::ParticipantCryptoHandle local, Key
 // ---- how long
 
 Status KeyFactory::limit_keys(LocalParticipant& participant, const spi::PropertyList& properties) {
-  const auto limits = DDSSEC_TRY(spi::key_limits(properties));
+  DDSSEC_ASSIGN_OR_RETURN(const auto limits, spi::key_limits(properties));
   if (limits.any() && !participant.revises_keys) {
     const auto name = limits.blocks != 0 ? property::kMostBlocksPerKey : property::kKeyLifetime;
     return fail(Code::key_limits_without_revision, {.field = std::string(name)});

@@ -18,7 +18,7 @@ std::unexpected<Error> lies(const BuiltinTopic& topic) {
 Status PartitionWalk::read(const BuiltinTopic& topic, BytesView octets) {
   for (const auto octet : octets) {
     --rest_;
-    DDSSEC_TRY(take(topic, octet));
+    DDSSEC_RETURN_IF_ERROR(take(topic, octet));
   }
   const bool is_done = has_count_ && names_left_ == 0 && name_left_ == 0;
   return rest_ == 0 && !is_done ? Status(lies(topic)) : Status();

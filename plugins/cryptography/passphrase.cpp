@@ -42,14 +42,15 @@ Result<std::uint32_t> parse_id(std::string_view text, const Place& place) {
 Result<Passphrase> parse_line(std::string_view line, const Place& place) {
   const auto colon = line.find(':');
   if (colon == line.npos) return place.refuse("ID:PASSPHRASE", "no colon");
-  const auto id = DDSSEC_TRY(parse_id(line.substr(0, colon), place));
+  DDSSEC_ASSIGN_OR_RETURN(const auto id, parse_id(line.substr(0, colon), place));
   const auto text = line.substr(colon + 1);
   if (text.empty() || text.size() > kMostPassphraseOctets)
     return place.refuse("1 to " + std::to_string(kMostPassphraseOctets) + " characters",
                         std::to_string(text.size()));
   if (!std::ranges::all_of(text, is_printable) || text.front() == ' ' || text.back() == ' ')
     return place.refuse("printable ASCII without a blank at either end", "something else");
-  return Passphrase{id, DDSSEC_TRY(Passphrase::Text::copy_of(as_bytes(text)))};
+  DDSSEC_ASSIGN_OR_RETURN(auto secret, Passphrase::Text::copy_of(as_bytes(text)));
+  return Passphrase{id, std::move(secret)};
 }
 
 /// The same passphrase twice is allowed: it may be both the one to send with and one that is
@@ -74,7 +75,8 @@ Status parse_lines(std::string_view text, std::string_view property, std::size_t
       if (++found > most)
         return place.refuse("at most " + std::to_string(most) + (most == 1 ? " line" : " lines"),
                             "more");
-      DDSSEC_TRY(add(DDSSEC_TRY(parse_line(text.substr(0, size), place)), place, out));
+      DDSSEC_ASSIGN_OR_RETURN(auto passphrase, parse_line(text.substr(0, size), place));
+      DDSSEC_RETURN_IF_ERROR(add(std::move(passphrase), place, out));
     }
     const bool pair = text.substr(size).starts_with("\r\n");
     text.remove_prefix(std::min(size + (pair ? 2 : 1), text.size()));
@@ -85,7 +87,7 @@ Status parse_lines(std::string_view text, std::string_view property, std::size_t
 
 Status load(std::string_view uri, std::string_view property, std::size_t most,
             std::vector<Passphrase>& out) {
-  const auto lines = DDSSEC_TRY(load_secret<Lines>(uri, property));
+  DDSSEC_ASSIGN_OR_RETURN(const auto lines, load_secret<Lines>(uri, property));
   return lines.expose(
       [&](BytesView octets) { return parse_lines(as_text(octets), property, most, out); });
 }
@@ -107,9 +109,9 @@ PassphraseFiles::PassphraseFiles(const spi::PropertyList& properties,
 Result<std::vector<Passphrase>> PassphraseFiles::load(EventSink& events) const {
   namespace property = spi::property;
   std::vector<Passphrase> out;
-  DDSSEC_TRY(cryptography::load(own_, property::kPskPassphrase, 1, out));
+  DDSSEC_RETURN_IF_ERROR(cryptography::load(own_, property::kPskPassphrase, 1, out));
   if (!extra_.empty())
-    DDSSEC_TRY(
+    DDSSEC_RETURN_IF_ERROR(
         cryptography::load(extra_, property::kPskExtraPassphrases, kMostExtraPassphrases, out));
   warn_if_exposed(own_, property::kPskPassphrase, events);
   warn_if_exposed(extra_, property::kPskExtraPassphrases, events);

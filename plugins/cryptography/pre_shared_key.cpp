@@ -73,7 +73,7 @@ Result<std::unique_ptr<PreSharedKeyRing>> PreSharedKeyRing::create(PassphraseFil
                                                                    Domain domain,
                                                                    const Environment& environment,
                                                                    const KeyEnvironment& keys) {
-  auto passphrases = DDSSEC_TRY(files.load(environment.events));
+  DDSSEC_ASSIGN_OR_RETURN(auto passphrases, files.load(environment.events));
   std::unique_ptr<PreSharedKeyRing> out(
       new PreSharedKeyRing(std::move(files), std::move(domain), environment, keys));
   out->use(std::move(passphrases));
@@ -135,17 +135,18 @@ void PreSharedKeyRing::keep_despite(const Error& error) {
 Result<SendKey*> PreSharedKeyRing::send_key(const MessageSource& source) {
   if (send_ && source == own_) return send_.get();
   const auto& entry = entries_.front();
-  const auto start = DDSSEC_TRY(SendStart::draw(environment_.random));
-  send_ = DDSSEC_TRY(SendKey::create(
-      derive_pre_shared_material(entry.passphrase, entry.kind, entry.key_id, source), start,
-      keys_));
+  DDSSEC_ASSIGN_OR_RETURN(const auto start, SendStart::draw(environment_.random));
+  DDSSEC_ASSIGN_OR_RETURN(
+      send_, SendKey::create(
+                 derive_pre_shared_material(entry.passphrase, entry.kind, entry.key_id, source),
+                 start, keys_));
   own_ = source;
   return send_.get();
 }
 
 Result<std::size_t> PreSharedKeyRing::encode(BytesView plain, MutableBytes out) {
   if (!is_message(plain)) return fail(Code::plaintext_malformed);
-  auto* const key = DDSSEC_TRY(send_key(source_of(plain)));
+  DDSSEC_ASSIGN_OR_RETURN(auto* const key, send_key(source_of(plain)));
   const ReadGuard guard;
   return seal_message(plain, kPreSharedKeyFrame, *key, out);
 }
@@ -154,7 +155,8 @@ Result<std::size_t> PreSharedKeyRing::encode(BytesView plain, MutableBytes out) 
 // checked with the key.
 Result<const PreSharedKeyRing::Entry*> PreSharedKeyRing::entry_of(BytesView encoded) const {
   if (!is_message(encoded)) return fail(Code::secure_group_malformed);
-  const auto header = DDSSEC_TRY(read_prefix(encoded.subspan(kRtpsHeaderSize), kPreSharedKeyFrame));
+  DDSSEC_ASSIGN_OR_RETURN(const auto header,
+                          read_prefix(encoded.subspan(kRtpsHeaderSize), kPreSharedKeyFrame));
   const auto revision = BytesView(header.kind.octets).first(3);
   const auto at = std::ranges::find_if(entries_, [&](const Entry& entry) {
     return entry.key_id == header.key_id &&
@@ -176,7 +178,8 @@ bool PreSharedKeyRing::remembers(BytesView encoded) const {
 }
 
 Result<std::size_t> PreSharedKeyRing::decode(BytesView encoded, MutableBytes out) {
-  const auto& entry = *DDSSEC_TRY(entry_of(encoded));
+  DDSSEC_ASSIGN_OR_RETURN(const auto found_entry, entry_of(encoded));
+  const auto& entry = *found_entry;
   const SenderId id{source_of(encoded), entry.passphrase.id};
   const ReadGuard guard;
   const auto known = senders_.find(id);
@@ -190,7 +193,7 @@ Result<std::size_t> PreSharedKeyRing::open_first(const SenderId& id, const Entry
   auto key = std::make_unique<ReceiveKey>(
       derive_pre_shared_material(entry.passphrase, entry.kind, entry.key_id, id.source),
       *traits_of(entry.kind), keys_);
-  const auto size = DDSSEC_TRY(open_message(encoded, kPreSharedKeyFrame, *key, out));
+  DDSSEC_ASSIGN_OR_RETURN(const auto size, open_message(encoded, kPreSharedKeyFrame, *key, out));
   remember(id, std::move(key));
   return size;
 }
@@ -206,14 +209,18 @@ Result<std::unique_ptr<spi::PreSharedKeys>> KeyFactory::pre_shared_keys(
     const spi::PreSharedKeyRequest& request) {
   const auto kind = request.attributes.rtps_psk;
   if (!is_protected(kind)) return fail(Code::not_protected);
-  const auto cipher = DDSSEC_TRY(pre_shared_cipher(request.properties));
-  DDSSEC_TRY(check_cipher(cipher, request.attributes.allowed_ciphers));
-  PassphraseFiles files(request.properties,
-                        DDSSEC_TRY(spi::files_poll_interval(request.properties)));
-  return DDSSEC_TRY(PreSharedKeyRing::create(
-      std::move(files),
-      {request.domain_id, std::string(request.domain_tag), kind_for(cipher, is_encrypted(kind))},
-      shared_.environment, shared_.keys));
+  DDSSEC_ASSIGN_OR_RETURN(const auto cipher, pre_shared_cipher(request.properties));
+  DDSSEC_RETURN_IF_ERROR(check_cipher(cipher, request.attributes.allowed_ciphers));
+  DDSSEC_ASSIGN_OR_RETURN(const auto files_poll_interval,
+                          spi::files_poll_interval(request.properties));
+  PassphraseFiles files(request.properties, files_poll_interval);
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto pre_shared_key_ring,
+      PreSharedKeyRing::create(std::move(files),
+                               {request.domain_id, std::string(request.domain_tag),
+                                kind_for(cipher, is_encrypted(kind))},
+                               shared_.environment, shared_.keys));
+  return pre_shared_key_ring;
 }
 
 }  // namespace ddssec::cryptography

@@ -30,12 +30,12 @@ Result<ReceiveKey::Candidate> ReceiveKey::session(SessionId id) {
   auto fresh = blank();
   fresh->id = id;
   const auto key = derive_session_key(material_.sender_key, material_.salt, id);
-  DDSSEC_TRY(key.expose([&](BytesView octets) {
+  DDSSEC_RETURN_IF_ERROR(key.expose([&](BytesView octets) {
     return fresh->key.expand(environment_.aead, traits_.cipher, octets);
   }));
   if (material_.has_receiver_key()) {
     const auto receiver = derive_session_receiver_key(material_.receiver_key, material_.salt, id);
-    DDSSEC_TRY(receiver.expose([&](BytesView octets) {
+    DDSSEC_RETURN_IF_ERROR(receiver.expose([&](BytesView octets) {
       return fresh->receiver->expand(environment_.aead, traits_.cipher, octets);
     }));
   }

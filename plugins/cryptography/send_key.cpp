@@ -45,7 +45,7 @@ Result<std::unique_ptr<SendKey>> SendKey::create(KeyMaterial material, SendStart
 
 Result<SendStart> SendStart::draw(Random& random) {
   std::array<std::uint8_t, sizeof(session) + sizeof(suffix)> octets;
-  DDSSEC_TRY(random.fill(octets));
+  DDSSEC_RETURN_IF_ERROR(random.fill(octets));
   SendStart start;
   std::memcpy(&start.session, octets.data(), sizeof start.session);
   std::memcpy(&start.suffix, octets.data() + sizeof start.session, sizeof start.suffix);
@@ -67,11 +67,11 @@ Result<std::unique_ptr<SendSession>> SendKey::first_session() const {
   auto start = start_;
   if (first->generation != generation_) {
     first->begun_by_parents.push_back({start.session, 0});
-    start = DDSSEC_TRY(SendStart::draw(environment_.random));
+    DDSSEC_ASSIGN_OR_RETURN(start, SendStart::draw(environment_.random));
   }
   first->suffix = start.suffix;
   first->begun.first = start.session;
-  DDSSEC_TRY(expand(*first));
+  DDSSEC_RETURN_IF_ERROR(expand(*first));
   return first;
 }
 
@@ -85,12 +85,12 @@ Result<std::unique_ptr<SendSession>> SendKey::session_after(const SendSession& f
     next->suffix = former.suffix;
     next->begun = {former.begun.first, former.begun.further + 1};
   } else {
-    const auto start = DDSSEC_TRY(SendStart::draw(environment_.random));
+    DDSSEC_ASSIGN_OR_RETURN(const auto start, SendStart::draw(environment_.random));
     next->suffix = start.suffix;
     next->begun.first = start.session;
     next->begun_by_parents.push_back(former.begun);
   }
-  DDSSEC_TRY(expand(*next));
+  DDSSEC_RETURN_IF_ERROR(expand(*next));
   return next;
 }
 
@@ -104,7 +104,7 @@ Result<SendKey::Reservation> SendKey::reserve(std::size_t size) {
       if (first == 0 || first + wanted <= environment_.most_blocks_per_session) [[likely]]
         return Reservation{session, iv_from(session->id, session->suffix + first)};
     }
-    DDSSEC_TRY(roll_over(session));
+    DDSSEC_RETURN_IF_ERROR(roll_over(session));
   }
 }
 
@@ -141,15 +141,17 @@ Status SendKey::roll_over(const SendSession* former) {
   if (former != nullptr && former->number + 1 >= environment_.most_sessions_per_key)
     return fail(Code::session_ids_exhausted);
   auto next = former != nullptr ? session_after(*former) : first_session();
-  current_.replace(DDSSEC_TRY(std::move(next)), environment_.graveyard);
+  DDSSEC_RETURN_IF_ERROR(next);
+  current_.replace(*std::move(next), environment_.graveyard);
   return {};
 }
 
 Status ReceiverKey::mac(const SendKey& sender, const SendKey::Reservation& reservation,
                         TagView common_mac, TagOut out) {
   const Session* session = current_.read();
-  if (session == nullptr || !session->is_of(sender, reservation.session->id)) [[unlikely]]
-    session = DDSSEC_TRY(expand(sender, reservation.session->id));
+  if (session == nullptr || !session->is_of(sender, reservation.session->id)) [[unlikely]] {
+    DDSSEC_ASSIGN_OR_RETURN(session, expand(sender, reservation.session->id));
+  }
   if (!session->key.mac(reservation.iv, common_mac, out)) return fail(Code::internal);
   return {};
 }
@@ -162,7 +164,7 @@ Result<const ReceiverKey::Session*> ReceiverKey::expand(const SendKey& sender, S
   next->id = id;
   next->kind = sender.material().kind;
   const auto key = derive_session_receiver_key(key_, sender.material().salt, id);
-  DDSSEC_TRY(key.expose([&](BytesView octets) {
+  DDSSEC_RETURN_IF_ERROR(key.expose([&](BytesView octets) {
     return next->key.expand(environment_.aead, sender.traits().cipher, octets);
   }));
   const auto* const made = next.get();

@@ -159,7 +159,7 @@ Status check_token_source(BytesView submessage, bool is_key_exchange,
   if (payload.size() < kAddressesSize) return unreadable_token("it is too short");
   if (!is_plain_cdr(payload)) return unreadable_token("its encapsulation is not plain CDR");
   const auto source = GuidPrefix::from(payload.subspan(kSourceAt, GuidPrefix::size));
-  DDSSEC_TRY(check_name("message_identity.source_guid", peer.value_or(source), source));
+  DDSSEC_RETURN_IF_ERROR(check_name("message_identity.source_guid", peer.value_or(source), source));
   const auto endpoint = GuidPrefix::from(payload.subspan(kSourceEndpointAt, GuidPrefix::size));
   if (endpoint.is_zero()) return {};  // a participant's tokens
   return check_name("source_endpoint_guid", peer.value_or(source), endpoint);

@@ -14,7 +14,7 @@ constexpr std::size_t kEncapsulationSize = 4;
 constexpr std::size_t kSubjectSize = 6;
 
 Result<Guid> read_guid(Reader& in) {
-  const auto octets = DDSSEC_TRY(in.read_bytes(GuidPrefix::size + EntityId::size));
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, in.read_bytes(GuidPrefix::size + EntityId::size));
   return Guid{GuidPrefix::from(octets.first(GuidPrefix::size)),
               EntityId::from(octets.subspan(GuidPrefix::size))};
 }
@@ -62,12 +62,13 @@ bool are_two_of_a_kind(const TokenMessage& message) {
 
 Result<std::vector<spi::Token>> read_tokens(Reader& in) {
   constexpr std::size_t kLeastToken = 12;
-  const auto count = DDSSEC_TRY(in.read_count(kLeastToken));
+  DDSSEC_ASSIGN_OR_RETURN(const auto count, in.read_count(kLeastToken));
   if (count > spi::kMostTokensPerMessage) return fail(Code::length_out_of_range);
   std::vector<spi::Token> tokens;
   std::size_t octets = 0;
   for (std::uint32_t i = 0; i < count; ++i) {
-    tokens.push_back(DDSSEC_TRY(spi::read_token(in)));
+    DDSSEC_ASSIGN_OR_RETURN(auto token, spi::read_token(in));
+    tokens.push_back(std::move(token));
     octets += octets_in(tokens.back());
   }
   if (octets > kMostTokenOctets) return fail(Code::length_out_of_range);
@@ -84,13 +85,13 @@ Result<std::optional<TokenMessage>> read_generic_message(const DataPiece& piece)
   constexpr std::size_t kAfterSource = 8 + 24;  // its number, and related_message_identity
   const bool little = (piece.payload[1] & 1) != 0;
   Reader in(piece.payload.subspan(kEncapsulationSize), little ? Endian::little : Endian::big);
-  const auto source = DDSSEC_TRY(read_guid(in));
-  DDSSEC_TRY(in.skip(kAfterSource));
-  const auto participant = DDSSEC_TRY(read_guid(in));
-  const auto endpoint = DDSSEC_TRY(read_guid(in));
-  const auto source_endpoint = DDSSEC_TRY(read_guid(in));
+  DDSSEC_ASSIGN_OR_RETURN(const auto source, read_guid(in));
+  DDSSEC_RETURN_IF_ERROR(in.skip(kAfterSource));
+  DDSSEC_ASSIGN_OR_RETURN(const auto participant, read_guid(in));
+  DDSSEC_ASSIGN_OR_RETURN(const auto endpoint, read_guid(in));
+  DDSSEC_ASSIGN_OR_RETURN(const auto source_endpoint, read_guid(in));
   const auto class_at = kEncapsulationSize + in.position() + sizeof(std::uint32_t);
-  const auto class_id = DDSSEC_TRY(in.read_string());
+  DDSSEC_ASSIGN_OR_RETURN(const auto class_id, in.read_string());
   const bool is_of_reader = class_id == "dds.sec.datareader_crypto_tokens";
   TokenMessage message{source_endpoint, endpoint, piece.number, is_of_reader, {}, class_at, 0};
   if (class_id == "dds.sec.participant_crypto_tokens") {
@@ -104,7 +105,7 @@ Result<std::optional<TokenMessage>> read_generic_message(const DataPiece& piece)
   }
   if (piece.number >= kGreatestNumber) return fail(Code::length_out_of_range);
   message.tokens_at = kEncapsulationSize + in.position();
-  message.tokens = DDSSEC_TRY(read_tokens(in));
+  DDSSEC_ASSIGN_OR_RETURN(message.tokens, read_tokens(in));
   return message;
 }
 
@@ -128,7 +129,7 @@ Status check_usable(const TokenMessage& message) {
   const auto most = is_of_participant ? 1 : kMostTokensPerEndpoint;
   if (message.tokens.empty() || message.tokens.size() > most)
     return fail(Code::crypto_token_count, {.document = std::string(kDocument)});
-  for (const auto& token : message.tokens) DDSSEC_TRY(read_crypto_token(token));
+  for (const auto& token : message.tokens) DDSSEC_RETURN_IF_ERROR(read_crypto_token(token));
   return {};
 }
 
@@ -287,7 +288,7 @@ Result<Passage> TokenLedger::note(const TokenMessage& message, const TokenSender
     }
     erase(known);
   }
-  DDSSEC_TRY(check_room(key, sender));
+  DDSSEC_RETURN_IF_ERROR(check_room(key, sender));
   const auto ticket = fresh_ticket();
   add(key, {.passed = age,
             .newest = age,

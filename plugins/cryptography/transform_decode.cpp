@@ -45,7 +45,7 @@ struct AnySurroundings {
 template <class Fits = AnySurroundings>
 [[gnu::always_inline]] inline Result<std::size_t> open(const Protected& message, ReceiveKey& key,
                                                        MutableBytes out, Fits&& fits = {}) {
-  DDSSEC_TRY(check_header(key, message.header, message.is_encrypted));
+  DDSSEC_RETURN_IF_ERROR(check_header(key, message.header, message.is_encrypted));
   if (out.size() < message.content.size()) return fail(Code::length_out_of_range);
   if (key.is_from_before(message.header.iv)) return fail(Code::message_from_before);
   const bool origin = key.material().has_receiver_key();
@@ -53,7 +53,7 @@ template <class Fits = AnySurroundings>
       origin ? message.footer.receiver_mac(key.material().receiver_key_id) : std::nullopt;
   // Checked before any cipher, because messages for other receivers come here often.
   if (origin && !ours) return fail(Code::receiver_specific_mac_missing);
-  auto session = DDSSEC_TRY(key.session(message.header.session_id));
+  DDSSEC_ASSIGN_OR_RETURN(auto session, key.session(message.header.session_id));
   if (!open_content(message, session->key, out.data())) return fail(Code::tag_mismatch);
   if (origin && !session->receiver->verify(message.header.iv, message.footer.tag(), *ours)) {
     wipe(out.first(message.content.size()));
@@ -93,8 +93,9 @@ Result<std::size_t> open(const Shared& shared, const Published<RemoteKeys>& keys
                          const Protected& message, ReceiveKey& newest, MutableBytes out,
                          Fits&& fits = {}) {
   auto* key = &newest;
-  if (message.header.kind != newest.material().kind) [[unlikely]]
-    key = DDSSEC_TRY(of_revision(shared, keys, level, newest, message.header.kind));
+  if (message.header.kind != newest.material().kind) [[unlikely]] {
+    DDSSEC_ASSIGN_OR_RETURN(key, of_revision(shared, keys, level, newest, message.header.kind));
+  }
   return open(message, *key, out, fits);
 }
 
@@ -149,7 +150,7 @@ class DiscoveryOfOne final : public DiscoveryOfPeers {
 Status check_discovery(const Shared& shared, const RemoteEndpoint& sender, const Owner& owner,
                        MutableBytes plain) {
   DiscoveryOfOne peers(sender.participant.discovery, shared.environment.clock);
-  const auto types = DDSSEC_TRY(check_builtin_source(plain, owner, peers));
+  DDSSEC_ASSIGN_OR_RETURN(const auto types, check_builtin_source(plain, owner, peers));
   if (types && !sender.local.participant.trusts_type_information)
     hide_type_information(plain, *types);
   return {};
@@ -163,7 +164,7 @@ Status check_source_named(Shared& shared, const RemoteEndpoint& sender, MutableB
   if (pair == nullptr) return fail(Code::crypto_not_matched);
   auto status = check_token_source(plain, sender.local.is_volatile, pair->peer_prefix);
   if (status) {
-    DDSSEC_TRY(check_speaker(sender, plain));
+    DDSSEC_RETURN_IF_ERROR(check_speaker(sender, plain));
     status = check_discovery(shared, sender, pair->peer_prefix, plain);
   }
   if (status && sender.local.is_volatile) status = keep_tokens(shared, sender, *pair, plain);
@@ -183,15 +184,20 @@ template <class Local, class Remote>
 Result<std::size_t> decode_submessage(Shared& shared, Local receiver, Remote sender,
                                       BytesView encoded, MutableBytes out) {
   const ReadGuard guard;
-  const auto& local = *DDSSEC_TRY(shared.local_endpoint(receiver, local_kind(receiver)));
-  const auto& remote = *DDSSEC_TRY(shared.remote_endpoint(sender, remote_kind(sender)));
+  DDSSEC_ASSIGN_OR_RETURN(const auto local_endpoint,
+                          shared.local_endpoint(receiver, local_kind(receiver)));
+  const auto& local = *local_endpoint;
+  DDSSEC_ASSIGN_OR_RETURN(const auto remote_endpoint,
+                          shared.remote_endpoint(sender, remote_kind(sender)));
+  const auto& remote = *remote_endpoint;
   if (&remote.local != &local) return fail(Code::crypto_not_matched);
-  DDSSEC_TRY(check_not_cut_off(local.participant));
+  DDSSEC_RETURN_IF_ERROR(check_not_cut_off(local.participant));
   if (!is_protected(local.submessage)) return fail(Code::not_protected);
-  const auto message = DDSSEC_TRY(read_protected_group(encoded, kSubmessageFrame));
-  auto& key = *DDSSEC_TRY(submessage_key(remote, message.header.session_id));
-  const auto size =
-      DDSSEC_TRY(open(shared, remote.remote_keys, &LevelKeys::submessage, message, key, out));
+  DDSSEC_ASSIGN_OR_RETURN(const auto message, read_protected_group(encoded, kSubmessageFrame));
+  DDSSEC_ASSIGN_OR_RETURN(const auto found_key, submessage_key(remote, message.header.session_id));
+  auto& key = *found_key;
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto size, open(shared, remote.remote_keys, &LevelKeys::submessage, message, key, out));
   const auto plain = out.first(size);
   auto status = check_submessage(remote, plain);
   if (!status) [[unlikely]]
@@ -236,12 +242,13 @@ Result<std::size_t> open_message(BytesView encoded, Frame frame, MutableBytes ou
                                  bool prefix_is_network_order, F&& open_group) {
   if (encoded.size() < kRtpsHeaderSize || as_text(encoded.first(4)) != "RTPS")
     return fail(Code::secure_group_malformed);
-  const auto message = DDSSEC_TRY(read_protected_group(encoded.subspan(kRtpsHeaderSize), frame));
+  DDSSEC_ASSIGN_OR_RETURN(const auto message,
+                          read_protected_group(encoded.subspan(kRtpsHeaderSize), frame));
   if (out.size() < kRtpsHeaderSize) return fail(Code::length_out_of_range);
   const auto content = out.subspan(kRtpsHeaderSize);
   const auto source = source_of(encoded, prefix_is_network_order);
   const auto fits = [&](BytesView plain) { return check_source(plain, source); };
-  const auto size = DDSSEC_TRY(open_group(message, content, fits));
+  DDSSEC_ASSIGN_OR_RETURN(const auto size, open_group(message, content, fits));
   // INFO_SRC stays first, and the header gets the same values, in network order.
   Pen pen(out);
   pen.put(encoded.first(4));
@@ -263,14 +270,20 @@ Result<std::size_t> Transform::decode_serialized_payload(spi::DatareaderCryptoHa
                                                          spi::DatawriterCryptoHandle sender,
                                                          BytesView encoded, MutableBytes out) {
   const ReadGuard guard;
-  const auto& local = *DDSSEC_TRY(shared_.local_endpoint(receiver, EntityKind::local_reader));
-  const auto& remote = *DDSSEC_TRY(shared_.remote_endpoint(sender, EntityKind::remote_writer));
+  DDSSEC_ASSIGN_OR_RETURN(const auto local_endpoint,
+                          shared_.local_endpoint(receiver, EntityKind::local_reader));
+  const auto& local = *local_endpoint;
+  DDSSEC_ASSIGN_OR_RETURN(const auto remote_endpoint,
+                          shared_.remote_endpoint(sender, EntityKind::remote_writer));
+  const auto& remote = *remote_endpoint;
   if (&remote.local != &local) return fail(Code::crypto_not_matched);
-  DDSSEC_TRY(check_not_cut_off(local.participant));
+  DDSSEC_RETURN_IF_ERROR(check_not_cut_off(local.participant));
   if (!is_protected(local.payload)) return fail(Code::not_protected);
-  auto& key = *DDSSEC_TRY(received(remote.remote_keys, &LevelKeys::payload));
-  return open(shared_, remote.remote_keys, &LevelKeys::payload,
-              DDSSEC_TRY(read_protected_payload(encoded)), key, out);
+  DDSSEC_ASSIGN_OR_RETURN(const auto found_key, received(remote.remote_keys, &LevelKeys::payload));
+  auto& key = *found_key;
+  DDSSEC_ASSIGN_OR_RETURN(auto protected_payload, read_protected_payload(encoded));
+  return open(shared_, remote.remote_keys, &LevelKeys::payload, std::move(protected_payload), key,
+              out);
 }
 
 Result<std::size_t> Transform::decode_datawriter_submessage(spi::DatareaderCryptoHandle receiver,
@@ -288,7 +301,7 @@ Result<std::size_t> Transform::decode_datareader_submessage(spi::DatawriterCrypt
 Result<std::size_t> Transform::decode_rtps_message(spi::ParticipantCryptoHandle receiver,
                                                    spi::ParticipantCryptoHandle sender,
                                                    BytesView encoded, MutableBytes out) {
-  const auto size = DDSSEC_TRY(open_message_of(receiver, sender, encoded, out));
+  DDSSEC_ASSIGN_OR_RETURN(const auto size, open_message_of(receiver, sender, encoded, out));
   return shared_.host_checks_sources ? size
                                      : keep_part_of_sender(receiver, sender, out.first(size));
 }
@@ -390,12 +403,16 @@ Result<std::size_t> Transform::open_message_of(spi::ParticipantCryptoHandle rece
                                                spi::ParticipantCryptoHandle sender,
                                                BytesView encoded, MutableBytes out) {
   const ReadGuard guard;
-  const auto& local = *DDSSEC_TRY(shared_.local_participant(receiver));
-  DDSSEC_TRY(check_not_cut_off(local));
-  const auto* const pair = DDSSEC_TRY(shared_.remote_participant(sender))->pair(receiver.value);
+  DDSSEC_ASSIGN_OR_RETURN(const auto local_participant, shared_.local_participant(receiver));
+  const auto& local = *local_participant;
+  DDSSEC_RETURN_IF_ERROR(check_not_cut_off(local));
+  DDSSEC_ASSIGN_OR_RETURN(const auto remote_participant, shared_.remote_participant(sender));
+  const auto* const pair = remote_participant->pair(receiver.value);
   if (pair == nullptr) return fail(Code::crypto_not_matched);
   if (!is_protected(local.rtps)) return fail(Code::not_protected);
-  auto& key = *DDSSEC_TRY(received(pair->remote_keys, &LevelKeys::submessage));
+  DDSSEC_ASSIGN_OR_RETURN(const auto found_key,
+                          received(pair->remote_keys, &LevelKeys::submessage));
+  auto& key = *found_key;
   return open_message(encoded, kMessageFrame, out, shared_.header_prefix_is_network_order,
                       [&](const Protected& message, MutableBytes to, const auto& fits) {
                         return open(shared_, pair->remote_keys, &LevelKeys::submessage, message,
@@ -406,9 +423,10 @@ Result<std::size_t> Transform::open_message_of(spi::ParticipantCryptoHandle rece
 Result<spi::SecureSubmessage> Transform::preprocess_secure_submessage(
     spi::ParticipantCryptoHandle receiver, spi::ParticipantCryptoHandle sender, BytesView encoded) {
   const ReadGuard guard;
-  const auto& remote = *DDSSEC_TRY(shared_.remote_participant(sender));
-  if (receiver) DDSSEC_TRY(shared_.local_participant(receiver));
-  const auto header = DDSSEC_TRY(read_prefix(encoded, kSubmessageFrame));
+  DDSSEC_ASSIGN_OR_RETURN(const auto remote_participant, shared_.remote_participant(sender));
+  const auto& remote = *remote_participant;
+  if (receiver) DDSSEC_RETURN_IF_ERROR(shared_.local_participant(receiver));
+  DDSSEC_ASSIGN_OR_RETURN(const auto header, read_prefix(encoded, kSubmessageFrame));
   const auto* const endpoint = remote.routes.find(header.key_id, receiver.value, encoded);
   if (endpoint == nullptr) return fail(Code::unknown_key_id);
   // Without INFO_DST, a host that does not check sources passes a key token message to all its

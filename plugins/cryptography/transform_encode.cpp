@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "plugins/cryptography/builtin_names.hpp"
 #include "plugins/cryptography/data_piece.hpp"
@@ -76,9 +77,10 @@ Result<std::size_t> receiver_macs(Pen& pen, std::size_t receivers, const SendKey
     const auto found = receiver(i);
     const bool is_last = i + 1 == receivers && written == 0;
     if (!found && found.error().code() == Code::crypto_handle_unknown && !is_last) continue;
-    auto* const receiver_key = DDSSEC_TRY(found);
+    DDSSEC_ASSIGN_OR_RETURN(auto* const receiver_key, found);
     pen.put(receiver_key->id().view());
-    DDSSEC_TRY(receiver_key->mac(key, reserved, common_mac, TagOut(pen.skip(kTagSize), kTagSize)));
+    DDSSEC_RETURN_IF_ERROR(
+        receiver_key->mac(key, reserved, common_mac, TagOut(pen.skip(kTagSize), kTagSize)));
     ++written;
   }
   return written;
@@ -90,7 +92,7 @@ Result<std::size_t> encode_group(const GroupRequest& request, SendKey& key, Muta
                                  Receiver&& receiver) {
   const bool encrypts = key.traits().encrypts;
   if (out.size() < encoded_size(request, encrypts)) return fail(Code::length_out_of_range);
-  const auto reserved = DDSSEC_TRY(key.reserve(request.size()));
+  DDSSEC_ASSIGN_OR_RETURN(const auto reserved, key.reserve(request.size()));
   Pen pen(out);
   pen.submessage_header(request.frame.prefix, kCryptoHeaderSize, request.frame.prefix_flags);
   pen.crypto_header(key.material().kind, key.material().sender_key_id, reserved.iv);
@@ -106,8 +108,8 @@ Result<std::size_t> encode_group(const GroupRequest& request, SendKey& key, Muta
   if (!protect(request, key, reserved, content, common_mac)) return fail(Code::internal);
   Pen count(out.subspan(pen.written()));
   pen.skip(sizeof(std::uint32_t));
-  const auto macs =
-      DDSSEC_TRY(receiver_macs(pen, request.receivers, key, reserved, common_mac, receiver));
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto macs, receiver_macs(pen, request.receivers, key, reserved, common_mac, receiver));
   header.submessage_header(request.frame.postfix, kFooterSize + kReceiverMacSize * macs);
   count.u32(static_cast<std::uint32_t>(macs));
   return pen.written();
@@ -158,8 +160,8 @@ Result<std::size_t> encode_volatile(const Shared& shared, const LocalEndpoint& s
                                     std::span<const Remote> receivers, GroupRequest request,
                                     MutableBytes out) {
   if (receivers.size() != 1) return fail(Code::receiver_count);
-  const auto* const remote =
-      DDSSEC_TRY(shared.remote_endpoint(receivers.front(), remote_kind(Remote{})));
+  DDSSEC_ASSIGN_OR_RETURN(const auto* const remote,
+                          shared.remote_endpoint(receivers.front(), remote_kind(Remote{})));
   const auto* const pair = remote->participant.pair(sender.participant.handle());
   if (&remote->local != &sender || pair == nullptr) return fail(Code::crypto_not_matched);
   if (const auto acknowledged = read_acknowledgment(request.body);
@@ -219,7 +221,8 @@ Result<SendKey*> peer_key(const Shared& shared, const LocalEndpoint& sender,
     const auto found = shared.remote_endpoint(receivers[i], remote_kind(Remote{}));
     const bool is_last = i + 1 == receivers.size() && common == nullptr;
     if (!found && found.error().code() == Code::crypto_handle_unknown && !is_last) continue;
-    const auto& remote = *DDSSEC_TRY(found);
+    DDSSEC_RETURN_IF_ERROR(found);
+    const auto& remote = **found;
     if (&remote.local != &sender) return fail(Code::crypto_not_matched);
     if (common != nullptr && remote.peer_key.get() != common)
       return fail(Code::receiver_count, {.expected = "writers of one participant"});
@@ -242,17 +245,23 @@ Result<std::size_t> encode_submessage(const Shared& shared, Local handle,
                                       std::span<const Remote> receivers, BytesView plain,
                                       MutableBytes out) {
   const ReadGuard guard;
-  const auto& sender = *DDSSEC_TRY(shared.local_endpoint(handle, local_kind(handle)));
-  DDSSEC_TRY(check_not_cut_off(sender.participant));
+  DDSSEC_ASSIGN_OR_RETURN(const auto local_endpoint,
+                          shared.local_endpoint(handle, local_kind(handle)));
+  const auto& sender = *local_endpoint;
+  DDSSEC_RETURN_IF_ERROR(check_not_cut_off(sender.participant));
   if (!is_protected(sender.submessage)) return fail(Code::not_protected);
-  GroupRequest request{kSubmessageFrame, {}, plain, DDSSEC_TRY(check_submessage(plain)), 0};
+  DDSSEC_ASSIGN_OR_RETURN(auto submessage, check_submessage(plain));
+  GroupRequest request{kSubmessageFrame, {}, plain, std::move(submessage), 0};
   if (sender.is_volatile) return encode_volatile(shared, sender, receivers, request, out);
   note_acknowledged(shared, receivers, plain);
-  DDSSEC_TRY(check_receivers(sender.submessage, receivers.size()));
+  DDSSEC_RETURN_IF_ERROR(check_receivers(sender.submessage, receivers.size()));
   if (is_origin_authenticated(sender.submessage)) request.receivers = receivers.size();
-  auto& key = *DDSSEC_TRY(key_towards(shared, sender, receivers));
+  DDSSEC_ASSIGN_OR_RETURN(const auto found_key, key_towards(shared, sender, receivers));
+  auto& key = *found_key;
   return encode_group(request, key, out, [&](std::size_t i) -> Result<ReceiverKey*> {
-    const auto& remote = *DDSSEC_TRY(shared.remote_endpoint(receivers[i], remote_kind(Remote{})));
+    DDSSEC_ASSIGN_OR_RETURN(const auto remote_endpoint,
+                            shared.remote_endpoint(receivers[i], remote_kind(Remote{})));
+    const auto& remote = *remote_endpoint;
     if (&remote.local != &sender) return fail(Code::crypto_not_matched);
     return remote.receiver_key.get();
   });
@@ -264,9 +273,9 @@ Result<GroupRequest> message_request(BytesView plain, Frame frame, bool encrypts
     return fail(Code::plaintext_malformed);
   const auto body = plain.subspan(kRtpsHeaderSize);
   GroupRequest request{frame, plain.subspan(4, 16), body, std::nullopt, 0};
-  if (!encrypts)
-    request.open_length = DDSSEC_TRY(check_submessages(body));
-  else if (body.empty() || 4 + padded(request.size()) > kMostSubmessageContent)
+  if (!encrypts) {
+    DDSSEC_ASSIGN_OR_RETURN(request.open_length, check_submessages(body));
+  } else if (body.empty() || 4 + padded(request.size()) > kMostSubmessageContent)
     return fail(Code::plaintext_malformed);
   return request;
 }
@@ -276,8 +285,8 @@ template <class Receiver>
 Result<std::size_t> seal_message(BytesView plain, const GroupRequest& request, SendKey& key,
                                  MutableBytes out, Receiver&& receiver) {
   if (out.size() < kRtpsHeaderSize) return fail(Code::length_out_of_range);
-  const auto written =
-      DDSSEC_TRY(encode_group(request, key, out.subspan(kRtpsHeaderSize), receiver));
+  DDSSEC_ASSIGN_OR_RETURN(const auto written,
+                          encode_group(request, key, out.subspan(kRtpsHeaderSize), receiver));
   Pen(out).put(plain.first(kRtpsHeaderSize));
   return kRtpsHeaderSize + written;
 }
@@ -285,7 +294,7 @@ Result<std::size_t> seal_message(BytesView plain, const GroupRequest& request, S
 }  // namespace
 
 Result<std::size_t> seal_message(BytesView plain, Frame frame, SendKey& key, MutableBytes out) {
-  const auto request = DDSSEC_TRY(message_request(plain, frame, key.traits().encrypts));
+  DDSSEC_ASSIGN_OR_RETURN(const auto request, message_request(plain, frame, key.traits().encrypts));
   return seal_message(plain, request, key, out,
                       [](std::size_t) -> Result<ReceiverKey*> { return fail(Code::internal); });
 }
@@ -293,8 +302,10 @@ Result<std::size_t> seal_message(BytesView plain, Frame frame, SendKey& key, Mut
 Result<std::size_t> Transform::encode_serialized_payload(spi::DatawriterCryptoHandle sender,
                                                          BytesView plain, MutableBytes out) {
   const ReadGuard guard;
-  const auto& writer = *DDSSEC_TRY(shared_.local_endpoint(sender, EntityKind::local_writer));
-  DDSSEC_TRY(check_not_cut_off(writer.participant));
+  DDSSEC_ASSIGN_OR_RETURN(const auto local_endpoint,
+                          shared_.local_endpoint(sender, EntityKind::local_writer));
+  const auto& writer = *local_endpoint;
+  DDSSEC_RETURN_IF_ERROR(check_not_cut_off(writer.participant));
   auto* const current = writer.payload_key.read();
   if (current == nullptr) return fail(Code::not_protected);
   auto& key = *current;
@@ -302,7 +313,7 @@ Result<std::size_t> Transform::encode_serialized_payload(spi::DatawriterCryptoHa
   const auto size = kCryptoHeaderSize + (encrypts ? 4 : 0) + plain.size() + kFooterSize;
   if (plain.size() > std::numeric_limits<std::uint32_t>::max() || out.size() < size)
     return fail(Code::length_out_of_range);
-  const auto reserved = DDSSEC_TRY(key.reserve(plain.size()));
+  DDSSEC_ASSIGN_OR_RETURN(const auto reserved, key.reserve(plain.size()));
   Pen pen(out);
   pen.crypto_header(key.material().kind, key.material().sender_key_id, reserved.iv);
   if (encrypts) pen.u32(static_cast<std::uint32_t>(plain.size()));
@@ -332,17 +343,20 @@ Result<std::size_t> Transform::encode_rtps_message(
     spi::ParticipantCryptoHandle sender, std::span<const spi::ParticipantCryptoHandle> receivers,
     BytesView plain, MutableBytes out) {
   const ReadGuard guard;
-  const auto& participant = *DDSSEC_TRY(shared_.local_participant(sender));
-  DDSSEC_TRY(check_not_cut_off(participant));
+  DDSSEC_ASSIGN_OR_RETURN(const auto local_participant, shared_.local_participant(sender));
+  const auto& participant = *local_participant;
+  DDSSEC_RETURN_IF_ERROR(check_not_cut_off(participant));
   auto* const key = participant.key.read();
   if (key == nullptr) return fail(Code::not_protected);
-  DDSSEC_TRY(check_receivers(participant.rtps, receivers.size()));
-  auto request = DDSSEC_TRY(message_request(plain, kMessageFrame, key->traits().encrypts));
+  DDSSEC_RETURN_IF_ERROR(check_receivers(participant.rtps, receivers.size()));
+  DDSSEC_ASSIGN_OR_RETURN(auto request,
+                          message_request(plain, kMessageFrame, key->traits().encrypts));
   if (!shared_.host_checks_sources) note_acknowledged(shared_, participant, plain);
   if (is_origin_authenticated(participant.rtps)) request.receivers = receivers.size();
   return seal_message(plain, request, *key, out, [&](std::size_t i) -> Result<ReceiverKey*> {
-    const auto* const pair =
-        DDSSEC_TRY(shared_.remote_participant(receivers[i]))->pair(sender.value);
+    DDSSEC_ASSIGN_OR_RETURN(const auto remote_participant,
+                            shared_.remote_participant(receivers[i]));
+    const auto* const pair = remote_participant->pair(sender.value);
     if (pair == nullptr) return fail(Code::crypto_not_matched);
     return pair->receiver_key.get();
   });

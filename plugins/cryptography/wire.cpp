@@ -1,5 +1,7 @@
 #include "plugins/cryptography/wire.hpp"
 
+#include <utility>
+
 #include "plugins/cryptography/key_material.hpp"
 
 namespace ddssec::cryptography {
@@ -64,7 +66,7 @@ Result<BytesView> body_from(BytesView octets) {
   if (header.id != submessage_id::kSecBody ||
       header.length != octets.size() - kSubmessageHeaderSize)
     return fail(Code::secure_group_malformed);
-  DDSSEC_TRY(check_flags(header));
+  DDSSEC_RETURN_IF_ERROR(check_flags(header));
   return content_from(octets.subspan(kSubmessageHeaderSize));
 }
 
@@ -92,7 +94,7 @@ Result<CryptoFooter> postfix_from(BytesView octets, Frame frame) {
   // OpenDDS writes 0, "to the end", where Cyclone and Fast DDS write the length.
   if (header.id != frame.postfix || (header.length != content.size() && header.length != 0))
     return fail(Code::secure_group_malformed);
-  DDSSEC_TRY(check_flags(header));
+  DDSSEC_RETURN_IF_ERROR(check_flags(header));
   return footer_from(content);
 }
 
@@ -112,7 +114,7 @@ Result<Protected> read_protected_payload(BytesView encoded) {
   if (encoded.size() < kCryptoHeaderSize + kFooterSize) return fail(Code::secure_group_malformed);
   Protected out{
       .header = crypto_header_at(encoded), .is_encrypted = false, .content = {}, .footer = {}};
-  out.is_encrypted = DDSSEC_TRY(encrypts(out.header));
+  DDSSEC_ASSIGN_OR_RETURN(out.is_encrypted, encrypts(out.header));
   auto rest = encoded.subspan(kCryptoHeaderSize);
   auto room = rest.size() - kFooterSize, size = room;
   if (out.is_encrypted) {
@@ -126,7 +128,7 @@ Result<Protected> read_protected_payload(BytesView encoded) {
   // A list of MACs for all readers would not authenticate the origin (DDS-Security 9.5.3.3.4.4).
   if (u32_at(footer, kTagSize) != 0) return fail(Code::receiver_specific_macs_not_allowed);
   if (room - size > kMaxPadding) return fail(Code::secure_group_malformed);
-  out.footer = DDSSEC_TRY(footer_from(footer));
+  DDSSEC_ASSIGN_OR_RETURN(out.footer, footer_from(footer));
   out.content = rest.first(size);
   return out;
 }
@@ -137,21 +139,21 @@ Result<CryptoHeader> read_prefix(BytesView encoded, Frame frame) {
   const auto header = read_submessage_header(encoded);
   if (header.id != frame.prefix || header.length != kCryptoHeaderSize)
     return fail(Code::secure_group_malformed);
-  DDSSEC_TRY(check_flags(header, frame.prefix_flags));
+  DDSSEC_RETURN_IF_ERROR(check_flags(header, frame.prefix_flags));
   return crypto_header_at(encoded.subspan(kSubmessageHeaderSize));
 }
 
 Result<Protected> read_protected_group(BytesView encoded, Frame frame) {
-  Protected out{.header = DDSSEC_TRY(read_prefix(encoded, frame)),
-                .is_encrypted = false,
-                .content = {},
-                .footer = {}};
-  out.is_encrypted = DDSSEC_TRY(encrypts(out.header));
+  DDSSEC_ASSIGN_OR_RETURN(auto prefix, read_prefix(encoded, frame));
+  Protected out{.header = std::move(prefix), .is_encrypted = false, .content = {}, .footer = {}};
+  DDSSEC_ASSIGN_OR_RETURN(out.is_encrypted, encrypts(out.header));
   const auto rest = encoded.subspan(kSubmessageHeaderSize + kCryptoHeaderSize);
-  const auto postfix = DDSSEC_TRY(find_postfix(rest, frame));
-  out.footer = DDSSEC_TRY(postfix_from(rest.subspan(postfix), frame));
+  DDSSEC_ASSIGN_OR_RETURN(const auto postfix, find_postfix(rest, frame));
+  DDSSEC_ASSIGN_OR_RETURN(out.footer, postfix_from(rest.subspan(postfix), frame));
   out.content = rest.first(postfix);
-  if (out.is_encrypted) out.content = DDSSEC_TRY(body_from(out.content));
+  if (out.is_encrypted) {
+    DDSSEC_ASSIGN_OR_RETURN(out.content, body_from(out.content));
+  }
   return out;
 }
 

@@ -33,8 +33,9 @@ spi::PermissionsHandle permissions(CPermissions handle) { return {handle}; }
 /// As is_carrier_topic, for that local participant.
 Result<bool> is_carriers(Adapter& adapter, CPermissions handle, std::string_view name) {
   if (name != kCarrierTopic) return false;
-  return is_carrier_topic(
-      name, DDSSEC_TRY(adapter.engine().participant_sec_attributes(permissions(handle))));
+  DDSSEC_ASSIGN_OR_RETURN(const auto participant_sec_attributes,
+                          adapter.engine().participant_sec_attributes(permissions(handle)));
+  return is_carrier_topic(name, participant_sec_attributes);
 }
 
 /// A stock authentication presents the permissions that the participant began with. What it does
@@ -51,20 +52,25 @@ CPermissions validate_local_permissions(Instance* instance, const dds_security_a
                                         const CDomain domain_id, const DDS_Security_Qos* qos,
                                         Exception* ex) {
   return ask_handle<Adapter>(instance, ex, [&](Adapter& adapter) -> Result<spi::PermissionsHandle> {
-    DDSSEC_TRY(require(qos));
+    DDSSEC_RETURN_IF_ERROR(require(qos));
     say_plugins_in_use(adapter.host(), PluginKind::access_control);
-    auto properties = DDSSEC_TRY(with_process_properties(DDSSEC_TRY(properties_from(qos))));
-    adapter.host().calendar().set_grace(DDSSEC_TRY(spi::clock_step_grace(properties)));
+    DDSSEC_ASSIGN_OR_RETURN(auto property_list, properties_from(qos));
+    DDSSEC_ASSIGN_OR_RETURN(auto properties, with_process_properties(std::move(property_list)));
+    DDSSEC_ASSIGN_OR_RETURN(const auto clock_step_grace, spi::clock_step_grace(properties));
+    adapter.host().calendar().set_grace(clock_step_grace);
     if (!has_our_authentication()) properties = without_renewal(std::move(properties));
-    const bool allow_shared_memory = DDSSEC_TRY(SharedMemoryGuard::is_allowed_by(properties));
-    if (DDSSEC_TRY(spi::flag_property(properties, spi::property::kTrustTypeInformation)))
-      adapter.trust_type_information();
-    const auto handle =
-        DDSSEC_TRY(adapter.engine().validate_local_permissions({identity}, domain_id, properties));
+    DDSSEC_ASSIGN_OR_RETURN(const bool allow_shared_memory,
+                            SharedMemoryGuard::is_allowed_by(properties));
+    DDSSEC_ASSIGN_OR_RETURN(const auto flag_property,
+                            spi::flag_property(properties, spi::property::kTrustTypeInformation));
+    if (flag_property) adapter.trust_type_information();
+    DDSSEC_ASSIGN_OR_RETURN(const auto handle, adapter.engine().validate_local_permissions(
+                                                   {identity}, domain_id, properties));
     Rollback give_back([&] { (void)adapter.engine().return_permissions_handle(handle); });
     if (allow_shared_memory) adapter.shared_memory().allow(handle);
-    adapter.facts().note(handle, {identity},
-                         DDSSEC_TRY(adapter.engine().participant_sec_attributes(handle)));
+    DDSSEC_ASSIGN_OR_RETURN(const auto participant_sec_attributes,
+                            adapter.engine().participant_sec_attributes(handle));
+    adapter.facts().note(handle, {identity}, participant_sec_attributes);
     give_back.release();
     return handle;
   });
@@ -79,9 +85,9 @@ CPermissions validate_remote_permissions(Instance* instance, const dds_security_
     // An announcement forged by an attacker may have no token.
     if (permissions_token == nullptr || permissions_token->class_id == nullptr)
       return fail(Code::permissions_token_class, {.found = "no permissions token"});
-    DDSSEC_TRY(adapter.facts().check(spi::IdentityHandle{local_identity}));
-    const auto token = DDSSEC_TRY(token_from(permissions_token));
-    const auto peer = DDSSEC_TRY(token_from(credential));
+    DDSSEC_RETURN_IF_ERROR(adapter.facts().check(spi::IdentityHandle{local_identity}));
+    DDSSEC_ASSIGN_OR_RETURN(const auto token, token_from(permissions_token));
+    DDSSEC_ASSIGN_OR_RETURN(const auto peer, token_from(credential));
     return adapter.engine().validate_remote_permissions({local_identity}, {remote_identity}, token,
                                                         peer);
   });
@@ -101,13 +107,16 @@ DDS_Security_boolean check_create_datawriter(Instance* instance, const CPermissi
                                              const Partition* partition, const Tags* tags,
                                              Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    const auto question = DDSSEC_TRY(EndpointQuestion::from(topic_name, partition, tags));
+    DDSSEC_ASSIGN_OR_RETURN(const auto question,
+                            EndpointQuestion::from(topic_name, partition, tags));
     const auto local = permissions(handle);
-    DDSSEC_TRY(adapter.facts().check(local));
+    DDSSEC_RETURN_IF_ERROR(adapter.facts().check(local));
     auto& engine = adapter.engine();
-    DDSSEC_TRY(engine.check_create_datawriter(local, domain_id, question.request()));
-    const auto writer = DDSSEC_TRY(engine.datawriter_sec_attributes(local, question.request()));
-    DDSSEC_TRY(refuse_what_nothing_guards(adapter, local, question.request(), writer, true));
+    DDSSEC_RETURN_IF_ERROR(engine.check_create_datawriter(local, domain_id, question.request()));
+    DDSSEC_ASSIGN_OR_RETURN(const auto writer,
+                            engine.datawriter_sec_attributes(local, question.request()));
+    DDSSEC_RETURN_IF_ERROR(
+        refuse_what_nothing_guards(adapter, local, question.request(), writer, true));
     return refuse_what_shared_memory_exposes(adapter, local, topic_name, qos, writer,
                                              Direction::writes);
   });
@@ -119,16 +128,20 @@ DDS_Security_boolean check_create_datareader(Instance* instance, const CPermissi
                                              const Partition* partition, const Tags* tags,
                                              Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    const auto question = DDSSEC_TRY(EndpointQuestion::from(topic_name, partition, tags));
-    if (reads_local_builtin_topic(question.request()) ||
-        DDSSEC_TRY(is_carriers(adapter, handle, question.request().topic_name)))
-      return {};
+    DDSSEC_ASSIGN_OR_RETURN(const auto question,
+                            EndpointQuestion::from(topic_name, partition, tags));
+    if (reads_local_builtin_topic(question.request())) return {};
+    DDSSEC_ASSIGN_OR_RETURN(const auto carriers,
+                            is_carriers(adapter, handle, question.request().topic_name));
+    if (carriers) return {};
     const auto local = permissions(handle);
-    DDSSEC_TRY(adapter.facts().check(local));
+    DDSSEC_RETURN_IF_ERROR(adapter.facts().check(local));
     auto& engine = adapter.engine();
-    DDSSEC_TRY(engine.check_create_datareader(local, domain_id, question.request()));
-    const auto reader = DDSSEC_TRY(engine.datareader_sec_attributes(local, question.request()));
-    DDSSEC_TRY(refuse_what_nothing_guards(adapter, local, question.request(), reader, false));
+    DDSSEC_RETURN_IF_ERROR(engine.check_create_datareader(local, domain_id, question.request()));
+    DDSSEC_ASSIGN_OR_RETURN(const auto reader,
+                            engine.datareader_sec_attributes(local, question.request()));
+    DDSSEC_RETURN_IF_ERROR(
+        refuse_what_nothing_guards(adapter, local, question.request(), reader, false));
     return refuse_what_shared_memory_exposes(adapter, local, topic_name, qos, reader,
                                              Direction::reads);
   });
@@ -138,10 +151,11 @@ DDS_Security_boolean check_create_topic(Instance* instance, const CPermissions h
                                         const CDomain domain_id, const char* topic_name,
                                         const DDS_Security_Qos*, Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    DDSSEC_TRY(require(topic_name));
-    if (is_local_builtin_topic(topic_name) || DDSSEC_TRY(is_carriers(adapter, handle, topic_name)))
-      return {};
-    DDSSEC_TRY(adapter.facts().check(permissions(handle)));
+    DDSSEC_RETURN_IF_ERROR(require(topic_name));
+    if (is_local_builtin_topic(topic_name)) return {};
+    DDSSEC_ASSIGN_OR_RETURN(const auto carriers, is_carriers(adapter, handle, topic_name));
+    if (carriers) return {};
+    DDSSEC_RETURN_IF_ERROR(adapter.facts().check(permissions(handle)));
     return adapter.engine().check_create_topic(permissions(handle), domain_id, topic_name);
   });
 }
@@ -159,9 +173,10 @@ DDS_Security_boolean check_remote_datawriter(
     Instance* instance, const CPermissions handle, const CDomain domain_id,
     const DDS_Security_PublicationBuiltinTopicDataSecure* data, Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    DDSSEC_TRY(require(data));
-    const auto question =
-        DDSSEC_TRY(EndpointQuestion::from(data->topic_name, &data->partition, &data->data_tags));
+    DDSSEC_RETURN_IF_ERROR(require(data));
+    DDSSEC_ASSIGN_OR_RETURN(
+        const auto question,
+        EndpointQuestion::from(data->topic_name, &data->partition, &data->data_tags));
     return adapter.engine().check_remote_datawriter(permissions(handle), domain_id,
                                                     question.request());
   });
@@ -174,11 +189,13 @@ DDS_Security_boolean check_remote_datareader(
   // The host reads this value even after a refusal, from memory that it did not initialize.
   if (relay_only != nullptr) *relay_only = 0;
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    DDSSEC_TRY(require(data, relay_only));
-    const auto question =
-        DDSSEC_TRY(EndpointQuestion::from(data->topic_name, &data->partition, &data->data_tags));
-    const auto reader = DDSSEC_TRY(adapter.engine().check_remote_datareader(
-        permissions(handle), domain_id, question.request()));
+    DDSSEC_RETURN_IF_ERROR(require(data, relay_only));
+    DDSSEC_ASSIGN_OR_RETURN(
+        const auto question,
+        EndpointQuestion::from(data->topic_name, &data->partition, &data->data_tags));
+    DDSSEC_ASSIGN_OR_RETURN(const auto reader,
+                            adapter.engine().check_remote_datareader(permissions(handle), domain_id,
+                                                                     question.request()));
     *relay_only = reader.relay_only;
     return {};
   });
@@ -189,8 +206,8 @@ DDS_Security_boolean check_remote_topic(Instance* instance, const CPermissions h
                                         const DDS_Security_TopicBuiltinTopicData* data,
                                         Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    DDSSEC_TRY(require(data));
-    DDSSEC_TRY(require(data->name));
+    DDSSEC_RETURN_IF_ERROR(require(data));
+    DDSSEC_RETURN_IF_ERROR(require(data->name));
     return adapter.engine().check_remote_topic(permissions(handle), domain_id, data->name);
   });
 }
@@ -241,19 +258,22 @@ DDS_Security_boolean check_remote_datawriter_dispose_instance(
 DDS_Security_boolean get_permissions_token(Instance* instance, CToken* token,
                                            const CPermissions handle, Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    DDSSEC_TRY(require(token));
+    DDSSEC_RETURN_IF_ERROR(require(token));
     *token = {};
-    return copy_token(DDSSEC_TRY(adapter.engine().permissions_token(permissions(handle))), *token);
+    DDSSEC_ASSIGN_OR_RETURN(const auto permissions_token,
+                            adapter.engine().permissions_token(permissions(handle)));
+    return copy_token(permissions_token, *token);
   });
 }
 
 DDS_Security_boolean get_permissions_credential_token(Instance* instance, CToken* token,
                                                       const CPermissions handle, Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    DDSSEC_TRY(require(token));
+    DDSSEC_RETURN_IF_ERROR(require(token));
     *token = {};
-    return copy_token(
-        DDSSEC_TRY(adapter.engine().permissions_credential_token(permissions(handle))), *token);
+    DDSSEC_ASSIGN_OR_RETURN(const auto permissions_credential_token,
+                            adapter.engine().permissions_credential_token(permissions(handle)));
+    return copy_token(permissions_credential_token, *token);
   });
 }
 
@@ -278,10 +298,11 @@ DDS_Security_boolean get_participant_sec_attributes(
     Instance* instance, const CPermissions handle,
     DDS_Security_ParticipantSecurityAttributes* attributes, Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    DDSSEC_TRY(require(attributes));
+    DDSSEC_RETURN_IF_ERROR(require(attributes));
     *attributes = {};
-    *attributes =
-        to_c(DDSSEC_TRY(adapter.engine().participant_sec_attributes(permissions(handle))));
+    DDSSEC_ASSIGN_OR_RETURN(const auto participant_sec_attributes,
+                            adapter.engine().participant_sec_attributes(permissions(handle)));
+    *attributes = to_c(participant_sec_attributes);
     return {};
   });
 }
@@ -291,10 +312,11 @@ DDS_Security_boolean get_topic_sec_attributes(Instance* instance, const CPermiss
                                               DDS_Security_TopicSecurityAttributes* attributes,
                                               Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    DDSSEC_TRY(require(topic_name, attributes));
+    DDSSEC_RETURN_IF_ERROR(require(topic_name, attributes));
     *attributes = {};
-    *attributes =
-        to_c(DDSSEC_TRY(adapter.engine().topic_sec_attributes(permissions(handle), topic_name)));
+    DDSSEC_ASSIGN_OR_RETURN(const auto topic_sec_attributes,
+                            adapter.engine().topic_sec_attributes(permissions(handle), topic_name));
+    *attributes = to_c(topic_sec_attributes);
     return {};
   });
 }
@@ -311,7 +333,8 @@ template <auto kAttributes>
 Status tell_attributes(Adapter& adapter, const CPermissions handle,
                        const spi::EndpointRequest& request,
                        DDS_Security_EndpointSecurityAttributes& attributes) {
-  const auto found = DDSSEC_TRY((adapter.engine().*kAttributes)(permissions(handle), request));
+  DDSSEC_ASSIGN_OR_RETURN(const auto found,
+                          (adapter.engine().*kAttributes)(permissions(handle), request));
   attributes = to_c(found);
   if (!needs_gate(found)) return {};
   auto status = make_scope(adapter.id(), request, attributes.ac_endpoint_properties);
@@ -326,9 +349,10 @@ DDS_Security_boolean ask_endpoint(Instance* instance, const char* topic_name,
                                   DDS_Security_EndpointSecurityAttributes* attributes,
                                   Exception* ex, Tell&& tell) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    DDSSEC_TRY(require(attributes));
+    DDSSEC_RETURN_IF_ERROR(require(attributes));
     *attributes = {};
-    const auto question = DDSSEC_TRY(EndpointQuestion::from(topic_name, partition, tags));
+    DDSSEC_ASSIGN_OR_RETURN(const auto question,
+                            EndpointQuestion::from(topic_name, partition, tags));
     return tell(adapter, question.request());
   });
 }
@@ -349,8 +373,8 @@ DDS_Security_boolean get_datareader_sec_attributes(
     const Partition* partition, const Tags* tags,
     DDS_Security_EndpointSecurityAttributes* attributes, Exception* ex) {
   const auto tell = [&](Adapter& adapter, const spi::EndpointRequest& request) -> Status {
-    const auto participant =
-        DDSSEC_TRY(adapter.engine().participant_sec_attributes(permissions(handle)));
+    DDSSEC_ASSIGN_OR_RETURN(const auto participant,
+                            adapter.engine().participant_sec_attributes(permissions(handle)));
     if (is_closed(request, participant, adapter.type_lookup())) {
       *attributes = closed_reader_attributes();
       return {};

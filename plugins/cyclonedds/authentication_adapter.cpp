@@ -46,7 +46,7 @@ template <class F>
 CResult validate(Instance* instance, Exception* ex, F&& f) noexcept {
   CResult result = DDS_SECURITY_VALIDATION_FAILED;
   const bool done = ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    result = DDSSEC_TRY(f(adapter));
+    DDSSEC_ASSIGN_OR_RETURN(result, f(adapter));
     return {};
   });
   return done ? result : DDS_SECURITY_VALIDATION_FAILED;
@@ -70,14 +70,18 @@ CResult validate_local_identity(Instance* instance, CIdentity* handle,
                                 const DDS_Security_DomainId domain_id, const DDS_Security_Qos* qos,
                                 const DDS_Security_GUID_t* candidate_guid, Exception* ex) {
   return validate(instance, ex, [&](Adapter& adapter) -> Result<CResult> {
-    DDSSEC_TRY(require(handle, adjusted_guid, qos, candidate_guid));
+    DDSSEC_RETURN_IF_ERROR(require(handle, adjusted_guid, qos, candidate_guid));
     *handle = DDS_SECURITY_HANDLE_NIL;
     say_plugins_in_use(adapter.host(), PluginKind::authentication);
     say_transport(adapter.host());
-    const auto properties = DDSSEC_TRY(with_process_properties(DDSSEC_TRY(properties_from(qos))));
-    adapter.host().calendar().set_grace(DDSSEC_TRY(spi::clock_step_grace(properties)));
-    const auto local = DDSSEC_TRY(adapter.engine().validate_local_identity(
-        domain_id, properties, guid_from(*candidate_guid)));
+    DDSSEC_ASSIGN_OR_RETURN(auto property_list, properties_from(qos));
+    DDSSEC_ASSIGN_OR_RETURN(const auto properties,
+                            with_process_properties(std::move(property_list)));
+    DDSSEC_ASSIGN_OR_RETURN(const auto clock_step_grace, spi::clock_step_grace(properties));
+    adapter.host().calendar().set_grace(clock_step_grace);
+    DDSSEC_ASSIGN_OR_RETURN(const auto local,
+                            adapter.engine().validate_local_identity(domain_id, properties,
+                                                                     guid_from(*candidate_guid)));
     adapter.lost_sessions().add_local(local.handle, local.adjusted_guid.prefix);
     adapter.farewells().add_local(local.handle, local.adjusted_guid.prefix);
     *handle = local.handle.value;
@@ -89,20 +93,22 @@ CResult validate_local_identity(Instance* instance, CIdentity* handle,
 DDS_Security_boolean get_identity_token(Instance* instance, CToken* token, const CIdentity handle,
                                         Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    DDSSEC_TRY(require(token));
+    DDSSEC_RETURN_IF_ERROR(require(token));
     *token = {};
-    return copy_token(
-        DDSSEC_TRY(adapter.engine().identity_token(identity(handle), ciphers_of_process())),
-        *token);
+    DDSSEC_ASSIGN_OR_RETURN(const auto identity_token, adapter.engine().identity_token(
+                                                           identity(handle), ciphers_of_process()));
+    return copy_token(identity_token, *token);
   });
 }
 
 DDS_Security_boolean get_identity_status_token(Instance* instance, CToken* token,
                                                const CIdentity handle, Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    DDSSEC_TRY(require(token));
+    DDSSEC_RETURN_IF_ERROR(require(token));
     *token = {};
-    return copy_token(DDSSEC_TRY(adapter.engine().identity_status_token(identity(handle))), *token);
+    DDSSEC_ASSIGN_OR_RETURN(const auto identity_status_token,
+                            adapter.engine().identity_status_token(identity(handle)));
+    return copy_token(identity_status_token, *token);
   });
 }
 
@@ -112,8 +118,8 @@ DDS_Security_boolean set_permissions_credential_and_token(Instance* instance,
                                                           const CToken* permissions_token,
                                                           Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    const auto credential_copy = DDSSEC_TRY(token_from(credential));
-    const auto token_copy = DDSSEC_TRY(token_from(permissions_token));
+    DDSSEC_ASSIGN_OR_RETURN(const auto credential_copy, token_from(credential));
+    DDSSEC_ASSIGN_OR_RETURN(const auto token_copy, token_from(permissions_token));
     return adapter.engine().set_permissions_credential_and_token(identity(handle), credential_copy,
                                                                  token_copy);
   });
@@ -151,10 +157,10 @@ CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
   return validate(instance, ex, [&](Adapter& adapter) -> Result<CResult> {
     // The core calls strlen on this class id later, even after a refusal or without a token to
     // send. When it asks again, it passes the string from the former call.
-    DDSSEC_TRY(require(local_auth_request));
+    DDSSEC_RETURN_IF_ERROR(require(local_auth_request));
     if (local_auth_request->class_id == nullptr)
-      DDSSEC_TRY(copy_token(spi::Token{}, *local_auth_request));
-    DDSSEC_TRY(require(remote_handle, remote_token, remote_guid));
+      DDSSEC_RETURN_IF_ERROR(copy_token(spi::Token{}, *local_auth_request));
+    DDSSEC_RETURN_IF_ERROR(require(remote_handle, remote_token, remote_guid));
     *remote_handle = DDS_SECURITY_HANDLE_NIL;
     const auto guid = guid_from(*remote_guid);
     // The peer's own auth_request is not used, because it can be forged. The engine would compare a
@@ -174,7 +180,7 @@ CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
     const auto of_host = adapter.remotes().note(identity(local_handle), guid, remote.handle);
     if (remote.local_auth_request) {
       CToken sent{};
-      DDSSEC_TRY(copy_token(*remote.local_auth_request, sent));
+      DDSSEC_RETURN_IF_ERROR(copy_token(*remote.local_auth_request, sent));
       std::swap(*local_auth_request, sent);
       free_token(sent);
     }
@@ -203,18 +209,18 @@ CResult begin_handshake_request(Instance* instance, CHandshake* handle, CToken* 
                                 const CIdentity initiator, const CIdentity replier,
                                 const DDS_Security_OctetSeq* participant_data, Exception* ex) {
   return validate(instance, ex, [&](Adapter& adapter) -> Result<CResult> {
-    DDSSEC_TRY(require(handle, message));
+    DDSSEC_RETURN_IF_ERROR(require(handle, message));
     *handle = DDS_SECURITY_HANDLE_NIL;
     *message = {};
-    const auto data = DDSSEC_TRY(octets_from(participant_data));
+    DDSSEC_ASSIGN_OR_RETURN(const auto data, octets_from(participant_data));
     const auto remote = adapter.remotes().pair(identity(initiator), identity(replier));
     auto begun = adapter.engine().begin_handshake_request(identity(initiator), remote, data);
     // The core gives up this peer. No attacker can cause that, so there is nothing to begin again.
     if (!begun) adapter.watch().forget(identity(replier));
-    const auto step = DDSSEC_TRY(std::move(begun));
+    DDSSEC_ASSIGN_OR_RETURN(const auto step, std::move(begun));
     adapter.secrets().note(step.handle, identity(initiator), identity(replier));
     adapter.watch().progressed(identity(replier), step.handle);
-    DDSSEC_TRY(hand_out(step.message, *message));
+    DDSSEC_RETURN_IF_ERROR(hand_out(step.message, *message));
     *handle = step.handle.value;
     return to_c(step.result);
   });
@@ -225,18 +231,18 @@ CResult begin_handshake_reply(Instance* instance, CHandshake* handle, CToken* me
                               const CIdentity replier,
                               const DDS_Security_OctetSeq* participant_data, Exception* ex) {
   return validate(instance, ex, [&](Adapter& adapter) -> Result<CResult> {
-    DDSSEC_TRY(require(handle, message_out, message_in));
+    DDSSEC_RETURN_IF_ERROR(require(handle, message_out, message_in));
     *handle = DDS_SECURITY_HANDLE_NIL;
     *message_out = {};
-    const auto request = DDSSEC_TRY(token_from(message_in));
-    const auto data = DDSSEC_TRY(octets_from(participant_data));
+    DDSSEC_ASSIGN_OR_RETURN(const auto request, token_from(message_in));
+    DDSSEC_ASSIGN_OR_RETURN(const auto data, octets_from(participant_data));
     const auto remote = adapter.remotes().pair(identity(replier), identity(initiator));
     auto begun = adapter.engine().begin_handshake_reply(request, remote, identity(replier), data);
     if (!begun) note_refused(adapter, identity(replier), identity(initiator));
-    const auto step = DDSSEC_TRY(std::move(begun));
+    DDSSEC_ASSIGN_OR_RETURN(const auto step, std::move(begun));
     adapter.secrets().note(step.handle, identity(initiator), identity(replier));
     adapter.watch().progressed(identity(initiator), step.handle);
-    DDSSEC_TRY(hand_out(step.message, *message_out));
+    DDSSEC_RETURN_IF_ERROR(hand_out(step.message, *message_out));
     *handle = step.handle.value;
     return to_c(step.result);
   });
@@ -245,13 +251,13 @@ CResult begin_handshake_reply(Instance* instance, CHandshake* handle, CToken* me
 CResult process_handshake(Instance* instance, CToken* message_out, const CToken* message_in,
                           const CHandshake handle, Exception* ex) {
   return validate(instance, ex, [&](Adapter& adapter) -> Result<CResult> {
-    DDSSEC_TRY(require(message_out, message_in));
+    DDSSEC_RETURN_IF_ERROR(require(message_out, message_in));
     *message_out = {};
-    const auto message = DDSSEC_TRY(token_from(message_in));
+    DDSSEC_ASSIGN_OR_RETURN(const auto message, token_from(message_in));
     auto processed = adapter.engine().process_handshake(handshake(handle), message);
     if (!processed) note_refused(adapter, handshake(handle));
-    const auto step = DDSSEC_TRY(std::move(processed));
-    DDSSEC_TRY(hand_out(step.message, *message_out));
+    DDSSEC_ASSIGN_OR_RETURN(const auto step, std::move(processed));
+    DDSSEC_RETURN_IF_ERROR(hand_out(step.message, *message_out));
     if (step.result == spi::ValidationResult::ok ||
         step.result == spi::ValidationResult::ok_final_message)
       adapter.watch().finished(handshake(handle));
@@ -283,8 +289,8 @@ DDS_Security_SharedSecretHandle get_shared_secret(Instance* instance, const CHan
                                                   Exception* ex) {
   DDS_Security_SharedSecretHandle secret_handle = DDS_SECURITY_HANDLE_NIL;
   const bool done = ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    const auto secret = DDSSEC_TRY(adapter.engine().shared_secret(handshake(handle)));
-    secret_handle = DDSSEC_TRY(adapter.secrets().hand_out(handshake(handle), *secret));
+    DDSSEC_ASSIGN_OR_RETURN(const auto secret, adapter.engine().shared_secret(handshake(handle)));
+    DDSSEC_ASSIGN_OR_RETURN(secret_handle, adapter.secrets().hand_out(handshake(handle), *secret));
     note_session(adapter, handshake(handle), *secret);
     return {};
   });
@@ -295,11 +301,13 @@ DDS_Security_boolean get_authenticated_peer_credential_token(Instance* instance,
                                                              const CHandshake handle,
                                                              Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    DDSSEC_TRY(require(token));
+    DDSSEC_RETURN_IF_ERROR(require(token));
     *token = {};
-    auto credential =
-        DDSSEC_TRY(adapter.engine().authenticated_peer_credential_token(handshake(handle)));
-    return copy_token(DDSSEC_TRY(with_text_properties(std::move(credential))), *token);
+    DDSSEC_ASSIGN_OR_RETURN(
+        auto credential, adapter.engine().authenticated_peer_credential_token(handshake(handle)));
+    DDSSEC_ASSIGN_OR_RETURN(const auto text_properties,
+                            with_text_properties(std::move(credential)));
+    return copy_token(text_properties, *token);
   });
 }
 

@@ -29,7 +29,7 @@ Status write_block(DDS_Security_OctetSeq& out, std::size_t bound, Write&& write)
   std::unique_ptr<std::uint8_t, Free> block(
       static_cast<std::uint8_t*>(std::malloc(bound != 0 ? bound : 1)));
   if (!block) return fail(Code::out_of_memory);
-  const auto written = DDSSEC_TRY(write(MutableBytes(block.get(), bound)));
+  DDSSEC_ASSIGN_OR_RETURN(const auto written, write(MutableBytes(block.get(), bound)));
   if (written > bound) return fail(Code::internal);
   const auto length = static_cast<DDS_Security_unsigned_long>(written);
   out = {length, length, block.release()};
@@ -43,7 +43,7 @@ template <class Handle>
 Result<std::span<const Handle>> receivers_from(const DDS_Security_LongLongSeq* list,
                                                std::vector<Handle>& kept) {
   if (list == nullptr) return {};
-  const auto values = DDSSEC_TRY(elements_of(*list));
+  DDSSEC_ASSIGN_OR_RETURN(const auto values, elements_of(*list));
   // A Handle is one such integer and nothing else: the list needs no copy.
   static_assert(std::is_standard_layout_v<Handle> && sizeof(Handle) == sizeof(values[0]));
   const std::span all(reinterpret_cast<const Handle*>(values.data()), values.size());

@@ -46,7 +46,8 @@ void free_scope(DDS_Security_PropertySeq& properties) noexcept {
 Result<EndpointScope> EndpointScope::from(const DDS_Security_PropertySeq& properties) {
   EndpointScope scope;
   bool has_number = false, has_topic = false;
-  for (const auto& property : DDSSEC_TRY(elements_of(properties))) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto elements, elements_of(properties));
+  for (const auto& property : elements) {
     if (property.name == nullptr || property.value == nullptr) return fail(Code::malformed);
     const std::string_view name = property.name, value = property.value;
     if (name == kAccessControl) {

@@ -1,6 +1,7 @@
 // CryptoKeyExchange: creates and accepts crypto tokens.
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "plugins/cyclonedds/cryptography_adapter.hpp"
 #include "plugins/cyclonedds/peers_with_keys.hpp"
@@ -18,9 +19,10 @@ using CTokens = DDS_Security_CryptoTokenSeq;
 template <class F>
 DDS_Security_boolean create(Instance* instance, CTokens* out, Exception* ex, F&& create) noexcept {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    DDSSEC_TRY(require(out));
+    DDSSEC_RETURN_IF_ERROR(require(out));
     *out = {};
-    const CryptoTokens tokens(DDSSEC_TRY(create(adapter.key_exchange())));
+    DDSSEC_ASSIGN_OR_RETURN(auto created, create(adapter.key_exchange()));
+    const CryptoTokens tokens(std::move(created));
     return copy_tokens(tokens.view(), *out);
   });
 }
@@ -29,14 +31,14 @@ DDS_Security_boolean create(Instance* instance, CTokens* out, Exception* ex, F&&
 template <class F>
 DDS_Security_boolean set(Instance* instance, const CTokens* in, Exception* ex, F&& set) noexcept {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    const auto tokens = DDSSEC_TRY(CryptoTokens::from(in));
+    DDSSEC_ASSIGN_OR_RETURN(const auto tokens, CryptoTokens::from(in));
     return set(adapter.key_exchange(), tokens.view());
   });
 }
 
 Status set_participant_tokens(spi::CryptoKeyExchange& exchange, spi::ParticipantCryptoHandle local,
                               spi::ParticipantCryptoHandle remote, const CTokens& in) {
-  const auto tokens = DDSSEC_TRY(CryptoTokens::from(&in));
+  DDSSEC_ASSIGN_OR_RETURN(const auto tokens, CryptoTokens::from(&in));
   return exchange.set_remote_participant_crypto_tokens(local, remote, tokens.view());
 }
 
@@ -59,7 +61,7 @@ DDS_Security_boolean set_remote_participant_crypto_tokens(Instance* instance, co
                                                           const CHandle remote, const CTokens* in,
                                                           Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    DDSSEC_TRY(require(in));
+    DDSSEC_RETURN_IF_ERROR(require(in));
     const auto events = Host::raised_by_this_thread();
     const auto status = set_participant_tokens(adapter.key_exchange(), {local}, {remote}, *in);
     if (status) PeersWithKeys::of_process().sent_keys({remote});

@@ -1,6 +1,7 @@
 // CryptoKeyFactory: registration of participants and endpoints.
 #include <algorithm>
 #include <iterator>
+#include <utility>
 
 #include "plugins/cyclonedds/cryptography_adapter.hpp"
 #include "plugins/cyclonedds/match_gate.hpp"
@@ -26,7 +27,7 @@ Result<spi::PropertyList> optional_properties(const DDS_Security_PropertySeq* pr
 Result<spi::EndpointSecurityAttributes> gated_attributes_from(
     const DDS_Security_EndpointSecurityAttributes& attributes) {
   auto out = attributes_from(attributes);
-  out.gate = DDSSEC_TRY(MatchGate::of(attributes.ac_endpoint_properties));
+  DDSSEC_ASSIGN_OR_RETURN(out.gate, MatchGate::of(attributes.ac_endpoint_properties));
   return out;
 }
 
@@ -37,12 +38,13 @@ CHandle register_local_participant(Instance* instance, const DDS_Security_Identi
                                    Exception* ex) {
   return ask_handle<Adapter>(
       instance, ex, [&](Adapter& adapter) -> Result<spi::ParticipantCryptoHandle> {
-        DDSSEC_TRY(require(attributes));
+        DDSSEC_RETURN_IF_ERROR(require(attributes));
         say_plugins_in_use(adapter.host(), PluginKind::cryptography);
-        const auto list =
-            DDSSEC_TRY(with_process_properties(DDSSEC_TRY(optional_properties(properties))));
-        const auto local = DDSSEC_TRY(adapter.key_factory().register_local_participant(
-            {identity}, {permissions}, list, attributes_from(*attributes)));
+        DDSSEC_ASSIGN_OR_RETURN(auto property_list, optional_properties(properties));
+        DDSSEC_ASSIGN_OR_RETURN(const auto list, with_process_properties(std::move(property_list)));
+        DDSSEC_ASSIGN_OR_RETURN(const auto local,
+                                adapter.key_factory().register_local_participant(
+                                    {identity}, {permissions}, list, attributes_from(*attributes)));
         adapter.note_local(local, {identity});
         return local;
       });
@@ -55,9 +57,10 @@ CHandle register_matched_remote_participant(Instance* instance, const CHandle lo
                                             Exception* ex) {
   return ask_handle<Adapter>(
       instance, ex, [&](Adapter& adapter) -> Result<spi::ParticipantCryptoHandle> {
-        const auto secret = DDSSEC_TRY(shared_secret_from(secret_handle));
-        const auto peer = DDSSEC_TRY(adapter.key_factory().register_matched_remote_participant(
-            {local}, {remote_identity}, {permissions}, secret));
+        DDSSEC_ASSIGN_OR_RETURN(const auto secret, shared_secret_from(secret_handle));
+        DDSSEC_ASSIGN_OR_RETURN(const auto peer,
+                                adapter.key_factory().register_matched_remote_participant(
+                                    {local}, {remote_identity}, {permissions}, secret));
         // Another product may match fewer endpoints, and would not notice that the session is
         // started anew.
         const bool is_ours = (secret.peer_ciphers & spi::kChaCha20Poly1305Bit) != 0;
@@ -76,11 +79,11 @@ CHandle register_local_datawriter(Instance* instance, const CHandle participant,
                                   Exception* ex) {
   return ask_handle<Adapter>(
       instance, ex, [&](Adapter& adapter) -> Result<spi::DatawriterCryptoHandle> {
-        DDSSEC_TRY(require(attributes));
-        const auto list = DDSSEC_TRY(optional_properties(properties));
-        const auto gated = DDSSEC_TRY(gated_attributes_from(*attributes));
-        const auto writer =
-            DDSSEC_TRY(adapter.key_factory().register_local_datawriter({participant}, list, gated));
+        DDSSEC_RETURN_IF_ERROR(require(attributes));
+        DDSSEC_ASSIGN_OR_RETURN(const auto list, optional_properties(properties));
+        DDSSEC_ASSIGN_OR_RETURN(const auto gated, gated_attributes_from(*attributes));
+        DDSSEC_ASSIGN_OR_RETURN(const auto writer, adapter.key_factory().register_local_datawriter(
+                                                       {participant}, list, gated));
         if (gated.is_builtin) PeersWithKeys::of_process().add_builtin(writer.value, {participant});
         return writer;
       });
@@ -92,9 +95,11 @@ CHandle register_matched_remote_datareader(Instance* instance, const CHandle loc
                                            const DDS_Security_boolean relay_only, Exception* ex) {
   return ask_handle<Adapter>(
       instance, ex, [&](Adapter& adapter) -> Result<spi::DatareaderCryptoHandle> {
-        const auto secret = DDSSEC_TRY(shared_secret_from(secret_handle));
-        const auto reader = DDSSEC_TRY(adapter.key_factory().register_matched_remote_datareader(
-            {local_datawriter}, {remote_participant}, secret, relay_only != 0));
+        DDSSEC_ASSIGN_OR_RETURN(const auto secret, shared_secret_from(secret_handle));
+        DDSSEC_ASSIGN_OR_RETURN(
+            const auto reader,
+            adapter.key_factory().register_matched_remote_datareader(
+                {local_datawriter}, {remote_participant}, secret, relay_only != 0));
         PeersWithKeys::of_process().matched(reader.value, {remote_participant}, local_datawriter);
         return reader;
       });
@@ -106,11 +111,11 @@ CHandle register_local_datareader(Instance* instance, const CHandle participant,
                                   Exception* ex) {
   return ask_handle<Adapter>(
       instance, ex, [&](Adapter& adapter) -> Result<spi::DatareaderCryptoHandle> {
-        DDSSEC_TRY(require(attributes));
-        const auto list = DDSSEC_TRY(optional_properties(properties));
-        const auto gated = DDSSEC_TRY(gated_attributes_from(*attributes));
-        const auto reader =
-            DDSSEC_TRY(adapter.key_factory().register_local_datareader({participant}, list, gated));
+        DDSSEC_RETURN_IF_ERROR(require(attributes));
+        DDSSEC_ASSIGN_OR_RETURN(const auto list, optional_properties(properties));
+        DDSSEC_ASSIGN_OR_RETURN(const auto gated, gated_attributes_from(*attributes));
+        DDSSEC_ASSIGN_OR_RETURN(const auto reader, adapter.key_factory().register_local_datareader(
+                                                       {participant}, list, gated));
         if (gated.is_builtin) PeersWithKeys::of_process().add_builtin(reader.value, {participant});
         return reader;
       });
@@ -122,9 +127,10 @@ CHandle register_matched_remote_datawriter(Instance* instance, const CHandle loc
                                            Exception* ex) {
   return ask_handle<Adapter>(
       instance, ex, [&](Adapter& adapter) -> Result<spi::DatawriterCryptoHandle> {
-        const auto secret = DDSSEC_TRY(shared_secret_from(secret_handle));
-        const auto writer = DDSSEC_TRY(adapter.key_factory().register_matched_remote_datawriter(
-            {local_datareader}, {remote_participant}, secret));
+        DDSSEC_ASSIGN_OR_RETURN(const auto secret, shared_secret_from(secret_handle));
+        DDSSEC_ASSIGN_OR_RETURN(const auto writer,
+                                adapter.key_factory().register_matched_remote_datawriter(
+                                    {local_datareader}, {remote_participant}, secret));
         PeersWithKeys::of_process().matched(writer.value, {remote_participant}, local_datareader);
         return writer;
       });

@@ -9,7 +9,8 @@ namespace ddssec::cyclonedds {
 
 Result<std::shared_ptr<const MatchGate>> MatchGate::of(const DDS_Security_PropertySeq& properties) {
   if (!is_scope(properties)) return nullptr;
-  return std::make_shared<const MatchGate>(DDSSEC_TRY(properties_from(properties)));
+  DDSSEC_ASSIGN_OR_RETURN(auto property_list, properties_from(properties));
+  return std::make_shared<const MatchGate>(std::move(property_list));
 }
 
 MatchGate::MatchGate(spi::PropertyList scope, JudgeMatch* judge)

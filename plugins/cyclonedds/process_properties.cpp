@@ -22,8 +22,9 @@ std::string_view variable(const char* name) {
 
 Result<spi::PropertyList> process_properties() {
   spi::PropertyList out;
-  if (const auto file = variable(kPropertiesVariable); !file.empty())
-    out = DDSSEC_TRY(spi::read_property_file(file));
+  if (const auto file = variable(kPropertiesVariable); !file.empty()) {
+    DDSSEC_ASSIGN_OR_RETURN(out, spi::read_property_file(file));
+  }
   const auto cipher = variable(kCipherVariable);
   if (cipher.empty()) return out;
   std::erase_if(out, [](const auto& one) { return one.name == spi::property::kSymmetricCipher; });
@@ -34,7 +35,8 @@ Result<spi::PropertyList> process_properties() {
 }  // namespace
 
 Result<spi::PropertyList> with_process_properties(spi::PropertyList of_host) {
-  for (auto& one : DDSSEC_TRY(process_properties())) {
+  DDSSEC_ASSIGN_OR_RETURN(auto property_list, process_properties());
+  for (auto& one : property_list) {
     if (!spi::property_value(of_host, one.name).empty()) continue;
     // Cyclone DDS passes an empty value for an element that its configuration leaves out.
     std::erase_if(of_host, [&](const auto& named) { return named.name == one.name; });

@@ -108,12 +108,14 @@ void SharedMemoryGuard::forget(spi::PermissionsHandle participant) {
 
 Result<std::optional<Bypass>> SharedMemoryGuard::bypass() {
   const std::scoped_lock lock(mutex_);
-  if (!known_) known_ = DDSSEC_TRY(probe_());
+  if (!known_) {
+    DDSSEC_ASSIGN_OR_RETURN(known_, probe_());
+  }
   return *known_;
 }
 
 Status SharedMemoryGuard::check(std::string_view topic, std::string_view promise) {
-  const auto found = DDSSEC_TRY(bypass());
+  DDSSEC_ASSIGN_OR_RETURN(const auto found, bypass());
   if (!found) return {};
   return fail(Code::shared_memory_bypasses_protection,
               {.document = "Cyclone DDS's configuration",

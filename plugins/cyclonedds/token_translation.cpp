@@ -2,6 +2,7 @@
 
 #include <cstdlib>
 #include <cstring>
+#include <utility>
 
 #include "base/hash.hpp"
 #include "plugins/cyclonedds/value_translation.hpp"
@@ -31,28 +32,29 @@ Status malloc_elements(Sequence& sequence, std::size_t count) {
 }
 
 Status copy_octets(BytesView octets, DDS_Security_OctetSeq& out) {
-  DDSSEC_TRY(malloc_elements(out, octets.size()));
+  DDSSEC_RETURN_IF_ERROR(malloc_elements(out, octets.size()));
   if (!octets.empty()) std::memcpy(out._buffer, octets.data(), octets.size());
   return {};
 }
 
 Status copy_property(const spi::Property& property, DDS_Security_Property_t& out) {
   out.propagate = property.propagate;
-  out.name = DDSSEC_TRY(malloc_string(property.name));
-  out.value = DDSSEC_TRY(malloc_string(property.value));
+  DDSSEC_ASSIGN_OR_RETURN(out.name, malloc_string(property.name));
+  DDSSEC_ASSIGN_OR_RETURN(out.value, malloc_string(property.value));
   return {};
 }
 
 Status copy_property(const spi::BinaryProperty& property, DDS_Security_BinaryProperty_t& out) {
   out.propagate = property.propagate;
-  out.name = DDSSEC_TRY(malloc_string(property.name));
+  DDSSEC_ASSIGN_OR_RETURN(out.name, malloc_string(property.name));
   return copy_octets(property.value, out.value);
 }
 
 template <class List, class Sequence>
 Status copy_all(const List& list, Sequence& out) {
-  DDSSEC_TRY(malloc_elements(out, list.size()));
-  for (std::size_t i = 0; i < list.size(); ++i) DDSSEC_TRY(copy_property(list[i], out._buffer[i]));
+  DDSSEC_RETURN_IF_ERROR(malloc_elements(out, list.size()));
+  for (std::size_t i = 0; i < list.size(); ++i)
+    DDSSEC_RETURN_IF_ERROR(copy_property(list[i], out._buffer[i]));
   return {};
 }
 
@@ -73,14 +75,15 @@ void free_all(Sequence& properties) {
 }
 
 Status fill_token(const spi::Token& token, DDS_Security_DataHolder& out) {
-  out.class_id = DDSSEC_TRY(malloc_string(token.class_id));
-  DDSSEC_TRY(copy_all(token.properties, out.properties));
+  DDSSEC_ASSIGN_OR_RETURN(out.class_id, malloc_string(token.class_id));
+  DDSSEC_RETURN_IF_ERROR(copy_all(token.properties, out.properties));
   return copy_all(token.binary_properties, out.binary_properties);
 }
 
 Status fill_tokens(std::span<const spi::Token> tokens, DDS_Security_DataHolderSeq& out) {
-  DDSSEC_TRY(malloc_elements(out, tokens.size()));
-  for (std::size_t i = 0; i < tokens.size(); ++i) DDSSEC_TRY(fill_token(tokens[i], out._buffer[i]));
+  DDSSEC_RETURN_IF_ERROR(malloc_elements(out, tokens.size()));
+  for (std::size_t i = 0; i < tokens.size(); ++i)
+    DDSSEC_RETURN_IF_ERROR(fill_token(tokens[i], out._buffer[i]));
   return {};
 }
 
@@ -91,14 +94,17 @@ Result<spi::Property> property_from(const DDS_Security_Property_t& property) {
 
 Result<spi::BinaryProperty> property_from(const DDS_Security_BinaryProperty_t& property) {
   if (property.name == nullptr) return fail(Code::null_argument);
-  const auto value = DDSSEC_TRY(octets_from(&property.value));
+  DDSSEC_ASSIGN_OR_RETURN(const auto value, octets_from(&property.value));
   return spi::BinaryProperty{property.name, to_bytes(value), property.propagate != 0};
 }
 
 template <class List, class Sequence>
 Status append_properties(const Sequence& sequence, List& list) {
-  for (const auto& element : DDSSEC_TRY(elements_of(sequence)))
-    list.push_back(DDSSEC_TRY(property_from(element)));
+  DDSSEC_ASSIGN_OR_RETURN(const auto elements, elements_of(sequence));
+  for (const auto& element : elements) {
+    DDSSEC_ASSIGN_OR_RETURN(auto property, property_from(element));
+    list.push_back(std::move(property));
+  }
   return {};
 }
 
@@ -124,8 +130,8 @@ Result<spi::Token> token_from(const DDS_Security_DataHolder* token) {
       token->binary_properties._length > spi::kMostPropertiesPerToken)
     return fail(Code::length_out_of_range);
   spi::Token copy{.class_id = token->class_id};
-  DDSSEC_TRY(append_properties(token->properties, copy.properties));
-  DDSSEC_TRY(append_properties(token->binary_properties, copy.binary_properties));
+  DDSSEC_RETURN_IF_ERROR(append_properties(token->properties, copy.properties));
+  DDSSEC_RETURN_IF_ERROR(append_properties(token->binary_properties, copy.binary_properties));
   return copy;
 }
 
@@ -160,8 +166,11 @@ Result<CryptoTokens> CryptoTokens::from(const DDS_Security_DataHolderSeq* tokens
   if (tokens->_length > spi::kMostTokensPerMessage) return fail(Code::length_out_of_range);
   CryptoTokens copy({});
   copy.tokens_.reserve(tokens->_length);
-  for (const auto& token : DDSSEC_TRY(elements_of(*tokens)))
-    copy.tokens_.push_back(DDSSEC_TRY(token_from(&token)));
+  DDSSEC_ASSIGN_OR_RETURN(const auto elements, elements_of(*tokens));
+  for (const auto& token : elements) {
+    DDSSEC_ASSIGN_OR_RETURN(auto token_value, token_from(&token));
+    copy.tokens_.push_back(std::move(token_value));
+  }
   return copy;
 }
 
@@ -185,7 +194,7 @@ Result<spi::Token> with_text_properties(spi::Token token) {
 
 Result<spi::PropertyList> properties_from(const DDS_Security_PropertySeq& properties) {
   spi::PropertyList list;
-  DDSSEC_TRY(append_properties(properties, list));
+  DDSSEC_RETURN_IF_ERROR(append_properties(properties, list));
   return list;
 }
 

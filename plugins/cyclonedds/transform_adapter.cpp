@@ -21,7 +21,7 @@ constexpr std::size_t kSecurePrefixSize = 24;
 
 Status encode_serialized_payload(Adapter& adapter, Octets& out, const Octets* plain,
                                  CHandle sender) {
-  const auto octets = DDSSEC_TRY(octets_from(plain));
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, octets_from(plain));
   return write_block(out, octets.size() + spi::protection_overhead(0), [&](MutableBytes room) {
     return adapter.transform().encode_serialized_payload({sender}, octets, room);
   });
@@ -31,10 +31,10 @@ Status encode_serialized_payload(Adapter& adapter, Octets& out, const Octets* pl
 template <class Handle, class Encode>
 Status encode_for(Octets& out, const Octets* plain, const DDS_Security_LongLongSeq* list,
                   Encode&& encode) {
-  const auto octets = DDSSEC_TRY(octets_from(plain));
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, octets_from(plain));
   if (octets.empty()) return fail(Code::null_argument);
   std::vector<Handle> kept;
-  const auto receivers = DDSSEC_TRY(receivers_from(list, kept));
+  DDSSEC_ASSIGN_OR_RETURN(const auto receivers, receivers_from(list, kept));
   const auto bound = octets.size() + spi::protection_overhead(receivers.size());
   return write_block(out, bound,
                      [&](MutableBytes room) { return encode(octets, receivers, room); });
@@ -49,7 +49,7 @@ DDS_Security_boolean encode_serialized_payload(Instance* instance, Octets* encod
                                                const Octets* plain, const CHandle sender,
                                                Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    DDSSEC_TRY(require(encoded));
+    DDSSEC_RETURN_IF_ERROR(require(encoded));
     return encode_serialized_payload(adapter, *encoded, plain, sender);
   });
 }
@@ -58,9 +58,9 @@ DDS_Security_boolean encode_datawriter_submessage(
     Instance* instance, Octets* encoded, const Octets* plain, const CHandle sender,
     const DDS_Security_DatareaderCryptoHandleSeq* list, DDS_Security_long* index, Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    DDSSEC_TRY(require(encoded));
+    DDSSEC_RETURN_IF_ERROR(require(encoded));
     OwnReaders::Room end;
-    DDSSEC_TRY(encode_for<spi::DatareaderCryptoHandle>(
+    DDSSEC_RETURN_IF_ERROR(encode_for<spi::DatareaderCryptoHandle>(
         *encoded, plain, list, [&](BytesView octets, auto receivers, MutableBytes room) {
           return adapter.transform().encode_datawriter_submessage(
               {sender}, receivers, adapter.own_readers().said(octets, end), room);
@@ -74,7 +74,7 @@ DDS_Security_boolean encode_datareader_submessage(
     Instance* instance, Octets* encoded, const Octets* plain, const CHandle sender,
     const DDS_Security_DatawriterCryptoHandleSeq* list, Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    DDSSEC_TRY(require(encoded));
+    DDSSEC_RETURN_IF_ERROR(require(encoded));
     return encode_for<spi::DatawriterCryptoHandle>(
         *encoded, plain, list, [&](BytesView octets, auto receivers, MutableBytes room) {
           return adapter.transform().encode_datareader_submessage({sender}, receivers, octets,
@@ -88,8 +88,8 @@ DDS_Security_boolean encode_rtps_message(Instance* instance, Octets* encoded, co
                                          const DDS_Security_ParticipantCryptoHandleSeq* list,
                                          DDS_Security_long* index, Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    DDSSEC_TRY(require(encoded));
-    DDSSEC_TRY(encode_for<spi::ParticipantCryptoHandle>(
+    DDSSEC_RETURN_IF_ERROR(require(encoded));
+    DDSSEC_RETURN_IF_ERROR(encode_for<spi::ParticipantCryptoHandle>(
         *encoded, plain, list, [&](BytesView octets, auto receivers, MutableBytes room) {
           return adapter.transform().encode_rtps_message({sender}, receivers, octets, room);
         }));
@@ -120,12 +120,12 @@ void write_where_received(const Octets& plain, const Octets& encoded) {
 /// Calls `decode(octets, room)`.
 template <class Decode>
 Status decode_submessage(Octets* plain, const Octets* encoded, Decode&& decode) {
-  DDSSEC_TRY(require(plain));
-  const auto octets = DDSSEC_TRY(octets_from(encoded));
+  DDSSEC_RETURN_IF_ERROR(require(plain));
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, octets_from(encoded));
   if (octets.size() <= kSecurePrefixSize) return fail(Code::truncated);
-  DDSSEC_TRY(
+  DDSSEC_RETURN_IF_ERROR(
       write_block(*plain, octets.size(), [&](MutableBytes room) { return decode(octets, room); }));
-  DDSSEC_TRY(check_decoded(*plain, octets.size() - kSecurePrefixSize, 4));
+  DDSSEC_RETURN_IF_ERROR(check_decoded(*plain, octets.size() - kSecurePrefixSize, 4));
   write_where_received(*plain, *encoded);
   return {};
 }
@@ -157,9 +157,9 @@ Telling as_one_of_several_receivers(const Error& error) {
 
 Status decode_rtps_message(Adapter& adapter, Octets* plain, const Octets* encoded, CHandle receiver,
                            CHandle sender) {
-  DDSSEC_TRY(require(plain));
-  const auto octets = DDSSEC_TRY(octets_from(encoded));
-  DDSSEC_TRY(write_block(*plain, octets.size(), [&](MutableBytes room) {
+  DDSSEC_RETURN_IF_ERROR(require(plain));
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, octets_from(encoded));
+  DDSSEC_RETURN_IF_ERROR(write_block(*plain, octets.size(), [&](MutableBytes room) {
     const WireOrderPrefix as_on_the_wire(octets);
     return adapter.transform().decode_rtps_message({receiver}, {sender}, octets, room);
   }));
@@ -200,13 +200,13 @@ DDS_Security_boolean preprocess_secure_submsg(Instance* instance, CHandle* dataw
                                               const Octets* encoded, const CHandle receiver,
                                               const CHandle sender, Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    DDSSEC_TRY(require(datawriter, datareader, category));
+    DDSSEC_RETURN_IF_ERROR(require(datawriter, datareader, category));
     *datawriter = DDS_SECURITY_HANDLE_NIL;
     *datareader = DDS_SECURITY_HANDLE_NIL;
     *category = DDS_SECURITY_INFO_SUBMESSAGE;
-    const auto octets = DDSSEC_TRY(octets_from(encoded));
-    const auto found =
-        DDSSEC_TRY(adapter.transform().preprocess_secure_submessage({receiver}, {sender}, octets));
+    DDSSEC_ASSIGN_OR_RETURN(const auto octets, octets_from(encoded));
+    DDSSEC_ASSIGN_OR_RETURN(const auto found, adapter.transform().preprocess_secure_submessage(
+                                                  {receiver}, {sender}, octets));
     // Success without an endpoint would leave an empty buffer to the host.
     if (found.category == spi::SecureSubmessageCategory::info) return fail(Code::nothing_to_route);
     *datawriter = found.datawriter.value;
@@ -247,8 +247,8 @@ DDS_Security_boolean decode_serialized_payload(Instance* instance, Octets* plain
                                                const CHandle receiver, const CHandle sender,
                                                Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    DDSSEC_TRY(require(plain));
-    const auto octets = DDSSEC_TRY(octets_from(encoded));
+    DDSSEC_RETURN_IF_ERROR(require(plain));
+    DDSSEC_ASSIGN_OR_RETURN(const auto octets, octets_from(encoded));
     return write_block(*plain, octets.size(), [&](MutableBytes room) {
       return adapter.transform().decode_serialized_payload({receiver}, {sender}, octets, room);
     });

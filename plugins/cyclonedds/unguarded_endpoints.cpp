@@ -10,7 +10,8 @@ Status refuse_what_nothing_guards(AccessControlAdapter& adapter, spi::Permission
   const bool is_controlled =
       is_writer ? endpoint.topic.is_read_protected : endpoint.topic.is_write_protected;
   if (endpoint.is_submessage_protected() || endpoint.is_payload_protected()) return {};
-  const auto participant = DDSSEC_TRY(adapter.engine().participant_sec_attributes(handle));
+  DDSSEC_ASSIGN_OR_RETURN(const auto participant,
+                          adapter.engine().participant_sec_attributes(handle));
   const bool relies_on_messages = participant.is_rtps_protected() && !is_writer;
   if (participant.allow_unauthenticated_participants && (is_controlled || relies_on_messages))
     return fail(Code::unauthenticated_peers_unstoppable,
@@ -34,12 +35,14 @@ Status refuse_what_shared_memory_exposes(AccessControlAdapter& adapter,
                                          Direction direction) {
   auto& guard = adapter.shared_memory();
   if (guard.is_allowed(handle)) return {};
-  const auto participant = DDSSEC_TRY(adapter.engine().participant_sec_attributes(handle));
+  DDSSEC_ASSIGN_OR_RETURN(const auto participant,
+                          adapter.engine().participant_sec_attributes(handle));
   const auto promise = promise_for_samples(participant, endpoint, direction);
   if (promise.empty()) return {};
   if (qos != nullptr) {
-    const auto properties = DDSSEC_TRY(properties_from(qos));
-    if (DDSSEC_TRY(SharedMemoryGuard::is_allowed_by(properties))) return {};
+    DDSSEC_ASSIGN_OR_RETURN(const auto properties, properties_from(qos));
+    DDSSEC_ASSIGN_OR_RETURN(const auto allowed, SharedMemoryGuard::is_allowed_by(properties));
+    if (allowed) return {};
   }
   return guard.check(topic, promise);
 }

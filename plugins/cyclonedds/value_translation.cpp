@@ -146,13 +146,15 @@ Result<EndpointQuestion> EndpointQuestion::from(const char* topic_name,
   EndpointQuestion question;
   question.topic_name_ = topic_name;
   if (partition != nullptr) {
-    for (const char* name : DDSSEC_TRY(elements_of(partition->name))) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto elements, elements_of(partition->name));
+    for (const char* name : elements) {
       if (name == nullptr) return fail(Code::null_argument, {.field = "partition"});
       question.partitions_.emplace_back(name);
     }
   }
   if (data_tags != nullptr) {
-    for (const auto& tag : DDSSEC_TRY(elements_of(data_tags->tags))) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto elements, elements_of(data_tags->tags));
+    for (const auto& tag : elements) {
       if (tag.name == nullptr || tag.value == nullptr)
         return fail(Code::null_argument, {.field = "data tag"});
       question.data_tags_.push_back({tag.name, tag.value});
@@ -168,7 +170,8 @@ Result<spi::SharedSecret> shared_secret_from(DDS_Security_SharedSecretHandle han
   const auto size = static_cast<std::size_t>(layout->shared_secret_size);
   if (size > spi::SharedSecretOctets::capacity) return fail(Code::foreign_shared_secret);
   spi::SharedSecret secret;
-  secret.secret = DDSSEC_TRY(spi::SharedSecretOctets::copy_of({layout->shared_secret, size}));
+  DDSSEC_ASSIGN_OR_RETURN(secret.secret,
+                          spi::SharedSecretOctets::copy_of({layout->shared_secret, size}));
   std::ranges::copy(layout->challenge1, secret.challenge1.begin());
   std::ranges::copy(layout->challenge2, secret.challenge2.begin());
   if (const auto* const ours = ExtendedSharedSecret::of(*layout)) {

@@ -7,10 +7,12 @@
 namespace ddssec::spi {
 
 Result<std::chrono::seconds> clock_step_grace(const PropertyList& properties) {
-  return std::chrono::seconds(
-      DDSSEC_TRY(number_property(properties, property::kClockStepGrace,
-                                 {.unit = "seconds", .most = SteadyCalendar::kLongestGrace.count()},
-                                 SteadyCalendar::kDefaultGrace.count())));
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto seconds,
+      number_property(properties, property::kClockStepGrace,
+                      {.unit = "seconds", .most = SteadyCalendar::kLongestGrace.count()},
+                      SteadyCalendar::kDefaultGrace.count()));
+  return std::chrono::seconds(seconds);
 }
 
 }  // namespace ddssec::spi

@@ -6,10 +6,12 @@
 namespace ddssec::spi {
 
 Result<std::chrono::seconds> files_poll_interval(const PropertyList& properties) {
-  return std::chrono::seconds(
-      DDSSEC_TRY(number_property(properties, property::kFilesPollInterval,
-                                 {.unit = "seconds", .most = kLongestFilesPollInterval.count()},
-                                 kDefaultFilesPollInterval.count())));
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto seconds,
+      number_property(properties, property::kFilesPollInterval,
+                      {.unit = "seconds", .most = kLongestFilesPollInterval.count()},
+                      kDefaultFilesPollInterval.count()));
+  return std::chrono::seconds(seconds);
 }
 
 }  // namespace ddssec::spi

@@ -12,10 +12,10 @@ Result<KeyLimits> key_limits(const PropertyList& properties) {
                                   kLongestKeyLifetime.count()};
   constexpr NumberRange kBlocks{"blocks of 16 octets", 1,
                                 std::numeric_limits<std::uint64_t>::max()};
-  const auto lifetime =
-      DDSSEC_TRY(number_property(properties, property::kKeyLifetime, kLifetime, 0));
-  const auto blocks =
-      DDSSEC_TRY(number_property(properties, property::kMostBlocksPerKey, kBlocks, 0));
+  DDSSEC_ASSIGN_OR_RETURN(const auto lifetime,
+                          number_property(properties, property::kKeyLifetime, kLifetime, 0));
+  DDSSEC_ASSIGN_OR_RETURN(const auto blocks,
+                          number_property(properties, property::kMostBlocksPerKey, kBlocks, 0));
   return KeyLimits{std::chrono::seconds(lifetime), blocks};
 }
 

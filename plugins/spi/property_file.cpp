@@ -74,7 +74,7 @@ Status add_line(std::string_view text, int line, PropertyList& out) {
   const auto value = trimmed(content.substr(equals + 1), kBlanks);
   if (has_control_character(name) || has_control_character(value))
     return bad("no control characters", "one");
-  DDSSEC_TRY(check_known(name, line));
+  DDSSEC_RETURN_IF_ERROR(check_known(name, line));
   if (find_property(out, name) != nullptr) return bad("each name once", std::string(name));
   out.push_back({std::string(name), std::string(value), false});
   return {};
@@ -87,7 +87,7 @@ Result<PropertyList> parse_properties(std::string_view text) {
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   for (int line = 1; !text.empty(); ++line) {
     const auto end = std::min(text.find('\n'), text.size());
-    DDSSEC_TRY(add_line(text.substr(0, end), line, out));
+    DDSSEC_RETURN_IF_ERROR(add_line(text.substr(0, end), line, out));
     text.remove_prefix(std::min(end + 1, text.size()));
   }
   return out;

@@ -22,7 +22,7 @@ void write_propagated(Writer& writer, const List& list, WriteValue&& write_value
 constexpr std::size_t kLeastPropertySize = 8;
 
 Result<std::uint32_t> read_property_count(Reader& reader) {
-  const auto count = DDSSEC_TRY(reader.read_count(kLeastPropertySize));
+  DDSSEC_ASSIGN_OR_RETURN(const auto count, reader.read_count(kLeastPropertySize));
   if (count > kMostPropertiesPerToken) return fail(Code::length_out_of_range);
   return count;
 }
@@ -61,17 +61,17 @@ void write_token(Writer& writer, const Token& token) {
 
 Result<Token> read_token(Reader& reader) {
   Token token;
-  token.class_id = DDSSEC_TRY(reader.read_string());
-  const auto properties = DDSSEC_TRY(read_property_count(reader));
+  DDSSEC_ASSIGN_OR_RETURN(token.class_id, reader.read_string());
+  DDSSEC_ASSIGN_OR_RETURN(const auto properties, read_property_count(reader));
   for (std::uint32_t i = 0; i < properties; ++i) {
-    const auto name = DDSSEC_TRY(reader.read_string());
-    const auto value = DDSSEC_TRY(reader.read_string());
+    DDSSEC_ASSIGN_OR_RETURN(const auto name, reader.read_string());
+    DDSSEC_ASSIGN_OR_RETURN(const auto value, reader.read_string());
     token.properties.push_back({std::string(name), std::string(value)});
   }
-  const auto binary_properties = DDSSEC_TRY(read_property_count(reader));
+  DDSSEC_ASSIGN_OR_RETURN(const auto binary_properties, read_property_count(reader));
   for (std::uint32_t i = 0; i < binary_properties; ++i) {
-    const auto name = DDSSEC_TRY(reader.read_string());
-    const auto value = DDSSEC_TRY(reader.read_octet_sequence());
+    DDSSEC_ASSIGN_OR_RETURN(const auto name, reader.read_string());
+    DDSSEC_ASSIGN_OR_RETURN(const auto value, reader.read_octet_sequence());
     token.binary_properties.push_back({std::string(name), to_bytes(value)});
   }
   return token;

@@ -45,8 +45,10 @@ Result<rtps::DomainParticipantOptions> participant_options(const Options& option
   rtps::DomainParticipantOptions out{.domain_id = options.domain,
                                      .entity_name = "ddssec-keeper",
                                      .interfaces = options.interfaces};
-  if (options.security != "off")
-    out.security.emplace(engines.view(), DDSSEC_TRY(secured::folder_properties(options.security)));
+  if (options.security != "off") {
+    DDSSEC_ASSIGN_OR_RETURN(auto properties, secured::folder_properties(options.security));
+    out.security.emplace(engines.view(), std::move(properties));
+  }
   return out;
 }
 

@@ -34,8 +34,8 @@ Status Session::open() {
                                         .announce_types = false};
   if (options_.security != "off") {
     engines_ = std::make_unique<secured::Engines>(environment);
-    wanted.security.emplace(engines_->view(),
-                            DDSSEC_TRY(secured::folder_properties(options_.security)));
+    DDSSEC_ASSIGN_OR_RETURN(auto properties, secured::folder_properties(options_.security));
+    wanted.security.emplace(engines_->view(), std::move(properties));
   }
   auto created = rtps::DomainParticipant::create(std::move(wanted), environment);
   if (!created) return std::unexpected(created.error());

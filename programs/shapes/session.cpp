@@ -108,15 +108,17 @@ Status Session::open() {
   rtps::DomainParticipantOptions wanted{.domain_id = options_.domain,
                                         .entity_name = "ddssec-shapes",
                                         .interfaces = options_.interfaces};
-  wanted.durability_store = DDSSEC_TRY(store());
-  if (options_.security != "off")
-    wanted.security.emplace(engines_.view(),
-                            DDSSEC_TRY(secured::folder_properties(options_.security)));
+  DDSSEC_ASSIGN_OR_RETURN(wanted.durability_store, store());
+  if (options_.security != "off") {
+    DDSSEC_ASSIGN_OR_RETURN(auto properties, secured::folder_properties(options_.security));
+    wanted.security.emplace(engines_.view(), std::move(properties));
+  }
   if (options_.announcement_period)
     wanted.announcement_period = std::chrono::milliseconds(*options_.announcement_period);
   if (options_.fragment_size) wanted.fragment_size = *options_.fragment_size;
   const Environment environment{clock_, random_, limited_};
-  participant_ = DDSSEC_TRY(rtps::DomainParticipant::create(std::move(wanted), environment));
+  DDSSEC_ASSIGN_OR_RETURN(participant_,
+                          rtps::DomainParticipant::create(std::move(wanted), environment));
   participant_->set_listener(&lines_);
   return {};
 }

@@ -66,7 +66,8 @@ class Session final : private EventSink {
     for (std::uint32_t i = 0; i < options_.topics; ++i) {
       const auto name = Options::numbered(options_.topic, i);
       say("Create topic: %s", name.c_str());
-      out.push_back(DDSSEC_TRY(participant_->create_topic<T>(name)));
+      DDSSEC_ASSIGN_OR_RETURN(const auto topic, participant_->create_topic<T>(name));
+      out.push_back(topic);
     }
     return out;
   }

@@ -34,7 +34,7 @@ CdrReader::Delimited::~Delimited() {
 namespace detail {
 
 Result<CdrReader> open_reader(BytesView payload, Extensibility extensibility) {
-  const auto opened = DDSSEC_TRY(open_payload(payload));
+  DDSSEC_ASSIGN_OR_RETURN(const auto opened, open_payload(payload));
   const auto kind = opened.encapsulation;
   const bool appendable = extensibility == Extensibility::appendable;
   const bool fits = kind == Encapsulation::cdr ||
@@ -44,7 +44,7 @@ Result<CdrReader> open_reader(BytesView payload, Extensibility extensibility) {
 }
 
 Result<CdrReader> open_key_reader(BytesView payload, Extensibility extensibility) {
-  const auto opened = DDSSEC_TRY(open_payload(payload));
+  DDSSEC_ASSIGN_OR_RETURN(const auto opened, open_payload(payload));
   const auto kind = opened.encapsulation;
   const bool appendable = extensibility == Extensibility::appendable;
   const bool fits = kind == Encapsulation::cdr || kind == Encapsulation::cdr2 ||

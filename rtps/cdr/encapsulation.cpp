@@ -19,8 +19,8 @@ bool is_known(std::uint16_t kind) {
 
 Result<SerializedPayload> open_payload(BytesView payload) {
   Reader reader(payload);
-  const auto id = DDSSEC_TRY(reader.read<std::uint16_t>());
-  const auto options = DDSSEC_TRY(reader.read<std::uint16_t>());
+  DDSSEC_ASSIGN_OR_RETURN(const auto id, reader.read<std::uint16_t>());
+  DDSSEC_ASSIGN_OR_RETURN(const auto options, reader.read<std::uint16_t>());
   const auto kind = static_cast<std::uint16_t>(id & ~1u);
   if (!is_known(kind)) return fail(Code::rtps_encapsulation_unsupported);
   // XTypes 7.6.3.1.2: the two lowest option bits count the octets of padding at the end.

@@ -37,7 +37,7 @@ Result<Guid> key_of(BytesView octets) {
 template <class T>
 Result<T> by_key(BytesView octets) {
   T out;
-  out.guid = DDSSEC_TRY(key_of(octets));
+  DDSSEC_ASSIGN_OR_RETURN(out.guid, key_of(octets));
   return out;
 }
 
@@ -54,11 +54,12 @@ Qos builtin_reader_qos() {
 Result<ParticipantBuiltinTopicData> BuiltinTopicOf<ParticipantBuiltinTopicData>::read(
     BytesView payload, bool key_only) {
   if (key_only) return by_key<ParticipantBuiltinTopicData>(payload);
-  return ParticipantBuiltinTopicData{DDSSEC_TRY(read_participant_data(payload))};
+  DDSSEC_ASSIGN_OR_RETURN(auto participant_data, read_participant_data(payload));
+  return ParticipantBuiltinTopicData{std::move(participant_data)};
 }
 
 Result<TopicBuiltinTopicData> BuiltinTopicOf<TopicBuiltinTopicData>::read(BytesView payload, bool) {
-  auto data = DDSSEC_TRY(read_endpoint(payload));
+  DDSSEC_ASSIGN_OR_RETURN(auto data, read_endpoint(payload));
   return TopicBuiltinTopicData{std::move(data.topic_name), std::move(data.type_name),
                                std::move(data.qos), has_key(data.guid.entity)};
 }
@@ -66,13 +67,15 @@ Result<TopicBuiltinTopicData> BuiltinTopicOf<TopicBuiltinTopicData>::read(BytesV
 Result<PublicationBuiltinTopicData> BuiltinTopicOf<PublicationBuiltinTopicData>::read(
     BytesView payload, bool key_only) {
   if (key_only) return by_key<PublicationBuiltinTopicData>(payload);
-  return PublicationBuiltinTopicData{DDSSEC_TRY(read_publication_data(payload))};
+  DDSSEC_ASSIGN_OR_RETURN(auto publication_data, read_publication_data(payload));
+  return PublicationBuiltinTopicData{std::move(publication_data)};
 }
 
 Result<SubscriptionBuiltinTopicData> BuiltinTopicOf<SubscriptionBuiltinTopicData>::read(
     BytesView payload, bool key_only) {
   if (key_only) return by_key<SubscriptionBuiltinTopicData>(payload);
-  return SubscriptionBuiltinTopicData{DDSSEC_TRY(read_subscription_data(payload))};
+  DDSSEC_ASSIGN_OR_RETURN(auto subscription_data, read_subscription_data(payload));
+  return SubscriptionBuiltinTopicData{std::move(subscription_data)};
 }
 
 BuiltinTopics::BuiltinTopics(DomainParticipant& participant, ParticipantContext& context)

@@ -25,7 +25,7 @@ class ContainedEntities {
   /// Deletes the entity. Errors: rtps_precondition_not_met (called from within a callback, the
   /// entity is in another container, or `unused` is false).
   Status remove(const Child& child, bool unused) {
-    DDSSEC_TRY(check_not_in_callback(context_));
+    DDSSEC_RETURN_IF_ERROR(check_not_in_callback(context_));
     std::unique_ptr<Child> dying;
     const std::lock_guard held(context_.mutex());
     const auto at = std::ranges::find(children_, &child, &std::unique_ptr<Child>::get);

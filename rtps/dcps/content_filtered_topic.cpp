@@ -34,10 +34,10 @@ ContentFilterProperty ContentFilteredTopic::property() const {
 Status ContentFilteredTopic::set_expression_parameters(std::vector<std::string> parameters) {
   const auto held = lock();
   FilterText text{text_.expression, std::move(parameters)};
-  DDSSEC_TRY(compile(text));
+  DDSSEC_RETURN_IF_ERROR(compile(text));
   text_.parameters = std::move(text.parameters);
   for (auto* reader : readers_) {
-    DDSSEC_TRY(reader->update());
+    DDSSEC_RETURN_IF_ERROR(reader->update());
     if (reader->reader())
       context_.protocol().change_filter(*reader->reader(), property(), context_.now());
   }

@@ -74,8 +74,8 @@ Status AnyDataReader::check_unused() const {
 
 Result<std::size_t> AnyDataReader::access(const Query& query, std::vector<OctetSample>& out) {
   const auto held = lock();
-  DDSSEC_TRY(check_enabled(topic_.name()));
-  DDSSEC_TRY(subscriber().check_access());
+  DDSSEC_RETURN_IF_ERROR(check_enabled(topic_.name()));
+  DDSSEC_RETURN_IF_ERROR(subscriber().check_access());
   const bool of_instance = query.scope == Query::Scope::instance;
   if (of_instance && reception_.cache().key_value(query.instance) == nullptr)
     return no_such_instance();
@@ -109,7 +109,7 @@ ReadCondition& AnyDataReader::create_readcondition(const States& states) {
 Result<QueryCondition*> AnyDataReader::create_querycondition(const States& states,
                                                              FilterText query) {
   const auto held = lock();
-  auto* condition = DDSSEC_TRY(conditions_.create(states, std::move(query)));
+  DDSSEC_ASSIGN_OR_RETURN(auto* condition, conditions_.create(states, std::move(query)));
   reception_.update_conditions();
   return condition;
 }
@@ -122,7 +122,7 @@ std::vector<std::string> QueryCondition::query_parameters() const {
 Status QueryCondition::set_query_parameters(std::vector<std::string> parameters) {
   const auto held = reader_.lock();
   FilterText text{text_.expression, std::move(parameters)};
-  auto compiled = DDSSEC_TRY(reader_.conditions_.compile(text));
+  DDSSEC_ASSIGN_OR_RETURN(auto compiled, reader_.conditions_.compile(text));
   // In place, because concurrent readers hold its address.
   if (compiled) *query_ = std::move(*compiled);
   text_.parameters = std::move(text.parameters);
@@ -142,7 +142,7 @@ void AnyDataReader::delete_contained_entities() {
 
 Status AnyDataReader::wait_for_historical_data(std::chrono::nanoseconds most) {
   auto held = lock();
-  DDSSEC_TRY(check_enabled(topic_.name()));
+  DDSSEC_RETURN_IF_ERROR(check_enabled(topic_.name()));
   if (qos_.durability == DurabilityKind::volatile_) return {};
   // A HEARTBEAT alone can complete the history, and does not notify the context. So check in steps.
   constexpr std::chrono::nanoseconds kStep = std::chrono::milliseconds(10);

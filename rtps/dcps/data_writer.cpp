@@ -41,7 +41,7 @@ Publisher& AnyDataWriter::publisher() const { return static_cast<Publisher&>(gro
 
 Result<Guid> AnyDataWriter::create(EndpointRequest request) {
   const auto now = context_.now();
-  if (qos_.durability >= DurabilityKind::transient) DDSSEC_TRY(restore(request));
+  if (qos_.durability >= DurabilityKind::transient) DDSSEC_RETURN_IF_ERROR(restore(request));
   request.group = publisher().group_guid();
   request.bare_key = topic_.type().bare_key;
   const auto guid = context_.protocol().create_writer(std::move(request), *this, now);
@@ -52,13 +52,13 @@ Result<Guid> AnyDataWriter::create(EndpointRequest request) {
 
 Status AnyDataWriter::restore(EndpointRequest& request) {
   auto& participant = publisher().participant();
-  auto* store = DDSSEC_TRY(participant.stores_.of(qos_.durability));
+  DDSSEC_ASSIGN_OR_RETURN(auto* store, participant.stores_.of(qos_.durability));
   StreamKey key{.domain = static_cast<std::uint32_t>(participant.domain_id()),
                 .topic = request.topic_name,
                 .type = request.type_name,
                 .partition = request.qos.partition};
-  auto history =
-      DDSSEC_TRY(durability_.open(*store, std::move(key), request.qos.durability_service));
+  DDSSEC_ASSIGN_OR_RETURN(auto history,
+                          durability_.open(*store, std::move(key), request.qos.durability_service));
   const auto [now, wall] = context_.moment();
   for (auto& change : history) {
     const auto age = wall.to_nanoseconds() - change.source_time.value_or(wall).to_nanoseconds();
@@ -164,14 +164,16 @@ Status AnyDataWriter::submit(const OctetWrite& request, StatusInfo status) {
                  .expected = "at most " + std::to_string(StatefulReader::kLargestSample),
                  .found = std::to_string(request.payload.size())});
   auto held = lock();
-  DDSSEC_TRY(check_enabled(topic_.name()));
-  DDSSEC_TRY(durability_.wait_for_room(held, qos_.reliability.max_blocking_time.to_nanoseconds()));
-  DDSSEC_TRY(instance_of(request));
-  DDSSEC_TRY(wait_for_room(held, request));
+  DDSSEC_RETURN_IF_ERROR(check_enabled(topic_.name()));
+  DDSSEC_RETURN_IF_ERROR(
+      durability_.wait_for_room(held, qos_.reliability.max_blocking_time.to_nanoseconds()));
+  DDSSEC_RETURN_IF_ERROR(instance_of(request));
+  DDSSEC_RETURN_IF_ERROR(wait_for_room(held, request));
   Change change;
   const auto [now, wall] = context_.moment();
-  change.source_time =
-      DDSSEC_TRY(source_timestamps_.next(request.source_timestamp, wall, qos_.destination_order));
+  DDSSEC_ASSIGN_OR_RETURN(
+      change.source_time,
+      source_timestamps_.next(request.source_timestamp, wall, qos_.destination_order));
   change.status = status;
   change.key_hash = request.key;
   change.key_only = status != StatusInfo{};
@@ -218,7 +220,7 @@ Status AnyDataWriter::unregister_octets(const OctetWrite& change) {
   bool disposes = false;
   {
     const auto held = lock();
-    DDSSEC_TRY(check_enabled(topic_.name()));
+    DDSSEC_RETURN_IF_ERROR(check_enabled(topic_.name()));
     if (instances_->lookup(change.key.value_or(KeyHash{})).is_nil())
       return precondition_not_met("writer of " + topic_.name(), "a registered instance", "another");
     disposes = qos_.autodispose_unregistered_instances;
@@ -228,7 +230,7 @@ Status AnyDataWriter::unregister_octets(const OctetWrite& change) {
 
 Result<InstanceHandle> AnyDataWriter::register_octets(const OctetWrite& change) {
   const auto held = lock();
-  DDSSEC_TRY(check_enabled(topic_.name()));
+  DDSSEC_RETURN_IF_ERROR(check_enabled(topic_.name()));
   return instance_of(change);
 }
 
@@ -245,7 +247,7 @@ Result<Bytes> AnyDataWriter::octets_of_key(InstanceHandle instance) const {
 
 Status AnyDataWriter::wait_for_acknowledgments(std::chrono::nanoseconds most) {
   auto held = lock();
-  DDSSEC_TRY(check_enabled(topic_.name()));
+  DDSSEC_RETURN_IF_ERROR(check_enabled(topic_.name()));
   protocol().ask_for_acknowledgments();
   if (context_.wait(held, most, [&] { return protocol().all_acknowledged(); })) {
     held.unlock();
@@ -256,7 +258,7 @@ Status AnyDataWriter::wait_for_acknowledgments(std::chrono::nanoseconds most) {
 
 Status AnyDataWriter::assert_liveliness() {
   const auto held = lock();
-  DDSSEC_TRY(check_enabled(topic_.name()));
+  DDSSEC_RETURN_IF_ERROR(check_enabled(topic_.name()));
   liveliness_.assert_at(context_.now(), true);
   if (qos_.liveliness.kind == LivelinessKind::manual_by_topic) protocol().assert_liveliness();
   context_.reschedule();

@@ -33,7 +33,7 @@ std::vector<TopicBuiltinTopicData> DiscoveredEntities::topics() const {
 
 Status DiscoveredEntities::change(const std::function<void(Participant&)>& f) {
   const std::lock_guard held(context_.mutex());
-  DDSSEC_TRY(check_());
+  DDSSEC_RETURN_IF_ERROR(check_());
   f(context_.protocol());
   context_.reschedule();
   return {};

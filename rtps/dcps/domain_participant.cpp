@@ -16,7 +16,7 @@ std::unexpected<Error> bad_option(std::string field, std::string expected, std::
 
 Result<std::uint32_t> random_entity(Random& random) {
   std::array<std::uint8_t, 3> octets{};
-  DDSSEC_TRY(random.fill(octets));
+  DDSSEC_RETURN_IF_ERROR(random.fill(octets));
   const auto number = std::uint32_t{octets[0]} << 16 | std::uint32_t{octets[1]} << 8 | octets[2];
   return 1 + number % ParticipantConfig::kGreatestFirstEntity;
 }
@@ -63,8 +63,8 @@ Result<ParticipantConfig> config_of(const DomainParticipantOptions& options,
                            .interfaces = sockets.interfaces()};
   config.announcement_period = options.announcement_period;
   config.fragment_size = options.fragment_size;
-  config.first_entity = DDSSEC_TRY(random_entity(environment.random));
-  DDSSEC_TRY(environment.random.fill(config.address_secret.emplace()));
+  DDSSEC_ASSIGN_OR_RETURN(config.first_entity, random_entity(environment.random));
+  DDSSEC_RETURN_IF_ERROR(environment.random.fill(config.address_secret.emplace()));
   for (const auto& peer : options.peers) {
     const auto address = Locator::parse(peer, 0);
     if (!address) return bad_option("peers", "IPv4 or IPv6 addresses", peer);
@@ -73,7 +73,8 @@ Result<ParticipantConfig> config_of(const DomainParticipantOptions& options,
       config.announce_to.back().port = ports::metatraffic(options.domain_id, i);
     }
   }
-  if (options.multicast) DDSSEC_TRY(announce_by_multicast(sockets, config, environment.events));
+  if (options.multicast)
+    DDSSEC_RETURN_IF_ERROR(announce_by_multicast(sockets, config, environment.events));
   return config;
 }
 
@@ -97,35 +98,38 @@ Result<std::unique_ptr<DomainParticipant>> DomainParticipant::create(
     DomainParticipantOptions wanted, const Environment& environment) {
   if (wanted.domain_id < 0 || wanted.domain_id > kGreatestDomain)
     return bad_option("domain_id", "0 to 232", std::to_string(wanted.domain_id));
-  auto interfaces = DDSSEC_TRY(choose_interfaces(wanted.interfaces));
+  DDSSEC_ASSIGN_OR_RETURN(auto interfaces, choose_interfaces(wanted.interfaces));
   // RTPS 9.3.1.5: the first two octets name the vendor.
   GuidPrefix prefix;
-  DDSSEC_TRY(environment.random.fill(prefix.octets));
+  DDSSEC_RETURN_IF_ERROR(environment.random.fill(prefix.octets));
   std::ranges::copy(kVendorDdssec.octets, prefix.octets.begin());
   std::unique_ptr<DomainParticipant> out(new DomainParticipant(std::move(wanted), environment));
   const auto& options = out->options_;
   if (!options.durability_store.empty())
-    DDSSEC_TRY(out->stores_.open_file(options.durability_store, options.durability_store_octets));
+    DDSSEC_RETURN_IF_ERROR(
+        out->stores_.open_file(options.durability_store, options.durability_store_octets));
   auto& service = out->service_;
-  service.use(DDSSEC_TRY(
-      ParticipantSockets::open(options.domain_id, std::move(interfaces), options.receive_buffer)));
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto participant_sockets,
+      ParticipantSockets::open(options.domain_id, std::move(interfaces), options.receive_buffer));
+  service.use(std::move(participant_sockets));
   if (const auto enough = service.sockets().check_receive_buffer(); !enough)
     environment.events.raise(Event(enough.error()));
   std::unique_ptr<OwnSecurity> security;
   if (options.security) {
-    security = DDSSEC_TRY(
-        OwnSecurity::create(*options.security, options.domain_id, prefix, options.domain_tag));
+    DDSSEC_ASSIGN_OR_RETURN(security, OwnSecurity::create(*options.security, options.domain_id,
+                                                          prefix, options.domain_tag));
     prefix = security->guid().prefix;
   }
   out->guid_ = {prefix, kEntityIdParticipant};
-  auto config = DDSSEC_TRY(config_of(options, prefix, service.sockets(), environment));
+  DDSSEC_ASSIGN_OR_RETURN(auto config, config_of(options, prefix, service.sockets(), environment));
   config.neighbourhood = out->context_.neighbourhood();
   auto protocol =
       std::make_unique<Participant>(std::move(config), service.sockets(), environment.events);
-  if (security) DDSSEC_TRY(protocol->secure(std::move(security)));
-  DDSSEC_TRY(service.adopt(std::move(protocol)));
+  if (security) DDSSEC_RETURN_IF_ERROR(protocol->secure(std::move(security)));
+  DDSSEC_RETURN_IF_ERROR(service.adopt(std::move(protocol)));
   raise_joined(options, service.sockets(), environment.events);
-  if (options.enabled) DDSSEC_TRY(out->enable());
+  if (options.enabled) DDSSEC_RETURN_IF_ERROR(out->enable());
   return out;
 }
 
@@ -140,8 +144,8 @@ Status DomainParticipant::enable() {
   }
   service_.start();
   if (!all) return {};
-  if (builtin_topics_) DDSSEC_TRY(builtin_topics_->subscriber().enable());
-  DDSSEC_TRY(topics_.enable());
+  if (builtin_topics_) DDSSEC_RETURN_IF_ERROR(builtin_topics_->subscriber().enable());
+  DDSSEC_RETURN_IF_ERROR(topics_.enable());
   return groups_.enable();
 }
 
@@ -189,7 +193,7 @@ Qos DomainParticipant::default_topic_qos() const {
 }
 
 Status DomainParticipant::set_default_topic_qos(const Qos& qos) {
-  DDSSEC_TRY(check_consistency(qos));
+  DDSSEC_RETURN_IF_ERROR(check_consistency(qos));
   const auto held = lock();
   default_topic_qos_ = qos;
   return {};
@@ -203,7 +207,7 @@ Result<Topic*> DomainParticipant::create_topic(std::string name, TypeSupport typ
 }
 
 Status DomainParticipant::delete_contained_entities() {
-  DDSSEC_TRY(check_not_in_callback(context_));
+  DDSSEC_RETURN_IF_ERROR(check_not_in_callback(context_));
   groups_.conclude_writers();
   const std::lock_guard members(context_.callbacks());
   const auto topics = topics_.release();
@@ -228,7 +232,7 @@ Subscriber& DomainParticipant::builtin_subscriber() {
 
 Status DomainParticipant::revise_keys() {
   const auto held = lock();
-  DDSSEC_TRY(check_enabled("participant"));
+  DDSSEC_RETURN_IF_ERROR(check_enabled("participant"));
   const auto status = context_.protocol().revise_keys();
   context_.reschedule();
   return status;
@@ -236,7 +240,7 @@ Status DomainParticipant::revise_keys() {
 
 Status DomainParticipant::assert_liveliness() {
   const auto held = lock();
-  DDSSEC_TRY(check_enabled("participant"));
+  DDSSEC_RETURN_IF_ERROR(check_enabled("participant"));
   manual_liveliness_.assert_all(context_.now(), true);
   context_.reschedule();
   return {};

@@ -8,9 +8,10 @@ Result<DomainParticipant*> DomainParticipantFactory::create_participant(
     DomainParticipantOptions options, DomainParticipantListener* listener, StatusMask mask) {
   const bool enabled = options.enabled && autoenable_;
   options.enabled = false;  // so that the listener receives everything from the beginning
-  auto participant = DDSSEC_TRY(DomainParticipant::create(std::move(options), environment_));
+  DDSSEC_ASSIGN_OR_RETURN(auto participant,
+                          DomainParticipant::create(std::move(options), environment_));
   participant->set_listener(listener, mask);
-  if (enabled) DDSSEC_TRY(participant->enable());
+  if (enabled) DDSSEC_RETURN_IF_ERROR(participant->enable());
   const std::lock_guard lock(mutex_);
   participants_.push_back(std::move(participant));
   return participants_.back().get();

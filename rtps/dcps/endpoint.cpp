@@ -34,22 +34,23 @@ Status Endpoint::enable() {
   if (!group_.is_enabled())
     return precondition_not_met(std::string(side_.name), "an enabled " + std::string(side_.group),
                                 "a disabled one");
-  auto announced = DDSSEC_TRY(announced_qos(qos(), group_.qos(), topic_));
+  DDSSEC_ASSIGN_OR_RETURN(auto announced, announced_qos(qos(), group_.qos(), topic_));
   const auto held = lock();
   if (enabled()) return {};
-  guid_ = DDSSEC_TRY(create({topic_.name(), topic_.type_name(), std::move(announced),
-                             topic_.type().with_key, topic_.type().description}));
+  DDSSEC_ASSIGN_OR_RETURN(guid_, create({topic_.name(), topic_.type_name(), std::move(announced),
+                                         topic_.type().with_key, topic_.type().description}));
   mark_enabled();
   context_.reschedule();
   return {};
 }
 
 Status Endpoint::set_qos(const Qos& qos) {
-  auto announced = DDSSEC_TRY(announced_qos(qos, group_.qos(), topic_));
+  DDSSEC_ASSIGN_OR_RETURN(auto announced, announced_qos(qos, group_.qos(), topic_));
   const auto held = lock();
   if (enabled()) {
-    DDSSEC_TRY(check_mutable(qos_, qos));
-    DDSSEC_TRY(context_.protocol().change_qos(guid_, std::move(announced), context_.now()));
+    DDSSEC_RETURN_IF_ERROR(check_mutable(qos_, qos));
+    DDSSEC_RETURN_IF_ERROR(
+        context_.protocol().change_qos(guid_, std::move(announced), context_.now()));
   }
   const auto before = std::exchange(qos_, qos);
   on_own_qos(before);
@@ -58,10 +59,11 @@ Status Endpoint::set_qos(const Qos& qos) {
 }
 
 Status Endpoint::regroup(const GroupQos& group) {
-  auto announced = DDSSEC_TRY(announced_qos(qos(), group, topic_));
+  DDSSEC_ASSIGN_OR_RETURN(auto announced, announced_qos(qos(), group, topic_));
   const auto held = lock();
   if (!enabled()) return {};
-  DDSSEC_TRY(context_.protocol().change_qos(guid_, std::move(announced), context_.now()));
+  DDSSEC_RETURN_IF_ERROR(
+      context_.protocol().change_qos(guid_, std::move(announced), context_.now()));
   context_.reschedule();
   return {};
 }

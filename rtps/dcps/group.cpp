@@ -26,7 +26,7 @@ Result<Qos> announced_qos(Qos endpoint, const GroupQos& group, const Topic& topi
   endpoint.presentation = group.presentation;
   endpoint.group_data = group.group_data;
   endpoint.topic_data = topic.qos().topic_data;
-  DDSSEC_TRY(check_consistency(endpoint));
+  DDSSEC_RETURN_IF_ERROR(check_consistency(endpoint));
   return endpoint;
 }
 
@@ -68,9 +68,10 @@ GroupQos Group::qos() const {
 
 Status Group::set_qos(const GroupQos& qos) {
   const std::lock_guard members(context_.callbacks());  // no member is added or removed meanwhile
-  if (is_enabled()) DDSSEC_TRY(check_mutable(this->qos(), qos));
-  for (auto& member : members_) DDSSEC_TRY(announced_qos(member->qos(), qos, member->topic()));
-  for (auto& member : members_) DDSSEC_TRY(member->regroup(qos));
+  if (is_enabled()) DDSSEC_RETURN_IF_ERROR(check_mutable(this->qos(), qos));
+  for (auto& member : members_)
+    DDSSEC_RETURN_IF_ERROR(announced_qos(member->qos(), qos, member->topic()));
+  for (auto& member : members_) DDSSEC_RETURN_IF_ERROR(member->regroup(qos));
   const auto held = lock();
   qos_ = qos;
   return {};
@@ -87,7 +88,7 @@ Status Group::enable() {
     all = qos_.autoenable_created_entities;
   }
   if (all)
-    for (auto& member : members_) DDSSEC_TRY(member->enable());
+    for (auto& member : members_) DDSSEC_RETURN_IF_ERROR(member->enable());
   return {};
 }
 
@@ -97,7 +98,7 @@ Qos Group::default_endpoint_qos() const {
 }
 
 Status Group::set_default_endpoint_qos(const Qos& qos) {
-  DDSSEC_TRY(check_consistency(qos));
+  DDSSEC_RETURN_IF_ERROR(check_consistency(qos));
   const auto held = lock();
   default_qos_ = qos;
   return {};
@@ -115,18 +116,18 @@ Status Group::check_topic(const Topic& topic, std::string_view type) const {
 }
 
 Status Group::adopt(std::unique_ptr<Endpoint> member) {
-  DDSSEC_TRY(announced_qos(member->qos(), qos(), member->topic()));
+  DDSSEC_RETURN_IF_ERROR(announced_qos(member->qos(), qos(), member->topic()));
   const std::lock_guard members(context_.callbacks());
-  if (is_enabled() && qos().autoenable_created_entities) DDSSEC_TRY(member->enable());
+  if (is_enabled() && qos().autoenable_created_entities) DDSSEC_RETURN_IF_ERROR(member->enable());
   const auto held = lock();
   members_.push_back(std::move(member));
   return {};
 }
 
 Status Group::delete_member(Endpoint& member) {
-  DDSSEC_TRY(check_not_in_callback(context_));
+  DDSSEC_RETURN_IF_ERROR(check_not_in_callback(context_));
   std::unique_ptr<Endpoint> dying;
-  DDSSEC_TRY(take_out(member, dying));
+  DDSSEC_RETURN_IF_ERROR(take_out(member, dying));
   conclude({&dying, 1});
   const std::lock_guard members(context_.callbacks());
   dying.reset();
@@ -140,7 +141,7 @@ Status Group::take_out(Endpoint& member, std::unique_ptr<Endpoint>& dying) {
   if (at == members_.end())
     return precondition_not_met(std::string(member.side_.name), "one of this " + std::string(name_),
                                 "another's");
-  DDSSEC_TRY(member.check_unused());
+  DDSSEC_RETURN_IF_ERROR(member.check_unused());
   dying = std::move(*at);
   members_.erase(at);
   return {};
@@ -153,7 +154,7 @@ void Group::conclude(std::span<const std::unique_ptr<Endpoint>> members) {
 }
 
 Status Group::delete_contained_entities() {
-  DDSSEC_TRY(check_not_in_callback(context_));
+  DDSSEC_RETURN_IF_ERROR(check_not_in_callback(context_));
   std::vector<std::unique_ptr<Endpoint>> dying;
   {
     const auto held = lock();

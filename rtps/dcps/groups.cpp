@@ -13,7 +13,7 @@ Result<Publisher*> Groups::create_publisher(GroupQos qos, PublisherListener* lis
   std::unique_ptr<Publisher> publisher(new Publisher(participant_, context_, std::move(qos)));
   publisher->set_listener(listener, mask);
   const std::lock_guard members(context_.callbacks());
-  if (enables_new()) DDSSEC_TRY(publisher->enable());
+  if (enables_new()) DDSSEC_RETURN_IF_ERROR(publisher->enable());
   return publishers_.add(std::move(publisher));
 }
 
@@ -22,7 +22,7 @@ Result<Subscriber*> Groups::create_subscriber(GroupQos qos, SubscriberListener* 
   std::unique_ptr<Subscriber> subscriber(new Subscriber(participant_, context_, std::move(qos)));
   subscriber->set_listener(listener, mask);
   const std::lock_guard members(context_.callbacks());
-  if (enables_new()) DDSSEC_TRY(subscriber->enable());
+  if (enables_new()) DDSSEC_RETURN_IF_ERROR(subscriber->enable());
   return subscribers_.add(std::move(subscriber));
 }
 
@@ -37,8 +37,8 @@ Status Groups::remove(Subscriber& subscriber) {
 }
 
 Status Groups::enable() {
-  for (const auto& publisher : publishers_.all()) DDSSEC_TRY(publisher->enable());
-  for (const auto& subscriber : subscribers_.all()) DDSSEC_TRY(subscriber->enable());
+  for (const auto& publisher : publishers_.all()) DDSSEC_RETURN_IF_ERROR(publisher->enable());
+  for (const auto& subscriber : subscribers_.all()) DDSSEC_RETURN_IF_ERROR(subscriber->enable());
   return {};
 }
 
@@ -47,10 +47,10 @@ Status Groups::announce_again(const Topic& topic) {
   const auto each = [&](const auto& groups) -> Status {
     for (const auto& group : groups)
       for (auto& member : group->members_)
-        if (&member->topic() == &topic) DDSSEC_TRY(member->regroup(group->qos()));
+        if (&member->topic() == &topic) DDSSEC_RETURN_IF_ERROR(member->regroup(group->qos()));
     return {};
   };
-  DDSSEC_TRY(each(publishers_.all()));
+  DDSSEC_RETURN_IF_ERROR(each(publishers_.all()));
   return each(subscribers_.all());
 }
 

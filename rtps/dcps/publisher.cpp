@@ -30,7 +30,8 @@ Status Publisher::wait_for_acknowledgments(std::chrono::nanoseconds most) {
   }
   for (auto* writer : writers) {
     const std::chrono::nanoseconds left = end - std::chrono::steady_clock::now();
-    DDSSEC_TRY(writer->wait_for_acknowledgments(std::max(left, std::chrono::nanoseconds::zero())));
+    DDSSEC_RETURN_IF_ERROR(
+        writer->wait_for_acknowledgments(std::max(left, std::chrono::nanoseconds::zero())));
   }
   return {};
 }
@@ -86,7 +87,7 @@ Coherence Publisher::stamp(SequenceNumber& set_begin, SequenceNumber number) {
 
 Status Publisher::begin_coherent_changes() {
   const auto held = lock();
-  DDSSEC_TRY(check_enabled("publisher"));
+  DDSSEC_RETURN_IF_ERROR(check_enabled("publisher"));
   ++depth_;
   return {};
 }
@@ -94,7 +95,7 @@ Status Publisher::begin_coherent_changes() {
 Status Publisher::end_coherent_changes() {
   const std::lock_guard members(context_.callbacks());
   const auto held = lock();
-  DDSSEC_TRY(check_enabled("publisher"));
+  DDSSEC_RETURN_IF_ERROR(check_enabled("publisher"));
   if (depth_ == 0)
     return precondition_not_met("publisher", "begin_coherent_changes before", "none");
   if (--depth_ > 0) return {};
@@ -118,7 +119,7 @@ Status Publisher::end_coherent_changes() {
 Status Publisher::suspend_publications() {
   const std::lock_guard members(context_.callbacks());
   const auto held = lock();
-  DDSSEC_TRY(check_enabled("publisher"));
+  DDSSEC_RETURN_IF_ERROR(check_enabled("publisher"));
   suspended_ = true;
   for (const auto& member : members_)
     if (writer_of(member).enabled()) writer_of(member).protocol().hold_back(true, context_.now());
@@ -128,7 +129,7 @@ Status Publisher::suspend_publications() {
 Status Publisher::resume_publications() {
   const std::lock_guard members(context_.callbacks());
   const auto held = lock();
-  DDSSEC_TRY(check_enabled("publisher"));
+  DDSSEC_RETURN_IF_ERROR(check_enabled("publisher"));
   if (!std::exchange(suspended_, false))
     return precondition_not_met("publisher", "suspend_publications before", "none");
   for (const auto& member : members_)

@@ -10,7 +10,7 @@ ReadCondition& ReadConditions::create(const States& states) {
 }
 
 Result<QueryCondition*> ReadConditions::create(const States& states, FilterText query) {
-  auto compiled = DDSSEC_TRY(compile(query));
+  DDSSEC_ASSIGN_OR_RETURN(auto compiled, compile(query));
   std::unique_ptr<QueryCondition> condition(
       new QueryCondition(reader_, states, std::move(query), std::move(compiled)));
   auto* out = condition.get();
@@ -20,8 +20,9 @@ Result<QueryCondition*> ReadConditions::create(const States& states, FilterText 
 
 Result<std::unique_ptr<BoundFilter>> ReadConditions::compile(const FilterText& query) const {
   if (query.expression.find_first_not_of(" \t\r\n") == std::string::npos) return nullptr;
-  return std::make_unique<BoundFilter>(
-      DDSSEC_TRY(BoundFilter::compile(query, type_.view ? type_.view() : nullptr)));
+  DDSSEC_ASSIGN_OR_RETURN(auto bound_filter,
+                          BoundFilter::compile(query, type_.view ? type_.view() : nullptr));
+  return std::make_unique<BoundFilter>(std::move(bound_filter));
 }
 
 Status ReadConditions::erase(const ReadCondition& condition) {

@@ -1,11 +1,14 @@
 #include "rtps/dcps/reader_filter.hpp"
 
+#include <utility>
+
 #include "rtps/dcps/content_filtered_topic.hpp"
 
 namespace ddssec::rtps {
 
 Status ReaderFilter::attach(ContentFilteredTopic& topic) {
-  filter_.emplace(DDSSEC_TRY(topic.compile(topic.text_)));
+  DDSSEC_ASSIGN_OR_RETURN(auto compiled, topic.compile(topic.text_));
+  filter_.emplace(std::move(compiled));
   topic_ = &topic;
   topic.readers_.push_back(this);
   return {};
@@ -16,7 +19,8 @@ void ReaderFilter::detach() {
 }
 
 Status ReaderFilter::update() {
-  filter_.emplace(DDSSEC_TRY(topic_->compile(topic_->text_)));
+  DDSSEC_ASSIGN_OR_RETURN(auto compiled, topic_->compile(topic_->text_));
+  filter_.emplace(std::move(compiled));
   return {};
 }
 

@@ -55,14 +55,14 @@ Status Subscriber::check_access() const {
 
 Status Subscriber::begin_access() {
   const auto held = lock();
-  DDSSEC_TRY(check_enabled("subscriber"));
+  DDSSEC_RETURN_IF_ERROR(check_enabled("subscriber"));
   if (accesses_++ == 0) pause(true);
   return {};
 }
 
 Status Subscriber::end_access() {
   const auto held = lock();
-  DDSSEC_TRY(check_enabled("subscriber"));
+  DDSSEC_RETURN_IF_ERROR(check_enabled("subscriber"));
   if (accesses_ == 0) return precondition_not_met("subscriber", "begin_access before", "none");
   if (--accesses_ == 0) pause(false);
   context_.reschedule();

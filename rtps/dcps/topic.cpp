@@ -20,11 +20,11 @@ Qos Topic::qos() const {
 }
 
 Status Topic::set_qos(const Qos& qos) {
-  DDSSEC_TRY(check_consistency(qos));
+  DDSSEC_RETURN_IF_ERROR(check_consistency(qos));
   bool announced = false;
   {
     const auto held = lock();
-    if (enabled()) DDSSEC_TRY(check_mutable(qos_, qos));
+    if (enabled()) DDSSEC_RETURN_IF_ERROR(check_mutable(qos_, qos));
     announced = qos_.topic_data != qos.topic_data;
     qos_ = qos;
   }

@@ -28,17 +28,17 @@ Status TopicDescriptions::check_new_name(std::string_view name) const {
 
 Result<Topic*> TopicDescriptions::create(std::string name, TypeSupport type, const Qos& qos,
                                          TopicListener* listener, StatusMask mask) {
-  DDSSEC_TRY(check_name(name));
-  DDSSEC_TRY(check_name(type.name));
-  DDSSEC_TRY(check_consistency(qos));
+  DDSSEC_RETURN_IF_ERROR(check_name(name));
+  DDSSEC_RETURN_IF_ERROR(check_name(type.name));
+  DDSSEC_RETURN_IF_ERROR(check_consistency(qos));
   const std::lock_guard members(context_.callbacks());
-  DDSSEC_TRY(check_new_name(name));
+  DDSSEC_RETURN_IF_ERROR(check_new_name(name));
   if (!announce_types_) type.description = {};
   std::unique_ptr<Topic> topic(
       new Topic(participant_, context_, std::move(name), std::move(type), qos));
   topic->set_listener(listener, mask);
   if (participant_.is_enabled() && participant_.qos().autoenable_created_entities)
-    DDSSEC_TRY(topic->enable());
+    DDSSEC_RETURN_IF_ERROR(topic->enable());
   auto* out = topics_.add(std::move(topic));
   const std::lock_guard held(context_.mutex());
   context_.notify();  // another thread may be waiting for this topic
@@ -50,12 +50,12 @@ Result<ContentFilteredTopic*> TopicDescriptions::create_filtered(std::string nam
   if (&related.participant() != &participant_)
     return precondition_not_met("topic " + related.name(), "one of the same participant",
                                 "another's");
-  DDSSEC_TRY(check_name(name));
+  DDSSEC_RETURN_IF_ERROR(check_name(name));
   const std::lock_guard members(context_.callbacks());
-  DDSSEC_TRY(check_new_name(name));
+  DDSSEC_RETURN_IF_ERROR(check_new_name(name));
   std::unique_ptr<ContentFilteredTopic> topic(
       new ContentFilteredTopic(context_, std::move(name), related, std::move(filter)));
-  DDSSEC_TRY(topic->compile(topic->text_));
+  DDSSEC_RETURN_IF_ERROR(topic->compile(topic->text_));
   return filtered_.add(std::move(topic));
 }
 
@@ -116,7 +116,7 @@ Status TopicDescriptions::remove(ContentFilteredTopic& topic) {
 }
 
 Status TopicDescriptions::enable() {
-  for (const auto& topic : topics_.all()) DDSSEC_TRY(topic->enable());
+  for (const auto& topic : topics_.all()) DDSSEC_RETURN_IF_ERROR(topic->enable());
   return {};
 }
 

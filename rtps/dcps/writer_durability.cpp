@@ -8,7 +8,7 @@ WriterDurability::~WriterDurability() {
 
 Result<std::vector<Change>> WriterDurability::open(DurableStore& store, StreamKey key,
                                                    const DurabilityService& service) {
-  auto opened = DDSSEC_TRY(store.open_stream(std::move(key), service));
+  DDSSEC_ASSIGN_OR_RETURN(auto opened, store.open_stream(std::move(key), service));
   store_ = &store;
   stream_ = opened.id;
   return std::move(opened.history);
@@ -24,7 +24,7 @@ void WriterDurability::append(Change& change, const Guid& writer, SequenceNumber
 Status WriterDurability::wait_for_room(std::unique_lock<std::mutex>& lock,
                                        std::chrono::nanoseconds most) {
   if (!is_open()) return {};
-  DDSSEC_TRY(store_->status());
+  DDSSEC_RETURN_IF_ERROR(store_->status());
   if (!store_->is_behind()) return {};
   lock.unlock();
   auto room = store_->wait_for_room(most);

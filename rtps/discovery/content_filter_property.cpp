@@ -23,19 +23,20 @@ Result<std::optional<ContentFilterProperty>> read_content_filter_property(Reader
   ContentFilterProperty out;
   bool usable = true;
   const auto take = [&](std::string& text, std::size_t most, bool required) -> Status {
-    const auto read = DDSSEC_TRY(reader.read_string());
+    DDSSEC_ASSIGN_OR_RETURN(const auto read, reader.read_string());
     usable = usable && read.size() <= most && !(required && read.empty());
     if (usable) text = read;
     return {};
   };
-  DDSSEC_TRY(take(out.content_filtered_topic_name, kMostNameLength, true));
-  DDSSEC_TRY(take(out.related_topic_name, kMostNameLength, true));
-  DDSSEC_TRY(take(out.filter_class_name, kMostNameLength, true));
-  DDSSEC_TRY(take(out.filter.expression, Filter::kLongestExpression, true));
-  const auto count = DDSSEC_TRY(reader.read_count(4));
+  DDSSEC_RETURN_IF_ERROR(take(out.content_filtered_topic_name, kMostNameLength, true));
+  DDSSEC_RETURN_IF_ERROR(take(out.related_topic_name, kMostNameLength, true));
+  DDSSEC_RETURN_IF_ERROR(take(out.filter_class_name, kMostNameLength, true));
+  DDSSEC_RETURN_IF_ERROR(take(out.filter.expression, Filter::kLongestExpression, true));
+  DDSSEC_ASSIGN_OR_RETURN(const auto count, reader.read_count(4));
   usable = usable && count <= Filter::kMostParameters;
   for (std::uint32_t i = 0; i < count && usable; ++i)
-    DDSSEC_TRY(take(out.filter.parameters.emplace_back(), Filter::kLongestParameter, false));
+    DDSSEC_RETURN_IF_ERROR(
+        take(out.filter.parameters.emplace_back(), Filter::kLongestParameter, false));
   if (!usable) return std::nullopt;
   return out;
 }

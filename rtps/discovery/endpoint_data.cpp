@@ -19,7 +19,7 @@ constexpr ParameterId kPidEndpointGuid = 0x005a;
 
 template <class E>
 Status read_enum(Reader& reader, E& value, E greatest) {
-  const auto number = DDSSEC_TRY(reader.read<std::uint32_t>());
+  DDSSEC_ASSIGN_OR_RETURN(const auto number, reader.read<std::uint32_t>());
   if (number > static_cast<std::uint32_t>(greatest)) return fail(Code::rtps_parameter_invalid);
   value = static_cast<E>(number);
   return {};
@@ -32,14 +32,14 @@ void write_enum(SpanWriter& out, E value) {
 
 /// Durations in QoS policies must not be negative.
 Status read_duration_into(Reader& reader, Duration& value) {
-  value = DDSSEC_TRY(read_duration(reader));
+  DDSSEC_ASSIGN_OR_RETURN(value, read_duration(reader));
   if (value < kDurationZero) return fail(Code::rtps_parameter_invalid);
   return {};
 }
 
 Status read_history(Reader& reader, History& value) {
-  DDSSEC_TRY(read_enum(reader, value.kind, HistoryKind::keep_all));
-  value.depth = DDSSEC_TRY(reader.read<std::int32_t>());
+  DDSSEC_RETURN_IF_ERROR(read_enum(reader, value.kind, HistoryKind::keep_all));
+  DDSSEC_ASSIGN_OR_RETURN(value.depth, reader.read<std::int32_t>());
   return {};
 }
 void write_history(SpanWriter& out, const History& value) {
@@ -48,9 +48,9 @@ void write_history(SpanWriter& out, const History& value) {
 }
 
 Status read_limits(Reader& reader, ResourceLimits& value) {
-  value.max_samples = DDSSEC_TRY(reader.read<std::int32_t>());
-  value.max_instances = DDSSEC_TRY(reader.read<std::int32_t>());
-  value.max_samples_per_instance = DDSSEC_TRY(reader.read<std::int32_t>());
+  DDSSEC_ASSIGN_OR_RETURN(value.max_samples, reader.read<std::int32_t>());
+  DDSSEC_ASSIGN_OR_RETURN(value.max_instances, reader.read<std::int32_t>());
+  DDSSEC_ASSIGN_OR_RETURN(value.max_samples_per_instance, reader.read<std::int32_t>());
   return {};
 }
 void write_limits(SpanWriter& out, const ResourceLimits& value) {
@@ -63,7 +63,7 @@ template <ParameterId id, auto member>
 constexpr Row text_row(bool required) {
   return {id,
           [](Reader& r, Announced& a) -> Status {
-            a.data.*member = DDSSEC_TRY(read_bounded_string(r, kMostNameLength));
+            DDSSEC_ASSIGN_OR_RETURN(a.data.*member, read_bounded_string(r, kMostNameLength));
             return {};
           },
           [](SpanWriter& w, const Announced& a) {
@@ -77,7 +77,7 @@ template <ParameterId id, auto member>
 constexpr Row opaque_row() {
   return {id,
           [](Reader& r, Announced& a) -> Status {
-            a.data.qos.*member = DDSSEC_TRY(read_opaque(r));
+            DDSSEC_ASSIGN_OR_RETURN(a.data.qos.*member, read_opaque(r));
             return {};
           },
           [](SpanWriter& w, const Announced& a) {
@@ -110,7 +110,7 @@ template <ParameterId id, auto member>
 constexpr Row number_row() {
   return {id,
           [](Reader& r, Announced& a) -> Status {
-            a.data.qos.*member = DDSSEC_TRY(r.read<std::int32_t>());
+            DDSSEC_ASSIGN_OR_RETURN(a.data.qos.*member, r.read<std::int32_t>());
             return {};
           },
           [](SpanWriter& w, const Announced& a) {
@@ -128,17 +128,19 @@ constexpr Row locator_row() {
 
 Status read_reliability(Reader& r, Announced& a) {
   auto& value = a.data.qos.reliability;
-  DDSSEC_TRY(read_enum(r, value.kind, ReliabilityKind::reliable));
+  DDSSEC_RETURN_IF_ERROR(read_enum(r, value.kind, ReliabilityKind::reliable));
   if (value.kind < ReliabilityKind::best_effort) return fail(Code::rtps_parameter_invalid);
   a.has_reliability = true;
   return read_duration_into(r, value.max_blocking_time);
 }
 
 Status read_partition(Reader& r, Announced& a) {
-  const auto count = DDSSEC_TRY(r.read_count(4));
+  DDSSEC_ASSIGN_OR_RETURN(const auto count, r.read_count(4));
   if (count > kMostPartitions) return fail(Code::length_out_of_range);
-  for (std::uint32_t i = 0; i < count; ++i)
-    a.data.qos.partition.push_back(DDSSEC_TRY(read_bounded_string(r, kMostNameLength)));
+  for (std::uint32_t i = 0; i < count; ++i) {
+    DDSSEC_ASSIGN_OR_RETURN(auto bounded_string, read_bounded_string(r, kMostNameLength));
+    a.data.qos.partition.push_back(std::move(bounded_string));
+  }
   return {};
 }
 
@@ -150,11 +152,11 @@ void write_partition(SpanWriter& w, const Announced& a) {
 }
 
 Status read_data_tags(Reader& r, Announced& a) {
-  const auto count = DDSSEC_TRY(r.read_count(8));
+  DDSSEC_ASSIGN_OR_RETURN(const auto count, r.read_count(8));
   if (count > kMostDataTags) return fail(Code::length_out_of_range);
   for (std::uint32_t i = 0; i < count; ++i) {
-    auto name = DDSSEC_TRY(read_bounded_string(r, kMostNameLength));
-    auto value = DDSSEC_TRY(read_bounded_string(r, kMostNameLength));
+    DDSSEC_ASSIGN_OR_RETURN(auto name, read_bounded_string(r, kMostNameLength));
+    DDSSEC_ASSIGN_OR_RETURN(auto value, read_bounded_string(r, kMostNameLength));
     a.data.qos.data_tags.push_back({std::move(name), std::move(value)});
   }
   return {};
@@ -171,13 +173,14 @@ void write_data_tags(SpanWriter& w, const Announced& a) {
 }
 
 Status read_representation(Reader& r, Announced& a) {
-  const auto count = DDSSEC_TRY(r.read_count(2));
+  DDSSEC_ASSIGN_OR_RETURN(const auto count, r.read_count(2));
   if (count > 8) return fail(Code::length_out_of_range);
   if (count == 0) return {};  // the same as an absent parameter
   a.data.qos.data_representation.clear();
-  for (std::uint32_t i = 0; i < count; ++i)
-    a.data.qos.data_representation.push_back(
-        static_cast<DataRepresentation>(DDSSEC_TRY(r.read<std::int16_t>())));
+  for (std::uint32_t i = 0; i < count; ++i) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto representation, r.read<std::int16_t>());
+    a.data.qos.data_representation.push_back(static_cast<DataRepresentation>(representation));
+  }
   return {};
 }
 
@@ -190,14 +193,16 @@ void write_representation(SpanWriter& w, const Announced& a) {
 
 Status read_presentation(Reader& r, Announced& a) {
   auto& value = a.data.qos.presentation;
-  DDSSEC_TRY(read_enum(r, value.scope, PresentationScope::group));
-  value.coherent_access = DDSSEC_TRY(r.read<std::uint8_t>()) != 0;
-  value.ordered_access = DDSSEC_TRY(r.read<std::uint8_t>()) != 0;
+  DDSSEC_RETURN_IF_ERROR(read_enum(r, value.scope, PresentationScope::group));
+  DDSSEC_ASSIGN_OR_RETURN(const auto coherent_access, r.read<std::uint8_t>());
+  value.coherent_access = coherent_access != 0;
+  DDSSEC_ASSIGN_OR_RETURN(const auto ordered_access, r.read<std::uint8_t>());
+  value.ordered_access = ordered_access != 0;
   return {};
 }
 
 Status read_liveliness(Reader& r, Announced& a) {
-  DDSSEC_TRY(read_enum(r, a.data.qos.liveliness.kind, LivelinessKind::manual_by_topic));
+  DDSSEC_RETURN_IF_ERROR(read_enum(r, a.data.qos.liveliness.kind, LivelinessKind::manual_by_topic));
   return read_duration_into(r, a.data.qos.liveliness.lease_duration);
 }
 
@@ -227,14 +232,15 @@ Status read_type_objects(Reader& r, Announced& a) {
 // count the kinds from 1: their ALLOW_TYPE_COERCION is 2.
 Status read_type_consistency(Reader& r, Announced& a) {
   auto& value = a.data.qos.type_consistency;
-  const auto kind = DDSSEC_TRY(r.read<std::uint16_t>());
+  DDSSEC_ASSIGN_OR_RETURN(const auto kind, r.read<std::uint16_t>());
   if (kind > 2) return fail(Code::rtps_parameter_invalid);
   if (kind == 0) value.kind = TypeConsistencyKind::disallow_type_coercion;
   for (auto* flag :
        {&value.ignore_sequence_bounds, &value.ignore_string_bounds, &value.ignore_member_names,
         &value.prevent_type_widening, &value.force_type_validation}) {
     if (r.remaining() == 0) break;
-    *flag = DDSSEC_TRY(r.read<std::uint8_t>()) != 0;
+    DDSSEC_ASSIGN_OR_RETURN(const auto octet, r.read<std::uint8_t>());
+    *flag = octet != 0;
   }
   return {};
 }
@@ -252,15 +258,15 @@ void write_type_consistency(SpanWriter& w, const Announced& a) {
 
 Status read_durability_service(Reader& r, Announced& a) {
   auto& value = a.data.qos.durability_service;
-  DDSSEC_TRY(read_duration_into(r, value.cleanup_delay));
-  DDSSEC_TRY(read_history(r, value.history));
+  DDSSEC_RETURN_IF_ERROR(read_duration_into(r, value.cleanup_delay));
+  DDSSEC_RETURN_IF_ERROR(read_history(r, value.history));
   return read_limits(r, value.limits);
 }
 
 constexpr Row kTable[] = {
     {kPidEndpointGuid,
      [](Reader& r, Announced& a) -> Status {
-       a.data.guid = DDSSEC_TRY(read_guid(r));
+       DDSSEC_ASSIGN_OR_RETURN(a.data.guid, read_guid(r));
        return {};
      },
      [](SpanWriter& w, const Announced& a) {
@@ -270,7 +276,7 @@ constexpr Row kTable[] = {
      false, true},
     {0x0050,
      [](Reader& r, Announced& a) -> Status {
-       a.participant = DDSSEC_TRY(read_guid(r));
+       DDSSEC_ASSIGN_OR_RETURN(a.participant, read_guid(r));
        return {};
      },
      [](SpanWriter& w, const Announced& a) {
@@ -363,7 +369,7 @@ constexpr Row kTable[] = {
     locator_row<0x0030, &EndpointData::multicast>(),
     {0x0052,
      [](Reader& r, Announced& a) -> Status {
-       a.data.group_guid = DDSSEC_TRY(read_guid(r));
+       DDSSEC_ASSIGN_OR_RETURN(a.data.group_guid, read_guid(r));
        return {};
      },
      [](SpanWriter& w, const Announced& a) {
@@ -373,7 +379,8 @@ constexpr Row kTable[] = {
      }},
     {0x0043,
      [](Reader& r, Announced& a) -> Status {
-       a.data.expects_inline_qos = DDSSEC_TRY(r.read<std::uint8_t>()) != 0;
+       DDSSEC_ASSIGN_OR_RETURN(const auto expects_inline_qos, r.read<std::uint8_t>());
+       a.data.expects_inline_qos = expects_inline_qos != 0;
        return {};
      },
      [](SpanWriter& w, const Announced& a) {
@@ -383,7 +390,7 @@ constexpr Row kTable[] = {
      }},
     {pid::kContentFilterProperty,
      [](Reader& r, Announced& a) -> Status {
-       a.data.content_filter = DDSSEC_TRY(read_content_filter_property(r));
+       DDSSEC_ASSIGN_OR_RETURN(a.data.content_filter, read_content_filter_property(r));
        return {};
      },
      [](SpanWriter& w, const Announced& a) {
@@ -402,8 +409,9 @@ constexpr Row kTable[] = {
 
 Result<EndpointData> read_endpoint(BytesView payload, bool (*is_kind)(const EntityId&),
                                    ReliabilityKind default_reliability) {
-  const auto opened = DDSSEC_TRY(open_pl_cdr(payload));
-  auto announced = DDSSEC_TRY(read_parameters<Announced>(kTable, opened.body, opened.endian));
+  DDSSEC_ASSIGN_OR_RETURN(const auto opened, open_pl_cdr(payload));
+  DDSSEC_ASSIGN_OR_RETURN(auto announced,
+                          read_parameters<Announced>(kTable, opened.body, opened.endian));
   auto& data = announced.data;
   if (!is_kind(data.guid.entity)) return fail(Code::rtps_parameter_invalid);
   const Guid owner{data.guid.prefix, kEntityIdParticipant};

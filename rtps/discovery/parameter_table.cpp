@@ -9,26 +9,26 @@ void write_pl_cdr_encapsulation(SpanWriter& out) {
 }
 
 Result<SerializedPayload> open_pl_cdr(BytesView payload) {
-  auto opened = DDSSEC_TRY(open_payload(payload));
+  DDSSEC_ASSIGN_OR_RETURN(auto opened, open_payload(payload));
   if (opened.encapsulation != Encapsulation::pl_cdr)
     return fail(Code::rtps_encapsulation_unsupported);
   return opened;
 }
 
 Result<std::string> read_bounded_string(Reader& reader, std::size_t most) {
-  const auto text = DDSSEC_TRY(reader.read_string());
+  DDSSEC_ASSIGN_OR_RETURN(const auto text, reader.read_string());
   if (text.size() > most) return fail(Code::length_out_of_range);
   return std::string(text);
 }
 
 Result<Bytes> read_opaque(Reader& reader) {
-  const auto octets = DDSSEC_TRY(reader.read_octet_sequence());
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, reader.read_octet_sequence());
   if (octets.size() > kMostOpaqueOctets) return fail(Code::length_out_of_range);
   return to_bytes(octets);
 }
 
 Status read_locator_into(Reader& reader, LocatorList& list) {
-  const auto locator = DDSSEC_TRY(read_locator(reader));
+  DDSSEC_ASSIGN_OR_RETURN(const auto locator, read_locator(reader));
   if (list.size() >= kMostLocators) return fail(Code::length_out_of_range);
   list.push_back(locator);
   return {};

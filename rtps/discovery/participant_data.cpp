@@ -12,11 +12,11 @@ constexpr ParameterId kPidParticipantGuid = 0x0050;
 constexpr ParameterId kPidVendorVersion = 0x8007;  // PID_ADLINK_PARTICIPANT_VERSION_INFO
 
 Status read_property_list(Reader& reader, spi::PropertyList& out) {
-  const auto count = DDSSEC_TRY(reader.read_count(8));
+  DDSSEC_ASSIGN_OR_RETURN(const auto count, reader.read_count(8));
   if (count > kMostProperties) return fail(Code::length_out_of_range);
   for (std::uint32_t i = 0; i < count; ++i) {
-    auto name = DDSSEC_TRY(read_bounded_string(reader, kMostOpaqueOctets));
-    auto value = DDSSEC_TRY(read_bounded_string(reader, kMostOpaqueOctets));
+    DDSSEC_ASSIGN_OR_RETURN(auto name, read_bounded_string(reader, kMostOpaqueOctets));
+    DDSSEC_ASSIGN_OR_RETURN(auto value, read_bounded_string(reader, kMostOpaqueOctets));
     out.push_back({std::move(name), std::move(value)});
   }
   return {};  // binary properties may follow; they are not needed
@@ -58,7 +58,8 @@ constexpr ParticipantRow participant_locator_row() {
 constexpr ParticipantRow kParticipantTable[] = {
     {0x0015,
      [](Reader& r, ParticipantData& d) -> Status {
-       d.version = ProtocolVersion::from(DDSSEC_TRY(r.read_bytes(2)));
+       DDSSEC_ASSIGN_OR_RETURN(const auto octets, r.read_bytes(2));
+       d.version = ProtocolVersion::from(octets);
        return {};
      },
      [](SpanWriter& w, const ParticipantData& d) {
@@ -67,7 +68,8 @@ constexpr ParticipantRow kParticipantTable[] = {
      }},
     {0x0016,
      [](Reader& r, ParticipantData& d) -> Status {
-       d.vendor = VendorId::from(DDSSEC_TRY(r.read_bytes(2)));
+       DDSSEC_ASSIGN_OR_RETURN(const auto octets, r.read_bytes(2));
+       d.vendor = VendorId::from(octets);
        return {};
      },
      [](SpanWriter& w, const ParticipantData& d) {
@@ -77,7 +79,7 @@ constexpr ParticipantRow kParticipantTable[] = {
     {kPidVendorVersion, read_vendor_version, [](SpanWriter&, const ParticipantData&) {}, true},
     {kPidParticipantGuid,
      [](Reader& r, ParticipantData& d) -> Status {
-       d.guid = DDSSEC_TRY(read_guid(r));
+       DDSSEC_ASSIGN_OR_RETURN(d.guid, read_guid(r));
        if (d.guid.entity != kEntityIdParticipant) return fail(Code::rtps_parameter_invalid);
        return {};
      },
@@ -88,7 +90,7 @@ constexpr ParticipantRow kParticipantTable[] = {
      false, true},
     {0x000f,
      [](Reader& r, ParticipantData& d) -> Status {
-       d.domain_id = DDSSEC_TRY(r.read<std::uint32_t>());
+       DDSSEC_ASSIGN_OR_RETURN(d.domain_id, r.read<std::uint32_t>());
        return {};
      },
      [](SpanWriter& w, const ParticipantData& d) {
@@ -98,7 +100,7 @@ constexpr ParticipantRow kParticipantTable[] = {
      }},
     {0x4014,
      [](Reader& r, ParticipantData& d) -> Status {
-       d.domain_tag = DDSSEC_TRY(read_bounded_string(r, kMostNameLength));
+       DDSSEC_ASSIGN_OR_RETURN(d.domain_tag, read_bounded_string(r, kMostNameLength));
        return {};
      },
      [](SpanWriter& w, const ParticipantData& d) {
@@ -108,7 +110,7 @@ constexpr ParticipantRow kParticipantTable[] = {
      }},
     {0x0058,
      [](Reader& r, ParticipantData& d) -> Status {
-       d.builtin_endpoints = DDSSEC_TRY(r.read<std::uint32_t>());
+       DDSSEC_ASSIGN_OR_RETURN(d.builtin_endpoints, r.read<std::uint32_t>());
        return {};
      },
      [](SpanWriter& w, const ParticipantData& d) {
@@ -118,7 +120,7 @@ constexpr ParticipantRow kParticipantTable[] = {
      false, true},
     {0x0002,
      [](Reader& r, ParticipantData& d) -> Status {
-       d.lease_duration = DDSSEC_TRY(read_duration(r));
+       DDSSEC_ASSIGN_OR_RETURN(d.lease_duration, read_duration(r));
        return {};
      },
      [](SpanWriter& w, const ParticipantData& d) {
@@ -131,7 +133,7 @@ constexpr ParticipantRow kParticipantTable[] = {
     participant_locator_row<0x0048, &ParticipantData::default_multicast>(),
     {0x0034,
      [](Reader& r, ParticipantData& d) -> Status {
-       d.manual_liveliness_count = DDSSEC_TRY(r.read<std::int32_t>());
+       DDSSEC_ASSIGN_OR_RETURN(d.manual_liveliness_count, r.read<std::int32_t>());
        return {};
      },
      [](SpanWriter& w, const ParticipantData& d) {
@@ -141,7 +143,7 @@ constexpr ParticipantRow kParticipantTable[] = {
      }},
     {0x0062,
      [](Reader& r, ParticipantData& d) -> Status {
-       d.entity_name = DDSSEC_TRY(read_bounded_string(r, kMostNameLength));
+       DDSSEC_ASSIGN_OR_RETURN(d.entity_name, read_bounded_string(r, kMostNameLength));
        return {};
      },
      [](SpanWriter& w, const ParticipantData& d) {
@@ -151,7 +153,7 @@ constexpr ParticipantRow kParticipantTable[] = {
      }},
     {0x002c,
      [](Reader& r, ParticipantData& d) -> Status {
-       d.user_data = DDSSEC_TRY(read_opaque(r));
+       DDSSEC_ASSIGN_OR_RETURN(d.user_data, read_opaque(r));
        return {};
      },
      [](SpanWriter& w, const ParticipantData& d) {
@@ -197,7 +199,7 @@ Result<ParticipantData> read_participant_list(BytesView list, Endian endian) {
 }
 
 Result<ParticipantData> read_participant_data(BytesView payload) {
-  const auto opened = DDSSEC_TRY(open_pl_cdr(payload));
+  DDSSEC_ASSIGN_OR_RETURN(const auto opened, open_pl_cdr(payload));
   return read_participant_list(opened.body, opened.endian);
 }
 

@@ -6,7 +6,7 @@
 namespace ddssec::rtps {
 
 Status read_token_into(Reader& reader, std::optional<spi::Token>& token) {
-  token = DDSSEC_TRY(spi::read_token(reader));
+  DDSSEC_ASSIGN_OR_RETURN(token, spi::read_token(reader));
   return {};
 }
 
@@ -19,8 +19,9 @@ void write_token(SpanWriter& out, ParameterId id, const std::optional<spi::Token
 }
 
 Status read_security_info_into(Reader& reader, std::optional<spi::SecurityInfo>& info) {
-  const auto mask = DDSSEC_TRY(reader.read<std::uint32_t>());
-  info = spi::SecurityInfo{mask, DDSSEC_TRY(reader.read<std::uint32_t>())};
+  DDSSEC_ASSIGN_OR_RETURN(const auto mask, reader.read<std::uint32_t>());
+  DDSSEC_ASSIGN_OR_RETURN(const auto plugin_mask, reader.read<std::uint32_t>());
+  info = spi::SecurityInfo{mask, plugin_mask};
   return {};
 }
 
@@ -35,14 +36,15 @@ void write_security_info(SpanWriter& out, ParameterId id,
 Status read_ciphers_into(Reader& reader, std::optional<spi::SymmetricCipherInfo>& info) {
   spi::SymmetricCipherInfo read;
   for (auto* mask : {&read.supported, &read.builtin_required, &read.key_exchange_required,
-                     &read.user_default_required})
-    *mask = DDSSEC_TRY(reader.read<std::uint32_t>());
+                     &read.user_default_required}) {
+    DDSSEC_ASSIGN_OR_RETURN(*mask, reader.read<std::uint32_t>());
+  }
   info = read;
   return {};
 }
 
 Status read_ciphers_into(Reader& reader, std::optional<spi::CipherMask>& required) {
-  required = DDSSEC_TRY(reader.read<std::uint32_t>());
+  DDSSEC_ASSIGN_OR_RETURN(required, reader.read<std::uint32_t>());
   return {};
 }
 
@@ -61,9 +63,12 @@ void write_ciphers(SpanWriter& out, const std::optional<spi::CipherMask>& requir
 }
 
 Result<Guid> read_guid_key(BytesView payload, ParameterId id) {
-  const auto opened = DDSSEC_TRY(open_pl_cdr(payload));
+  DDSSEC_ASSIGN_OR_RETURN(const auto opened, open_pl_cdr(payload));
   ParameterReader parameters(opened.body, opened.endian);
-  while (const auto parameter = DDSSEC_TRY(parameters.next())) {
+  while (true) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto parameter, parameters.next());
+    if (!parameter) break;
+
     if (parameter->id != id) continue;
     auto reader = parameter->reader();
     return read_guid(reader);

@@ -80,7 +80,7 @@ Result<bool> SqlStatement::step() {
 }
 
 Status SqlStatement::run() {
-  DDSSEC_TRY(step());
+  DDSSEC_RETURN_IF_ERROR(step());
   reset();
   return {};
 }
@@ -133,13 +133,14 @@ Result<SqlStatement> Database::prepare(std::string_view sql) {
 }
 
 Status Database::run(std::string_view sql) {
-  auto statement = DDSSEC_TRY(prepare(sql));
+  DDSSEC_ASSIGN_OR_RETURN(auto statement, prepare(sql));
   return statement.run();
 }
 
 Result<std::int64_t> Database::number(std::string_view sql) {
-  auto statement = DDSSEC_TRY(prepare(sql));
-  if (!DDSSEC_TRY(statement.step()))
+  DDSSEC_ASSIGN_OR_RETURN(auto statement, prepare(sql));
+  DDSSEC_ASSIGN_OR_RETURN(const auto has_row, statement.step());
+  if (!has_row)
     return fail(Code::rtps_store_unusable, {.document = path_, .expected = "a value of its own"});
   return statement.number(0);
 }
@@ -147,12 +148,12 @@ Result<std::int64_t> Database::number(std::string_view sql) {
 std::int64_t Database::last_row() const { return sqlite3_last_insert_rowid(database_.get()); }
 
 Result<Database::Transaction> Database::Transaction::begin(Database& database) {
-  DDSSEC_TRY(database.run("BEGIN IMMEDIATE"));
+  DDSSEC_RETURN_IF_ERROR(database.run("BEGIN IMMEDIATE"));
   return Transaction(database);
 }
 
 Status Database::Transaction::commit() {
-  DDSSEC_TRY(database_->run("COMMIT"));
+  DDSSEC_RETURN_IF_ERROR(database_->run("COMMIT"));
   database_ = nullptr;
   return {};
 }

@@ -16,7 +16,7 @@ constexpr std::uint32_t kMostAlike = 64;
 
 Result<std::unique_ptr<DurableStore>> DurableStore::open(const std::string& path, EventSink& events,
                                                          std::size_t most_octets) {
-  auto store = DDSSEC_TRY(SampleStore::open(path, most_octets));
+  DDSSEC_ASSIGN_OR_RETURN(auto store, SampleStore::open(path, most_octets));
   return std::unique_ptr<DurableStore>(new DurableStore(std::move(store), events));
 }
 
@@ -37,11 +37,11 @@ DurableStore::~DurableStore() {
 Result<DurableStore::Opened> DurableStore::open_stream(StreamKey key,
                                                        const DurabilityService& service,
                                                        bool watch) {
-  DDSSEC_TRY(flush(kLongestOpen));  // what an earlier writer appended
+  DDSSEC_RETURN_IF_ERROR(flush(kLongestOpen));  // what an earlier writer appended
   const std::lock_guard store(store_mutex_);
   forget_closed();
   for (key.ordinal = 0; key.ordinal < kMostAlike; ++key.ordinal) {
-    const auto id = DDSSEC_TRY(store_.stream(key, service));
+    DDSSEC_ASSIGN_OR_RETURN(const auto id, store_.stream(key, service));
     {
       const std::lock_guard held(mutex_);
       if (!open_.insert(id).second) continue;

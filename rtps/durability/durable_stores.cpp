@@ -3,7 +3,7 @@
 namespace ddssec::rtps {
 
 Status DurableStores::open_file(const std::string& path, std::size_t most_octets) {
-  persistent_ = DDSSEC_TRY(DurableStore::open(path, events_, most_octets));
+  DDSSEC_ASSIGN_OR_RETURN(persistent_, DurableStore::open(path, events_, most_octets));
   return {};
 }
 
@@ -15,7 +15,9 @@ Result<DurableStore*> DurableStores::of(DurabilityKind kind) {
                                .field = "durability_store",
                                .expected = "a path, for a writer with DURABILITY PERSISTENT",
                                .found = "none: its samples last as long as the participant"})));
-  if (!transient_) transient_ = DDSSEC_TRY(DurableStore::open("", events_, kMaxOctetsInMemory));
+  if (!transient_) {
+    DDSSEC_ASSIGN_OR_RETURN(transient_, DurableStore::open("", events_, kMaxOctetsInMemory));
+  }
   return transient_.get();
 }
 

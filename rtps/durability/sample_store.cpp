@@ -102,9 +102,10 @@ Status make_file(const std::string& path) {
 }  // namespace
 
 Result<SampleStore> SampleStore::open(const std::string& path, std::size_t most_octets) {
-  if (!path.empty()) DDSSEC_TRY(make_file(path));
-  SampleStore store(DDSSEC_TRY(Database::open(path)), path);
-  DDSSEC_TRY(store.prepare(most_octets));
+  if (!path.empty()) DDSSEC_RETURN_IF_ERROR(make_file(path));
+  DDSSEC_ASSIGN_OR_RETURN(auto database, Database::open(path));
+  SampleStore store(std::move(database), path);
+  DDSSEC_RETURN_IF_ERROR(store.prepare(most_octets));
   return store;
 }
 
@@ -114,106 +115,124 @@ Status SampleStore::prepare(std::size_t most_octets) {
   // killed is recovered in memory, without another file next to it, even on a full disk.
   for (const auto* pragma :
        {"PRAGMA trusted_schema=OFF", "PRAGMA cell_size_check=ON", "PRAGMA locking_mode=EXCLUSIVE"})
-    DDSSEC_TRY(database_.run(pragma));
-  DDSSEC_TRY(check_origin());
+    DDSSEC_RETURN_IF_ERROR(database_.run(pragma));
+  DDSSEC_RETURN_IF_ERROR(check_origin());
   most_pages_ = std::max<std::size_t>(most_octets / kPageSize, 16);
   for (const auto& pragma :
        {std::string("PRAGMA journal_mode=WAL"), std::string("PRAGMA synchronous=FULL"),
         std::string("PRAGMA journal_size_limit=16777216"),
         "PRAGMA max_page_count=" + std::to_string(most_pages_)})
-    DDSSEC_TRY(database_.run(pragma));
+    DDSSEC_RETURN_IF_ERROR(database_.run(pragma));
   {
-    auto transaction = DDSSEC_TRY(Database::Transaction::begin(database_));
-    if (DDSSEC_TRY(database_.number("SELECT count(*) FROM sqlite_master")) == 0)
-      DDSSEC_TRY(create_schema());
-    else if (DDSSEC_TRY(database_.number("PRAGMA user_version")) == kOldVersion)
-      DDSSEC_TRY(renew_schema());
-    DDSSEC_TRY(transaction.commit());
+    DDSSEC_ASSIGN_OR_RETURN(auto transaction, Database::Transaction::begin(database_));
+    DDSSEC_ASSIGN_OR_RETURN(const auto count,
+                            database_.number("SELECT count(*) FROM sqlite_master"));
+    if (count == 0)
+      DDSSEC_RETURN_IF_ERROR(create_schema());
+    else {
+      DDSSEC_ASSIGN_OR_RETURN(const auto user_version, database_.number("PRAGMA user_version"));
+      if (user_version == kOldVersion) DDSSEC_RETURN_IF_ERROR(renew_schema());
+    }
+    DDSSEC_RETURN_IF_ERROR(transaction.commit());
   }
-  insert_ =
-      DDSSEC_TRY(database_.prepare("INSERT INTO sample(stream, key, keyed, disposed, seconds, "
-                                   "fraction, payload, sum, id, writer, number, identity) "
-                                   "VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"));
-  last_row_ = DDSSEC_TRY(database_.number("SELECT coalesce(max(id), 0) FROM sample"));
+  DDSSEC_ASSIGN_OR_RETURN(
+      insert_, database_.prepare("INSERT INTO sample(stream, key, keyed, disposed, seconds, "
+                                 "fraction, payload, sum, id, writer, number, identity) "
+                                 "VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"));
+  DDSSEC_ASSIGN_OR_RETURN(last_row_, database_.number("SELECT coalesce(max(id), 0) FROM sample"));
   // Without room, the empty streams stay until there is some.
   if (auto erased = erase_empty_streams();
       !erased && erased.error().code() != Code::rtps_store_failed)
     return erased;
-  last_stream_ =
-      DDSSEC_TRY(database_.number("SELECT max(coalesce((SELECT max(id) FROM stream), 0), "
-                                  "coalesce((SELECT max(stream) FROM sample), 0))"));
-  erase_ = DDSSEC_TRY(database_.prepare("DELETE FROM sample WHERE id = ?"));
+  DDSSEC_ASSIGN_OR_RETURN(last_stream_,
+                          database_.number("SELECT max(coalesce((SELECT max(id) FROM stream), 0), "
+                                           "coalesce((SELECT max(stream) FROM sample), 0))"));
+  DDSSEC_ASSIGN_OR_RETURN(erase_, database_.prepare("DELETE FROM sample WHERE id = ?"));
   return read_shares();
 }
 
 Status SampleStore::check_origin() {
-  if (DDSSEC_TRY(database_.number("SELECT count(*) FROM sqlite_master")) == 0 &&
-      DDSSEC_TRY(database_.number("PRAGMA application_id")) == 0)
-    return {};
-  const auto id = DDSSEC_TRY(database_.number("PRAGMA application_id"));
+  DDSSEC_ASSIGN_OR_RETURN(const auto count, database_.number("SELECT count(*) FROM sqlite_master"));
+  if (count == 0) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto application_id, database_.number("PRAGMA application_id"));
+    if (application_id == 0) return {};
+  }
+  DDSSEC_ASSIGN_OR_RETURN(const auto id, database_.number("PRAGMA application_id"));
   if (id != kApplicationId)
     return unusable(path_, "a store of samples", "a database of another application");
-  const auto version = DDSSEC_TRY(database_.number("PRAGMA user_version"));
+  DDSSEC_ASSIGN_OR_RETURN(const auto version, database_.number("PRAGMA user_version"));
   if (version != kVersion && version != kOldVersion)
     return unusable(path_, "version " + std::to_string(kVersion),
                     "version " + std::to_string(version));
-  DDSSEC_TRY(check_schema(version));
-  auto check = DDSSEC_TRY(database_.prepare("PRAGMA integrity_check(1)"));
-  DDSSEC_TRY(check.step());
+  DDSSEC_RETURN_IF_ERROR(check_schema(version));
+  DDSSEC_ASSIGN_OR_RETURN(auto check, database_.prepare("PRAGMA integrity_check(1)"));
+  DDSSEC_RETURN_IF_ERROR(check.step());
   if (check.text(0) != "ok") return unusable(path_, "a store that is whole", check.text(0));
   return {};
 }
 
 // The exact comparison ensures that no trigger or view in a file is ever executed.
 Status SampleStore::check_schema(std::int64_t version) {
-  auto statement = DDSSEC_TRY(
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto statement,
       database_.prepare("SELECT sql FROM sqlite_master WHERE sql IS NOT NULL ORDER BY rowid"));
   std::size_t count = 0;
-  for (; DDSSEC_TRY(statement.step()); ++count)
+  for (;; ++count) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto has_row, statement.step());
+    if (!has_row) break;
     if (count >= std::size(kSchema) || statement.text(0) != schema_of(version, kSchema[count]))
       return unusable(path_, "the tables of a store of samples", statement.text(0));
+  }
   if (count == std::size(kSchema)) return {};
   return unusable(path_, std::to_string(std::size(kSchema)) + " tables and indexes",
                   std::to_string(count));
 }
 
 Status SampleStore::create_schema() {
-  for (const auto sql : kSchema) DDSSEC_TRY(database_.run(sql));
-  DDSSEC_TRY(database_.run("PRAGMA application_id=" + std::to_string(kApplicationId)));
+  for (const auto sql : kSchema) DDSSEC_RETURN_IF_ERROR(database_.run(sql));
+  DDSSEC_RETURN_IF_ERROR(database_.run("PRAGMA application_id=" + std::to_string(kApplicationId)));
   return database_.run("PRAGMA user_version=" + std::to_string(kVersion));
 }
 
 Status SampleStore::renew_schema() {
-  DDSSEC_TRY(database_.run("ALTER TABLE sample ADD COLUMN " +
-                           std::string(kSinceVersion3.substr(sizeof(", ") - 1))));
+  DDSSEC_RETURN_IF_ERROR(database_.run("ALTER TABLE sample ADD COLUMN " +
+                                       std::string(kSinceVersion3.substr(sizeof(", ") - 1))));
   return database_.run("PRAGMA user_version=" + std::to_string(kVersion));
 }
 
 Status SampleStore::erase_empty_streams() {
   constexpr std::string_view kEmpty =
       "FROM stream WHERE NOT EXISTS (SELECT 1 FROM sample WHERE sample.stream = stream.id)";
-  if (DDSSEC_TRY(database_.number("SELECT count(*) " + std::string(kEmpty))) == 0) return {};
+  DDSSEC_ASSIGN_OR_RETURN(const auto count,
+                          database_.number("SELECT count(*) " + std::string(kEmpty)));
+  if (count == 0) return {};
   return database_.run("DELETE " + std::string(kEmpty));
 }
 
 Result<std::optional<StreamId>> SampleStore::row_of(const StreamKey& key) {
-  auto find = DDSSEC_TRY(
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto find,
       database_.prepare("SELECT id FROM stream WHERE domain = ? AND topic = ? AND type = ? AND "
                         "partition = ? AND ordinal = ?"));
   const auto partition = partition_octets(key.partition);
-  if (DDSSEC_TRY(bind_key(find, key, partition).step())) return StreamId{find.number(0)};
+  DDSSEC_ASSIGN_OR_RETURN(const auto has_row, bind_key(find, key, partition).step());
+  if (has_row) return StreamId{find.number(0)};
   return std::nullopt;
 }
 
 Result<std::optional<StreamId>> SampleStore::find(const StreamKey& key) {
-  if (auto id = DDSSEC_TRY(row_of(key))) return id;
+  {
+    DDSSEC_ASSIGN_OR_RETURN(auto id, row_of(key));
+    if (id) return id;
+  }
   for (const auto& [id, stream] : streams_)
     if (stream.key == key) return id;
   return std::nullopt;
 }
 
 Status SampleStore::insert_row(StreamId id, const StreamKey& key) {
-  auto insert = DDSSEC_TRY(
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto insert,
       database_.prepare("INSERT INTO stream(domain, topic, type, partition, ordinal, id) "
                         "VALUES(?, ?, ?, ?, ?, ?)"));
   const auto partition = partition_octets(key.partition);
@@ -221,25 +240,29 @@ Status SampleStore::insert_row(StreamId id, const StreamKey& key) {
 }
 
 Result<std::size_t> SampleStore::streams() {
-  const auto rows = DDSSEC_TRY(database_.number("SELECT count(*) FROM stream"));
+  DDSSEC_ASSIGN_OR_RETURN(const auto rows, database_.number("SELECT count(*) FROM stream"));
   const auto without =
       std::ranges::count_if(streams_, [](const auto& entry) { return !entry.second.has_row; });
   return static_cast<std::size_t>(rows) + static_cast<std::size_t>(without);
 }
 
 Result<StreamId> SampleStore::stream(const StreamKey& key, const DurabilityService& service) {
-  auto id = DDSSEC_TRY(find(key));
-  if (!id && DDSSEC_TRY(streams()) >= kMostStreams)
-    return fail(Code::rtps_store_failed, {.document = path_,
-                                          .field = "writers",
-                                          .expected = "at most " + std::to_string(kMostStreams),
-                                          .found = "one more"});
+  DDSSEC_ASSIGN_OR_RETURN(auto id, find(key));
+  if (!id) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto stream_count, streams());
+    if (stream_count >= kMostStreams)
+      return fail(Code::rtps_store_failed, {.document = path_,
+                                            .field = "writers",
+                                            .expected = "at most " + std::to_string(kMostStreams),
+                                            .found = "one more"});
+  }
   if (!id) id = StreamId{++last_stream_};
   Stream stream;
   stream.key = key;
-  stream.has_row = DDSSEC_TRY(row_of(key)).has_value();
+  DDSSEC_ASSIGN_OR_RETURN(const auto row, row_of(key));
+  stream.has_row = row.has_value();
   stream.service = service;
-  DDSSEC_TRY(read_index(*id, stream));
+  DDSSEC_RETURN_IF_ERROR(read_index(*id, stream));
   streams_[*id] = std::move(stream);
   return *id;
 }
@@ -250,7 +273,7 @@ Status SampleStore::close(StreamId id) {
   const bool is_empty_row = at->second.has_row && at->second.samples == 0;
   streams_.erase(at);
   if (!is_empty_row) return {};
-  auto erase = DDSSEC_TRY(database_.prepare("DELETE FROM stream WHERE id = ?"));
+  DDSSEC_ASSIGN_OR_RETURN(auto erase, database_.prepare("DELETE FROM stream WHERE id = ?"));
   return erase.bind(1, id.value).run();
 }
 
@@ -259,11 +282,15 @@ Status SampleStore::read_index(StreamId id, Stream& stream) {
   stream.ended.clear();
   stream.samples = 0;
   stream.samples_of.clear();
-  auto rows = DDSSEC_TRY(
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto rows,
       database_.prepare("SELECT id, key, disposed, seconds, length(payload), identity FROM sample "
                         "WHERE stream = ? ORDER BY id"));
   rows.bind(1, id.value);
-  while (DDSSEC_TRY(rows.step())) {
+  while (true) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto has_row, rows.step());
+    if (!has_row) break;
+
     const auto key = rows.octets(1);
     if (key.size() != KeyHash{}.size()) return damaged(rows.number(0));
     KeyHash hash{};
@@ -287,9 +314,14 @@ StoreShares::Account SampleStore::account_of(BytesView identity) {
 
 Status SampleStore::read_shares() {
   shares_.clear();
-  auto rows = DDSSEC_TRY(database_.prepare(
-      "SELECT identity, count(*), sum(length(payload)) FROM sample GROUP BY identity"));
-  while (DDSSEC_TRY(rows.step())) {
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto rows,
+      database_.prepare(
+          "SELECT identity, count(*), sum(length(payload)) FROM sample GROUP BY identity"));
+  while (true) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto has_row, rows.step());
+    if (!has_row) break;
+
     const auto count = static_cast<std::size_t>(rows.number(1));
     shares_.add(account_of(rows.octets(0)),
                 static_cast<std::size_t>(rows.number(2)) + count * StoreShares::cost(0));
@@ -298,8 +330,9 @@ Status SampleStore::read_shares() {
 }
 
 Status SampleStore::measure_room() {
-  const auto pages = DDSSEC_TRY(database_.number("PRAGMA page_count")) -
-                     DDSSEC_TRY(database_.number("PRAGMA freelist_count"));
+  DDSSEC_ASSIGN_OR_RETURN(const auto page_count, database_.number("PRAGMA page_count"));
+  DDSSEC_ASSIGN_OR_RETURN(const auto freelist_count, database_.number("PRAGMA freelist_count"));
+  const auto pages = page_count - freelist_count;
   const auto used = std::min(static_cast<std::size_t>(pages), most_pages_);
   free_ = measured_free_ = (most_pages_ - used) * kPageSize;
   return {};
@@ -310,7 +343,7 @@ Status SampleStore::measure_room() {
 Result<bool> SampleStore::has_share(StoreShares::Account account, std::size_t octets,
                                     std::size_t freed) {
   if (account == StoreShares::kNone || octets <= freed) return true;
-  if (free_ < measured_free_ - measured_free_ / 16) DDSSEC_TRY(measure_room());
+  if (free_ < measured_free_ - measured_free_ / 16) DDSSEC_RETURN_IF_ERROR(measure_room());
   return shares_.octets(account) - freed + octets <= free_;
 }
 
@@ -332,12 +365,16 @@ std::unexpected<Error> SampleStore::damaged(std::int64_t row) const {
 }
 
 Result<StoredHistory> SampleStore::load(StreamId stream) {
-  auto rows = DDSSEC_TRY(
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto rows,
       database_.prepare("SELECT id, key, keyed, disposed, seconds, fraction, payload, sum, "
                         "writer, number FROM sample WHERE stream = ? ORDER BY id"));
   rows.bind(1, stream.value);
   StoredHistory out;
-  while (DDSSEC_TRY(rows.step())) {
+  while (true) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto has_row, rows.step());
+    if (!has_row) break;
+
     Change change;
     const auto key = rows.octets(1), payload = rows.octets(6), writer = rows.octets(8);
     if (key.size() != KeyHash{}.size() || payload.size() > kLargestPayload ||
@@ -363,8 +400,8 @@ Status SampleStore::commit(std::span<const StoredChange> changes, Time now) {
   const auto left_out = left_out_, over_share = over_share_;
   std::vector<Stream*> inserted;
   const auto write = [&]() -> Status {
-    auto transaction = DDSSEC_TRY(Database::Transaction::begin(database_));
-    DDSSEC_TRY(measure_room());
+    DDSSEC_ASSIGN_OR_RETURN(auto transaction, Database::Transaction::begin(database_));
+    DDSSEC_RETURN_IF_ERROR(measure_room());
     place_ = committed_;
     for (const auto& stored : changes) {
       ++place_;
@@ -372,14 +409,14 @@ Status SampleStore::commit(std::span<const StoredChange> changes, Time now) {
       const auto found = streams_.find(id);
       if (found == streams_.end()) continue;
       auto& stream = found->second;
-      DDSSEC_TRY(add(id, stream, stored, now));
+      DDSSEC_RETURN_IF_ERROR(add(id, stream, stored, now));
       if (stream.has_row || stream.samples == 0) continue;
-      DDSSEC_TRY(insert_row(id, stream.key));
+      DDSSEC_RETURN_IF_ERROR(insert_row(id, stream.key));
       stream.has_row = true;
       inserted.push_back(&stream);
     }
     for (auto& [id, stream] : streams_)
-      DDSSEC_TRY(clean_up(id, stream, now.to_nanoseconds().count()));
+      DDSSEC_RETURN_IF_ERROR(clean_up(id, stream, now.to_nanoseconds().count()));
     return transaction.commit();
   };
   auto written = write();
@@ -389,8 +426,8 @@ Status SampleStore::commit(std::span<const StoredChange> changes, Time now) {
   over_share_ = over_share;
   for (auto* stream : inserted) stream->has_row = false;
   effects_.clear();
-  for (auto& [id, stream] : streams_) DDSSEC_TRY(read_index(id, stream));
-  DDSSEC_TRY(read_shares());
+  for (auto& [id, stream] : streams_) DDSSEC_RETURN_IF_ERROR(read_index(id, stream));
+  DDSSEC_RETURN_IF_ERROR(read_shares());
   return written;
 }
 
@@ -423,13 +460,17 @@ Status SampleStore::add(StreamId id, Stream& stream, const StoredChange& stored,
   for (std::size_t i = 0; i < count; ++i)
     if (held->second[i].account == account) freed += held->second[i].octets, ++own;
   const auto octets = StoreShares::cost(change.payload.size());
-  if (!has_place(stream, account, own) || !DDSSEC_TRY(has_share(account, octets, freed))) {
+  bool has_space = has_place(stream, account, own);
+  if (has_space) {
+    DDSSEC_ASSIGN_OR_RETURN(has_space, has_share(account, octets, freed));
+  }
+  if (!has_space) {
     ++over_share_;
     shares_.refuse(account);
     return change.status.disposed ? erase_instance(id, stream, key) : Status{};
   }
   for (; count > 0; --count) {
-    DDSSEC_TRY(erase_row(id, stream, held->second.front()));
+    DDSSEC_RETURN_IF_ERROR(erase_row(id, stream, held->second.front()));
     held->second.pop_front();
   }
   if (!has_room(stream, key)) return ++left_out_, Status{};
@@ -457,7 +498,7 @@ Status SampleStore::insert(StreamId id, Stream& stream, const StoredChange& stor
       .bind(10, BytesView(writer))
       .bind(11, origin.number.value);
   if (stored.identity) insert_.bind(12, BytesView(stored.identity->octets));
-  DDSSEC_TRY(insert_.run());
+  DDSSEC_RETURN_IF_ERROR(insert_.run());
   const auto account = stored.identity ? shares_.account(*stored.identity) : StoreShares::kNone;
   const auto octets = StoreShares::cost(change.payload.size());
   shares_.add(account, octets);
@@ -473,7 +514,7 @@ Status SampleStore::insert(StreamId id, Stream& stream, const StoredChange& stor
 }
 
 Status SampleStore::erase_row(StreamId id, Stream& stream, const Row& row) {
-  DDSSEC_TRY(erase_.bind(1, row.id).run());
+  DDSSEC_RETURN_IF_ERROR(erase_.bind(1, row.id).run());
   shares_.remove(row.account, row.octets);
   --stream.samples;
   if (const auto own = stream.samples_of.find(row.account); own != stream.samples_of.end())
@@ -485,7 +526,7 @@ Status SampleStore::erase_row(StreamId id, Stream& stream, const Row& row) {
 Status SampleStore::erase_instance(StreamId id, Stream& stream, const KeyHash& key) {
   const auto held = stream.instances.find(key);
   if (held == stream.instances.end()) return {};
-  for (const auto& row : held->second) DDSSEC_TRY(erase_row(id, stream, row));
+  for (const auto& row : held->second) DDSSEC_RETURN_IF_ERROR(erase_row(id, stream, row));
   stream.instances.erase(held);
   stream.ended.remove(key);
   return {};
@@ -494,7 +535,7 @@ Status SampleStore::erase_instance(StreamId id, Stream& stream, const KeyHash& k
 Status SampleStore::clean_up(StreamId id, Stream& stream, std::int64_t now) {
   for (auto key = stream.ended.due(now); key; key = stream.ended.due(now)) {
     stream.ended.remove(*key);
-    DDSSEC_TRY(erase_instance(id, stream, *key));
+    DDSSEC_RETURN_IF_ERROR(erase_instance(id, stream, *key));
   }
   return {};
 }

@@ -57,9 +57,9 @@ class FilterCompiler {
       : text_(text), lexer_(text.expression), leaves_(leaves) {}
 
   Result<Filter> run() {
-    DDSSEC_TRY(check_sizes());
-    DDSSEC_TRY(advance());
-    DDSSEC_TRY(alternatives(0));
+    DDSSEC_RETURN_IF_ERROR(check_sizes());
+    DDSSEC_RETURN_IF_ERROR(advance());
+    DDSSEC_RETURN_IF_ERROR(alternatives(0));
     if (token_.kind != Kind::end) return expected("AND, OR or the end");
     return std::move(out_);
   }
@@ -87,7 +87,7 @@ class FilterCompiler {
   }
 
   Status advance() {
-    token_ = DDSSEC_TRY(lexer_.next());
+    DDSSEC_ASSIGN_OR_RETURN(token_, lexer_.next());
     return {};
   }
   std::unexpected<Error> expected(std::string what) const {
@@ -100,12 +100,12 @@ class FilterCompiler {
   /// Parses `part`s with `word` between them. `skip` skips the rest once the result is known.
   template <class Part>
   Status chain(Kind word, Step::Kind skip, Part part) {
-    DDSSEC_TRY(part());
+    DDSSEC_RETURN_IF_ERROR(part());
     while (token_.kind == word) {
-      DDSSEC_TRY(advance());
+      DDSSEC_RETURN_IF_ERROR(advance());
       const auto jump = out_.steps_.size();
       emit(skip);
-      DDSSEC_TRY(part());
+      DDSSEC_RETURN_IF_ERROR(part());
       out_.steps_[jump].index = static_cast<std::uint16_t>(out_.steps_.size());
     }
     return {};
@@ -120,30 +120,30 @@ class FilterCompiler {
     if (depth >= Filter::kDeepestNesting)
       return expected("at most " + std::to_string(Filter::kDeepestNesting) + " levels of nesting");
     if (token_.kind == Kind::not_) {
-      DDSSEC_TRY(advance());
-      DDSSEC_TRY(condition(depth + 1));
+      DDSSEC_RETURN_IF_ERROR(advance());
+      DDSSEC_RETURN_IF_ERROR(condition(depth + 1));
       emit(Step::Kind::negate);
       return {};
     }
     if (token_.kind != Kind::open) return predicate();
-    DDSSEC_TRY(advance());
-    DDSSEC_TRY(alternatives(depth + 1));
+    DDSSEC_RETURN_IF_ERROR(advance());
+    DDSSEC_RETURN_IF_ERROR(alternatives(depth + 1));
     if (token_.kind != Kind::close) return expected("AND, OR or )");
     return advance();
   }
 
   Status predicate() {
-    const auto left = DDSSEC_TRY(operand("a field, a value, NOT or ("));
+    DDSSEC_ASSIGN_OR_RETURN(const auto left, operand("a field, a value, NOT or ("));
     if (token_.kind == Kind::not_ || token_.kind == Kind::between) return range(left);
-    const auto relation = DDSSEC_TRY(this->relation());
-    const auto right = DDSSEC_TRY(operand("a field, a value or a parameter"));
+    DDSSEC_ASSIGN_OR_RETURN(const auto relation, this->relation());
+    DDSSEC_ASSIGN_OR_RETURN(const auto right, operand("a field, a value or a parameter"));
     return test(left, relation, right);
   }
 
   Result<FilterToken> operand(std::string what) {
     if (!is_operand(token_.kind)) return expected(std::move(what));
     const auto token = token_;
-    DDSSEC_TRY(advance());
+    DDSSEC_RETURN_IF_ERROR(advance());
     return token;
   }
 
@@ -158,40 +158,40 @@ class FilterCompiler {
           std::ranges::find(kRelations, token_.text, [](const auto& r) { return r.first; })->second;
     else if (token_.kind != Kind::like)
       return expected("=, <>, <, <=, >, >=, LIKE or BETWEEN");
-    DDSSEC_TRY(advance());
+    DDSSEC_RETURN_IF_ERROR(advance());
     return relation;
   }
 
   Status range(const FilterToken& field) {
     const bool negated = token_.kind == Kind::not_;
-    if (negated) DDSSEC_TRY(advance());
+    if (negated) DDSSEC_RETURN_IF_ERROR(advance());
     if (token_.kind != Kind::between) return expected("BETWEEN");
     if (field.kind != Kind::field)
       return filter_error(field.position, "a field before BETWEEN", field.text);
-    DDSSEC_TRY(advance());
-    const auto low = DDSSEC_TRY(bound());
+    DDSSEC_RETURN_IF_ERROR(advance());
+    DDSSEC_ASSIGN_OR_RETURN(const auto low, bound());
     if (token_.kind != Kind::and_) return expected("AND");
-    DDSSEC_TRY(advance());
-    const auto high = DDSSEC_TRY(bound());
-    DDSSEC_TRY(test(field, Relation::more_equal, low));
+    DDSSEC_RETURN_IF_ERROR(advance());
+    DDSSEC_ASSIGN_OR_RETURN(const auto high, bound());
+    DDSSEC_RETURN_IF_ERROR(test(field, Relation::more_equal, low));
     const auto jump = out_.steps_.size();
     emit(Step::Kind::skip_if_false);
-    DDSSEC_TRY(test(field, Relation::less_equal, high));
+    DDSSEC_RETURN_IF_ERROR(test(field, Relation::less_equal, high));
     out_.steps_[jump].index = static_cast<std::uint16_t>(out_.steps_.size());
     if (negated) emit(Step::Kind::negate);
     return {};
   }
 
   Result<FilterToken> bound() {
-    auto token = DDSSEC_TRY(operand("a value or a parameter"));
+    DDSSEC_ASSIGN_OR_RETURN(auto token, operand("a value or a parameter"));
     if (token.kind == Kind::field)
       return filter_error(token.position, "a value or a parameter", token.text);
     return token;
   }
 
   Status test(const FilterToken& left, Relation relation, const FilterToken& right) {
-    const auto* left_leaf = DDSSEC_TRY(leaf_of(left));
-    const auto* right_leaf = DDSSEC_TRY(leaf_of(right));
+    DDSSEC_ASSIGN_OR_RETURN(const auto* left_leaf, leaf_of(left));
+    DDSSEC_ASSIGN_OR_RETURN(const auto* right_leaf, leaf_of(right));
     if (left_leaf == nullptr && right_leaf == nullptr)
       return filter_error(left.position, "a field on one side", left.text);
     const auto& leaf = left_leaf != nullptr ? *left_leaf : *right_leaf;
@@ -203,10 +203,10 @@ class FilterCompiler {
       return filter_error(right.position, name_of(family) + ", as " + leaf.path + " is",
                           right.text);
     Filter::Test out{.relation = relation};
-    out.left = DDSSEC_TRY(bind(left, left_leaf, leaf));
-    out.right = DDSSEC_TRY(bind(right, right_leaf, leaf));
-    out.domain = DDSSEC_TRY(domain_of(out));
-    if (relation == Relation::like) DDSSEC_TRY(check_pattern(out.right, right));
+    DDSSEC_ASSIGN_OR_RETURN(out.left, bind(left, left_leaf, leaf));
+    DDSSEC_ASSIGN_OR_RETURN(out.right, bind(right, right_leaf, leaf));
+    DDSSEC_ASSIGN_OR_RETURN(out.domain, domain_of(out));
+    if (relation == Relation::like) DDSSEC_RETURN_IF_ERROR(check_pattern(out.right, right));
     emit(Step::Kind::test, out_.tests_.size());
     out_.tests_.push_back(out);
     return {};
@@ -224,9 +224,10 @@ class FilterCompiler {
       out_.members_ = std::max(out_.members_, leaf->top + 1);
       return Filter::Operand{true, static_cast<std::uint16_t>(leaf - leaves_.data())};
     }
-    const auto literal = DDSSEC_TRY(literal_of(token));
+    DDSSEC_ASSIGN_OR_RETURN(const auto literal, literal_of(token));
     const auto index = static_cast<std::uint16_t>(out_.constants_.size());
-    out_.constants_.push_back(DDSSEC_TRY(constant_of(literal, other)));
+    DDSSEC_ASSIGN_OR_RETURN(auto constant, constant_of(literal, other));
+    out_.constants_.push_back(std::move(constant));
     return Filter::Operand{false, index};
   }
 

@@ -49,11 +49,13 @@ Change end_of_announcement(const KeyHash& key) {
 Result<std::unique_ptr<Keeper>> Keeper::create(DomainParticipantOptions options,
                                                KeeperOptions keeps,
                                                const Environment& environment) {
-  auto store = DDSSEC_TRY(DurableStore::open(keeps.store, environment.events, keeps.store_octets));
-  auto participant = DDSSEC_TRY(DomainParticipant::create(std::move(options), environment));
+  DDSSEC_ASSIGN_OR_RETURN(auto store,
+                          DurableStore::open(keeps.store, environment.events, keeps.store_octets));
+  DDSSEC_ASSIGN_OR_RETURN(auto participant,
+                          DomainParticipant::create(std::move(options), environment));
   std::unique_ptr<Keeper> out(
       new Keeper(std::move(participant), std::move(store), std::move(keeps.topics)));
-  DDSSEC_TRY(out->start());
+  DDSSEC_RETURN_IF_ERROR(out->start());
   return out;
 }
 
@@ -69,11 +71,12 @@ Keeper::~Keeper() {
 }
 
 Status Keeper::start() {
-  DDSSEC_TRY(participant_->ignore_participant(participant_->guid()));
-  auto known = DDSSEC_TRY(
+  DDSSEC_RETURN_IF_ERROR(participant_->ignore_participant(participant_->guid()));
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto known,
       store_->open_stream(stream_of_announcements(participant_->domain_id()), DurabilityService{}));
   known_ = known.id;
-  for (const auto& change : known.history) DDSSEC_TRY(keep_known(change));
+  for (const auto& change : known.history) DDSSEC_RETURN_IF_ERROR(keep_known(change));
   auto* reader = participant_->builtin_datareader<PublicationBuiltinTopicData>();
   reader->set_listener(this, StatusKind::data_available);
   on_data_available(*reader);
@@ -159,7 +162,7 @@ Status Keeper::keep(const EndpointData& writer, const std::optional<Guid>& annou
       store_->append(known_, announcement(writer, key), participant_->context_.moment().wall);
   };
   auto topic = std::make_unique<KeptTopic>(context, *store_, writer, remember);
-  DDSSEC_TRY(topic->open(participant_->domain_id()));
+  DDSSEC_RETURN_IF_ERROR(topic->open(participant_->domain_id()));
   if (!announcer && !has_samples(*topic)) {
     store_->append(known_, end_of_announcement(key), context.moment().wall);
     return {};

@@ -69,7 +69,8 @@ Status KeptTopic::open(DomainId domain) {
                 .topic = like_.topic_name,
                 .type = like_.type_name,
                 .partition = like_.qos.partition};
-  auto opened = DDSSEC_TRY(store_.open_stream(std::move(key), like_.qos.durability_service, true));
+  DDSSEC_ASSIGN_OR_RETURN(auto opened,
+                          store_.open_stream(std::move(key), like_.qos.durability_service, true));
   stream_ = opened.id;
   const std::lock_guard held(context_.mutex());
   has_samples_ = !opened.history.empty();
@@ -80,9 +81,10 @@ Status KeptTopic::open(DomainId domain) {
   serving.history = std::move(opened.history);
   serving.history_only = true;
   const auto now = context_.now();
-  writer_ = DDSSEC_TRY(context_.protocol().create_writer(std::move(serving), *this, now));
-  reader_ =
-      DDSSEC_TRY(context_.protocol().create_reader(request(reading_qos(like_.qos)), *this, now));
+  DDSSEC_ASSIGN_OR_RETURN(writer_,
+                          context_.protocol().create_writer(std::move(serving), *this, now));
+  DDSSEC_ASSIGN_OR_RETURN(
+      reader_, context_.protocol().create_reader(request(reading_qos(like_.qos)), *this, now));
   context_.protocol().local_endpoints().reader(reader_)->acknowledge_before(
       [this](const Guid& from, SequenceNumber next) { return first_unstored(from, next); });
   look_again(now);

@@ -102,14 +102,18 @@ Discovery::Discovery(ParticipantCore& core, const Parts& parts)
 
 Status Discovery::on_announcement(const GuidPrefix& source, const Data& data) {
   if (data.inline_qos.status != StatusInfo{} || data.kind == PayloadKind::key) {
-    const auto guid = data.inline_qos.key_hash
-                          ? GuidPrefix::from(BytesView(*data.inline_qos.key_hash).first(12))
-                          : DDSSEC_TRY(read_participant_key(data.payload)).prefix;
+    GuidPrefix guid;
+    if (data.inline_qos.key_hash) {
+      guid = GuidPrefix::from(BytesView(*data.inline_qos.key_hash).first(12));
+    } else {
+      DDSSEC_ASSIGN_OR_RETURN(const auto key, read_participant_key(data.payload));
+      guid = key.prefix;
+    }
     if (guid == source) on_dispose(guid);
     return {};
   }
   if (data.kind != PayloadKind::data) return {};
-  auto announced = DDSSEC_TRY(read_participant_data(data.payload));
+  DDSSEC_ASSIGN_OR_RETURN(auto announced, read_participant_data(data.payload));
   const auto& config = core_.config;
   const bool ours = is_of_domain(announced, config.domain_id, config.domain_tag);
   if (!ours || announced.guid.prefix == config.prefix) return {};

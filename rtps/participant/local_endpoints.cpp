@@ -38,9 +38,10 @@ EndpointData LocalEndpoints::data_of(EndpointRequest request, EndpointKind kind)
 
 Status LocalEndpoints::secure(EndpointData& data, EndpointListener& listener) {
   if (!core_.security) return {};
-  const auto made = DDSSEC_TRY(core_.security->create_endpoint(
-      data.guid.entity,
-      {data.topic_name, data.qos.partition, data.qos.data_tags, data.qos.properties}));
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto made,
+      core_.security->create_endpoint(data.guid.entity, {data.topic_name, data.qos.partition,
+                                                         data.qos.data_tags, data.qos.properties}));
   data.security_info = made.info;
   data.required_ciphers = made.required_ciphers;
   if (made.key_is_protected) listener.on_key_protected();
@@ -51,13 +52,13 @@ Status LocalEndpoints::secure(EndpointData& data, EndpointListener& listener) {
 
 Result<LocalWriter*> LocalEndpoints::create_writer(EndpointRequest request,
                                                    EndpointListener& listener) {
-  DDSSEC_TRY(check_consistency(request.qos));
+  DDSSEC_RETURN_IF_ERROR(check_consistency(request.qos));
   const auto kind = request.with_key ? EndpointKind::writer_with_key : EndpointKind::writer_no_key;
   auto history = std::move(request.history);
   const bool history_only = request.history_only;
   auto bare_key = std::move(request.bare_key);
   auto data = data_of(std::move(request), kind);
-  DDSSEC_TRY(secure(data, listener));
+  DDSSEC_RETURN_IF_ERROR(secure(data, listener));
   auto protocol =
       std::make_unique<StatefulWriter>(data.guid, data.qos, core_.sender, &core_.timers);
   for (auto& change : history) protocol->write(std::move(change), core_.now);
@@ -70,10 +71,10 @@ Result<LocalWriter*> LocalEndpoints::create_writer(EndpointRequest request,
 
 Result<LocalReader*> LocalEndpoints::create_reader(EndpointRequest request,
                                                    EndpointListener& listener) {
-  DDSSEC_TRY(check_consistency(request.qos));
+  DDSSEC_RETURN_IF_ERROR(check_consistency(request.qos));
   const auto kind = request.with_key ? EndpointKind::reader_with_key : EndpointKind::reader_no_key;
   auto data = data_of(std::move(request), kind);
-  DDSSEC_TRY(secure(data, listener));
+  DDSSEC_RETURN_IF_ERROR(secure(data, listener));
   auto protocol = std::make_unique<StatefulReader>(
       data.guid, data.qos.is_reliable(), core_.sender,
       [&listener](Change& change) { return listener.on_change(change); }, &core_.timers);

@@ -55,12 +55,15 @@ void MessageReceiver::report(Context& context) {
 
 // RTPS 8.3.4.1: the first invalid submessage ends the message.
 Status MessageReceiver::walk(BytesView octets, Context& context) {
-  auto message = DDSSEC_TRY(MessageReader::open(octets));
-  while (const auto view = DDSSEC_TRY(message.next())) {
+  DDSSEC_ASSIGN_OR_RETURN(auto message, MessageReader::open(octets));
+  while (true) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto view, message.next());
+    if (!view) break;
+
     if (view->id == SubmessageId::secure_prefix && keyring_ != nullptr)
-      DDSSEC_TRY(open_group(*view, message, context));
+      DDSSEC_RETURN_IF_ERROR(open_group(*view, message, context));
     else
-      DDSSEC_TRY(process(*view, context));
+      DDSSEC_RETURN_IF_ERROR(process(*view, context));
   }
   return {};
 }
@@ -71,7 +74,7 @@ Status MessageReceiver::open_group(const SubmessageView& prefix, MessageReader& 
                                    Context& context) {
   auto size = prefix.whole.size();
   for (int part = 0; part < 2; ++part) {
-    const auto view = DDSSEC_TRY(message.next());
+    DDSSEC_ASSIGN_OR_RETURN(const auto view, message.next());
     if (!view) return fail(Code::truncated);
     size += view->whole.size();
   }
@@ -80,7 +83,8 @@ Status MessageReceiver::open_group(const SubmessageView& prefix, MessageReader& 
   const auto opened = keyring_->open_submessage(context.source, group, submessage_scratch_);
   if (!opened) return {};
   context.shield.submessage = opened->by;
-  const auto inner = DDSSEC_TRY(MessageReader::over_submessages({}, opened->plain).next());
+  DDSSEC_ASSIGN_OR_RETURN(const auto inner,
+                          MessageReader::over_submessages({}, opened->plain).next());
   if (!inner) return fail(Code::truncated);
   const auto status = process(*inner, context);
   if (status) context.shield.submessage = {};  // otherwise the message ends with this submessage
@@ -100,7 +104,8 @@ Status MessageReceiver::process(const SubmessageView& view, Context& context) {
     case SubmessageId::gap:
       return on_gap(view, context);
     case SubmessageId::heartbeat_frag: {
-      DDSSEC_TRY(read_heartbeat_frag(view));  // the HEARTBEAT after it carries enough information
+      DDSSEC_RETURN_IF_ERROR(
+          read_heartbeat_frag(view));  // the HEARTBEAT after it carries enough information
       return {};
     }
     case SubmessageId::acknack:
@@ -114,13 +119,16 @@ Status MessageReceiver::process(const SubmessageView& view, Context& context) {
 
 Status MessageReceiver::process_info(const SubmessageView& view, Context& context) {
   switch (view.id) {
-    case SubmessageId::info_timestamp:
-      context.time = DDSSEC_TRY(read_info_timestamp(view)).time;
+    case SubmessageId::info_timestamp: {
+      DDSSEC_ASSIGN_OR_RETURN(const auto info_timestamp, read_info_timestamp(view));
+      context.time = info_timestamp.time;
       return {};
+    }
     case SubmessageId::info_source: {
       // A key that protected the message proves only its owner as source. And what the message
       // contained so far does not show that another participant is alive.
-      const auto source = DDSSEC_TRY(read_info_source(view)).source.prefix;
+      DDSSEC_ASSIGN_OR_RETURN(auto info_source, read_info_source(view));
+      const auto source = std::move(info_source).source.prefix;
       if (source != context.source) report(context);
       context.shield.message = context.shield.message && source == context.source;
       context.source = source;
@@ -128,13 +136,14 @@ Status MessageReceiver::process_info(const SubmessageView& view, Context& contex
       return {};
     }
     case SubmessageId::info_destination: {
-      const auto destination = DDSSEC_TRY(read_info_destination(view)).prefix;
+      DDSSEC_ASSIGN_OR_RETURN(const auto info_destination, read_info_destination(view));
+      const auto destination = info_destination.prefix;
       context.for_us = destination.is_zero() || destination == own_;
       context.signs.is_directed |= destination == own_;
       return {};
     }
     case SubmessageId::header_extension:
-      DDSSEC_TRY(read_header_extension(view, context.message_size));
+      DDSSEC_RETURN_IF_ERROR(read_header_extension(view, context.message_size));
       return {};
     default:
       return {};  // INFO_REPLY, padding, vendor-specific, or protected without a key for it
@@ -194,7 +203,7 @@ std::optional<BytesView> MessageReceiver::opened(const StatefulReader& reader, c
 }
 
 Status MessageReceiver::on_data(const SubmessageView& view, Context& context) {
-  const auto data = DDSSEC_TRY(read_data(view));
+  DDSSEC_ASSIGN_OR_RETURN(const auto data, read_data(view));
   const auto& from = context.source;
   if (!context.for_us) return {};
   if (data.writer == kSpdpWriter) return listener_.on_announcement(from, data);
@@ -219,7 +228,7 @@ Status MessageReceiver::on_data(const SubmessageView& view, Context& context) {
 }
 
 Status MessageReceiver::on_data_frag(const SubmessageView& view, Context& context) {
-  const auto frag = DDSSEC_TRY(read_data_frag(view));
+  DDSSEC_ASSIGN_OR_RETURN(const auto frag, read_data_frag(view));
   const auto& from = context.source;
   if (!context.for_us) return {};
   if (frag.writer == kStatelessMessageWriter) {
@@ -238,7 +247,7 @@ Status MessageReceiver::on_data_frag(const SubmessageView& view, Context& contex
 }
 
 Status MessageReceiver::on_heartbeat(const SubmessageView& view, Context& context) {
-  const auto heartbeat = DDSSEC_TRY(read_heartbeat(view));
+  DDSSEC_ASSIGN_OR_RETURN(const auto heartbeat, read_heartbeat(view));
   const Guid from{context.source, heartbeat.writer};
   if (!context.for_us) return {};
   if (is_builtin(heartbeat.writer)) listener_.on_builtin_heartbeat(from);
@@ -251,7 +260,7 @@ Status MessageReceiver::on_heartbeat(const SubmessageView& view, Context& contex
 }
 
 Status MessageReceiver::on_gap(const SubmessageView& view, Context& context) {
-  const auto gap = DDSSEC_TRY(read_gap(view));
+  DDSSEC_ASSIGN_OR_RETURN(const auto gap, read_gap(view));
   if (!context.for_us) return {};
   each_reader(gap.reader, gap.writer, context, [&](StatefulReader& reader) {
     context.note_told(reader.on_gap(context.source, gap));
@@ -260,7 +269,7 @@ Status MessageReceiver::on_gap(const SubmessageView& view, Context& context) {
 }
 
 Status MessageReceiver::on_acknack(const SubmessageView& view, Context& context) {
-  const auto acknack = DDSSEC_TRY(read_acknack(view));
+  DDSSEC_ASSIGN_OR_RETURN(const auto acknack, read_acknack(view));
   auto* writer = addressed(acknack.writer, acknack.reader, context);
   if (writer == nullptr) return {};
   context.note_told(writer->on_acknack(context.source, acknack, context.now));
@@ -269,7 +278,7 @@ Status MessageReceiver::on_acknack(const SubmessageView& view, Context& context)
 }
 
 Status MessageReceiver::on_nack_frag(const SubmessageView& view, Context& context) {
-  const auto nack = DDSSEC_TRY(read_nack_frag(view));
+  DDSSEC_ASSIGN_OR_RETURN(const auto nack, read_nack_frag(view));
   auto* writer = addressed(nack.writer, nack.reader, context);
   if (writer == nullptr) return {};
   context.note_told(writer->on_nack_frag(context.source, nack, context.now));

@@ -36,7 +36,7 @@ Status Participant::secure(std::unique_ptr<OwnSecurity> own) {
   write_parameter_list(out, announcer_.own_data());
   if (out.overflowed()) return fail(Code::length_out_of_range, {.document = "participant data"});
   octets.resize(out.size());
-  DDSSEC_TRY(core_.security->start(std::move(octets)));
+  DDSSEC_RETURN_IF_ERROR(core_.security->start(std::move(octets)));
   announcer_.announce_securely();
   return {};
 }
@@ -89,7 +89,9 @@ Result<Guid> Participant::create_writer(EndpointRequest request, EndpointListene
   const auto call = calls_.enter();
   core_.now = now;
   const auto gathering = gather();
-  auto& writer = *DDSSEC_TRY(local_.create_writer(std::move(request), listener));
+  DDSSEC_ASSIGN_OR_RETURN(const auto created_writer,
+                          local_.create_writer(std::move(request), listener));
+  auto& writer = *created_writer;
   liveliness_.expect(writer.data.qos.liveliness);
   local_.publish(writer.data);
   matcher_.add(writer);
@@ -101,7 +103,9 @@ Result<Guid> Participant::create_reader(EndpointRequest request, EndpointListene
   const auto call = calls_.enter();
   core_.now = now;
   const auto gathering = gather();
-  auto& reader = *DDSSEC_TRY(local_.create_reader(std::move(request), listener));
+  DDSSEC_ASSIGN_OR_RETURN(const auto created_reader,
+                          local_.create_reader(std::move(request), listener));
+  auto& reader = *created_reader;
   reader.protocol->on_alive([this](const Guid& writer) { liveliness_.note_alive(writer); });
   local_.publish(reader.data);
   matcher_.add(reader);
@@ -119,7 +123,7 @@ void Participant::remove(const Guid& endpoint, MonotonicTime now) {
 Status Participant::change_qos(const Guid& endpoint, Qos qos, MonotonicTime now) {
   const auto call = calls_.enter();
   core_.now = now;
-  DDSSEC_TRY(check_consistency(qos));
+  DDSSEC_RETURN_IF_ERROR(check_consistency(qos));
   const auto apply = [&](auto* local) {
     if (local == nullptr) return;
     local->data.qos = qos;

@@ -48,9 +48,9 @@ Status check_mutable(const Qos& from, const Qos& to) {
 
 Status check_consistency(const Qos& qos) {
   const auto& limits = qos.resource_limits;
-  DDSSEC_TRY(check_limit("max_samples", limits.max_samples));
-  DDSSEC_TRY(check_limit("max_instances", limits.max_instances));
-  DDSSEC_TRY(check_limit("max_samples_per_instance", limits.max_samples_per_instance));
+  DDSSEC_RETURN_IF_ERROR(check_limit("max_samples", limits.max_samples));
+  DDSSEC_RETURN_IF_ERROR(check_limit("max_instances", limits.max_instances));
+  DDSSEC_RETURN_IF_ERROR(check_limit("max_samples_per_instance", limits.max_samples_per_instance));
   const bool keep_last = qos.history.kind == HistoryKind::keep_last;
   if (keep_last && qos.history.depth < 1)
     return inconsistent("HISTORY.depth", "at least 1", std::to_string(qos.history.depth));

@@ -78,15 +78,15 @@ Admission::Verdict Admission::judge(const ParticipantData& data) {
 Status Admission::check_participant(const ParticipantData& data) const {
   const auto own_info = spi::security_info(core_.own->attributes());
   const auto info = data.security_info.value_or(spi::SecurityInfo{});
-  DDSSEC_TRY(check_key_revision(data, own_info, info));
+  DDSSEC_RETURN_IF_ERROR(check_key_revision(data, own_info, info));
   if (!spi::compatible(own_info, info)) return mismatch(data, own_info);
   if (!data.ciphers) return {};
-  DDSSEC_TRY(check_ciphers(data.vendor, data.ciphers->builtin_required));
+  DDSSEC_RETURN_IF_ERROR(check_ciphers(data.vendor, data.ciphers->builtin_required));
   return check_ciphers(data.vendor, data.ciphers->key_exchange_required);
 }
 
 Status Admission::check_proven(const ParticipantData& proven) const {
-  DDSSEC_TRY(check_participant(proven));
+  DDSSEC_RETURN_IF_ERROR(check_participant(proven));
   return check_domain(proven);
 }
 
@@ -161,17 +161,18 @@ Result<Admission::Announced> Admission::create_endpoint(const EntityId& id,
   const auto names = views_of(endpoint.partitions);
   const spi::EndpointRequest request{
       .topic_name = endpoint.topic, .partitions = names, .data_tags = endpoint.data_tags};
-  DDSSEC_TRY(
+  DDSSEC_RETURN_IF_ERROR(
       plugin.check_create_topic(core_.own->permissions(), core_.own->domain_id(), endpoint.topic));
-  DDSSEC_TRY(check_own(id, endpoint));
-  const auto attributes = DDSSEC_TRY(
+  DDSSEC_RETURN_IF_ERROR(check_own(id, endpoint));
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto attributes,
       is_writer(id) ? plugin.datawriter_sec_attributes(core_.own->permissions(), request)
                     : plugin.datareader_sec_attributes(core_.own->permissions(), request));
   own_.insert_or_assign(
       id, Asked{std::string(endpoint.topic), endpoint.partitions, endpoint.data_tags});
-  DDSSEC_TRY(core_.keyring.add_local(id, attributes, {}, endpoint.properties));
-  Announced out{spi::security_info(attributes), DDSSEC_TRY(core_.keyring.required_ciphers(id)),
-                attributes.is_key_protected()};
+  DDSSEC_RETURN_IF_ERROR(core_.keyring.add_local(id, attributes, {}, endpoint.properties));
+  DDSSEC_ASSIGN_OR_RETURN(const auto ciphers, core_.keyring.required_ciphers(id));
+  Announced out{spi::security_info(attributes), ciphers, attributes.is_key_protected()};
   // An endpoint of Fast DDS without security matches one that announces masks only if these masks
   // require access control.
   if (admits_unauthenticated() && is_open(attributes)) out.info.reset();
@@ -226,7 +227,8 @@ Status Admission::check_protection(const spi::EndpointSecurityAttributes& attrib
   if (attributes.topic.is_discovery_protected && !remote.is_secure)
     return fail(Code::rtps_protection_missing,
                 {.expected = "an announcement by secure discovery", .found = "a plain one"});
-  if (remote.required_ciphers) DDSSEC_TRY(check_ciphers(vendor, *remote.required_ciphers));
+  if (remote.required_ciphers)
+    DDSSEC_RETURN_IF_ERROR(check_ciphers(vendor, *remote.required_ciphers));
   const auto own = spi::security_info(attributes);
   if (spi::compatible(own, remote.info)) return {};
   return fail(
@@ -242,11 +244,12 @@ Result<Admission::Permission> Admission::check_permissions(const Local& local,
   const spi::EndpointRequest request{
       .topic_name = remote.topic, .partitions = names, .data_tags = remote.data_tags};
   if (local.reads) {
-    DDSSEC_TRY(
+    DDSSEC_RETURN_IF_ERROR(
         plugin.check_remote_datawriter(peer.permissions.handle, core_.own->domain_id(), request));
     return Permission{};
   }
-  const auto answer = DDSSEC_TRY(
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto answer,
       plugin.check_remote_datareader(peer.permissions.handle, core_.own->domain_id(), request));
   return Permission{answer.relay_only};
 }

@@ -1,6 +1,7 @@
 #include "rtps/security/generic_message.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/hash.hpp"
 #include "rtps/cdr/encapsulation.hpp"
@@ -18,8 +19,9 @@ void write(Writer& out, const MessageIdentity& identity) {
 }
 
 Result<MessageIdentity> read_identity(Reader& reader) {
-  MessageIdentity identity{DDSSEC_TRY(read_guid(reader)), 0};
-  identity.sequence_number = DDSSEC_TRY(reader.read_aligned<std::int64_t>());
+  DDSSEC_ASSIGN_OR_RETURN(const auto guid, read_guid(reader));
+  MessageIdentity identity{guid, 0};
+  DDSSEC_ASSIGN_OR_RETURN(identity.sequence_number, reader.read_aligned<std::int64_t>());
   return identity;
 }
 
@@ -62,20 +64,22 @@ Bytes write_generic_message(const GenericMessage& message) {
 }
 
 Result<GenericMessage> read_generic_message(BytesView payload) {
-  const auto opened = DDSSEC_TRY(open_payload(payload));
+  DDSSEC_ASSIGN_OR_RETURN(const auto opened, open_payload(payload));
   if (opened.encapsulation != Encapsulation::cdr) return fail(Code::rtps_encapsulation_unsupported);
   Reader reader(opened.body, opened.endian);
   GenericMessage message;
-  message.identity = DDSSEC_TRY(read_identity(reader));
-  message.related = DDSSEC_TRY(read_identity(reader));
-  message.destination_participant = DDSSEC_TRY(read_guid(reader));
-  message.destination_endpoint = DDSSEC_TRY(read_guid(reader));
-  message.source_endpoint = DDSSEC_TRY(read_guid(reader));
-  message.message_class = DDSSEC_TRY(reader.read_string());
-  const auto count = DDSSEC_TRY(reader.read_count(kLeastTokenSize));
+  DDSSEC_ASSIGN_OR_RETURN(message.identity, read_identity(reader));
+  DDSSEC_ASSIGN_OR_RETURN(message.related, read_identity(reader));
+  DDSSEC_ASSIGN_OR_RETURN(message.destination_participant, read_guid(reader));
+  DDSSEC_ASSIGN_OR_RETURN(message.destination_endpoint, read_guid(reader));
+  DDSSEC_ASSIGN_OR_RETURN(message.source_endpoint, read_guid(reader));
+  DDSSEC_ASSIGN_OR_RETURN(message.message_class, reader.read_string());
+  DDSSEC_ASSIGN_OR_RETURN(const auto count, reader.read_count(kLeastTokenSize));
   if (count > spi::kMostTokensPerMessage) return fail(Code::length_out_of_range);
-  for (std::uint32_t i = 0; i < count; ++i)
-    message.data.push_back(DDSSEC_TRY(spi::read_token(reader)));
+  for (std::uint32_t i = 0; i < count; ++i) {
+    DDSSEC_ASSIGN_OR_RETURN(auto token, spi::read_token(reader));
+    message.data.push_back(std::move(token));
+  }
   return message;
 }
 

@@ -227,12 +227,12 @@ bool Handshakes::advance(Peer& peer) {
 Result<Association> Handshakes::associate(Peer& peer) {
   const auto prefix = peer.prefix();
   if (!subjects_.has_place(prefix)) return std::unexpected(no_place_for(peer));
-  DDSSEC_TRY(adopt_proven_data(peer));
+  DDSSEC_RETURN_IF_ERROR(adopt_proven_data(peer));
   Association out;
-  out.permissions = DDSSEC_TRY(permissions_of(peer));
+  DDSSEC_ASSIGN_OR_RETURN(out.permissions, permissions_of(peer));
   out.subject =
       core_.own->plugins().authentication.authenticated_subject(peer.state.handshake()->handle());
-  DDSSEC_TRY(register_keys(peer, out));
+  DDSSEC_RETURN_IF_ERROR(register_keys(peer, out));
   subjects_.take(prefix);
   out.place = Cleanup([this, prefix] { subjects_.give_back(prefix); });
   return out;
@@ -265,32 +265,36 @@ void Handshakes::try_later(Peer& peer) {
 Result<PeerPermissions> Handshakes::permissions_of(const Peer& peer) {
   auto& [authentication, access_control, cryptography] = core_.own->plugins();
   const auto& handshake = *peer.state.handshake();
-  const auto credential =
-      DDSSEC_TRY(authentication.authenticated_peer_credential_token(handshake.handle()));
-  const auto handle = DDSSEC_TRY(access_control.validate_remote_permissions(
-      core_.own->identity(), handshake.identity()->handle(),
-      peer.data.permissions_token.value_or(spi::Token{}), credential));
+  DDSSEC_ASSIGN_OR_RETURN(const auto credential,
+                          authentication.authenticated_peer_credential_token(handshake.handle()));
+  DDSSEC_ASSIGN_OR_RETURN(const auto handle,
+                          access_control.validate_remote_permissions(
+                              core_.own->identity(), handshake.identity()->handle(),
+                              peer.data.permissions_token.value_or(spi::Token{}), credential));
   PeerPermissions out{handle, Cleanup([&plugin = access_control, handle] {
                         static_cast<void>(plugin.return_permissions_handle(handle));
                       })};
-  DDSSEC_TRY(access_control.check_remote_participant(handle, core_.own->domain_id()));
+  DDSSEC_RETURN_IF_ERROR(access_control.check_remote_participant(handle, core_.own->domain_id()));
   return out;
 }
 
 Status Handshakes::register_keys(const Peer& peer, Association& association) {
   const auto& handshake = *peer.state.handshake();
   const auto prefix = peer.prefix();
-  auto secret = DDSSEC_TRY(core_.own->plugins().authentication.shared_secret(handshake.handle()));
+  DDSSEC_ASSIGN_OR_RETURN(auto secret,
+                          core_.own->plugins().authentication.shared_secret(handshake.handle()));
   auto& keyring = core_.keyring;
-  DDSSEC_TRY(
+  DDSSEC_RETURN_IF_ERROR(
       keyring.add_remote(prefix, {handshake.identity()->handle(), association.permissions.handle,
                                   std::move(secret), peer.data.vendor != kVendorCyclone}));
   association.keys = Cleanup([&sender = core_.sender, &keyring, prefix] {
     sender.flush_now();  // waiting messages need its keys
     keyring.remove_remote(prefix);
   });
-  DDSSEC_TRY(keyring.introduce(kVolatileMessageWriter, {prefix, kVolatileMessageReader}));
-  DDSSEC_TRY(keyring.introduce(kVolatileMessageReader, {prefix, kVolatileMessageWriter}));
+  DDSSEC_RETURN_IF_ERROR(
+      keyring.introduce(kVolatileMessageWriter, {prefix, kVolatileMessageReader}));
+  DDSSEC_RETURN_IF_ERROR(
+      keyring.introduce(kVolatileMessageReader, {prefix, kVolatileMessageWriter}));
   return {};
 }
 
@@ -299,7 +303,7 @@ Status Handshakes::adopt_proven_data(Peer& peer) {
   const auto proven = read_participant_list(peer.state.handshake()->peer_data(), Endian::big);
   if (!proven || proven->guid != peer.data.guid)
     return {};  // without it, the announced data counts
-  DDSSEC_TRY(admission_.check_proven(*proven));
+  DDSSEC_RETURN_IF_ERROR(admission_.check_proven(*proven));
   if (proven->vendor != VendorId{}) peer.data.vendor = proven->vendor;
   if (proven->permissions_token) peer.data.permissions_token = proven->permissions_token;
   if (auto proven_at = core_.host.on_proven(GuidPrefix(peer.prefix()), *proven); !proven_at.empty())

@@ -27,7 +27,7 @@ Status KeyExchange::open(Peer& peer) {
       {{prefix, kVolatileMessageReader}, true, false, peer.metatraffic}, core_.now);
   association.volatile_reader->match({{prefix, kVolatileMessageWriter}, true, peer.metatraffic},
                                      core_.now);
-  auto tokens = DDSSEC_TRY(core_.keyring.participant_tokens(prefix));
+  DDSSEC_ASSIGN_OR_RETURN(auto tokens, core_.keyring.participant_tokens(prefix));
   send_tokens(peer, message_class::kParticipantTokens, {}, {}, std::move(tokens));
   if (revising_) send_revised(peer);
   return {};

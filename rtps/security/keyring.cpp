@@ -50,12 +50,15 @@ Status Keyring::add_local(const EntityId& id, const spi::EndpointSecurityAttribu
     if (local.is_volatile)
       properties.push_back(
           {std::string(spi::property::kBuiltinEndpointName), std::string(builtin_name), false});
-    local.handle =
-        is_writer(id)
-            ? DDSSEC_TRY(factory().register_local_datawriter(own_.crypto(), properties, attributes))
-                  .value
-            : DDSSEC_TRY(factory().register_local_datareader(own_.crypto(), properties, attributes))
-                  .value;
+    if (is_writer(id)) {
+      DDSSEC_ASSIGN_OR_RETURN(const auto writer, factory().register_local_datawriter(
+                                                     own_.crypto(), properties, attributes));
+      local.handle = writer.value;
+    } else {
+      DDSSEC_ASSIGN_OR_RETURN(const auto reader, factory().register_local_datareader(
+                                                     own_.crypto(), properties, attributes));
+      local.handle = reader.value;
+    }
   }
   locals_[id] = std::move(local);
   return {};
@@ -64,11 +67,16 @@ Status Keyring::add_local(const EntityId& id, const spi::EndpointSecurityAttribu
 Result<std::optional<spi::CipherMask>> Keyring::required_ciphers(const EntityId& id) {
   const auto* local = find(id);
   if (local == nullptr || local->handle == 0) return std::nullopt;
-  if (is_writer(id))
-    return DDSSEC_TRY(factory().required_ciphers(spi::DatawriterCryptoHandle{local->handle}));
+  if (is_writer(id)) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto ciphers,
+                            factory().required_ciphers(spi::DatawriterCryptoHandle{local->handle}));
+    return ciphers;
+  }
   // A reader sends nothing with a payload key.
   if (!local->attributes.is_submessage_protected()) return std::nullopt;
-  return DDSSEC_TRY(factory().required_ciphers(spi::DatareaderCryptoHandle{local->handle}));
+  DDSSEC_ASSIGN_OR_RETURN(const auto ciphers,
+                          factory().required_ciphers(spi::DatareaderCryptoHandle{local->handle}));
+  return ciphers;
 }
 
 void Keyring::unregister(const EntityId& id, std::int64_t handle) {
@@ -91,8 +99,9 @@ void Keyring::remove_local(const EntityId& id) {
 // ---- remote participants
 
 Status Keyring::add_remote(const GuidPrefix& prefix, RemoteParticipant remote) {
-  const auto handle = DDSSEC_TRY(factory().register_matched_remote_participant(
-      own_.crypto(), remote.identity, remote.permissions, *remote.secret));
+  DDSSEC_ASSIGN_OR_RETURN(const auto handle,
+                          factory().register_matched_remote_participant(
+                              own_.crypto(), remote.identity, remote.permissions, *remote.secret));
   remotes_[prefix] = {handle, std::move(remote.secret), remote.wraps_plain_builtin, {}};
   all_remotes_.push_back(handle);
   return {};
@@ -122,7 +131,7 @@ Status Keyring::set_participant_tokens(const GuidPrefix& prefix,
                                        std::span<const spi::Token> tokens) {
   const auto at = remotes_.find(prefix);
   if (at == remotes_.end()) return fail(Code::crypto_not_matched);
-  DDSSEC_TRY(
+  DDSSEC_RETURN_IF_ERROR(
       exchange().set_remote_participant_crypto_tokens(own_.crypto(), at->second.crypto, tokens));
   at->second.keys = digest_of(tokens);
   return {};
@@ -132,13 +141,16 @@ Status Keyring::set_participant_tokens(const GuidPrefix& prefix,
 
 Result<std::int64_t> Keyring::register_pair(const EntityId& id, const Local& local,
                                             const Remote& remote, bool relay_only) {
-  if (is_writer(id))
-    return DDSSEC_TRY(factory().register_matched_remote_datareader({local.handle}, remote.crypto,
-                                                                   *remote.secret, relay_only))
-        .value;
-  return DDSSEC_TRY(factory().register_matched_remote_datawriter({local.handle}, remote.crypto,
-                                                                 *remote.secret))
-      .value;
+  if (is_writer(id)) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto matched_remote_datareader,
+                            factory().register_matched_remote_datareader(
+                                {local.handle}, remote.crypto, *remote.secret, relay_only));
+    return matched_remote_datareader.value;
+  }
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto matched_remote_datawriter,
+      factory().register_matched_remote_datawriter({local.handle}, remote.crypto, *remote.secret));
+  return matched_remote_datawriter.value;
 }
 
 Result<std::vector<spi::Token>> Keyring::tokens_for(const EntityId& id, const Local& local,
@@ -160,10 +172,10 @@ Result<Keyring::Introduction> Keyring::introduce(const EntityId& id, const Guid&
   if (local.handle != 0) {
     const auto peer = remotes_.find(remote.prefix);
     if (peer == remotes_.end()) return fail(Code::crypto_not_matched);
-    pair.handle = DDSSEC_TRY(register_pair(id, local, peer->second, relay_only));
+    DDSSEC_ASSIGN_OR_RETURN(pair.handle, register_pair(id, local, peer->second, relay_only));
     endpoint_of_[pair.handle] = remote;
     if (!local.is_volatile) {
-      out.tokens = DDSSEC_TRY(tokens_for(id, local, pair));
+      DDSSEC_ASSIGN_OR_RETURN(out.tokens, tokens_for(id, local, pair));
       out.ready = pair.ready = !waits_for_tokens(id, local.attributes);
     }
   }
@@ -244,9 +256,9 @@ Result<bool> Keyring::set_endpoint_tokens(const EntityId& id, const Guid& remote
   const auto own = at->second.handle;
   const auto peer = pair->second.handle;
   if (is_writer(id))
-    DDSSEC_TRY(exchange().set_remote_datareader_crypto_tokens({own}, {peer}, tokens));
+    DDSSEC_RETURN_IF_ERROR(exchange().set_remote_datareader_crypto_tokens({own}, {peer}, tokens));
   else
-    DDSSEC_TRY(exchange().set_remote_datawriter_crypto_tokens({own}, {peer}, tokens));
+    DDSSEC_RETURN_IF_ERROR(exchange().set_remote_datawriter_crypto_tokens({own}, {peer}, tokens));
   pair->second.keys = digest_of(tokens);
   const bool was_ready = std::exchange(pair->second.ready, true);
   at->second.list(id, pair->second);

@@ -1,4 +1,6 @@
 // The part of Keyring that protects whole messages with participants' keys.
+#include <utility>
+
 #include "plugins/spi/session_reset.hpp"
 #include "rtps/security/keyring.hpp"
 #include "wire/submessage.hpp"
@@ -19,8 +21,10 @@ Result<Keyring::OpenMessage> Keyring::open_message(const Header& header, BytesVi
     if (pre_shared_.are_due()) return pre_shared_.refuse_bare(header, now);
     return OpenMessage{message};
   }
-  if (spi::has_pre_shared_key_flag(message))
-    return OpenMessage{DDSSEC_TRY(pre_shared_.open(header, message, scratch, now))};
+  if (spi::has_pre_shared_key_flag(message)) {
+    DDSSEC_ASSIGN_OR_RETURN(auto opened, pre_shared_.open(header, message, scratch, now));
+    return OpenMessage{std::move(opened)};
+  }
   // Sent by a peer with ddssec's plugins in Cyclone DDS that has ended the session: after a
   // revocation or an expiry it answers every message in this way. It is not a damaged message and
   // no reason for a warning.

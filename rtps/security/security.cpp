@@ -43,9 +43,11 @@ Security::~Security() {
 Status Security::start(Bytes own_data) {
   handshakes_.set_own_data(std::move(own_data));
   for (const auto& endpoint : kBuiltin) {
-    const auto attributes = DDSSEC_TRY(core_.own->builtin_attributes(endpoint.topic));
-    DDSSEC_TRY(core_.keyring.add_local(endpoint.writer, attributes, endpoint.writer_name));
-    DDSSEC_TRY(core_.keyring.add_local(endpoint.reader, attributes, endpoint.reader_name));
+    DDSSEC_ASSIGN_OR_RETURN(const auto attributes, core_.own->builtin_attributes(endpoint.topic));
+    DDSSEC_RETURN_IF_ERROR(
+        core_.keyring.add_local(endpoint.writer, attributes, endpoint.writer_name));
+    DDSSEC_RETURN_IF_ERROR(
+        core_.keyring.add_local(endpoint.reader, attributes, endpoint.reader_name));
   }
   core_.sender.protect_with(core_.keyring);
   return {};

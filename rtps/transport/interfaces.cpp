@@ -128,7 +128,7 @@ Result<std::vector<NetworkInterface>> choose_interfaces(std::span<const std::str
       known.push_back(std::move(second));
   std::vector<NetworkInterface> out;
   for (const auto& one : wanted) {
-    auto found = DDSSEC_TRY(find_interface(one, known));
+    DDSSEC_ASSIGN_OR_RETURN(auto found, find_interface(one, known));
     if (std::ranges::find(out, found.address, &NetworkInterface::address) == out.end())
       out.push_back(std::move(found));
   }

@@ -25,8 +25,9 @@ Result<std::unique_ptr<ParticipantSockets>> ParticipantSockets::open(
     auto user = socket_at(interfaces, ports::user(domain, index), receive_buffer);
     if (!user && user.error().code() == Code::rtps_port_taken) continue;
     if (!user) return std::unexpected(user.error());
+    DDSSEC_ASSIGN_OR_RETURN(auto event_loop, EventLoop::create());
     std::unique_ptr<ParticipantSockets> out(
-        new ParticipantSockets(DDSSEC_TRY(EventLoop::create()), std::move(interfaces), index));
+        new ParticipantSockets(std::move(event_loop), std::move(interfaces), index));
     out->sockets_.push_back(std::move(*metatraffic));
     out->sockets_.push_back(std::move(*user));
     return out;
@@ -39,18 +40,22 @@ Result<std::unique_ptr<ParticipantSockets>> ParticipantSockets::open(
 
 Status ParticipantSockets::join(const Locator& group, const NetworkInterface& interface) {
   if (has_joined())
-    DDSSEC_TRY(sockets_.back().join_also(group, interface.address));
-  else
-    sockets_.push_back(DDSSEC_TRY(UdpSocket::join(group, interface.address)));
-  if (interface.address.address != interfaces_.front().address.address)
-    further_.push_back(DDSSEC_TRY(UdpSocket::everywhere(interface.address)));
+    DDSSEC_RETURN_IF_ERROR(sockets_.back().join_also(group, interface.address));
+  else {
+    DDSSEC_ASSIGN_OR_RETURN(auto udp_socket, UdpSocket::join(group, interface.address));
+    sockets_.push_back(std::move(udp_socket));
+  }
+  if (interface.address.address != interfaces_.front().address.address) {
+    DDSSEC_ASSIGN_OR_RETURN(auto udp_socket, UdpSocket::everywhere(interface.address));
+    further_.push_back(std::move(udp_socket));
+  }
   return {};
 }
 
 Status ParticipantSockets::listen(std::function<void(UdpSocket&)> f) {
   receive_ = std::move(f);
   for (auto& socket : sockets_)
-    DDSSEC_TRY(loop_.watch(socket.fd(), [this, &socket] { receive_(socket); }));
+    DDSSEC_RETURN_IF_ERROR(loop_.watch(socket.fd(), [this, &socket] { receive_(socket); }));
   return {};
 }
 

@@ -133,7 +133,7 @@ Result<UdpSocket> UdpSocket::on_interface(const Locator& interface, std::size_t 
 }
 
 Result<UdpSocket> UdpSocket::everywhere(const Locator& interface, std::size_t buffer) {
-  auto socket = DDSSEC_TRY(bind({interface.kind, interface.port, {}}, buffer));
+  DDSSEC_ASSIGN_OR_RETURN(auto socket, bind({interface.kind, interface.port, {}}, buffer));
   socket.local_.address = interface.address;
   // Messages to a group are sent through this interface, whatever the routing table says.
   if (interface.kind == LocatorKind::udp_v4) {
@@ -146,8 +146,8 @@ Result<UdpSocket> UdpSocket::everywhere(const Locator& interface, std::size_t bu
 }
 
 Result<UdpSocket> UdpSocket::join(const Locator& group, const Locator& interface) {
-  auto socket = DDSSEC_TRY(open(group, true, kWantedBuffer));
-  DDSSEC_TRY(socket.join_also(group, interface));
+  DDSSEC_ASSIGN_OR_RETURN(auto socket, open(group, true, kWantedBuffer));
+  DDSSEC_RETURN_IF_ERROR(socket.join_also(group, interface));
   return socket;
 }
 

@@ -19,8 +19,9 @@ constexpr int kDeepest = 16;
 Status align(Reader& reader) { return reader.skip(-reader.position() & 3u); }
 
 Result<BytesView> read_delimited(Reader& reader) {
-  DDSSEC_TRY(align(reader));
-  return reader.read_bytes(DDSSEC_TRY(reader.read<std::uint32_t>()));
+  DDSSEC_RETURN_IF_ERROR(align(reader));
+  DDSSEC_ASSIGN_OR_RETURN(const auto size, reader.read<std::uint32_t>());
+  return reader.read_bytes(size);
 }
 
 std::optional<EquivalenceHash> hash_in(BytesView type_identifier) {
@@ -36,20 +37,23 @@ Result<BytesView> read_member(Reader& reader, std::uint32_t header) {
   const auto length_code = header >> 28 & 7;
   if (length_code < 4) return reader.read_bytes(std::size_t{1} << length_code);
   if (length_code > 4) return fail(Code::malformed);
-  return reader.read_bytes(DDSSEC_TRY(reader.read<std::uint32_t>()));
+  DDSSEC_ASSIGN_OR_RETURN(const auto size, reader.read<std::uint32_t>());
+  return reader.read_bytes(size);
 }
 
 Result<EquivalenceHash> read_minimal_hash(BytesView type_information) {
   Reader outer(type_information, Endian::little);
-  Reader members(DDSSEC_TRY(read_delimited(outer)), Endian::little);
+  DDSSEC_ASSIGN_OR_RETURN(const auto delimited, read_delimited(outer));
+  Reader members(delimited, Endian::little);
   while (members.remaining() > 0) {
-    DDSSEC_TRY(align(members));
-    const auto header = DDSSEC_TRY(members.read<std::uint32_t>());
-    const auto member = DDSSEC_TRY(read_member(members, header));
+    DDSSEC_RETURN_IF_ERROR(align(members));
+    DDSSEC_ASSIGN_OR_RETURN(const auto header, members.read<std::uint32_t>());
+    DDSSEC_ASSIGN_OR_RETURN(const auto member, read_member(members, header));
     if ((header & 0x0fffffff) != kMinimalMember) continue;
     Reader with_dependencies(member, Endian::little);
-    Reader with_size(DDSSEC_TRY(read_delimited(with_dependencies)), Endian::little);
-    const auto identifier = DDSSEC_TRY(read_delimited(with_size));
+    DDSSEC_ASSIGN_OR_RETURN(const auto inner, read_delimited(with_dependencies));
+    Reader with_size(inner, Endian::little);
+    DDSSEC_ASSIGN_OR_RETURN(const auto identifier, read_delimited(with_size));
     const auto hash = hash_in(identifier.first(std::min<std::size_t>(identifier.size(), 15)));
     if (hash) return *hash;
   }
@@ -72,12 +76,12 @@ using Structures = std::map<EquivalenceHash, Structure>;
 Result<Member> read_struct_member(BytesView octets) {
   Reader reader(octets, Endian::little);
   Member out;
-  out.id = DDSSEC_TRY(reader.read<std::uint32_t>());
-  out.flags = DDSSEC_TRY(reader.read<std::uint16_t>());
+  DDSSEC_ASSIGN_OR_RETURN(out.id, reader.read<std::uint32_t>());
+  DDSSEC_ASSIGN_OR_RETURN(out.flags, reader.read<std::uint16_t>());
   if (reader.remaining() < 5) return fail(Code::truncated);
   const auto end = octets.size() - 4;
   out.type = Reader(octets.first(end), Endian::little);
-  DDSSEC_TRY(out.type.skip(reader.position()));
+  DDSSEC_RETURN_IF_ERROR(out.type.skip(reader.position()));
   out.name_hash = octets.subspan(end);
   return out;
 }
@@ -85,17 +89,22 @@ Result<Member> read_struct_member(BytesView octets) {
 // Returns empty for a TypeObject of another kind.
 Result<std::optional<Structure>> read_structure(BytesView object) {
   Reader reader(object, Endian::little);
-  if (DDSSEC_TRY(reader.read<std::uint8_t>()) != kMinimal) return fail(Code::malformed);
-  if (DDSSEC_TRY(reader.read<std::uint8_t>()) != kStructure) return std::optional<Structure>();
+  DDSSEC_ASSIGN_OR_RETURN(const auto octet, reader.read<std::uint8_t>());
+  if (octet != kMinimal) return fail(Code::malformed);
+  DDSSEC_ASSIGN_OR_RETURN(const auto value, reader.read<std::uint8_t>());
+  if (value != kStructure) return std::optional<Structure>();
   Structure out;
-  out.flags = DDSSEC_TRY(reader.read<std::uint16_t>());
+  DDSSEC_ASSIGN_OR_RETURN(out.flags, reader.read<std::uint16_t>());
   // The base type: there is none, or it makes the hash different.
-  DDSSEC_TRY(read_delimited(reader));
-  DDSSEC_TRY(align(reader));
-  DDSSEC_TRY(reader.read<std::uint32_t>());
-  const auto count = DDSSEC_TRY(reader.read<std::uint32_t>());
-  for (std::uint32_t i = 0; i < count; ++i)
-    out.members.push_back(DDSSEC_TRY(read_struct_member(DDSSEC_TRY(read_delimited(reader)))));
+  DDSSEC_RETURN_IF_ERROR(read_delimited(reader));
+  DDSSEC_RETURN_IF_ERROR(align(reader));
+  DDSSEC_RETURN_IF_ERROR(reader.read<std::uint32_t>());
+  DDSSEC_ASSIGN_OR_RETURN(const auto count, reader.read<std::uint32_t>());
+  for (std::uint32_t i = 0; i < count; ++i) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto delimited, read_delimited(reader));
+    DDSSEC_ASSIGN_OR_RETURN(auto struct_member, read_struct_member(delimited));
+    out.members.push_back(std::move(struct_member));
+  }
   return out;
 }
 
@@ -103,11 +112,13 @@ Result<Structures> read_objects(BytesView octets) {
   if (octets.size() > kMostTypeObjects) return fail(Code::length_out_of_range);
   Structures out;
   Reader reader(octets, Endian::little);
-  DDSSEC_TRY(reader.read<std::uint32_t>());
-  const auto count = DDSSEC_TRY(reader.read<std::uint32_t>());
+  DDSSEC_RETURN_IF_ERROR(reader.read<std::uint32_t>());
+  DDSSEC_ASSIGN_OR_RETURN(const auto count, reader.read<std::uint32_t>());
   for (std::uint32_t i = 0; i < count; ++i) {
-    const auto hash = hash_in(DDSSEC_TRY(reader.read_bytes(1 + sizeof(EquivalenceHash))));
-    auto structure = DDSSEC_TRY(read_structure(DDSSEC_TRY(read_delimited(reader))));
+    DDSSEC_ASSIGN_OR_RETURN(const auto bytes, reader.read_bytes(1 + sizeof(EquivalenceHash)));
+    const auto hash = hash_in(bytes);
+    DDSSEC_ASSIGN_OR_RETURN(const auto delimited, read_delimited(reader));
+    DDSSEC_ASSIGN_OR_RETURN(auto structure, read_structure(delimited));
     if (hash && structure) out[*hash] = std::move(*structure);
   }
   return out;
@@ -119,12 +130,13 @@ bool is_sequence(std::uint8_t kind) { return kind == kSequenceSmall || kind == k
 // Returns 0 if there is no bound.
 Result<std::uint32_t> read_bound(Reader& type, std::uint8_t kind) {
   if (kind == kString8Large || kind == kSequenceLarge) return type.read_aligned<std::uint32_t>();
-  return DDSSEC_TRY(type.read<std::uint8_t>());
+  DDSSEC_ASSIGN_OR_RETURN(const auto octet, type.read<std::uint8_t>());
+  return octet;
 }
 
 Status skip_collection_header(Reader& type) {
-  DDSSEC_TRY(type.read<std::uint8_t>());
-  DDSSEC_TRY(type.read_aligned<std::uint16_t>());
+  DDSSEC_RETURN_IF_ERROR(type.read<std::uint8_t>());
+  DDSSEC_RETURN_IF_ERROR(type.read_aligned<std::uint16_t>());
   return {};
 }
 
@@ -170,7 +182,8 @@ class Comparison {
 
   Result<bool> assignable(Reader from, Reader to, int depth) {
     if (std::ranges::equal(from.rest(), to.rest())) return true;
-    if (const auto flat = DDSSEC_TRY(assignable_but_for_bounds(from, to, depth))) return *flat;
+    DDSSEC_ASSIGN_OR_RETURN(const auto flat, assignable_but_for_bounds(from, to, depth));
+    if (flat) return *flat;
     const auto writer = hash_in(from.rest()), reader = hash_in(to.rest());
     return writer && reader && assignable(*writer, *reader, depth + 1);
   }
@@ -178,23 +191,25 @@ class Comparison {
   // Handles strings, and sequences of equal types or of such sequences; returns empty for other
   // types.
   Result<std::optional<bool>> assignable_but_for_bounds(Reader from, Reader to, int depth) {
-    const auto written = DDSSEC_TRY(from.read<std::uint8_t>());
-    const auto read = DDSSEC_TRY(to.read<std::uint8_t>());
+    DDSSEC_ASSIGN_OR_RETURN(const auto written, from.read<std::uint8_t>());
+    DDSSEC_ASSIGN_OR_RETURN(const auto read, to.read<std::uint8_t>());
     if (is_string(written) && is_string(read)) {
-      const auto most = DDSSEC_TRY(read_bound(from, written));
-      const auto room = DDSSEC_TRY(read_bound(to, read));
+      DDSSEC_ASSIGN_OR_RETURN(const auto most, read_bound(from, written));
+      DDSSEC_ASSIGN_OR_RETURN(const auto room, read_bound(to, read));
       return fits(most, room) ||
              allowed(policy_.ignore_string_bounds, "ignore_string_bounds = false");
     }
     if (!is_sequence(written) || !is_sequence(read)) return std::optional<bool>();
-    DDSSEC_TRY(skip_collection_header(from));
-    DDSSEC_TRY(skip_collection_header(to));
-    const auto most = DDSSEC_TRY(read_bound(from, written));
-    const auto room = DDSSEC_TRY(read_bound(to, read));
+    DDSSEC_RETURN_IF_ERROR(skip_collection_header(from));
+    DDSSEC_RETURN_IF_ERROR(skip_collection_header(to));
+    DDSSEC_ASSIGN_OR_RETURN(const auto most, read_bound(from, written));
+    DDSSEC_ASSIGN_OR_RETURN(const auto room, read_bound(to, read));
     const bool same = std::ranges::equal(from.rest(), to.rest());
-    if (!same && (depth >= kDeepest ||
-                  !DDSSEC_TRY(assignable_but_for_bounds(from, to, depth + 1)).value_or(false)))
-      return false;
+    if (!same) {
+      if (depth >= kDeepest) return false;
+      DDSSEC_ASSIGN_OR_RETURN(const auto elements, assignable_but_for_bounds(from, to, depth + 1));
+      if (!elements.value_or(false)) return false;
+    }
     return fits(most, room) ||
            allowed(policy_.ignore_sequence_bounds, "ignore_sequence_bounds = false");
   }

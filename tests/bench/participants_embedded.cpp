@@ -24,13 +24,18 @@ struct Embedded {
 };
 
 Result<Embedded> create(rtps::DomainParticipant& participant, bench_role role) {
-  auto& written = *DDSSEC_TRY(participant.create_topic<Blob>(bench_written(role)));
-  auto& publisher = *DDSSEC_TRY(participant.create_publisher());
-  auto& subscriber = *DDSSEC_TRY(participant.create_subscriber());
+  DDSSEC_ASSIGN_OR_RETURN(const auto topic, participant.create_topic<Blob>(bench_written(role)));
+  auto& written = *topic;
+  DDSSEC_ASSIGN_OR_RETURN(const auto created_publisher, participant.create_publisher());
+  auto& publisher = *created_publisher;
+  DDSSEC_ASSIGN_OR_RETURN(const auto created_subscriber, participant.create_subscriber());
+  auto& subscriber = *created_subscriber;
   auto reliable = rtps::default_reader_qos();
   reliable.reliability.kind = rtps::ReliabilityKind::reliable;
-  return Embedded{DDSSEC_TRY(publisher.create_datawriter<Blob>(written)),
-                  DDSSEC_TRY(subscriber.create_datareader<Blob>(written, reliable))};
+  DDSSEC_ASSIGN_OR_RETURN(const auto datawriter, publisher.create_datawriter<Blob>(written));
+  DDSSEC_ASSIGN_OR_RETURN(const auto datareader,
+                          subscriber.create_datareader<Blob>(written, reliable));
+  return Embedded{datawriter, datareader};
 }
 
 int run(const bench_options& options) {

@@ -81,13 +81,17 @@ Qos qos_of(const peer_options& options) {
 Status create(DomainParticipant& participant, const peer_options& options, Embedded& out) {
   GroupQos group;
   if (options.partition != nullptr) group.partition = {options.partition};
-  auto& topic = *DDSSEC_TRY(participant.create_topic<Shape>(options.topic));
+  DDSSEC_ASSIGN_OR_RETURN(const auto shape, participant.create_topic<Shape>(options.topic));
+  auto& topic = *shape;
   if (options.publish) {
-    auto& publisher = *DDSSEC_TRY(participant.create_publisher(group));
-    out.writer = DDSSEC_TRY(publisher.create_datawriter<Shape>(topic, qos_of(options)));
+    DDSSEC_ASSIGN_OR_RETURN(const auto created_publisher, participant.create_publisher(group));
+    auto& publisher = *created_publisher;
+    DDSSEC_ASSIGN_OR_RETURN(out.writer, publisher.create_datawriter<Shape>(topic, qos_of(options)));
   } else {
-    auto& subscriber = *DDSSEC_TRY(participant.create_subscriber(group));
-    out.reader = DDSSEC_TRY(subscriber.create_datareader<Shape>(topic, qos_of(options)));
+    DDSSEC_ASSIGN_OR_RETURN(const auto created_subscriber, participant.create_subscriber(group));
+    auto& subscriber = *created_subscriber;
+    DDSSEC_ASSIGN_OR_RETURN(out.reader,
+                            subscriber.create_datareader<Shape>(topic, qos_of(options)));
   }
   return {};
 }

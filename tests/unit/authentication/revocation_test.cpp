@@ -34,12 +34,12 @@ class Running : public testing::Test {
   /// Once more the handshake of the two, from the first message to the end or the first refusal.
   Status handshake() {
     auto& two = pairing_.two;
-    DDSSEC_TRY(two.low.discover(two.high));
-    DDSSEC_TRY(two.high.discover(two.low));
-    const auto request = DDSSEC_TRY(two.request());
-    const auto reply = DDSSEC_TRY(two.reply(*request.message));
-    const auto final = DDSSEC_TRY(two.at_low(request.handle, *reply.message));
-    DDSSEC_TRY(two.at_high(reply.handle, *final.message));
+    DDSSEC_RETURN_IF_ERROR(two.low.discover(two.high));
+    DDSSEC_RETURN_IF_ERROR(two.high.discover(two.low));
+    DDSSEC_ASSIGN_OR_RETURN(const auto request, two.request());
+    DDSSEC_ASSIGN_OR_RETURN(const auto reply, two.reply(*request.message));
+    DDSSEC_ASSIGN_OR_RETURN(const auto final, two.at_low(request.handle, *reply.message));
+    DDSSEC_RETURN_IF_ERROR(two.at_high(reply.handle, *final.message));
     return {};
   }
   Engine& engine() { return pairing_.first_engine; }

@@ -47,7 +47,10 @@ Result<int> half(int value) {
   if (value % 2 != 0) return fail(Code::malformed);
   return value / 2;
 }
-Result<int> quarter(int value) { return DDSSEC_TRY(half(DDSSEC_TRY(half(value)))); }
+Result<int> quarter(int value) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto halved, half(value));
+  return half(halved);
+}
 
 TEST(Result, TryReturnsTheFirstError) {
   EXPECT_EQ(quarter(8), 2);

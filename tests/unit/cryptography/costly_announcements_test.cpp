@@ -63,7 +63,7 @@ Status read(const List& list, std::size_t piece = 100'000) {
   const auto octets = list.ended();
   for (auto rest = BytesView(octets); !rest.empty();) {
     const auto part = rest.first(std::min(piece, rest.size()));
-    DDSSEC_TRY(walk.read(topic, kPeer, part));
+    DDSSEC_RETURN_IF_ERROR(walk.read(topic, kPeer, part));
     rest = rest.subspan(part.size());
   }
   return walk.check_end(topic);

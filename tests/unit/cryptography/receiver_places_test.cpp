@@ -66,8 +66,8 @@ struct CrowdedWriter {
     return side.exchange().set_remote_datareader_crypto_tokens(writer, reader, {&token, 1});
   }
   Result<DatareaderCryptoHandle> reader(ParticipantCryptoHandle of) {
-    const auto added = DDSSEC_TRY(announce_reader(of));
-    DDSSEC_TRY(give_tokens(added));
+    DDSSEC_ASSIGN_OR_RETURN(const auto added, announce_reader(of));
+    DDSSEC_RETURN_IF_ERROR(give_tokens(added));
     readers.push_back(added);
     return added;
   }

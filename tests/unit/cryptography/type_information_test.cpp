@@ -41,7 +41,7 @@ Bytes announcement(const std::vector<std::pair<std::uint16_t, Bytes>>& parameter
 
 /// What a host gets of a submessage.
 Result<Bytes> given(Bytes submessage, DiscoveryOfPeers& walks) {
-  const auto at = DDSSEC_TRY(check_builtin_source(submessage, kPeer, walks));
+  DDSSEC_ASSIGN_OR_RETURN(const auto at, check_builtin_source(submessage, kPeer, walks));
   if (at) hide_type_information(submessage, *at);
   return submessage;
 }
