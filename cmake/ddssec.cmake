@@ -152,12 +152,13 @@ function(ddssec_compile_quickly)
   endforeach()
 endfunction()
 
-# ddssec_library(NAME SOURCES ... [PUBLIC libs ...] [PRIVATE libs ...] [PRECOMPILE headers ...] [EACH] [QUICK])
-# EACH: every file is compiled by itself, since they use the same short names for different things.
+# ddssec_library(NAME SOURCES ... [PUBLIC libs ...] [PRIVATE libs ...] [PRECOMPILE headers ...] [ALONE files ...]
+#                [QUICK])
+# ALONE: sources that are not joined with others, since they use the same short names for different things.
 # QUICK: as ddssec_compile_quickly.
 # A static library ddssec_NAME whose headers are included as "folder/file.hpp" from the root.
 function(ddssec_library name)
-  cmake_parse_arguments(ARG "EACH;QUICK" "" "SOURCES;PUBLIC;PRIVATE;PRECOMPILE" ${ARGN})
+  cmake_parse_arguments(ARG "QUICK" "" "SOURCES;PUBLIC;PRIVATE;PRECOMPILE;ALONE" ${ARGN})
   add_library(ddssec_${name} STATIC ${ARG_SOURCES})
   add_library(ddssec::${name} ALIAS ddssec_${name})
   set_property(GLOBAL APPEND PROPERTY DDSSEC_LIBRARIES ${name})
@@ -170,8 +171,10 @@ function(ddssec_library name)
     ddssec_compile_quickly(ddssec_${name})
   endif()
   list(LENGTH ARG_SOURCES files)
-  if(files GREATER 4 AND NOT ARG_EACH)
-    ddssec_join_files(ddssec_${name} ${ARG_SOURCES})
+  if(files GREATER 4)
+    set(joined ${ARG_SOURCES})
+    list(REMOVE_ITEM joined ${ARG_ALONE} "")
+    ddssec_join_files(ddssec_${name} ${joined})
   endif()
   if(DDSSEC_PRECOMPILE AND files GREATER 4)
     set(headers ${ddssec_common_headers} ${ARG_PRECOMPILE})

@@ -1,4 +1,4 @@
-// Engines whose answers a test writes.
+// Engines whose answers a test writes. Their constructors are in mocks.cpp, because compiling them takes long.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -11,6 +11,9 @@ namespace ddssec::cyclonedds {
 
 class MockAuthentication : public spi::Authentication {
  public:
+  MockAuthentication();
+  ~MockAuthentication() override;
+
   MOCK_METHOD(Result<LocalIdentity>, validate_local_identity,
               (DomainId, const spi::PropertyList&, const Guid&), (override));
   MOCK_METHOD(Result<spi::Token>, identity_token, (spi::IdentityHandle, spi::CipherMask),
@@ -40,6 +43,9 @@ class MockAuthentication : public spi::Authentication {
 
 class MockAccessControl : public spi::AccessControl {
  public:
+  MockAccessControl();
+  ~MockAccessControl() override;
+
   using Handle = spi::PermissionsHandle;
   MOCK_METHOD(Result<Handle>, validate_local_permissions,
               (spi::IdentityHandle, DomainId, const spi::PropertyList&, std::string_view),
@@ -81,6 +87,9 @@ class MockCryptography : public spi::Cryptography,
                          public spi::CryptoKeyExchange,
                          public spi::CryptoTransform {
  public:
+  MockCryptography();
+  ~MockCryptography() override;
+
   using Participant = spi::ParticipantCryptoHandle;
   using Datawriter = spi::DatawriterCryptoHandle;
   using Datareader = spi::DatareaderCryptoHandle;
@@ -157,3 +166,7 @@ class MockCryptography : public spi::Cryptography,
 };
 
 }  // namespace ddssec::cyclonedds
+
+extern template class testing::NiceMock<ddssec::cyclonedds::MockAuthentication>;
+extern template class testing::NiceMock<ddssec::cyclonedds::MockAccessControl>;
+extern template class testing::NiceMock<ddssec::cyclonedds::MockCryptography>;
