@@ -12,6 +12,7 @@
 #include "plugins/access_control/protection.hpp"
 #include "plugins/access_control/refusals.hpp"
 #include "plugins/spi/property_names.hpp"
+#include "plugins/spi/session_facts.hpp"
 
 namespace ddssec::access_control {
 namespace {
@@ -287,7 +288,9 @@ Result<PermissionsHandle> Plugin::validate_remote_permissions(spi::IdentityHandl
   }
   auto holder = std::make_shared<PermissionsHolder>(participant, remote_identity,
                                                     std::move(subject), name, std::move(document));
-  holder->note_seen(local);
+  // A peer that keeps the session may go on after the end of what it has seen of us.
+  const auto facts = spi::session_facts_in(credential);
+  if (!facts.peer_keeps_session) holder->note_seen(local, facts.presented_permissions);
   // So that next_expiry knows its end before the first check; an error will come again there.
   if (holder->has_document()) static_cast<void>(grant_now(*holder));
   return add(std::move(holder));

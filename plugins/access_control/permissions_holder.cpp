@@ -26,7 +26,37 @@ bool give_the_same(const governance::Grant& a, const governance::Grant& b) {
                             [](const auto& x, const auto& y) { return say_the_same(x, y); });
 }
 
+/// What a handshake presents of a file, as authentication has it (session_facts.hpp).
+Sha256Digest digest_of(std::string_view text) {
+  constexpr std::string_view kNone("", 1);
+  if (text.ends_with('\0')) text.remove_suffix(1);
+  return sha256(as_bytes(text.empty() ? kNone : text));
+}
+
 }  // namespace
+
+void PermissionsHolder::set_own(std::string text, std::unique_ptr<PermissionsWatch> watch) {
+  text_ = std::move(text);
+  digest_ = digest_of(text_);
+  watch_ = std::move(watch);
+}
+
+void PermissionsHolder::note_seen(std::shared_ptr<const PermissionsHolder> own,
+                                  const std::optional<Sha256Digest>& presented) {
+  seen_ = own->presented(presented);
+  own_ = std::move(own);
+}
+
+std::shared_ptr<PermissionsDocument> PermissionsHolder::presented(
+    const std::optional<Sha256Digest>& digest) const {
+  const std::lock_guard lock(mutex_);
+  if (former_.empty() || (digest && *digest == digest_)) return document_;
+  if (digest) {
+    const auto found = std::ranges::find(former_, *digest, &Former::digest);
+    if (found != former_.end()) return found->document;
+  }
+  return former_.front().document;
+}
 
 bool PermissionsHolder::is_over(WallTime now) const {
   return now >= grant_->grant().validity.not_after || now > document_->signer_not_after();
@@ -118,8 +148,12 @@ Status PermissionsHolder::take(std::shared_ptr<PermissionsDocument> document, By
                 {.field = "not_before",
                  .expected = to_string(grant_->grant().validity.not_before) + " or later",
                  .found = to_string(begin)});
+  constexpr std::size_t kMostFormer = 8;
+  if (former_.size() == kMostFormer) former_.erase(former_.begin() + 1);
+  former_.push_back({digest_, std::move(document_)});
   document_ = std::move(document);
   grant_ = std::move(renewed);
+  digest_ = digest_of(text);
   text_ = std::move(text);
   ++renewals_;
   return {};

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/hash.hpp"
 #include "plugins/access_control/announced.hpp"
 #include "plugins/access_control/documents.hpp"
 #include "plugins/access_control/permissions_watch.hpp"
@@ -63,10 +64,7 @@ class PermissionsHolder {
 
   /// Of a local participant: the signed file as it goes to peers, and where a renewed one may come.
   /// Before the holder is shared.
-  void set_own(std::string text, std::unique_ptr<PermissionsWatch> watch) {
-    text_ = std::move(text);
-    watch_ = std::move(watch);
-  }
+  void set_own(std::string text, std::unique_ptr<PermissionsWatch> watch);
   std::string text() const;
   /// Takes renewed permissions of a local participant, if the file holds any. True: it did. A
   /// document is taken if its signature is that of the permissions CA and it has a grant for the
@@ -77,11 +75,10 @@ class PermissionsHolder {
   /// How often it did.
   std::uint64_t renewals() const;
 
-  /// Of a peer: it has seen what `own` presents now. Before the holder is shared.
-  void note_seen(std::shared_ptr<const PermissionsHolder> own) {
-    seen_ = own->document();
-    own_ = std::move(own);
-  }
+  /// Of a peer: it has seen the document of `own` with that digest. Empty: the first one, which
+  /// another vendor's authentication goes on presenting. Before the holder is shared.
+  void note_seen(std::shared_ptr<const PermissionsHolder> own,
+                 const std::optional<Sha256Digest>& presented);
   /// Of a peer.
   AnnouncedEndpoints& announced() { return announced_; }
   const std::string& document_name() const { return document_name_; }
@@ -117,6 +114,7 @@ class PermissionsHolder {
 
   bool is_over(WallTime now) const;
   std::shared_ptr<PermissionsDocument> document() const;
+  std::shared_ptr<PermissionsDocument> presented(const std::optional<Sha256Digest>& digest) const;
   Result<Grant> grant_in(PermissionsDocument& document, WallTime now) const;
   Status take(std::shared_ptr<PermissionsDocument> document, BytesView file, WallTime now);
   std::optional<Error> outlived(WallTime now) const;
@@ -126,6 +124,13 @@ class PermissionsHolder {
   mutable std::mutex mutex_;
   std::shared_ptr<PermissionsDocument> document_;
   std::string text_;
+  Sha256Digest digest_ = {};  ///< of text_, as session_facts.hpp counts it
+  struct Former {
+    Sha256Digest digest;
+    std::shared_ptr<PermissionsDocument> document;
+  };
+  /// Those renewed since: the first, and the last few, which handshakes under way still present.
+  std::vector<Former> former_;
   std::uint64_t renewals_ = 0;
   Grant grant_;
   bool reported_ = false;

@@ -13,6 +13,7 @@
 #include "plugins/authentication/participant_data.hpp"
 #include "plugins/authentication/revocation.hpp"
 #include "plugins/spi/property_names.hpp"
+#include "plugins/spi/session_facts.hpp"
 
 namespace ddssec::authentication {
 namespace {
@@ -431,7 +432,8 @@ Result<UnprovenOctets::Share> PkiDh::share_of(const Pair& pair, const Token& req
 Status PkiDh::note_authenticated(const Pair& pair, const Established& done) {
   DDSSEC_ASSIGN_OR_RETURN(const auto own,
                           pair.local->verify(done.own->certificate, environment_.clock.now()));
-  return table_.note_authenticated(pair.remote_handle, {done.peer.chain(), own});
+  return table_.note_authenticated(pair.remote_handle,
+                                   {done.peer.chain(), own, done.peer.keeps_session()});
 }
 
 Result<PkiDh::HandshakeStep> PkiDh::process_handshake(HandshakeHandle handshake,
@@ -474,10 +476,14 @@ Result<std::shared_ptr<const spi::SharedSecret>> PkiDh::shared_secret(HandshakeH
 }
 
 Result<Token> PkiDh::authenticated_peer_credential_token(HandshakeHandle handshake) {
-  DDSSEC_ASSIGN_OR_RETURN(auto credential,
-                          reported(established(handshake, [](const Established& done) {
-                            return done.peer.credential();
-                          })));
+  const auto with_facts = [](const Established& done) {
+    auto credential = done.peer.credential();
+    if (credential)
+      spi::add_session_facts(*credential, {.presented_permissions = sha256(done.own->permissions),
+                                           .peer_keeps_session = done.peer.keeps_session()});
+    return credential;
+  };
+  DDSSEC_ASSIGN_OR_RETURN(auto credential, reported(established(handshake, with_facts)));
   if (!credential) return reported(Result<Token>(fail(Code::credential_given_out)));
   const std::scoped_lock lock(given_out_mutex_);
   if (std::ranges::find(given_out_, handshake) == given_out_.end()) given_out_.push_back(handshake);

@@ -168,7 +168,7 @@ void IdentityTable::drop_handshakes(const Pair& pair) {
 }
 
 Status IdentityTable::note_authenticated(spi::IdentityHandle handle, const Proofs& proofs) {
-  const auto& [chain, own] = proofs;
+  const auto& [chain, own, peer_keeps_session] = proofs;
   const std::unique_lock lock(mutex_);
   const auto found = remotes_.find(handle.value);
   if (found == remotes_.end()) return {};
@@ -178,7 +178,7 @@ Status IdentityTable::note_authenticated(spi::IdentityHandle handle, const Proof
     DDSSEC_RETURN_IF_ERROR(counts.check_authenticated(remote.pair->remote_guid, remote_limits_));
   auto subject = chain.certificate().subject();
   auto certificate = chain.certificate();
-  const bool ends_with_ours = own.not_after() < chain.not_after();
+  const bool ends_with_ours = !peer_keeps_session && own.not_after() < chain.not_after();
   const auto& first = ends_with_ours ? own : chain;
   set_end(handle.value, remote, first.not_after(), first.first_to_expire());
   remote.ends_with_ours = ends_with_ours;

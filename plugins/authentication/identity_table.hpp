@@ -100,10 +100,11 @@ class IdentityTable {
   struct Proofs {
     const pki::ChainValid& peer;
     const pki::ChainValid& own;  ///< of the certificate that the peer has seen
+    bool peer_keeps_session;     ///< after the end of that certificate
   };
   /// The remote identity has authenticated: from now on it expires with the certificate that ends
-  /// first. With ours, because then the peer ends the session. Also success if it was removed
-  /// meanwhile. Errors: too_many_remote_identities, too_many_identities_of_subject.
+  /// first. With ours, because then the peer ends the session, unless it keeps it. Also success if
+  /// it was removed meanwhile. Errors: too_many_remote_identities, too_many_identities_of_subject.
   Status note_authenticated(spi::IdentityHandle remote, const Proofs& proofs);
 
   /// Removes an identity; a local one with its remote ones. False if there is no such identity.

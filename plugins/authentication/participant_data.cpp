@@ -1,6 +1,7 @@
 #include "plugins/authentication/participant_data.hpp"
 
 #include <algorithm>
+#include <array>
 #include <optional>
 
 #include "base/reader.hpp"
@@ -10,6 +11,7 @@ namespace ddssec::authentication {
 namespace {
 
 constexpr std::uint16_t kPidSentinel = 0x0001;
+constexpr std::uint16_t kPidVendorId = 0x0016;
 constexpr std::uint16_t kPidMetatrafficUnicastLocator = 0x0032;
 constexpr std::uint16_t kPidParticipantGuid = 0x0050;
 constexpr std::uint16_t kPidBuiltinEndpointSet = 0x0058;
@@ -106,6 +108,21 @@ std::uint32_t builtin_endpoints_in_participant_data(BytesView participant_data) 
     found = *set;
   }
   return found.value_or(0);
+}
+
+bool is_of_fast_dds(BytesView participant_data) {
+  constexpr std::array<std::uint8_t, 2> kFastDds = {0x01, 0x0f};
+  Reader reader(participant_data, Endian::big);
+  std::optional<bool> found;
+  for (;;) {
+    const auto parameter = next_parameter(reader);
+    if (!parameter || !*parameter) break;
+    if ((*parameter)->id != kPidVendorId) continue;
+    const auto& value = (*parameter)->value;
+    if (found || value.size() < kFastDds.size()) return false;
+    found = std::ranges::equal(value.first(kFastDds.size()), kFastDds);
+  }
+  return found.value_or(false);
 }
 
 std::vector<spi::UdpAddress> addresses_in_participant_data(BytesView participant_data) {

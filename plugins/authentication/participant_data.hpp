@@ -28,6 +28,9 @@ spi::CipherMask ciphers_in_participant_data(BytesView participant_data);
 /// PID_BUILTIN_ENDPOINT_SET of such a list; 0 if it is missing, repeated or unreadable.
 std::uint32_t builtin_endpoints_in_participant_data(BytesView participant_data);
 
+/// True if PID_VENDORID of such a list is that of Fast DDS, once.
+bool is_of_fast_dds(BytesView participant_data);
+
 /// PID_METATRAFFIC_UNICAST_LOCATORs over UDP of such a list: at most `kMostAddresses`, without
 /// duplicates. Locators that are unreadable or not unicast are left out.
 inline constexpr std::size_t kMostAddresses = 4;

@@ -52,6 +52,7 @@ JudgedPeer::JudgedPeer(pki::ChainValid chain, spi::Token credential, BytesView p
       credential_(std::move(credential)),
       ciphers_(ciphers_in_participant_data(participant_data)),
       builtin_endpoints_(builtin_endpoints_in_participant_data(participant_data)),
+      keeps_session_(is_of_fast_dds(participant_data)),
       addresses_(addresses_in_participant_data(participant_data)) {}
 
 }  // namespace ddssec::authentication

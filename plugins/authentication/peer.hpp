@@ -33,9 +33,12 @@ class JudgedPeer {
   void drop_credential() { credential_.reset(); }
 
   /// The ciphers that the peer's participant data announces. Proven once a signature has been
-  /// verified; the same is true of the next two.
+  /// verified; the same is true of the next three.
   spi::CipherMask ciphers() const { return ciphers_; }
   std::uint32_t builtin_endpoints() const { return builtin_endpoints_; }
+  /// True if the peer's product judges documents only during the handshake: Fast DDS (measured with
+  /// 2.9.1).
+  bool keeps_session() const { return keeps_session_; }
   /// The addresses at which the peer receives discovery traffic.
   const std::vector<spi::UdpAddress>& addresses() const { return addresses_; }
 
@@ -46,6 +49,7 @@ class JudgedPeer {
   std::optional<spi::Token> credential_;
   spi::CipherMask ciphers_;
   std::uint32_t builtin_endpoints_;
+  bool keeps_session_;
   std::vector<spi::UdpAddress> addresses_;
 };
 

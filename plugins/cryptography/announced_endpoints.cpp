@@ -172,13 +172,13 @@ bool AnnouncedEndpoints::is_acknowledged(const BuiltinTopic& topic, std::uint64_
 /// grows by this.
 void AnnouncedEndpoints::settle(Writer& writer, const Announcement& announcement) {
   account_->replace(cost_of(announcement), 0);
-  const bool is_skipped = writer.skipped.contains(announcement.number);
   const auto known = writer.endpoints.find(announcement.entity);
   const auto before = known == writer.endpoints.end() ? 0 : known->second;
+  // The host may have skipped a smaller one, or refused it, and keep what it has.
   if (announcement.kind == Announcement::Kind::announces)
-    set(writer, announcement.entity,
-        is_skipped ? std::max(before, cost_of(announcement)) : cost_of(announcement));
-  else if (announcement.kind == Announcement::Kind::ends && !is_skipped)
+    set(writer, announcement.entity, std::max(before, cost_of(announcement)));
+  else if (announcement.kind == Announcement::Kind::ends &&
+           !writer.skipped.contains(announcement.number))
     forget(writer, announcement.entity);
 }
 

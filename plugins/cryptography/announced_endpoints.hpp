@@ -66,9 +66,9 @@ class SkippedNumbers {
 /// The content of one DATA, or of one fragmented sample.
 struct Announcement {
   enum class Kind : std::uint8_t {
-    nothing,    ///< no payload that the host would read
+    nothing,    ///< no payload that the host would read, or the end in a form it may refuse
     announces,  ///< it announces an endpoint, for the first time or again
-    ends,       ///< it disposes or unregisters the endpoint
+    ends,       ///< it disposes or unregisters the endpoint, in a form that no host refuses
     unread,     ///< fragmented, and not all fragments have come
   };
   std::uint64_t number = 0;  ///< writerSN

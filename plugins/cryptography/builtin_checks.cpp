@@ -8,19 +8,51 @@ namespace {
 
 constexpr std::uint16_t kKeyHash = 0x0070, kStatusInfo = 0x0071;
 constexpr std::size_t kEncapsulationSize = 4;
+constexpr std::size_t kGuidSize = GuidPrefix::size + EntityId::size;  ///< and that of a key hash
 
 /// StatusInfo_t (RTPS 9.6.4.9): disposed, or unregistered.
+constexpr std::uint8_t kDisposedOrUnregistered = 3;
 bool says_end(BytesView status_info) {
-  constexpr std::uint8_t kDisposedOrUnregistered = 3;
   return status_info.size() >= 4 && (status_info[3] & kDisposedOrUnregistered) != 0;
 }
 
-/// True if the inline QoS disposes or unregisters the sample's subject. A repeated StatusInfo is
-/// refused, because it is not known here which one the host uses.
-Result<bool> check_inline_qos(const BuiltinTopic& topic, const Owner& owner,
-                              const DataPiece& piece) {
+/// What the inline QoS of a sample says of the sample's subject.
+enum class Ending : std::uint8_t {
+  none,
+  usual,    ///< disposed or unregistered, in the form that all products write
+  unusual,  ///< disposed or unregistered, but the host may refuse the form and keep the subject
+};
+
+/// Collects the parameters of inline QoS, to tell the usual form: one StatusInfo_t without unknown
+/// bits, and at most one key hash.
+struct InlineForm {
+  bool ends = false;
+  bool is_usual = true;
+  std::size_t status_infos = 0, key_hashes = 0;
+
+  void note(const Parameter& parameter) {
+    const auto& value = parameter.value;
+    if (parameter.id == kStatusInfo) {
+      const bool is_known = value.size() == 4 && value[0] == 0 && value[1] == 0 && value[2] == 0 &&
+                            value[3] <= kDisposedOrUnregistered;
+      is_usual = is_usual && is_known && ++status_infos == 1;
+    } else if (parameter.id == kKeyHash) {
+      is_usual = is_usual && value.size() == kGuidSize && ++key_hashes == 1;
+    } else {
+      is_usual = false;
+    }
+  }
+  Ending ending() const {
+    return !ends ? Ending::none : is_usual ? Ending::usual : Ending::unusual;
+  }
+};
+
+/// A repeated StatusInfo with another meaning is refused, because it is not known here which one
+/// the host uses.
+Result<Ending> check_inline_qos(const BuiltinTopic& topic, const Owner& owner,
+                                const DataPiece& piece) {
   Reader in(piece.inline_qos, piece.endian);
-  std::optional<bool> ends;
+  InlineForm form;
   while (!in.at_end()) {
     const auto parameter = next_parameter(in);
     if (!parameter || !*parameter) break;  // read once already
@@ -28,13 +60,15 @@ Result<bool> check_inline_qos(const BuiltinTopic& topic, const Owner& owner,
       return unreadable_name(topic, "it has an address in the form of RTPS 1");
     if ((*parameter)->id == kKeyHash)
       DDSSEC_RETURN_IF_ERROR(check_name(topic, owner, "key hash", (*parameter)->value));
-    if ((*parameter)->id != kStatusInfo) continue;
-    const bool says = says_end((*parameter)->value);
-    if (ends.value_or(says) != says)
-      return unreadable_name(topic, "it has two values of PID_STATUS_INFO");
-    ends = says;
+    if ((*parameter)->id == kStatusInfo) {
+      const bool says = says_end((*parameter)->value);
+      if (form.status_infos > 0 && form.ends != says)
+        return unreadable_name(topic, "it has two values of PID_STATUS_INFO");
+      form.ends = says;
+    }
+    form.note(**parameter);
   }
-  return ends.value_or(false);
+  return form.ending();
 }
 
 /// Success if the inline QoS of a sample of any other writer has nothing that ends the host.
@@ -67,9 +101,17 @@ Status check_liveliness(const BuiltinTopic& topic, const Owner& owner, BytesView
   return check_name(topic, owner, "participantGuidPrefix", payload.subspan(kEncapsulationSize));
 }
 
+/// An end counts as one only in the form that no host refuses: else the host keeps the endpoint,
+/// and acknowledges the sample all the same.
+Announcement::Kind kind_of(Ending ending, const ParameterWalk& walk) {
+  if (ending == Ending::none) return Announcement::Kind::announces;
+  return ending == Ending::usual && walk.has_only_names() ? Announcement::Kind::ends
+                                                          : Announcement::Kind::nothing;
+}
+
 /// `announced` is null if the owner of the announcement is not known.
 Result<TypeInformationAt> check_whole(const BuiltinTopic& topic, const Owner& owner,
-                                      const DataPiece& piece, bool ends,
+                                      const DataPiece& piece, Ending ending,
                                       AnnouncedEndpoints* announced) {
   if (topic.key == 0) {
     DDSSEC_RETURN_IF_ERROR(check_liveliness(topic, owner, piece.payload));
@@ -78,22 +120,22 @@ Result<TypeInformationAt> check_whole(const BuiltinTopic& topic, const Owner& ow
   ParameterWalk walk;
   DDSSEC_RETURN_IF_ERROR(walk.read(topic, owner, piece.payload));
   DDSSEC_RETURN_IF_ERROR(walk.check_end(topic));
-  const auto kind = ends ? Announcement::Kind::ends : Announcement::Kind::announces;
   if (announced != nullptr)
     DDSSEC_RETURN_IF_ERROR(announced->note(
-        topic, {piece.number, kind, walk.entity(), walk.cost(piece.payload.size())}));
+        topic,
+        {piece.number, kind_of(ending, walk), walk.entity(), walk.cost(piece.payload.size())}));
   return walk.type_information();
 }
 
 Result<TypeInformationAt> check_payload(const BuiltinTopic& topic, const Owner& owner,
-                                        const DataPiece& piece, bool ends, PeerDiscovery* peer,
+                                        const DataPiece& piece, Ending ending, PeerDiscovery* peer,
                                         MonotonicTime now) {
   auto* const announced = peer == nullptr ? nullptr : &peer->announced;
-  if (!piece.is_fragment) return check_whole(topic, owner, piece, ends, announced);
+  if (!piece.is_fragment) return check_whole(topic, owner, piece, ending, announced);
   if (piece.payload.size() < piece.fragments_size)
     return unreadable_name(topic, "a fragment is shorter than it says");
   if (piece.payload.size() == piece.sample_size)
-    return check_whole(topic, owner, piece, ends, announced);
+    return check_whole(topic, owner, piece, ending, announced);
   if (topic.key == 0) return unreadable_name(topic, "it is in fragments");
   return peer == nullptr ? fail(Code::builtin_fragment_early)
                          : peer->walks.take(topic, owner, piece, peer->announced, now);
@@ -137,13 +179,13 @@ Result<TypeInformationAt> check_builtin_source(BytesView submessage, const Owner
   }
   const auto piece = read_data_piece(submessage);
   if (!piece) return unreadable_name(*topic, "its lengths contradict one another");
-  DDSSEC_ASSIGN_OR_RETURN(const bool ends, check_inline_qos(*topic, owner, *piece));
+  DDSSEC_ASSIGN_OR_RETURN(const auto ending, check_inline_qos(*topic, owner, *piece));
   auto* const peer = announcer(*topic, owner, peers);
   if (!piece->has_data && !piece->has_key) {
     DDSSEC_RETURN_IF_ERROR(check_without_payload(*topic, *piece, peer));
     return TypeInformationAt{};
   }
-  DDSSEC_ASSIGN_OR_RETURN(auto at, check_payload(*topic, owner, *piece, ends, peer, peers.now()));
+  DDSSEC_ASSIGN_OR_RETURN(auto at, check_payload(*topic, owner, *piece, ending, peer, peers.now()));
   if (at) *at += static_cast<std::uint32_t>(piece->payload.data() - submessage.data());
   return at;
 }

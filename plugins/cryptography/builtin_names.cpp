@@ -50,13 +50,23 @@ constexpr std::array<std::uint16_t, 7> kDeprecatedAddresses = {0x000b, 0x000c, 0
 
 constexpr std::string_view kDocument = "a discovery or liveliness message";
 
-/// The name of a parameter that contains a GUID; null for others.
-const char* name_of(const BuiltinTopic& topic, std::uint16_t id) {
-  return id == parameter_id::kParticipantGuid ? "PID_PARTICIPANT_GUID"
-         : id == parameter_id::kEndpointGuid  ? "PID_ENDPOINT_GUID"
-         : id == parameter_id::kKeyHash       ? "PID_KEY_HASH"
-         : id == topic.key                    ? "PID_CYCLONE_TOPIC_GUID"
-                                              : nullptr;
+/// A parameter that contains a GUID.
+struct NamingParameter {
+  std::uint16_t id;
+  const char* name;
+};
+constexpr std::array kNames = {
+    NamingParameter{parameter_id::kParticipantGuid, "PID_PARTICIPANT_GUID"},
+    NamingParameter{parameter_id::kEndpointGuid, "PID_ENDPOINT_GUID"},
+    NamingParameter{parameter_id::kKeyHash, "PID_KEY_HASH"},
+    NamingParameter{parameter_id::kCycloneTopicGuid, "PID_CYCLONE_TOPIC_GUID"}};
+
+/// The index in kNames; empty if the parameter names nothing in samples of this topic.
+std::optional<std::size_t> name_of(const BuiltinTopic& topic, std::uint16_t id) {
+  const auto found = std::ranges::find(kNames, id, &NamingParameter::id);
+  if (found == kNames.end()) return std::nullopt;
+  if (id == parameter_id::kCycloneTopicGuid && id != topic.key) return std::nullopt;
+  return static_cast<std::size_t>(found - kNames.begin());
 }
 
 }  // namespace
@@ -120,7 +130,7 @@ Status ParameterWalk::check_end(const BuiltinTopic& topic) const {
 std::size_t ParameterWalk::cost(std::size_t octets) const {
   const auto locators = std::accumulate(locators_.begin(), locators_.end(), std::size_t{0});
   const auto properties = (kOctetsOfProperty - 1) * properties_;
-  return octets + properties +
+  return octets + properties + kOctetsOfPartition * partitions_.names() +
          kOctetsOfLocator * (std::max(locators, kFreeLocators) - kFreeLocators);
 }
 
@@ -132,7 +142,7 @@ Status ParameterWalk::take(const BuiltinTopic& topic, const Owner& owner) {
   state_ = State::header;
   to_skip_ = length_ - static_cast<std::uint32_t>(kGuidSize);
   has_name_ = true;
-  DDSSEC_RETURN_IF_ERROR(check_name(topic, owner, name_of(topic, id_), part_));
+  DDSSEC_RETURN_IF_ERROR(check_name(topic, owner, kNames.at(*name_of(topic, id_)).name, part_));
   if (id_ != topic.key) return {};
   if (has_entity_) return unreadable_name(topic, "it names two endpoints");
   has_entity_ = true;
@@ -156,6 +166,7 @@ Status ParameterWalk::begin_parameter(const BuiltinTopic& topic) {
     state_ = State::ended;
     return {};
   }
+  note_name(topic);
   if (length_ % 4 != 0) return unreadable_name(topic, "its parameters have lengths that lie");
   if (is_deprecated_address(id_))
     return unreadable_name(topic, "it has an address in the form of RTPS 1");
@@ -163,7 +174,7 @@ Status ParameterWalk::begin_parameter(const BuiltinTopic& topic) {
   if (id_ == parameter_id::kPartition) return begin_partitions(topic);
   DDSSEC_RETURN_IF_ERROR(count_locator(topic));
   if (id_ == parameter_id::kPropertyList) properties_ += length_;
-  if (name_of(topic, id_) == nullptr) {
+  if (!name_of(topic, id_)) {
     to_skip_ = length_;
     return {};
   }
@@ -171,6 +182,13 @@ Status ParameterWalk::begin_parameter(const BuiltinTopic& topic) {
   state_ = State::name;
   wanted_ = kGuidSize;
   return {};
+}
+
+void ParameterWalk::note_name(const BuiltinTopic& topic) {
+  const auto name = name_of(topic, id_);
+  const auto bit = static_cast<std::uint8_t>(name ? 1u << *name : 0u);
+  if (!name || length_ != kGuidSize || (names_ & bit) != 0) has_only_names_ = false;
+  names_ |= bit;
 }
 
 Status ParameterWalk::count_locator(const BuiltinTopic& topic) {

@@ -57,6 +57,9 @@ class ParameterWalk {
   /// What each octet of properties counts there: of an empty property, 16 octets, Cyclone DDS keeps
   /// about 100.
   static constexpr std::size_t kOctetsOfProperty = 6;
+  /// What each partition counts there besides its octets: Cyclone DDS allocates each name by
+  /// itself.
+  static constexpr std::size_t kOctetsOfPartition = 48;
 
   /// Reads the next octets. Errors: builtin_source_mismatch, builtin_source_unreadable.
   Status read(const BuiltinTopic& topic, const Owner& owner, BytesView octets);
@@ -67,6 +70,9 @@ class ParameterWalk {
   std::optional<std::uint32_t> type_information() const { return type_information_; }
   /// What a list of that many octets counts in the account of announcements.
   std::size_t cost(std::size_t octets) const;
+  /// True if the list has nothing but names, none of them twice. The end of an endpoint says no
+  /// more; the host might refuse one that does.
+  bool has_only_names() const { return has_only_names_; }
   /// The entity id of the list's subject, from the topic's key.
   const EntityId& entity() const { return entity_; }
 
@@ -74,6 +80,7 @@ class ParameterWalk {
   Status take(const BuiltinTopic& topic, const Owner& owner);
   Status begin_list(const BuiltinTopic& topic);
   Status begin_parameter(const BuiltinTopic& topic);
+  void note_name(const BuiltinTopic& topic);
   Status count_locator(const BuiltinTopic& topic);
   Status begin_partitions(const BuiltinTopic& topic);
   /// The number of octets that belong to the partitions.
@@ -90,7 +97,9 @@ class ParameterWalk {
   bool is_little_ = false;
   bool has_name_ = false;
   bool has_entity_ = false;
+  bool has_only_names_ = true;
   bool has_partitions_ = false;
+  std::uint8_t names_ = 0;  ///< bits by index in kNames
   std::uint16_t id_ = 0;
   std::uint16_t length_ = 0;
   std::uint32_t to_skip_ = 0;

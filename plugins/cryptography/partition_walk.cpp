@@ -48,6 +48,7 @@ Status PartitionWalk::take_word(const BuiltinTopic& topic, std::uint32_t word) {
   if (word > kMostNames)
     return unreadable_name(topic, "it has more than " + std::to_string(kMostNames) + " partitions");
   has_count_ = true;
+  names_ = static_cast<std::uint16_t>(word);
   names_left_ = word;
   return {};
 }

@@ -33,6 +33,8 @@ class PartitionWalk {
   /// Reads the next octets of the value, at most rest(). Error: builtin_source_unreadable.
   Status read(const BuiltinTopic& topic, BytesView octets);
   std::size_t rest() const { return rest_; }
+  /// How many names the value has, by its count.
+  std::size_t names() const { return names_; }
 
  private:
   Status take(const BuiltinTopic& topic, std::uint8_t octet);
@@ -46,6 +48,7 @@ class PartitionWalk {
   bool in_stars_ = false;  ///< inside a run of `*` and `?` that contains a `*`
   std::uint8_t filled_ = 0;
   std::uint32_t word_ = 0;
+  std::uint16_t names_ = 0;
   std::uint32_t names_left_ = 0;
   std::uint32_t name_left_ = 0;  ///< octets left of the name, including its NUL
   std::uint8_t to_pad_ = 0;

@@ -13,6 +13,7 @@
 #include "plugins/access_control/access_control.hpp"
 #include "plugins/access_control/documents.hpp"
 #include "plugins/spi/property_names.hpp"
+#include "plugins/spi/session_facts.hpp"
 #include "tests/unit/pki/fixture.hpp"
 
 namespace ddssec::access_control {
@@ -153,10 +154,12 @@ class AccessControlTest : public testing::Test {
             .properties = {{"c.id", peer.certificate.pem()}, {"c.perm", permissions_file}}};
   }
   /// The listener as a peer of the local participant.
-  Result<spi::PermissionsHandle> remote(const std::string& permissions_file) {
-    return plugin->validate_remote_permissions(
-        kLocalIdentity, kRemoteIdentity, permissions_token(),
-        credential(authorities().listener, permissions_file));
+  Result<spi::PermissionsHandle> remote(const std::string& permissions_file,
+                                        const spi::SessionFacts& facts = {}) {
+    auto token = credential(authorities().listener, permissions_file);
+    spi::add_session_facts(token, facts);
+    return plugin->validate_remote_permissions(kLocalIdentity, kRemoteIdentity, permissions_token(),
+                                               token);
   }
 
   ManualClock clock{kNow};

@@ -186,20 +186,80 @@ TEST_F(Renewal, DocumentOfTheLastSecond_IsTaken) {
   EXPECT_TRUE(may_publish("t"));
 }
 
-TEST_F(Renewal, Session_EndsWithTheDocumentThatThePeerHasSeen) {
-  auto long_lived = grant(kListener, {rule(true)});
-  long_lived.validity.not_after = kNow + 100h;
-  const auto peer = remote(signed_permissions({long_lived}));
-  ASSERT_TRUE(peer);
-  folder_.replace("permissions.p7s", document({"t"}, 0s, 72h));
-  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewed));
-  const auto later = remote(signed_permissions({long_lived}));
-  ASSERT_TRUE(later);
+/// A peer whose own permissions end long after ours.
+class RenewalWithPeers : public Renewal {
+ protected:
+  spi::PermissionsHandle peer(const spi::SessionFacts& facts = {}) {
+    auto long_lived = grant(kListener, {rule(true)});
+    long_lived.validity.not_after = kNow + 100h;
+    const auto handle = remote(signed_permissions({long_lived}), facts);
+    EXPECT_TRUE(handle);
+    return handle.value_or(spi::PermissionsHandle{});
+  }
+  /// Of a handshake that presented this document.
+  static spi::SessionFacts that_presented(const std::string& text) {
+    return {.presented_permissions = sha256(as_bytes(text))};
+  }
+  void renew(const std::string& text) {
+    folder_.replace("permissions.p7s", text);
+    EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewed));
+  }
+  const std::string first_ = presented();
+  const std::string second_ = document({"t"}, 0s, 72h);
+};
+
+TEST_F(RenewalWithPeers, HandshakeThatPresentedTheFormerDocument_EndsWithIt) {
+  const auto before = peer(that_presented(first_));
+  renew(second_);
+  const auto meanwhile = peer(that_presented(first_));
+  const auto later = peer(that_presented(second_));
+  clock.advance(24h);
+  EXPECT_THAT(look(), ElementsAre(before, meanwhile));
+  clock.advance(48h);
+  EXPECT_THAT(look(), testing::Contains(later)) << "with our own end";
+}
+
+TEST_F(RenewalWithPeers, AfterManyRenewals_TheFormerDocumentIsStillKnown) {
+  renew(second_);
+  std::string former;
+  for (int i = 0; i < 20; ++i) {
+    former = presented();
+    renew(document({"t"}, std::chrono::seconds(1 + i), 72h + std::chrono::hours(1 + i)));
+  }
+  const auto of_former = peer(that_presented(former));
+  const auto of_first = peer(that_presented(first_));
+  const auto now = peer(that_presented(presented()));
+  clock.advance(24h);
+  EXPECT_THAT(look(), ElementsAre(of_first));
+  clock.advance(67h + 1min);
+  EXPECT_THAT(look(), ElementsAre(of_former)) << now.value;
+}
+
+TEST_F(RenewalWithPeers, WithAnotherVendorsAuthentication_TheFirstDocumentIsPresented) {
+  renew(second_);
+  const auto later = peer();
+  clock.advance(24h);
+  EXPECT_THAT(look(), ElementsAre(later));
+}
+
+TEST_F(RenewalWithPeers, PeerThatKeepsItsSession_StaysAfterTheFormerEnd) {
+  auto facts = that_presented(first_);
+  facts.peer_keeps_session = true;
+  peer(facts);
+  renew(second_);
+  clock.advance(25h);
+  EXPECT_THAT(look(), IsEmpty());
+}
+
+TEST_F(RenewalWithPeers, Session_EndsWithTheDocumentThatThePeerHasSeen) {
+  const auto handle = peer(that_presented(first_));
+  renew(second_);
+  peer(that_presented(second_));
   clock.advance(23h);
   EXPECT_THAT(look(), IsEmpty());
   clock.advance(1h);
   log.events.clear();
-  EXPECT_THAT(look(), ElementsAre(*peer));
+  EXPECT_THAT(look(), ElementsAre(handle));
   ASSERT_EQ(log.events.size(), 1u);
   EXPECT_EQ(log.events.front().error.code(), Code::session_outlived_documents);
   EXPECT_EQ(log.events.front().peer_subject, kListener);

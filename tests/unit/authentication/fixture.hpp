@@ -120,9 +120,13 @@ inline Guid candidate(std::uint8_t number) {
   return guid;
 }
 
+using VendorId = std::array<std::uint8_t, 2>;
+inline constexpr VendorId kCycloneDds{1, 16}, kFastDds{1, 15};
+
 /// ParticipantBuiltinTopicData as a big-endian parameter list.
 /// With an IdentityToken in it, if there is one.
-inline Bytes participant_data(const Guid& guid, const Token* identity_token = nullptr) {
+inline Bytes participant_data(const Guid& guid, const Token* identity_token = nullptr,
+                              const VendorId& vendor = kCycloneDds) {
   Writer writer(Endian::big);
   const auto parameter = [&](std::uint16_t id, BytesView value) {
     writer.write(id);
@@ -130,7 +134,7 @@ inline Bytes participant_data(const Guid& guid, const Token* identity_token = nu
     writer.write_bytes(value);
   };
   parameter(0x0015, Bytes{2, 3, 0, 0});
-  parameter(0x0016, Bytes{1, 15, 0, 0});
+  parameter(0x0016, Bytes{vendor[0], vendor[1], 0, 0});
   parameter(0x1005, Bytes(12));  // the 1.2 form of PARTICIPANT_SECURITY_INFO
   parameter(0x0050, guid.octets());
   if (identity_token != nullptr) {

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include "plugins/spi/session_facts.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/authentication/revocation_lists.hpp"
 
@@ -399,6 +400,44 @@ TEST_F(RenewalWithBob, PeerOnTheOtherSide_EndsUsAtTheSameTime) {
   const auto alice_at_bob =
       &pairing_.two.low == &pairing_.a ? pairing_.two.low_at_high : pairing_.two.high_at_low;
   EXPECT_THAT(bobs->expire(), ElementsAre(alice_at_bob));
+}
+
+// Fast DDS judges no certificate again during a session, and answers no handshake that begins later.
+TEST_F(Renewal, SessionWithFastDds_GoesOnAfterTheFormerEnd) {
+  pairing_.b.data = participant_data(pairing_.b.guid, &pairing_.b.token, kFastDds);
+  pairing_.expect_success();
+  put(renewed(0, {kNow, kNow + days(900)}));
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::identity_renewed));
+  engine().clock.advance(kYear.not_after - kNow + 1s);
+  EXPECT_THAT(look(), testing::Not(Contains(pairing_.a.handle)));
+}
+
+TEST_F(Renewal, Credential_SaysWhatWasPresentedToWhom) {
+  for (const auto& [vendor, keeps] : {std::pair(kCycloneDds, false), {kFastDds, true}}) {
+    Pairing pairing;
+    ASSERT_OK((*pairing.two.low.engine)
+                  ->set_permissions_credential_and_token(
+                      pairing.two.low.handle,
+                      {.class_id = std::string(spi::class_id::kPermissionsCredential),
+                       .properties = {{"dds.perm.cert", "a document"}}},
+                      {}));
+    auto& high = pairing.two.high;
+    high.data = participant_data(high.guid, &high.token, vendor);
+    const auto request = pairing.two.request();
+    ASSERT_OK(request);
+    const auto reply = pairing.two.reply(*request->message);
+    ASSERT_OK(reply);
+    pairing.expect_finish(*request, *reply);
+    const auto credential =
+        (*pairing.two.low.engine)->authenticated_peer_credential_token(request->handle);
+    ASSERT_OK(credential);
+    const auto facts = spi::session_facts_in(*credential);
+    EXPECT_EQ(facts.presented_permissions, sha256(as_bytes("a document")));
+    EXPECT_EQ(facts.peer_keeps_session, keeps);
+    Writer sent(Endian::big);
+    spi::write_token(sent, *credential);
+    EXPECT_EQ(as_text(sent.take()).find("org.ddssec"), std::string_view::npos);
+  }
 }
 
 // ---- handshakes under way

@@ -35,6 +35,17 @@ Bytes announcement(std::uint32_t number, std::size_t user_data) {
   return list;
 }
 
+/// What the end of an endpoint has as payload: its name.
+Bytes name_only(std::uint32_t number) {
+  Bytes list = {0, 3, 0, 0};
+  append(list, 0x5a, 2, true);
+  append(list, 16, 2, true);
+  append(list, kPeer.view());
+  append(list, endpoint(number).view());
+  append(list, 1, 4, true);
+  return list;
+}
+
 constexpr std::uint8_t kDisposed = 1, kUnregistered = 2, kFiltered = 4;
 
 /// Little endian, after the ids of reader and writer.
@@ -64,11 +75,14 @@ struct AnnouncedEndpointsTest : ::testing::Test {
     return dispose_under(next_number++, endpoint, status);
   }
   Code dispose_under(std::uint32_t number, std::uint32_t endpoint, std::uint8_t status) {
+    return dispose_as(number, status_info({status}), name_only(endpoint));
+  }
+  Code dispose_as(std::uint32_t number, Bytes inline_qos, Bytes payload) {
     const DataMessage message{.writer = kPublications,
                               .flags = 0x06,
                               .number = number,
-                              .inline_qos = status_info({status}),
-                              .payload = announcement(endpoint, 0)};
+                              .inline_qos = std::move(inline_qos),
+                              .payload = std::move(payload)};
     return code_of(check_builtin_source(message.octets(), kPeer, peers));
   }
   static Bytes status_info(std::initializer_list<std::uint8_t> values) {
@@ -122,6 +136,7 @@ struct AnnouncedEndpointsTest : ::testing::Test {
   static std::size_t cost(std::size_t user_data) {
     return announcement(1, user_data).size() + AnnouncedOctets::kOfEach;
   }
+  static std::size_t cost_of_end() { return name_only(1).size() + AnnouncedOctets::kOfEach; }
   std::shared_ptr<AnnouncedOctets> account = std::make_shared<AnnouncedOctets>();
   OneOwner peers;
   std::uint32_t next = 1;
@@ -161,7 +176,7 @@ TEST_F(AnnouncedEndpointsTest, ThatAreGoneMakeRoomOnceTheHostHasAcknowledgedIt) 
     acknowledge();
     EXPECT_EQ(held(), cost(kUserData));
     ASSERT_EQ(dispose(1, status), Code{});
-    EXPECT_EQ(held(), cost(kUserData) + cost(0));
+    EXPECT_EQ(held(), cost(kUserData) + cost_of_end());
     acknowledge();
     EXPECT_EQ(held(), 0u);
   }
@@ -171,7 +186,65 @@ TEST_F(AnnouncedEndpointsTest, ThatAreFilteredStay) {
   ASSERT_EQ(announce(1), Code{});
   ASSERT_EQ(dispose(1, kFiltered), Code{});
   acknowledge();
-  EXPECT_EQ(held(), cost(0)) << "it was announced again, and is smaller now";
+  EXPECT_EQ(held(), cost(kUserData));
+}
+
+// The host acknowledges what it refuses, and keeps the former announcement.
+TEST_F(AnnouncedEndpointsTest, AnnouncedAgainSmaller_CountAsTheLargest) {
+  ASSERT_EQ(announce(1), Code{});
+  ASSERT_EQ(announce(1, 0), Code{});
+  acknowledge();
+  EXPECT_EQ(held(), cost(kUserData));
+  ASSERT_EQ(dispose(1, kDisposed), Code{});
+  acknowledge();
+  EXPECT_EQ(held(), 0u);
+}
+
+TEST_F(AnnouncedEndpointsTest, EndedInAFormThatAHostMayRefuse_StayCounted) {
+  const auto inline_qos = [](std::initializer_list<std::pair<std::uint16_t, Bytes>> parameters) {
+    Bytes out;
+    for (const auto& [id, value] : parameters) {
+      append(out, id, 2, true);
+      append(out, value.size(), 2, true);
+      append(out, value);
+    }
+    append(out, 1, 4, true);
+    return out;
+  };
+  const Bytes disposed = {0, 0, 0, kDisposed};
+  Bytes key_hash = to_bytes(kPeer.view());
+  append(key_hash, endpoint(1).view());
+  const Bytes short_hash = to_bytes(kPeer.view());
+  Bytes named_twice = name_only(1);
+  named_twice.resize(named_twice.size() - 4);
+  append(named_twice, BytesView(name_only(1)).subspan(4));
+  Bytes with_participant = name_only(1);
+  with_participant.insert(with_participant.begin() + 4, {0x50, 0, 16, 0});
+  with_participant.insert(with_participant.begin() + 8, key_hash.begin(), key_hash.end());
+  const std::pair<Bytes, Bytes> unusual[] = {
+      {inline_qos({{0x71, disposed}}), announcement(1, 0)},
+      {inline_qos({{0x71, disposed}, {0x71, disposed}}), name_only(1)},
+      {inline_qos({{0x71, {0, 0, 0, 9}}}), name_only(1)},
+      {inline_qos({{0x71, {1, 0, 0, kDisposed}}}), name_only(1)},
+      {inline_qos({{0x71, disposed}, {0x70, short_hash}}), name_only(1)},
+      {inline_qos({{0x71, disposed}, {0x70, key_hash}, {0x70, key_hash}}), name_only(1)},
+      {inline_qos({{0x71, disposed}, {0x1d, disposed}}), name_only(1)},
+  };
+  ASSERT_EQ(announce(1), Code{});
+  for (const auto& [qos, payload] : unusual) {
+    EXPECT_EQ(dispose_as(next_number++, qos, payload), Code{});
+    acknowledge();
+    EXPECT_EQ(held(), cost(kUserData));
+  }
+  EXPECT_EQ(dispose_as(next_number++, inline_qos({{0x71, disposed}}), named_twice),
+            Code::builtin_source_unreadable);
+  for (const auto& payload : {name_only(1), with_participant}) {
+    ASSERT_EQ(announce(1), Code{});
+    ASSERT_EQ(dispose_as(next_number++, inline_qos({{0x70, key_hash}, {0x71, disposed}}), payload),
+              Code{});
+    acknowledge();
+    EXPECT_EQ(held(), 0u) << payload.size();
+  }
 }
 
 // Before: the endpoint did not count any more, and the host kept it.
@@ -198,7 +271,7 @@ TEST_F(AnnouncedEndpointsTest, DoNotEndByANumberThatTheHostMayHaveSkipped) {
       if (before) tell(way);
       ASSERT_EQ(dispose_under(2, 1, kDisposed), Code{});
       if (!before) tell(way);
-      EXPECT_EQ(held(), cost(kUserData) + cost(0));
+      EXPECT_EQ(held(), cost(kUserData) + cost_of_end());
       acknowledge(3);
       EXPECT_EQ(held(), cost(kUserData));
     }

@@ -219,6 +219,14 @@ TEST(CostlyProperties, EachOctetCountsSixTimes) {
   EXPECT_EQ(walk.cost(1000), 1000u + 5 * 160);
 }
 
+TEST(CostlyPartitions, EachName_Counts48Octets) {
+  List list;
+  list.add(Names(256, "ab"));
+  ParameterWalk walk;
+  EXPECT_TRUE(walk.read(*builtin_topic_of(kPublications), kPeer, list.ended()));
+  EXPECT_EQ(walk.cost(1000), 1000u + 256 * 48);
+}
+
 // Cyclone DDS frees memory that it never wrote.
 TEST(DeprecatedAddresses, AreRefusedInEveryList) {
   for (const int id : {0x0b, 0x0c, 0x0d, 0x0e, 0x11, 0x45, 0x46})

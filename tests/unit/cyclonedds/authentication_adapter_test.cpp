@@ -8,6 +8,7 @@
 
 #include "plugins/cyclonedds/process_properties.hpp"
 #include "plugins/spi/property_names.hpp"
+#include "plugins/spi/session_facts.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/cyclonedds/support.hpp"
 
@@ -338,6 +339,23 @@ TEST_F(AuthenticationAdapterTest, PeerCredentialIsText) {
   ASSERT_EQ(credential.properties._length, 2u);
   EXPECT_STREQ(credential.properties._buffer[0].name, "c.id");
   EXPECT_STREQ(credential.properties._buffer[1].value, "p");
+  EXPECT_EQ(c->return_authenticated_peer_credential_token(c, &credential, nullptr), 1);
+}
+
+TEST_F(AuthenticationAdapterTest, SessionFacts_GoThroughTheHost) {
+  spi::Token token{.class_id = "DDS:Auth:PKI-DH:1.0", .binary_properties = {{"c.perm", {'p'}}}};
+  // Its octets would be no text.
+  const spi::SessionFacts facts{.presented_permissions = Sha256Digest{},
+                                .peer_keeps_session = true};
+  spi::add_session_facts(token, facts);
+  ON_CALL(engine, authenticated_peer_credential_token).WillByDefault(Return(token));
+  HostToken credential;
+  ASSERT_EQ(c->get_authenticated_peer_credential_token(c, &credential, 1, nullptr), 1);
+  const auto as_access_control_gets_it = token_from(&credential);
+  ASSERT_TRUE(as_access_control_gets_it);
+  const auto found = spi::session_facts_in(*as_access_control_gets_it);
+  EXPECT_EQ(found.presented_permissions, facts.presented_permissions);
+  EXPECT_TRUE(found.peer_keeps_session);
   EXPECT_EQ(c->return_authenticated_peer_credential_token(c, &credential, nullptr), 1);
 }
 
