@@ -101,8 +101,8 @@ Status check_liveliness(const BuiltinTopic& topic, const Owner& owner, BytesView
   return check_name(topic, owner, "participantGuidPrefix", payload.subspan(kEncapsulationSize));
 }
 
-/// An end counts as one only in the form that no host refuses: else the host keeps the endpoint,
-/// and acknowledges the sample all the same.
+/// An end counts only in the form that no host refuses. A host that refuses an end acknowledges it,
+/// but keeps the endpoint.
 Announcement::Kind kind_of(Ending ending, const ParameterWalk& walk) {
   if (ending == Ending::none) return Announcement::Kind::announces;
   return ending == Ending::usual && walk.has_only_names() ? Announcement::Kind::ends
