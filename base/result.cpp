@@ -2,13 +2,14 @@
 
 #include <fmt/format.h>
 
+#include "base/never_destroyed.hpp"
 #include "base/text.hpp"
 
 namespace ddssec {
 
 const ErrorDetails& Error::details() const {
-  static const ErrorDetails kNone;
-  return details_ ? *details_ : kNone;
+  static const NeverDestroyed<ErrorDetails> kNone;
+  return details_ ? *details_ : *kNone;
 }
 
 std::string Error::hint() const {

@@ -1,5 +1,7 @@
 #include "governance/byte_classes.hpp"
 
+#include "base/never_destroyed.hpp"
+
 namespace ddssec::governance {
 namespace {
 
@@ -20,8 +22,8 @@ std::string ordered_octets() {
 }  // namespace
 
 const std::string& octets_by_readability() {
-  static const std::string kOrder = ordered_octets();
-  return kOrder;
+  static const NeverDestroyed<std::string> kOrder(ordered_octets());
+  return *kOrder;
 }
 
 void ByteClasses::tell_apart(const std::bitset<256>& set) {

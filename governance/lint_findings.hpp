@@ -12,10 +12,10 @@
 
 namespace ddssec::governance {
 
-inline const std::string kCyclone = "cyclonedds";
-inline const std::string kFastDds = "fastdds";
-inline const std::string kOpenDds = "opendds";
-inline const std::vector<std::string> kStock = {kCyclone, kFastDds};
+inline constexpr auto kCyclone = "cyclonedds";
+inline constexpr auto kFastDds = "fastdds";
+inline constexpr auto kOpenDds = "opendds";
+inline std::vector<std::string> stock_vendors() { return {kCyclone, kFastDds}; }
 
 /// The findings of one document, and the effort left for further checks.
 class Findings {

@@ -22,7 +22,7 @@ void add_notes(Findings& out, const Governance& document) {
         out.add(GOV001, note, {kFastDds});
         break;
       case NoteKind::open_range:
-        out.add(GOV004, note, kStock);
+        out.add(GOV004, note, stock_vendors());
         break;
       case NoteKind::refused_spelling:
         out.add(note.text.contains("blanks") ? GOV005 : GOV023, note, {kFastDds});
@@ -31,7 +31,7 @@ void add_notes(Findings& out, const Governance& document) {
         out.add(GOV005, note, {kFastDds});
         break;
       case NoteKind::extension:
-        out.add(GOV006, note, kStock);
+        out.add(GOV006, note, stock_vendors());
         break;
       case NoteKind::end_tag_blank:
         out.add(GOV001, note, {kCyclone});
@@ -40,7 +40,7 @@ void add_notes(Findings& out, const Governance& document) {
         out.add(GOV023, note, {});
         break;
       default:
-        out.add(GOV024, note, kStock);
+        out.add(GOV024, note, stock_vendors());
     }
   }
 }
@@ -242,7 +242,7 @@ void check_access(Findings& out, const DomainPlace& place, std::size_t i) {
   if (controls_access(topic) && place.rule.allow_unauthenticated_participants) {
     auto finding = place.about(
         GOV025, i, fmt::format("{}: access is controlled and strangers are allowed", name));
-    finding.vendors = kStock;
+    finding.vendors = stock_vendors();
     out.add(std::move(finding));
   }
   if (controls_access(topic) && is_plain(topic)) {
@@ -280,7 +280,7 @@ void check_kinds(Findings& out, const DomainPlace& place, std::size_t i) {
         GOV031, i,
         fmt::format("{}: data_protection_kind is {} and metadata_protection_kind is NONE", name,
                     to_string(topic.data_protection_kind)));
-    finding.vendors = kStock;
+    finding.vendors = stock_vendors();
     out.add(std::move(finding));
   }
 }

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "base/never_destroyed.hpp"
+
 namespace ddssec::governance {
 
 GrantPlace::GrantPlace(const Grant& grant, std::size_t number)
@@ -42,8 +44,8 @@ std::string rule_name(const GrantEntry& entry) {
 }
 
 const std::vector<Text>& listed_partitions(const Criteria& criteria) {
-  static const std::vector<Text> kNone;
-  return criteria.partitions ? *criteria.partitions : kNone;
+  static const NeverDestroyed<std::vector<Text>> kNone;
+  return criteria.partitions ? *criteria.partitions : *kNone;
 }
 
 std::vector<std::string_view> allowed_texts(const std::vector<GrantEntry>& entries) {

@@ -50,7 +50,7 @@ void check_unread_conditions(Findings& out, const GrantPlace& place) {
       auto finding = place.about_rule(
           PERM014, i + 1,
           fmt::format("rule {} has {}: Cyclone DDS and Fast DDS pass over them", i + 1, what));
-      finding.vendors = kStock;
+      finding.vendors = stock_vendors();
       finding.severity = severity;
       out.add(std::move(finding));
     };

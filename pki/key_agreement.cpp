@@ -10,6 +10,7 @@
 #include <openssl/param_build.h>
 
 #include "base/hash.hpp"
+#include "base/never_destroyed.hpp"
 #include "pki/openssl.hpp"
 
 namespace ddssec::pki {
@@ -52,9 +53,9 @@ PkeyPtr make_parameters(KeyAgreementKind kind) {
 // Parameters are created once; keys copy them. After a failure, the next call tries again.
 EVP_PKEY* parameters_for(KeyAgreementKind kind) {
   static std::mutex mutex;
-  static std::array<PkeyPtr, 3> made;
+  static NeverDestroyed<std::array<PkeyPtr, 3>> made;
   const std::lock_guard lock(mutex);
-  auto& parameters = made.at(static_cast<std::size_t>(kind));
+  auto& parameters = made->at(static_cast<std::size_t>(kind));
   if (!parameters) parameters = make_parameters(kind);
   return parameters.get();
 }

@@ -4,6 +4,7 @@
 
 #include <openssl/rsa.h>
 
+#include "base/never_destroyed.hpp"
 #include "pki/openssl.hpp"
 
 namespace ddssec::pki {
@@ -13,9 +14,9 @@ constexpr int kSaltOctets = 32;
 
 // Fetched once: a fetch by name for every signature costs about a microsecond.
 const EVP_MD* digest_for(KeyKind kind) {
-  static const DigestPtr sha256_digest(EVP_MD_fetch(nullptr, "SHA256", nullptr));
-  static const DigestPtr sha384_digest(EVP_MD_fetch(nullptr, "SHA384", nullptr));
-  return kind == KeyKind::ec_p384 ? sha384_digest.get() : sha256_digest.get();
+  static const NeverDestroyed<DigestPtr> sha256_digest(EVP_MD_fetch(nullptr, "SHA256", nullptr));
+  static const NeverDestroyed<DigestPtr> sha384_digest(EVP_MD_fetch(nullptr, "SHA384", nullptr));
+  return (kind == KeyKind::ec_p384 ? *sha384_digest : *sha256_digest).get();
 }
 
 struct Digest {

@@ -4,17 +4,18 @@
 #include <vector>
 
 #include "base/hash.hpp"
+#include "base/never_destroyed.hpp"
 #include "plugins/cryptography/aead_backends.hpp"
 
 namespace ddssec::cryptography {
 
 std::span<const AeadBackend* const> aead_backends() {
-  static const auto kAvailable = [] {
+  static const NeverDestroyed<std::vector<const AeadBackend*>> kAvailable([] {
     std::vector<const AeadBackend*> list = {ipsec_mb_backend(), openssl_backend()};
     std::erase(list, nullptr);
     return list;
-  }();
-  return kAvailable;
+  }());
+  return *kAvailable;
 }
 
 const AeadBackend* aead_backend(AeadChoice choice) {

@@ -56,8 +56,9 @@ class IpsecMb final : public AeadBackend {
     }
     GcmContext context;
     (cipher == Cipher::aes128_gcm ? manager_->gcm128_enc : manager_->gcm256_enc)(
-        ipsec_mb_key_in(storage), &context.data, request.out, request.plain.data(), request.plain.size(),
-        request.iv.data(), request.aad.data(), request.aad.size(), request.tag.data(), kTagSize);
+        ipsec_mb_key_in(storage), &context.data, request.out, request.plain.data(),
+        request.plain.size(), request.iv.data(), request.aad.data(), request.aad.size(),
+        request.tag.data(), kTagSize);
     return true;
   }
 
@@ -68,8 +69,9 @@ class IpsecMb final : public AeadBackend {
     }
     GcmContext context;
     (cipher == Cipher::aes128_gcm ? manager_->gcm128_dec : manager_->gcm256_dec)(
-        ipsec_mb_key_in(storage), &context.data, request.out, request.cipher.data(), request.cipher.size(),
-        request.iv.data(), request.aad.data(), request.aad.size(), request.tag.data(), kTagSize);
+        ipsec_mb_key_in(storage), &context.data, request.out, request.cipher.data(),
+        request.cipher.size(), request.iv.data(), request.aad.data(), request.aad.size(),
+        request.tag.data(), kTagSize);
     return true;
   }
 
@@ -113,12 +115,12 @@ Manager usable_manager() {
 }  // namespace
 
 const AeadBackend* ipsec_mb_backend() {
-  static const auto kBackend = []() -> std::unique_ptr<const AeadBackend> {
+  // Never freed: threads may outlive static objects.
+  static const AeadBackend* const kBackend = []() -> const AeadBackend* {
     auto manager = usable_manager();
-    if (!manager) return nullptr;
-    return std::make_unique<IpsecMb>(std::move(manager));
+    return manager ? new IpsecMb(std::move(manager)) : nullptr;
   }();
-  return kBackend.get();
+  return kBackend;
 }
 
 }  // namespace ddssec::cryptography

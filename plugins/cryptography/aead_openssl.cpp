@@ -135,14 +135,15 @@ class Openssl final : public AeadBackend {
 }  // namespace
 
 const AeadBackend* openssl_backend() {
-  static const auto kBackend = []() -> std::unique_ptr<const AeadBackend> {
+  // Never freed: threads may outlive static objects.
+  static const AeadBackend* const kBackend = []() -> const AeadBackend* {
     Fetched gcm128(EVP_CIPHER_fetch(nullptr, "AES-128-GCM", nullptr));
     Fetched gcm256(EVP_CIPHER_fetch(nullptr, "AES-256-GCM", nullptr));
     Fetched chacha(EVP_CIPHER_fetch(nullptr, "ChaCha20-Poly1305", nullptr));
     if (!gcm128 || !gcm256) return nullptr;
-    return std::make_unique<Openssl>(std::move(gcm128), std::move(gcm256), std::move(chacha));
+    return new Openssl(std::move(gcm128), std::move(gcm256), std::move(chacha));
   }();
-  return kBackend.get();
+  return kBackend;
 }
 
 }  // namespace ddssec::cryptography

@@ -25,18 +25,28 @@ Slots& slots() {
   return instance;
 }
 
+/// The slot of the calling thread; null before the first call and after its lease has ended.
+constinit thread_local Slot* slot_of_thread = nullptr;
+constinit thread_local bool has_lease_ended = false;
+
+Slot* free_slot() {
+  auto& shared = slots();
+  const std::lock_guard lock(shared.mutex);
+  const auto free = std::ranges::find(shared.all, false, [](auto& one) { return one->taken; });
+  Slot* const slot = free != shared.all.end()
+                         ? free->get()
+                         : shared.all.emplace_back(std::make_unique<Slot>()).get();
+  slot->taken = true;
+  return slot;
+}
+
 /// Returns the slot when the thread ends.
 struct Lease {
-  Slot* slot;
-  Lease() : slot(nullptr) {
-    auto& shared = slots();
-    const std::lock_guard lock(shared.mutex);
-    const auto free = std::ranges::find(shared.all, false, [](auto& one) { return one->taken; });
-    slot = free != shared.all.end() ? free->get()
-                                    : shared.all.emplace_back(std::make_unique<Slot>()).get();
-    slot->taken = true;
-  }
+  Slot* slot = free_slot();
+  Lease() = default;
   ~Lease() {
+    slot_of_thread = nullptr;
+    has_lease_ended = true;
     const std::lock_guard lock(slots().mutex);
     slot->taken = false;
   }
@@ -45,12 +55,17 @@ struct Lease {
 };
 
 std::atomic<std::uint64_t>& slot_of_this_thread() {
-  static thread_local constinit Slot* mine = nullptr;
-  if (mine == nullptr) [[unlikely]] {
-    static thread_local const Lease lease;
-    mine = lease.slot;
+  if (slot_of_thread == nullptr) [[unlikely]] {
+    if (has_lease_ended) {
+      // exit() ends the leases of its thread first, then calls the host's functions, which may
+      // delete participants. The thread keeps this slot.
+      slot_of_thread = free_slot();
+    } else {
+      static thread_local const Lease lease;
+      slot_of_thread = lease.slot;
+    }
   }
-  return mine->epoch;
+  return slot_of_thread->epoch;
 }
 
 std::atomic<std::uint64_t>& enter() {

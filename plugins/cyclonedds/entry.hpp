@@ -4,6 +4,7 @@
 #include <exception>
 #include <memory>
 
+#include "base/process_exit.hpp"
 #include "plugins/cyclonedds/abi.hpp"
 #include "plugins/cyclonedds/host.hpp"
 
@@ -16,6 +17,7 @@ template <class Adapter, class CStruct, class Make>
 int init(void** context, ddsi_domaingv* domain, const void* caller, Make&& make) noexcept {
   if (context == nullptr) return DDS_SECURITY_FAILED;
   *context = nullptr;
+  keep_openssl_at_exit();
   try {
     auto adapter = std::make_unique<Adapter>(
         std::make_unique<Host>(make_host_log_for(caller), caller), make, domain);

@@ -10,7 +10,7 @@
 #include <time.h>
 
 static const char color[] = "BLUE";
-enum { MAX_SAMPLES = 100000, MAX_PAYLOAD = 64 << 20, MAX_USER_DATA = 60000, MAX_INTERVAL = 60000 };
+enum { MAX_SAMPLES = 100000, MAX_PAYLOAD = 64 << 20, MAX_USER_DATA = 60000, MAX_INTERVAL = 60000, MAX_EXIT_AFTER = 60000 };
 
 static volatile sig_atomic_t stopped;
 
@@ -61,6 +61,7 @@ static void usage(const char* program, int status) {
       "       [--user-data OCTETS]   (Cyclone DDS only)\n"
       "       [--late SECONDS]   until a subscriber makes further entities (Cyclone DDS only)\n"
       "       [--passing READERS]   further ones, deleted after some seconds (Cyclone DDS only)\n"
+      "       [--exit-after MS]   calls exit() and deletes nothing\n"
       "       [--property NAME=VALUE]...\n"
       "exit: 0 all samples seen or acknowledged, 2 usage, 3 refused, 4 no match, 5 no samples\n",
       program);
@@ -121,6 +122,7 @@ enum {
   OPT_USER_DATA,
   OPT_LATE,
   OPT_PASSING,
+  OPT_EXIT_AFTER,
   OPT_PROPERTY,
   OPT_HELP
 };
@@ -157,6 +159,7 @@ static const struct option table[] = {
     {"user-data", 1, NULL, OPT_USER_DATA},
     {"late", 1, NULL, OPT_LATE},
     {"passing", 1, NULL, OPT_PASSING},
+    {"exit-after", 1, NULL, OPT_EXIT_AFTER},
     {"property", 1, NULL, OPT_PROPERTY},
     {"help", 0, NULL, OPT_HELP},
     {NULL, 0, NULL, 0}};
@@ -219,6 +222,9 @@ static void apply(const char* program, int option, struct peer_options* options,
       break;
     case OPT_PASSING:
       options->passing = number(program, optarg, PEER_MAX_PASSING);
+      break;
+    case OPT_EXIT_AFTER:
+      options->exit_after = number(program, optarg, MAX_EXIT_AFTER);
       break;
     case OPT_ADDRESS:
       options->address = optarg;
@@ -343,9 +349,11 @@ static int verdict(const struct run* run, bool done) {
 
 static int run_until_done(struct run* run) {
   const bool publish = run->options->publish;
-  const double end = now() + run->options->timeout;
+  const double begin = now(), end = begin + run->options->timeout;
+  const double exit_after = run->options->exit_after * 1e-3;
   bool done = false;
   while (!done && !stopped && now() < end) {
+    if (exit_after > 0 && now() - begin >= exit_after) exit(PEER_OK);
     watch_matches(run);
     done = publish ? publish_some(run) : receive_some(run);
     if (!done) nap();

@@ -51,6 +51,7 @@ struct peer_options {
   uint32_t lease;       ///< lease of the participant in seconds; 0: the stack's own
   uint32_t interval;    ///< milliseconds between two samples; 0: 5, with hold 100
   uint32_t passing;     ///< further readers, deleted after some seconds (Cyclone DDS only)
+  uint32_t exit_after;  ///< milliseconds until exit() is called with all entities alive; 0: never
   uint32_t late;        ///< seconds until a subscriber makes further entities (Cyclone DDS only)
   uint32_t user_data;   ///< octets, of the participant and its endpoints (Cyclone DDS only)
   double timeout;       ///< seconds after which the peer ends whatever happened
