@@ -41,7 +41,7 @@ struct Id {
 
 using GuidPrefix = Id<struct GuidPrefixTag, 12>;
 using EntityId = Id<struct EntityIdTag, 4>;
-/// CryptoTransformKind (DDS-Security 9.5.2.1.1).
+/// CryptoTransformKind (DDS-Security 1.2, clause 10.5.2.1.1).
 using TransformKind = Id<struct TransformKindTag, 4>;
 /// CryptoTransformKeyId: unique within one sending participant; 0 is the key of the key exchange,
 /// or "none".
@@ -51,7 +51,8 @@ using SessionId = Id<struct SessionIdTag, 4>;
 /// The participant's own entity (RTPS 9.3.1.3).
 inline constexpr EntityId kEntityIdParticipant{{0x00, 0x00, 0x01, 0xc1}};
 
-/// GUID_t in network byte order. Comparison is octet by octet, as DDS-Security 9.3.3 demands.
+/// GUID_t in network byte order. Comparison is octet by octet, as DDS-Security 1.2, clause 10.3.3
+/// demands.
 struct Guid {
   GuidPrefix prefix;
   EntityId entity;

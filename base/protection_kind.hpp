@@ -7,7 +7,7 @@
 
 namespace ddssec {
 
-/// ProtectionKind (DDS-Security 9.4.1.2.3).
+/// ProtectionKind (DDS-Security 1.2, clause 10.4.1.2.2).
 enum class ProtectionKind : std::uint8_t {
   none,
   sign,

@@ -1,5 +1,5 @@
-// The source of a key, certificate, document or passphrase: the URI in a property (DDS-Security
-// 9.3.1).
+// The source of a key, certificate, document or passphrase: the URI in a property
+// (DDS-Security 1.2, clause 10.3.1).
 #pragma once
 
 #include <cstddef>

@@ -19,7 +19,7 @@ using rtps::MeetingState;
 
 constexpr int kLongest = 86'400;
 
-/// CryptoTransformKind (DDS-Security 9.5.2.1.1), whatever its key revision.
+/// CryptoTransformKind (DDS-Security 1.2, clause 10.5.2.1.1), whatever its key revision.
 std::string kind_name(TransformKind kind) {
   switch (kind.octets[3]) {
     case 1:

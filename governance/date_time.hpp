@@ -24,9 +24,9 @@ struct DateTime {
 };
 
 /// Parses `2026-11-21T03:13:43` with an optional fraction and an optional zone `Z`, `+hh:mm` or
-/// `-hh:mm`; without a zone it is UTC (DDS-Security 9.4.1.3.2.2). Strict: every digit in its place,
-/// years 1970 to 9999, valid days only, 24:00:00 as the next midnight, no leap seconds. A fraction
-/// is rounded as `round` says. Empty if the text has another form.
+/// `-hh:mm`; without a zone it is UTC (DDS-Security 1.2, clause 10.4.1.5.3.3). Strict: every digit
+/// in its place, years 1970 to 9999, valid days only, 24:00:00 as the next midnight, no leap
+/// seconds. A fraction is rounded as `round` says. Empty if the text has another form.
 std::optional<DateTime> parse_date_time(std::string_view text, Round round);
 
 }  // namespace ddssec::governance

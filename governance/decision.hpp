@@ -24,7 +24,7 @@ std::string_view to_string(Action action);
 
 /// The number of an entity's partitions that an allow rule must list.
 enum class PartitionMatch : std::uint8_t {
-  all,  ///< every one (DDS-Security 1.2 9.4.1.3.2.3.1.4)
+  all,  ///< every one (DDS-Security 1.2, clause 10.4.1.5.3.4.1.4)
   one,  ///< the "legacy" mode of 1.2: one is enough
 };
 
@@ -58,9 +58,9 @@ bool decides_joining(const Rule& rule);
 
 /// One grant, compiled for one domain and domain tag. Immutable and thread-safe.
 ///
-/// A rule without domain tags is for the empty tag only (DDS-Security 1.2 10.4.1.2.5.1). Rules are
-/// tried in document order. The first that matches decides, otherwise the default. A rule matches
-/// if domain, topic, partitions and data tags all match one of its elements.
+/// A rule without domain tags is for the empty tag only (DDS-Security 1.2, clause 10.4.1.2.5.1).
+/// Rules are tried in document order. The first that matches decides, otherwise the default. A rule
+/// matches if domain, topic, partitions and data tags all match one of its elements.
 ///
 /// - Partitions: an allow rule must list all of the entity's partitions (or one, see
 ///   PartitionMatch), a deny rule any of them. Data tags: an allow rule must list all of the

@@ -9,9 +9,9 @@
 namespace ddssec::governance {
 
 /// The first grant for `subject` whose validity contains `now`; other grants are ignored
-/// (DDS-Security 1.2 9.4.1.3.2.2). Names are compared with SubjectName::matches, expressions RDN by
-/// RDN in the same way. `shown` names the subject in errors. Errors: no_grant_for_subject;
-/// grant_expired or grant_not_yet_valid if all grants for the subject are.
+/// (DDS-Security 1.2, clause 10.4.1.5.3.2). Names are compared with SubjectName::matches,
+/// expressions RDN by RDN in the same way. `shown` names the subject in errors. Errors:
+/// no_grant_for_subject; grant_expired or grant_not_yet_valid if all grants for the subject are.
 Result<const Grant*> find_grant(const Permissions& permissions, const pki::SubjectName& subject,
                                 std::string_view shown, WallTime now);
 

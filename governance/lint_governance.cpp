@@ -286,7 +286,8 @@ void check_kinds(Findings& out, const DomainPlace& place, std::size_t i) {
 }
 
 // All readers of a topic share its writer's key. So each of them can forge messages that the others
-// accept as the writer's, unless every reader gets its own MAC (DDS-Security 8.1.3, 9.5.3.3.4).
+// accept as the writer's, unless every reader gets its own MAC (DDS-Security 1.2, clauses 7.1.1.3
+// and 10.5.3.3.4).
 void check_origin(Findings& out, const DomainPlace& place) {
   if (is_origin_authenticated(place.rule.rtps_protection_kind)) return;
   std::vector<std::string> names;

@@ -18,9 +18,10 @@ namespace ddssec::governance {
 /// octet. A `[` without its `]` is literal. An expression that ends with a single backslash matches
 /// nothing.
 ///
-/// The same as fnmatch(3) of glibc without flags in the C locale (DDS-Security 1.2 10.4.1.2.6.1,
-/// 10.4.1.5.3.4.1.3). The name is always literal, whatever characters it contains. Compilation is
-/// linear in the length of the expression. Matching takes at most its length times the name's.
+/// The same as fnmatch(3) of glibc without flags in the C locale (DDS-Security 1.2,
+/// clauses 10.4.1.2.6.1 and 10.4.1.5.3.4.1.3). The name is always literal, whatever characters it
+/// contains. Compilation is linear in the length of the expression. Matching takes at most its
+/// length times the name's.
 class Pattern {
  public:
   enum class Syntax : std::uint8_t {

@@ -70,7 +70,7 @@ struct DomainSet {
   int line = 0;
 
   /// True if both the id and the tag are in the set. A set without tags contains the empty tag only
-  /// (DDS-Security 1.2 9.4.1.2.4).
+  /// (DDS-Security 1.2, clause 10.4.1.2.5.1).
   bool contains(DomainId id, std::string_view tag = {}) const;
   /// The answer of Cyclone DDS 0.10.2 and Fast DDS 2.9.1: an open range is one id, and they do not
   /// accept documents with tags.
@@ -121,7 +121,7 @@ struct DomainRule {
   int line = 0;
 };
 
-/// A governance document (DDS-Security 9.4.1.2).
+/// A governance document (DDS-Security 1.2, clause 10.4.1.2).
 struct Governance {
   std::vector<DomainRule> domain_rules = {};
   std::vector<Note> notes = {};
@@ -184,7 +184,7 @@ struct Grant {
   int line = 0;
 };
 
-/// A permissions document (DDS-Security 9.4.1.3).
+/// A permissions document (DDS-Security 1.2, clause 10.4.1.5).
 struct Permissions {
   std::vector<Grant> grants = {};
   std::vector<Note> notes = {};

@@ -20,7 +20,7 @@ inline constexpr std::size_t kMostEntries = 500'000;
 Result<Governance> read_governance(BytesView xml, int first_line = 1);
 
 /// Reads a permissions document. Errors: as above, and validity_reversed, value_not_date_time,
-/// value_not_default. A grant without <default> denies (DDS-Security 1.2 9.4.1.3.2.3).
+/// value_not_default. A grant without <default> denies (DDS-Security 1.2, clause 10.4.1.5.3.4).
 Result<Permissions> read_permissions(BytesView xml, int first_line = 1);
 
 }  // namespace ddssec::governance

@@ -44,7 +44,7 @@ Result<bool> read_boolean(ReadContext& context, XmlElement element);
 /// `basic`: without origin authentication.
 Result<ProtectionKind> read_protection_kind(ReadContext& context, XmlElement element, bool basic);
 /// Reads a set of domains. A range without <max> ends with the highest id, one without <min> begins
-/// with 0 (DDS-Security 1.2 10.4.1.2.3, and its rule for all domains in 10.4.1.2.7).
+/// with 0 (DDS-Security 1.2, clause 10.4.1.2.3, and its rule for all domains in 10.4.1.2.7).
 Result<DomainSet> read_domains(ReadContext& context, XmlElement element);
 /// The texts of all children of `list`. There must be at least one, and all must be named `name`.
 /// `may_be_empty`: their text may be empty.

@@ -15,7 +15,7 @@
 
 namespace ddssec::pki {
 
-/// The supported key types, from DDS-Security 1.2 table 9.3.
+/// The supported key types, from DDS-Security 1.2, clause 8.2.
 enum class KeyKind : std::uint8_t { rsa, ec_p256, ec_p384 };
 
 struct KeyAlgorithm {
@@ -66,7 +66,7 @@ class Certificate {
   const std::string& issuer() const;
   /// Serial number in hexadecimal digits.
   std::string serial() const;
-  /// SHA-256 of the DER subject name: the adjusted GUID (DDS-Security 9.3.3).
+  /// SHA-256 of the DER subject name: the adjusted GUID (DDS-Security 1.2, clause 10.3.3).
   const Sha256Digest& subject_digest() const;
   WallTime not_before() const;
   WallTime not_after() const;
@@ -81,8 +81,8 @@ class Certificate {
   /// True if only its keyUsage (keyCertSign) marks it as a CA: version 3 without basicConstraints,
   /// which RFC 5280 does not allow.
   bool is_ca_by_key_usage_only() const;
-  /// The digest of the CA's signature on it, as "SHA256"; "RSASSA-PSS" for that algorithm; "" if the
-  /// algorithm has none.
+  /// The digest of the CA's signature on it, as "SHA256"; "RSASSA-PSS" for that algorithm; "" if
+  /// the algorithm has none.
   std::string signature_digest() const;
   /// The number of CAs allowed below this one; empty if basicConstraints has no limit.
   std::optional<int> path_length() const;

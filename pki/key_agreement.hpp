@@ -1,5 +1,5 @@
 // Key agreement of the handshake: ephemeral keys and the secret that two of them share
-// (DDS-Security 9.3.4.2, 9.5.2.1).
+// (DDS-Security 1.2, clauses 10.3.4.2 and 10.5.2.1).
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ enum class KeyAgreementKind : std::uint8_t { ecdh_p256, ecdh_p384, dh_modp_2048_
 /// the specification use the plain big-endian integer; Cyclone 0.10.2 uses a DER INTEGER.
 enum class PublicKeyEncoding : std::uint8_t { point, plain_integer, der_integer };
 
-/// SHA-256 of what both sides computed (DDS-Security 9.3.2.5.3).
+/// SHA-256 of what both sides computed (DDS-Security 1.2, clause 10.3.2.5.2).
 using SharedSecret = Secret<struct SharedSecretTag, 32>;
 
 /// A peer's public key that passed every check: on the curve, or in the subgroup of order q.

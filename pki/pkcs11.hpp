@@ -1,6 +1,6 @@
 // Internal to pki/: private keys and certificates in a PKCS#11 token (a smart card, a TPM, a
-// hardware security module), named by an RFC 7512 URI as DDS-Security 9.3.1 allows. Leading blanks
-// are allowed.
+// hardware security module), named by an RFC 7512 URI as DDS-Security 1.2, clause 10.3.1 allows.
+// Leading blanks are allowed.
 #pragma once
 
 #include <string_view>

@@ -1,4 +1,4 @@
-// Signatures of handshake messages (DDS-Security 9.3.4.2).
+// Signatures of handshake messages (DDS-Security 1.2, clause 10.3.4.2).
 #pragma once
 
 #include "base/bytes.hpp"

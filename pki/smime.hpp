@@ -1,4 +1,5 @@
-// Signed governance and permissions documents: S/MIME multipart/signed (DDS-Security 9.4.1).
+// Signed governance and permissions documents: S/MIME multipart/signed (DDS-Security 1.2,
+// clause 10.4.1).
 #pragma once
 
 #include <memory>

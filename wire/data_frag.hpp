@@ -20,7 +20,7 @@ struct DataFrag {
   bool is_key = false;
   BytesView payload = {};
   /// For a received one: everything after the fixed part and the inline QoS. A protected fragment
-  /// is longer than the octets that it covers (DDS-Security 8.5.1.9.1).
+  /// is longer than the octets that it covers (DDS-Security 1.2, clause 9.5.1.10.1).
   BytesView encoded = {};
 
   /// The number of fragments of the whole sample.

@@ -1,5 +1,5 @@
-// Entity ids and kinds of RTPS 9.3.1.2 and DDS-Security 7.4.5, and the set of bits that announces
-// them.
+// Entity ids and kinds of RTPS 9.3.1.2 and DDS-Security 1.2, clause 7.4.7.1, and the set of bits
+// that announces them.
 #pragma once
 
 #include "base/ids.hpp"
@@ -53,8 +53,8 @@ constexpr bool has_key(const EntityId& id) {
   return kind == 0x02 || kind == 0x07;
 }
 
-/// Bits of BuiltinEndpointSet_t (RTPS 9.3.2.12, DDS-Security 7.4.5.1). In each pair, the reader's
-/// bit is the one above the writer's.
+/// Bits of BuiltinEndpointSet_t (RTPS 9.3.2.12, DDS-Security 1.2, clause 7.5.1.4). In each pair,
+/// the reader's bit is the one above the writer's.
 namespace builtin_endpoints {
 inline constexpr std::uint32_t kParticipant = 0x3u << 0;
 inline constexpr std::uint32_t kPublications = 0x3u << 2;

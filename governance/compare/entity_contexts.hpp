@@ -43,8 +43,8 @@ struct EntityContexts {
 inline constexpr std::size_t kMostContexts = 2048;
 
 /// Computes the contexts. An allow rule must list each of an entity's partitions and data tags, a
-/// deny rule any of them (DDS-Security 1.2 10.4.1.5.3.4). Names of partitions are literal. Empty if
-/// the expressions have too many combinations.
+/// deny rule any of them (DDS-Security 1.2, clause 10.4.1.5.3.4). Names of partitions are literal.
+/// Empty if the expressions have too many combinations.
 std::optional<EntityContexts> entity_contexts(std::span<const RuleElement> old_elements,
                                               std::span<const RuleElement> new_elements,
                                               const SetLimits& limits = {});

@@ -35,8 +35,9 @@ struct ElementChange {
 ChangeClass compare(ProtectionKind old_kind, ProtectionKind new_kind);
 
 /// The differences between two rules for one domain; nullptr: no rule, so no participant can join.
-/// A missing list of algorithms means all that the standard names (DDS-Security 1.2 10.4.1.2.5.9).
-/// A missing list for the trust chain means the same as the one for signatures.
+/// A missing list of algorithms means all that the standard names (DDS-Security 1.2,
+/// clause 10.4.1.2.5.9). A missing list for the trust chain means the same as the one for
+/// signatures.
 std::vector<ElementChange> compare_domain_rules(const DomainRule* old_rule,
                                                 const DomainRule* new_rule);
 

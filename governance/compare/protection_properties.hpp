@@ -13,7 +13,7 @@ namespace ddssec::governance {
 
 /// The properties. An outsider has no identity in the domain. An insider has one, but no right to
 /// read or write the topic. A relay stores and forwards samples: it has the keys of submessages and
-/// not those of payloads (DDS-Security 1.2 9.5.1.9.3).
+/// not those of payloads (DDS-Security 1.2, clause 9.5.1.9.3).
 enum class Property : std::uint8_t {
   outsider_payload_secrecy,
   outsider_payload_integrity,

@@ -107,10 +107,11 @@ Meeting meet(const Party& a, const Party& b, const Settings& settings,
              const std::vector<std::string>& topics = {});
 
 /// The first 48 bits of the GUID of every participant with this certificate's subject, with any
-/// product (DDS-Security 9.3.3).
+/// product (DDS-Security 1.2, clause 10.3.3).
 std::uint64_t guid_start(const pki::Certificate& certificate);
 
-/// The participant that begins, by the subjects of two certificates (DDS-Security 9.3.3).
+/// The participant that begins, by the subjects of two certificates (DDS-Security 1.2,
+/// clause 10.3.3).
 Starter starter(const pki::Certificate& a, const pki::Certificate& b);
 
 }  // namespace ddssec::governance::doctor

@@ -1,4 +1,4 @@
-// The access control plugin DDS:Access:Permissions (DDS-Security 9.4).
+// The access control plugin DDS:Access:Permissions (DDS-Security 1.2, clause 10.4).
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 // Checks of certificates and handshakes against <allowed_crypto_algorithms> of a governance
-// document (DDS-Security 1.2 10.4.1.2.5.9).
+// document (DDS-Security 1.2, clause 10.4.1.2.5.9).
 #pragma once
 
 #include <optional>

@@ -107,7 +107,7 @@ std::optional<BytesView> octets_of(const spi::Token& token, std::string_view nam
 }
 
 /// Plugin name without regard to case, and the same major version; no version means 1.0
-/// (DDS-Security 9.4.2.2).
+/// (DDS-Security 1.2, clause 10.4.2.2).
 bool is_compatible_class(std::string_view class_id) {
   constexpr std::string_view kPlugin = "DDS:Access:Permissions";
   const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; };

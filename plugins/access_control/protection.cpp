@@ -16,7 +16,7 @@ struct BuiltinTopic {
   Protects by;
 };
 
-// DDS-Security 7.4.8. The standard uses both names DCPSParticipantSecure and
+// DDS-Security 1.2, clause 7.5.13. The standard uses both names DCPSParticipantSecure and
 // DCPSParticipantsSecure. The plain topics carry data that must be readable before authentication;
 // no topic rule applies to them.
 constexpr auto kBuiltinTopics = std::to_array<BuiltinTopic>({

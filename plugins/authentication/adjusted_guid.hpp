@@ -1,5 +1,5 @@
-// The adjusted participant GUID, which is bound to the certificate's subject name (DDS-Security
-// 9.3.3).
+// The adjusted participant GUID, which is bound to the certificate's subject name
+// (DDS-Security 1.2, clause 10.3.3).
 #pragma once
 
 #include "base/hash.hpp"

@@ -1,4 +1,4 @@
-// The algorithm names in handshake messages and their meaning (DDS-Security 9.3.4.1).
+// The algorithm names in handshake messages and their meaning (DDS-Security 1.2, clause 10.3.2.5).
 #pragma once
 
 #include <optional>

@@ -1,5 +1,5 @@
 // AuthRequestMessageToken: announces the challenge that the sender will use in the handshake
-// (DDS-Security 9.3.2.4).
+// (DDS-Security 1.2, clause 10.3.2.4).
 #pragma once
 
 #include "plugins/spi/shared_secret.hpp"

@@ -23,7 +23,7 @@ using spi::IdentityHandle;
 using spi::Token;
 using spi::ValidationResult;
 
-/// DDS-Security 10.3.3: the lower GUID, octet by octet, begins.
+/// DDS-Security 1.2, clause 10.3.3: the lower GUID, octet by octet, begins.
 bool initiates(const Guid& local, const Guid& remote) { return local < remote; }
 
 Status check_role(bool is_right, std::string_view call) {

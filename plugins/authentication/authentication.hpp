@@ -1,4 +1,5 @@
-// The authentication plugin DDS:Auth:PKI-DH (DDS-Security 9.3), for a host of any make.
+// The authentication plugin DDS:Auth:PKI-DH (DDS-Security 1.2, clause 10.3), for a host of any
+// make.
 #pragma once
 
 #include <cstddef>

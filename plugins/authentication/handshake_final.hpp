@@ -1,4 +1,5 @@
-// HandshakeFinalMessageToken, "+Final": the initiator's signature (DDS-Security 9.3.2.5.3).
+// HandshakeFinalMessageToken, "+Final": the initiator's signature (DDS-Security 1.2,
+// clause 10.3.2.5.3).
 #pragma once
 
 #include "pki/private_key.hpp"

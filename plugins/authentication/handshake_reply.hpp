@@ -1,4 +1,5 @@
-// HandshakeReplyMessageToken, "+Reply": the replier's signed answer (DDS-Security 9.3.2.5.2).
+// HandshakeReplyMessageToken, "+Reply": the replier's signed answer (DDS-Security 1.2,
+// clause 10.3.2.5.2).
 #pragma once
 
 #include "pki/private_key.hpp"

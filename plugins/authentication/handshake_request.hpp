@@ -1,4 +1,5 @@
-// HandshakeRequestMessageToken, "+Req": the initiator's first message (DDS-Security 9.3.2.5.1).
+// HandshakeRequestMessageToken, "+Req": the initiator's first message (DDS-Security 1.2,
+// clause 10.3.2.5.1).
 #pragma once
 
 #include "plugins/authentication/credentials.hpp"

@@ -24,10 +24,10 @@ class JudgedPeer {
   const pki::ChainValid& chain() const { return chain_; }
   const pki::Certificate& certificate() const { return chain_.certificate(); }
 
-  /// AuthenticatedPeerCredentialToken: binary c.id and c.perm (DDS-Security 9.3.2.2). c.perm comes
-  /// without the NUL that Cyclone DDS appends, and is empty if the peer has no permissions. Also
-  /// c.kagree_algo, for access control, which knows what the governance allows. Empty after
-  /// drop_credential.
+  /// AuthenticatedPeerCredentialToken: binary c.id and c.perm (DDS-Security 1.2, clause 10.3.2.3).
+  /// c.perm comes without the NUL that Cyclone DDS appends, and is empty if the peer has no
+  /// permissions. Also c.kagree_algo, for access control, which knows what the governance allows.
+  /// Empty after drop_credential.
   const std::optional<spi::Token>& credential() const { return credential_; }
   /// Frees the credential when it is no longer needed: the peer chose its size.
   void drop_credential() { credential_.reset(); }

@@ -22,9 +22,9 @@ struct RemoteLimits {
 /// Counts the remote identities of one local identity.
 ///
 /// Authenticated identities are counted by subject, represented by the first six octets of the GUID
-/// (DDS-Security 9.3.3). Anyone can claim these octets, so unproven claims are only counted in
-/// total. One certificate never takes the last places: a subject may have at most as many places as
-/// are free, so each further subject still finds some. Not thread-safe.
+/// (DDS-Security 1.2, clause 10.3.3). Anyone can claim these octets, so unproven claims are only
+/// counted in total. One certificate never takes the last places: a subject may have at most as
+/// many places as are free, so each further subject still finds some. Not thread-safe.
 class RemoteCounts {
  public:
   /// May an unproven GUID be admitted? Errors: too_many_remote_identities,

@@ -17,8 +17,8 @@ enum class TokenClass : std::uint8_t { identity, auth_request, request, reply, f
 std::string_view class_id_of(TokenClass token_class);
 
 /// The kind of token; empty for an unknown class id. Plugin name and major version must be those of
-/// this plugin, and the suffix a known one. The minor version does not matter (DDS-Security
-/// 9.3.2.1).
+/// this plugin, and the suffix a known one. The minor version does not matter (DDS-Security 1.2,
+/// clause 10.3.2.1).
 std::optional<TokenClass> token_class_of(std::string_view class_id);
 
 /// The longest class id, property name or text property, in octets.

@@ -1,4 +1,5 @@
-// The signed content of a handshake: six values (DDS-Security 9.3.2.5.2, 9.3.2.5.3).
+// The signed content of a handshake: six values (DDS-Security 1.2, clauses 10.3.2.5.2
+// and 10.3.2.5.3).
 #pragma once
 
 #include "base/hash.hpp"

@@ -18,7 +18,7 @@ enum class Cipher : std::uint8_t { aes128_gcm, aes256_gcm, chacha20_poly1305 };
 /// The key size in octets.
 constexpr std::size_t key_size_of(Cipher cipher) { return cipher == Cipher::aes128_gcm ? 16 : 32; }
 
-/// 96 bits: session id, then suffix (DDS-Security 9.5.3.3.4).
+/// 96 bits: session id, then suffix (DDS-Security 1.2, clause 10.5.3.3.4).
 using Iv = std::array<std::uint8_t, 12>;
 inline constexpr std::size_t kTagSize = 16;
 using TagView = std::span<const std::uint8_t, kTagSize>;

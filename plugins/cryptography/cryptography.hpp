@@ -1,4 +1,4 @@
-// The built-in Cryptography plugin DDS:Crypto:AES-GCM-GMAC (DDS-Security 9.5).
+// The built-in Cryptography plugin DDS:Crypto:AES-GCM-GMAC (DDS-Security 1.2, clause 10.5).
 #pragma once
 
 #include <cstdint>
@@ -29,8 +29,8 @@ struct Options {
   /// After each refusal the engine raises an event that names the peer. Type information of peers
   /// is replaced by padding, unless a property allows it.
   bool host_checks_sources = true;
-  /// The number of AES blocks under one session key before the next session begins (DDS-Security
-  /// 9.5.3.3.4); 1 to 2^32.
+  /// The number of AES blocks under one session key before the next session begins
+  /// (DDS-Security 1.2, clause 10.5.3.3.4); 1 to 2^32.
   std::uint64_t most_blocks_per_session = std::uint64_t{1} << 32;
   /// The number of sessions under one key before it refuses to encode; 1 to 2^32.
   std::uint64_t most_sessions_per_key = std::uint64_t{1} << 32;

@@ -1,4 +1,5 @@
-// Key derivation: session keys (DDS-Security 9.5.3.3.3) and the key exchange key (9.5.2.1.2).
+// Key derivation: session keys (DDS-Security 1.2, clause 10.5.3.3.3) and the key exchange key
+// (clause 10.5.2.1.2).
 #pragma once
 
 #include "plugins/cryptography/key_material.hpp"

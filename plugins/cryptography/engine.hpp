@@ -62,8 +62,9 @@ struct Shared {
 };
 
 /// The subject whose participants share places: the octets of the prefix that are bound to the
-/// certificate's subject (DDS-Security 9.3.3). A participant without a proven prefix has places of
-/// its own. It is identified by its identity handle, with a bit set that six octets cannot have.
+/// certificate's subject (DDS-Security 1.2, clause 10.3.3). A participant without a proven prefix
+/// has places of its own. It is identified by its identity handle, with a bit set that six octets
+/// cannot have.
 std::uint64_t subject_of(std::int64_t identity, const Pair& pair);
 
 /// The peer with that prefix that has authenticated with the local participant; null if there is
@@ -86,7 +87,7 @@ inline constexpr EntityKind remote_kind(spi::DatareaderCryptoHandle) {
   return EntityKind::remote_reader;
 }
 
-/// CryptoKeyFactory (DDS-Security 8.5.1.7, 9.5.3.1).
+/// CryptoKeyFactory (DDS-Security 1.2, clauses 9.5.1.8 and 10.5.3.1).
 class KeyFactory final : public spi::CryptoKeyFactory {
  public:
   KeyFactory(Shared& shared, std::uint32_t first_key_id)
@@ -198,7 +199,7 @@ class KeyFactory final : public spi::CryptoKeyFactory {
   std::unordered_map<std::int64_t, RemoteParticipant*> by_identity_;
 };
 
-/// CryptoKeyExchange (DDS-Security 8.5.1.8, 9.5.3.2).
+/// CryptoKeyExchange (DDS-Security 1.2, clauses 9.5.1.9 and 10.5.3.2).
 class KeyExchange final : public spi::CryptoKeyExchange {
  public:
   explicit KeyExchange(Shared& shared) : shared_(shared) {}
@@ -242,7 +243,7 @@ class KeyExchange final : public spi::CryptoKeyExchange {
   Shared& shared_;
 };
 
-/// CryptoTransform (DDS-Security 8.5.1.9, 9.5.3.3).
+/// CryptoTransform (DDS-Security 1.2, clauses 9.5.1.10 and 10.5.3.3).
 class Transform final : public spi::CryptoTransform {
  public:
   explicit Transform(Shared& shared) : shared_(shared) {}

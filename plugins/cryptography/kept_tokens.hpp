@@ -1,5 +1,5 @@
-// Handles a peer's key tokens (DDS-Security 9.5.2.2) for a host that does not ask the plugins about
-// their source.
+// Handles a peer's key tokens (DDS-Security 1.2, clause 10.5.2.1) for a host that does not ask the
+// plugins about their source.
 #pragma once
 
 #include "plugins/cryptography/engine.hpp"

@@ -1,4 +1,5 @@
-// KeyMaterial_AES_GCM_GMAC (DDS-Security 9.5.2.1.1) and the CryptoToken that carries it (9.5.2.1).
+// KeyMaterial_AES_GCM_GMAC (DDS-Security 1.2, clause 10.5.2.1.1) and the CryptoToken that carries
+// it (clause 10.5.2.1).
 #pragma once
 
 #include <cstdint>
@@ -17,8 +18,8 @@ inline constexpr TransformKind kAes128Gmac{{0, 0, 0, 1}};
 inline constexpr TransformKind kAes128Gcm{{0, 0, 0, 2}};
 inline constexpr TransformKind kAes256Gmac{{0, 0, 0, 3}};
 inline constexpr TransformKind kAes256Gcm{{0, 0, 0, 4}};
-// Private values from the vendor-specific range (DDS-Security 1.2 7.3.7). They are sent only to
-// peers that announced them: others may use the same numbers for something else.
+// Private values from the vendor-specific range (DDS-Security 1.2, clause 7.3.7). They are sent
+// only to peers that announced them: others may use the same numbers for something else.
 inline constexpr TransformKind kChachaPoly1305Mac{{0, 0, 0, 0x91}};
 inline constexpr TransformKind kChachaPoly1305{{0, 0, 0, 0x92}};
 
@@ -32,7 +33,7 @@ struct KindTraits {
   std::size_t key_size() const { return key_size_of(cipher); }
 };
 /// The traits of a kind; the key revision in its first three octets does not matter (DDS-Security
-/// 1.2 7.3.17). Empty for NONE and for unknown kinds.
+/// 1.2, clause 7.3.17). Empty for NONE and for unknown kinds.
 std::optional<KindTraits> traits_of(TransformKind kind);
 /// The kind of key revision 0 for a cipher.
 TransformKind kind_for(Cipher cipher, bool encrypts);

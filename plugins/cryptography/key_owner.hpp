@@ -10,7 +10,8 @@ namespace ddssec::cryptography {
 
 struct RemoteEndpoint;
 
-/// ParticipantVolatileMessageSecure (DDS-Security 7.4.5). Both directions share one key.
+/// ParticipantVolatileMessageSecure (DDS-Security 1.2, clause 7.5.4). Both directions share one
+/// key.
 inline constexpr EntityId kVolatileWriter{{0xff, 0x02, 0x02, 0xc3}};
 inline constexpr EntityId kVolatileReader{{0xff, 0x02, 0x02, 0xc4}};
 

@@ -1,5 +1,5 @@
-// Key revisions (DDS-Security 1.2 9.5.1.6, 10.5.2.2): new salt and sender key under the same key
-// id. A participant that gets no more keys can then no longer decrypt.
+// Key revisions (DDS-Security 1.2, clauses 9.5.1.6 and 10.5.2.2): new salt and sender key under the
+// same key id. A participant that gets no more keys can then no longer decrypt.
 #pragma once
 
 #include <chrono>

@@ -1,4 +1,4 @@
-// The passphrases of a domain's pre-shared keys (DDS-Security 1.2 10.5.1, table 71).
+// The passphrases of a domain's pre-shared keys (DDS-Security 1.2, clause 10.5.1, table 71).
 #pragma once
 
 #include <array>

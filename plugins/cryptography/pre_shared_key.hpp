@@ -1,4 +1,4 @@
-// Protection of messages by a key that a whole domain shares (DDS-Security 1.2 10.5.2.1.3).
+// Protection of messages by a key that a whole domain shares (DDS-Security 1.2, clause 10.5.2.1.3).
 #pragma once
 
 #include <array>

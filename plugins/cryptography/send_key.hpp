@@ -113,8 +113,8 @@ class SendKey final : public Retirable {
   std::mutex mutex_;                // held while changing to the next session
 };
 
-/// The receiver-specific key that a local sender has for one remote receiver (DDS-Security
-/// 9.5.3.3.3), expanded for the sender's current session.
+/// The receiver-specific key that a local sender has for one remote receiver (DDS-Security 1.2,
+/// clause 10.5.3.3.3), expanded for the sender's current session.
 class ReceiverKey final : public Retirable {
  public:
   ReceiverKey(KeyId id, MasterReceiverKey key, const KeyEnvironment& environment)

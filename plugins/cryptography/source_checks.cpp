@@ -10,8 +10,8 @@
 namespace ddssec::cryptography {
 namespace {
 
-// ParticipantGenericMessage (DDS-Security 7.4.4.4) begins with GUIDs and sequence numbers only, so
-// these positions are the same in every byte order and in plain CDR 1 and 2.
+// ParticipantGenericMessage (DDS-Security 1.2, clause 7.3.22) begins with GUIDs and sequence
+// numbers only, so these positions are the same in every byte order and in plain CDR 1 and 2.
 constexpr std::size_t kSourceAt = 4;           ///< message_identity.source_guid
 constexpr std::size_t kSourceEndpointAt = 84;  ///< source_endpoint_guid
 constexpr std::size_t kAddressesSize = 100;    ///< up to message_class_id

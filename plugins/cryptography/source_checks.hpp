@@ -34,10 +34,10 @@ struct SenderPart {
 ///
 /// The sender's part ends before an INFO_SRC that names another participant, unless both prefixes
 /// begin with the same six octets. These octets are bound to the certificate's subject
-/// (DDS-Security 9.3.3), and Cyclone DDS puts the submessages of several participants of one
-/// process into one message. The part also ends before an unprotected discovery or liveliness
-/// submessage inside the message that concerns another participant than the last INFO_SRC names
-/// (builtin_checks.hpp).
+/// (DDS-Security 1.2, clause 10.3.3), and Cyclone DDS puts the submessages of several participants
+/// of one process into one message. The part also ends before an unprotected discovery or
+/// liveliness submessage inside the message that concerns another participant than the last
+/// INFO_SRC names (builtin_checks.hpp).
 ///
 /// Allocates nothing unless something ended the part, or there are discovery fragments, type
 /// information or type lookups.

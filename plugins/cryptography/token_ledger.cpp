@@ -35,9 +35,9 @@ bool is_reader(const EntityId& id) {
   return kind == 0x04 || kind == 0x07;
 }
 
-/// True for a writer and a reader of one secure builtin topic (DDS-Security 7.4.5). The sender
-/// chooses the bits of an entity id that mark it as builtin, and the host matches no other builtin
-/// endpoints by itself.
+/// True for a writer and a reader of one secure builtin topic (DDS-Security 1.2, clause 7.5.8). The
+/// sender chooses the bits of an entity id that mark it as builtin, and the host matches no other
+/// builtin endpoints by itself.
 bool are_builtin_pair(const EntityId& remote, const EntityId& local) {
   constexpr std::array<std::uint32_t, 4> kTopics = {0xff0003, 0xff0004, 0xff0200, 0xff0101};
   const auto topic_of = [](const EntityId& id) {
@@ -80,7 +80,7 @@ bool has_place_for_ticket(std::span<const spi::Token> tokens) {
          tokens.front().binary_properties.front().value.size() >= sizeof(Ticket::octets);
 }
 
-/// ParticipantGenericMessage (DDS-Security 7.4.4.4).
+/// ParticipantGenericMessage (DDS-Security 1.2, clause 7.3.22).
 Result<std::optional<TokenMessage>> read_generic_message(const DataPiece& piece) {
   constexpr std::size_t kAfterSource = 8 + 24;  // its number, and related_message_identity
   const bool little = (piece.payload[1] & 1) != 0;
@@ -196,7 +196,8 @@ std::vector<spi::Token> PackedTokens::tokens() const {
   return out;
 }
 
-/// The first six octets of a proven prefix are bound to the subject (DDS-Security 9.3.3).
+/// The first six octets of a proven prefix are bound to the subject (DDS-Security 1.2,
+/// clause 10.3.3).
 std::uint64_t TokenLedger::account_of(const Key& key, const TokenSender& sender) {
   if (!sender.is_proven) return kUnproven | sender.exchange;
   std::uint64_t subject = 0;

@@ -56,7 +56,8 @@ inline constexpr std::uint64_t kGreatestNumber = std::uint64_t{1} << 62;
 /// times the size of two keys with receiver keys.
 inline constexpr std::size_t kMostTokenOctets = 1024;
 
-/// A writer may have one key for both levels, or one key for each (DDS-Security 9.5.2.1).
+/// A writer may have one key for both levels, or one key for each (DDS-Security 1.2,
+/// clause 10.5.2.1).
 inline constexpr std::size_t kMostTokensPerEndpoint = 2;
 
 /// Given to the host instead of key material; the host presents it later.
@@ -134,8 +135,8 @@ class PackedTokens {
 class TokenLedger {
  public:
   /// The largest number of pending tickets for the participants of one certificate, which are
-  /// identified by the first six octets of the prefix (DDS-Security 9.3.3). Enough for the 128
-  /// readers and 128 writers of two participants.
+  /// identified by the first six octets of the prefix (DDS-Security 1.2, clause 10.3.3). Enough for
+  /// the 128 readers and 128 writers of two participants.
   static constexpr std::size_t kMostPending = 16384;
   /// The limit for all senders with an unproven prefix, which can name any prefix. Each has a share
   /// like that of a certificate, but at most as much as is left for others, so that a further

@@ -40,7 +40,8 @@ void close_length(MutableBytes content, std::size_t position) {
   content[position + (little ? 3 : 2)] = static_cast<std::uint8_t>(length >> 8);
 }
 
-/// INFO_SRC, which binds the RTPS header to the protected content (DDS-Security 9.5.3.3.4.5).
+/// INFO_SRC, which binds the RTPS header to the protected content (DDS-Security 1.2,
+/// clause 10.5.3.3.4.5).
 void info_source(Pen& pen, BytesView source) {
   pen.submessage_header(submessage_id::kInfoSource, kInfoSourceSize - kSubmessageHeaderSize);
   pen.u32(0);

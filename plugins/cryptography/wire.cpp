@@ -125,7 +125,8 @@ Result<Protected> read_protected_payload(BytesView encoded) {
     if (size > room) return fail(Code::secure_group_malformed);
   }
   const auto footer = rest.subspan(size, kFooterSize);
-  // A list of MACs for all readers would not authenticate the origin (DDS-Security 9.5.3.3.4.4).
+  // A list of MACs for all readers would not authenticate the origin (DDS-Security 1.2,
+  // clause 10.5.3.3.4.4).
   if (u32_at(footer, kTagSize) != 0) return fail(Code::receiver_specific_macs_not_allowed);
   if (room - size > kMaxPadding) return fail(Code::secure_group_malformed);
   DDSSEC_ASSIGN_OR_RETURN(out.footer, footer_from(footer));

@@ -1,6 +1,6 @@
-// The octets of CryptoHeader, CryptoContent and CryptoFooter (DDS-Security 9.5.2.3 to 9.5.2.5), and
-// of the secure submessages around them (7.4.2). Reading checks everything; writing expects checked
-// sizes.
+// The octets of CryptoHeader, CryptoContent and CryptoFooter (DDS-Security 1.2, clauses 10.5.2.3
+// to 10.5.2.5), and of the secure submessages around them (clause 7.4.6). Reading checks
+// everything; writing expects checked sizes.
 #pragma once
 
 #include <algorithm>
@@ -40,7 +40,7 @@ inline constexpr std::uint8_t kAckNack = 0x06, kHeartbeat = 0x07, kGap = 0x08,
 /// Flag E of a submessage.
 inline constexpr std::uint8_t kEndianFlag = 0x01;
 
-/// Flag P of SRTPS_PREFIX: protected by a pre-shared key (DDS-Security 1.2 7.4.7.8).
+/// Flag P of SRTPS_PREFIX: protected by a pre-shared key (DDS-Security 1.2, clause 7.4.7.8).
 inline constexpr std::uint8_t kPreSharedKeyFlag = 0x04;
 
 /// The ids of a prefix and its postfix.

@@ -213,8 +213,8 @@ DDS_Security_boolean check_remote_topic(Instance* instance, const CPermissions h
 }
 
 // Cyclone's core matches local endpoints without asking and has no checks of instances, so the six
-// functions below have no caller. The standard's builtin plugin allows all of them (DDS-Security
-// 9.4.3), because creation and remote matching were checked already.
+// functions below have no caller. The standard's builtin plugin allows all of them
+// (DDS-Security 1.2, clause 10.4.3), because creation and remote matching were checked already.
 DDS_Security_boolean allow(Instance* instance, Exception* ex) noexcept {
   return ask<Adapter>(instance, ex, [](Adapter&) -> Status { return {}; });
 }

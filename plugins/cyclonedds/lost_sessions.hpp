@@ -97,7 +97,7 @@ class LostSessions {
   };
   using Key = std::pair<Guid, spi::IdentityHandle>;  ///< remote, local
   /// The first half of a proven prefix, which is bound to the subject of the remote participant's
-  /// certificate (DDS-Security 9.3.3).
+  /// certificate (DDS-Security 1.2, clause 10.3.3).
   using Subject = std::array<std::uint8_t, 6>;
   /// By the sequence number of their loss.
   using InOrder = std::set<std::pair<std::uint64_t, Key>>;

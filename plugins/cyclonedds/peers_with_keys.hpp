@@ -19,8 +19,8 @@ class PeersWithKeys {
  public:
   static PeersWithKeys& of_process();
 
-  /// Bits of BuiltinEndpointSet_t (DDS-Security 7.4.7.1): secure discovery of participants,
-  /// publications and subscriptions, secure liveliness, and the key exchange.
+  /// Bits of BuiltinEndpointSet_t (DDS-Security 1.2, clause 7.5.1.4): secure discovery of
+  /// participants, publications and subscriptions, secure liveliness, and the key exchange.
   static constexpr std::uint32_t kSecureEndpoints = 0x0f3f0000;
 
   /// The local participant `local` met the peer, which signed that it has these builtin endpoints.

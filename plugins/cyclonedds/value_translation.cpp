@@ -8,7 +8,7 @@ namespace {
 
 bool has(std::uint32_t mask, std::uint32_t flag) { return (mask & flag) != 0; }
 
-/// A mask without its valid bit adds nothing to the booleans (DDS-Security 9.4.2.4).
+/// A mask without its valid bit adds nothing to the booleans (DDS-Security 1.2, clause 10.4.2.4).
 std::uint32_t valid_or_nothing(std::uint32_t mask) {
   return has(mask, spi::kMaskIsValid) ? mask : 0;
 }

@@ -1,5 +1,4 @@
-// The AccessControl interface (DDS-Security 8.4.2.9), independent of the host. Clause numbers of
-// single operations are those of DDS-Security 1.1.
+// The AccessControl interface (DDS-Security 1.2, clause 9.4.2.9), independent of the host.
 #pragma once
 
 #include <optional>
@@ -38,20 +37,21 @@ class AccessControl {
   virtual ~AccessControl() = default;
 
   /// Loads the governance, the permissions and the permissions CA that `properties` name
-  /// (DDS-Security 8.4.2.9.1). Finds the grant for the subject of the identity certificate, which
-  /// is also named there. A rule counts if its domains include `domain_id` with `domain_tag`, for
-  /// remote participants too (DDS-Security 1.2 10.4.1.2.5.1). The caller owns the handle. Errors:
-  /// access_not_configured, access_document_missing, missing_property, governance_not_enforceable,
-  /// identity_algorithm_not_allowed, trust_chain_algorithm_not_allowed, those of the documents and
-  /// certificates (each names its file), no_grant_for_subject, too_many_permissions_handles.
+  /// (DDS-Security 1.2, clause 9.4.2.9.1). Finds the grant for the subject of the identity
+  /// certificate, which is also named there. A rule counts if its domains include `domain_id` with
+  /// `domain_tag`, for remote participants too (DDS-Security 1.2, clause 10.4.1.2.5.1). The caller
+  /// owns the handle. Errors: access_not_configured, access_document_missing, missing_property,
+  /// governance_not_enforceable, identity_algorithm_not_allowed, trust_chain_algorithm_not_allowed,
+  /// those of the documents and certificates (each names its file), no_grant_for_subject,
+  /// too_many_permissions_handles.
   virtual Result<PermissionsHandle> validate_local_permissions(
       IdentityHandle identity, DomainId domain_id, const PropertyList& properties,
       std::string_view domain_tag = {}) = 0;
   /// Judges a peer's permissions by the governance and the permissions CA of the local identity
-  /// (DDS-Security 8.4.2.9.2). `credential` holds c.id and c.perm as binary or as text properties.
-  /// Each call returns a new handle; the caller returns it. If the governance does not enable join
-  /// access control, a peer with unusable permissions also gets a handle: it may then use
-  /// unprotected topics only. Errors: unknown_local_identity, identity_algorithm_not_allowed,
+  /// (DDS-Security 1.2, clause 9.4.2.9.2). `credential` holds c.id and c.perm as binary or as text
+  /// properties. Each call returns a new handle; the caller returns it. If the governance does not
+  /// enable join access control, a peer with unusable permissions also gets a handle: it may then
+  /// use unprotected topics only. Errors: unknown_local_identity, identity_algorithm_not_allowed,
   /// trust_chain_algorithm_not_allowed, key_establishment_not_allowed, peer_certificate_missing,
   /// permissions_token_class, permissions_missing, permissions_too_large, those of the certificate
   /// and the document, too_many_permissions_handles.
@@ -60,37 +60,39 @@ class AccessControl {
                                                                 const Token& permissions_token,
                                                                 const Token& credential) = 0;
 
-  /// May the local participant join the domain (DDS-Security 8.4.2.9.3)? Errors:
+  /// May the local participant join the domain (DDS-Security 1.2, clause 9.4.2.9.3)? Errors:
   /// participant_not_allowed, those of a grant, or of the certificate that signed it, that is not
   /// valid now.
   virtual Status check_create_participant(PermissionsHandle local, DomainId domain_id) = 0;
-  /// May the local participant have such a writer (DDS-Security 8.4.2.9.4)? Errors:
+  /// May the local participant have such a writer (DDS-Security 1.2, clause 9.4.2.9.4)? Errors:
   /// topic_not_covered, publish_not_allowed, those of the grant as above.
   virtual Status check_create_datawriter(PermissionsHandle local, DomainId domain_id,
                                          const EndpointRequest& request) = 0;
-  /// The same for a reader (DDS-Security 8.4.2.9.5). Error instead: subscribe_not_allowed.
+  /// The same for a reader (DDS-Security 1.2, clause 9.4.2.9.5). Error instead:
+  /// subscribe_not_allowed.
   virtual Status check_create_datareader(PermissionsHandle local, DomainId domain_id,
                                          const EndpointRequest& request) = 0;
-  /// May the local participant create the topic (DDS-Security 8.4.2.9.6)? Yes if it may publish or
-  /// subscribe. Errors: topic_not_covered, topic_not_allowed, those of the grant as above.
+  /// May the local participant create the topic (DDS-Security 1.2, clause 9.4.2.9.6)? Yes if it may
+  /// publish or subscribe. Errors: topic_not_covered, topic_not_allowed, those of the grant as
+  /// above.
   virtual Status check_create_topic(PermissionsHandle local, DomainId domain_id,
                                     std::string_view topic_name) = 0;
 
-  /// May a peer join the domain (DDS-Security 8.4.2.9.9)? Judged by the local governance and the
-  /// peer's own permissions, as are all checks of a peer. Errors: participant_not_allowed,
-  /// peer_has_no_permissions, those of the grant as above.
+  /// May a peer join the domain (DDS-Security 1.2, clause 9.4.2.9.9)? Judged by the local
+  /// governance and the peer's own permissions, as are all checks of a peer. Errors:
+  /// participant_not_allowed, peer_has_no_permissions, those of the grant as above.
   virtual Status check_remote_participant(PermissionsHandle remote, DomainId domain_id) = 0;
-  /// May a peer have the announced writer (DDS-Security 8.4.2.9.10)? Errors: length_out_of_range
-  /// (names too long or too many partitions), topic_not_covered, announced_writer_not_allowed,
-  /// peer_has_no_permissions, those of the grant as above.
+  /// May a peer have the announced writer (DDS-Security 1.2, clause 9.4.2.9.10)? Errors:
+  /// length_out_of_range (names too long or too many partitions), topic_not_covered,
+  /// announced_writer_not_allowed, peer_has_no_permissions, those of the grant as above.
   virtual Status check_remote_datawriter(PermissionsHandle remote, DomainId domain_id,
                                          const EndpointRequest& request) = 0;
   /// The answer about a peer's reader.
   struct RemoteDatareader {
     bool relay_only = false;
   };
-  /// The same for a reader (DDS-Security 8.4.2.9.11). `relay_only`: the reader is allowed by a
-  /// <relay> element only, so it must not get the payload key. Error instead:
+  /// The same for a reader (DDS-Security 1.2, clause 9.4.2.9.11). `relay_only`: the reader is
+  /// allowed by a <relay> element only, so it must not get the payload key. Error instead:
   /// announced_reader_not_allowed.
   virtual Result<RemoteDatareader> check_remote_datareader(PermissionsHandle remote,
                                                            DomainId domain_id,
@@ -109,32 +111,34 @@ class AccessControl {
   /// permissions were renewed, they must allow the local endpoint, too. Errors:
   /// match_not_permitted; for the local endpoint publish_not_allowed or subscribe_not_allowed.
   virtual Status check_remote_match(PermissionsHandle remote, const Match& match) = 0;
-  /// May a peer create the topic (DDS-Security 8.4.2.9.12)? Errors: length_out_of_range,
-  /// topic_not_covered, topic_not_allowed, peer_has_no_permissions, those of the grant as above.
+  /// May a peer create the topic (DDS-Security 1.2, clause 9.4.2.9.12)? Errors:
+  /// length_out_of_range, topic_not_covered, topic_not_allowed, peer_has_no_permissions, those of
+  /// the grant as above.
   virtual Status check_remote_topic(PermissionsHandle remote, DomainId domain_id,
                                     std::string_view topic_name) = 0;
 
-  /// The PermissionsToken that discovery announces (DDS-Security 8.4.2.9.17).
+  /// The PermissionsToken that discovery announces (DDS-Security 1.2, clause 9.4.2.9.17).
   virtual Result<Token> permissions_token(PermissionsHandle local) = 0;
   /// The signed permissions document in property dds.perm.cert, for
-  /// Authentication::set_permissions_credential_and_token (DDS-Security 8.4.2.9.18).
+  /// Authentication::set_permissions_credential_and_token (DDS-Security 1.2, clause 9.4.2.9.18).
   virtual Result<Token> permissions_credential_token(PermissionsHandle local) = 0;
 
   /// How often `expire` has taken renewed permissions of a local participant. When it has, the host
   /// passes the new permissions_credential_token to authentication. 0 for any other handle.
   virtual std::uint64_t renewals(PermissionsHandle) { return 0; }
 
-  /// What the governance demands of the participant (DDS-Security 8.4.2.9.22).
+  /// What the governance demands of the participant (DDS-Security 1.2, clause 9.4.2.9.22).
   virtual Result<ParticipantSecurityAttributes> participant_sec_attributes(
       PermissionsHandle local) = 0;
-  /// What the governance demands of a topic (DDS-Security 8.4.2.9.23). Error: topic_not_covered.
+  /// What the governance demands of a topic (DDS-Security 1.2, clause 9.4.2.9.23). Error:
+  /// topic_not_covered.
   virtual Result<TopicSecurityAttributes> topic_sec_attributes(PermissionsHandle local,
                                                                std::string_view topic_name) = 0;
-  /// What the governance demands of a writer (DDS-Security 8.4.2.9.24). Also answers for the
-  /// builtin secure topics (DDS-Security 7.4.8). Error: topic_not_covered.
+  /// What the governance demands of a writer (DDS-Security 1.2, clause 9.4.2.9.24). Also answers
+  /// for the builtin secure topics (DDS-Security 1.2, clause 7.5.13). Error: topic_not_covered.
   virtual Result<EndpointSecurityAttributes> datawriter_sec_attributes(
       PermissionsHandle local, const EndpointRequest& request) = 0;
-  /// The same for a reader (DDS-Security 8.4.2.9.25).
+  /// The same for a reader (DDS-Security 1.2, clause 9.4.2.9.25).
   virtual Result<EndpointSecurityAttributes> datareader_sec_attributes(
       PermissionsHandle local, const EndpointRequest& request) = 0;
 

@@ -20,7 +20,8 @@ using ddssec::protection_kind_from;
 using ddssec::ProtectionKind;
 using ddssec::to_string;
 
-/// ParticipantSecurityAttributes (DDS-Security 7.3.8), with the kinds in place of plugin masks.
+/// ParticipantSecurityAttributes (DDS-Security 1.2, clause 9.4.2.4), with the kinds in place of
+/// plugin masks.
 struct ParticipantSecurityAttributes {
   bool allow_unauthenticated_participants = false;
   bool is_access_protected = true;
@@ -45,7 +46,7 @@ struct ParticipantSecurityAttributes {
   bool is_liveliness_protected() const { return is_protected(liveliness); }
 };
 
-/// TopicSecurityAttributes (DDS-Security 7.3.10).
+/// TopicSecurityAttributes (DDS-Security 1.2, clause 9.4.2.6).
 struct TopicSecurityAttributes {
   bool is_read_protected = false;
   bool is_write_protected = false;
@@ -54,9 +55,9 @@ struct TopicSecurityAttributes {
   bool operator==(const TopicSecurityAttributes&) const = default;
 };
 
-/// EndpointSecurityAttributes (DDS-Security 7.3.12). `submessage` is the metadata protection kind,
-/// `payload` the data protection kind (none, sign or encrypt). is_key_protected = payload
-/// encrypted.
+/// EndpointSecurityAttributes (DDS-Security 1.2, clause 9.4.2.7). `submessage` is the metadata
+/// protection kind, `payload` the data protection kind (none, sign or encrypt). is_key_protected =
+/// payload encrypted.
 struct EndpointSecurityAttributes {
   TopicSecurityAttributes topic;
   ProtectionKind submessage = ProtectionKind::none;
@@ -72,7 +73,8 @@ struct EndpointSecurityAttributes {
   bool is_key_protected() const { return is_encrypted(payload); }
 };
 
-/// The two masks of ParticipantSecurityInfo and EndpointSecurityInfo (DDS-Security 7.3.9, 7.3.13).
+/// The two masks of ParticipantSecurityInfo and EndpointSecurityInfo (DDS-Security 1.2,
+/// clauses 7.3.23 and 7.3.24).
 struct SecurityInfo {
   std::uint32_t mask = 0;
   std::uint32_t plugin_mask = 0;
@@ -97,10 +99,12 @@ std::uint32_t plugin_mask(const ParticipantSecurityAttributes& attributes);
 std::uint32_t plugin_mask(const EndpointSecurityAttributes& attributes);
 
 /// The kind from a host's attributes: `is_protected` is its boolean, the other two come from the
-/// plugin mask. A mask without the valid bit means plain signing (DDS-Security 9.4.2.4).
+/// plugin mask. A mask without the valid bit means plain signing (DDS-Security 1.2,
+/// clause 10.4.2.4).
 ProtectionKind protection_kind(bool is_protected, bool is_encrypted, bool is_origin_authenticated);
 
-/// True if both masks are equal, or one of a pair lacks the valid bit (DDS-Security 7.3.9.2).
+/// True if both masks are equal, or one of a pair lacks the valid bit (DDS-Security 1.2,
+/// clause 7.3.23).
 bool compatible(const SecurityInfo& local, const SecurityInfo& remote);
 
 }  // namespace ddssec::spi

@@ -1,5 +1,4 @@
-// The Authentication interface (DDS-Security 8.3.2.11), independent of the host. Clause numbers of
-// single operations are those of DDS-Security 1.1.
+// The Authentication interface (DDS-Security 1.2, clause 9.3.2.11), independent of the host.
 #pragma once
 
 #include <memory>
@@ -16,7 +15,8 @@
 
 namespace ddssec::spi {
 
-/// ValidationResult_t (DDS-Security 8.3.2.11.1) without its failures, which are errors here.
+/// ValidationResult_t (DDS-Security 1.2, clause 9.3.2.11.1) without its failures, which are errors
+/// here.
 enum class ValidationResult : std::uint8_t {
   ok,
   pending_handshake_request,  ///< the local GUID is the lower: call begin_handshake_request
@@ -68,28 +68,30 @@ class Authentication {
   virtual ~Authentication() = default;
 
   /// Loads and checks the CA, certificate, key and CRL that `properties` name. Binds the candidate
-  /// GUID to the certificate's subject name (DDS-Security 8.3.2.11.2, 9.3.3). The caller owns the
-  /// handle and returns it with return_identity_handle. Errors: those of reading and parsing the
-  /// files, invalid_property, property_without_effect, crl_file_empty, own_ca_not_trusted,
-  /// trusted_ca_dir_with_crl, trusted_ca_dir_unreadable, trusted_ca_dir_too_many, those of
-  /// pki::ChainVerifier::verify for the certificate, too_many_local_identities.
+  /// GUID to the certificate's subject name (DDS-Security 1.2, clauses 9.3.2.11.2 and 10.3.3). The
+  /// caller owns the handle and returns it with return_identity_handle. Errors: those of reading
+  /// and parsing the files, invalid_property, property_without_effect, crl_file_empty,
+  /// own_ca_not_trusted, trusted_ca_dir_with_crl, trusted_ca_dir_unreadable,
+  /// trusted_ca_dir_too_many, those of pki::ChainVerifier::verify for the certificate,
+  /// too_many_local_identities.
   virtual Result<LocalIdentity> validate_local_identity(DomainId domain_id,
                                                         const PropertyList& properties,
                                                         const Guid& candidate_guid) = 0;
-  /// What discovery announces about the local identity (DDS-Security 8.3.2.11.9). `ciphers`: what
-  /// the cryptography plugin of the same participant can decrypt.
+  /// What discovery announces about the local identity (DDS-Security 1.2, clause 9.3.2.11.9).
+  /// `ciphers`: what the cryptography plugin of the same participant can decrypt.
   virtual Result<Token> identity_token(IdentityHandle local,
                                        CipherMask ciphers = kStandardCiphers) = 0;
-  /// A token of the identity class without properties (DDS-Security 8.3.2.11.10).
+  /// A token of the identity class without properties (DDS-Security 1.2, clause 9.3.2.11.10).
   virtual Result<Token> identity_status_token(IdentityHandle local) = 0;
-  /// Sets the signed permissions that later handshakes send as c.perm (DDS-Security 8.3.2.11.11).
-  /// Errors: permissions_credential_wrong, token_field_length (the document is too long).
+  /// Sets the signed permissions that later handshakes send as c.perm (DDS-Security 1.2,
+  /// clause 9.3.2.11.12). Errors: permissions_credential_wrong, token_field_length (the document is
+  /// too long).
   virtual Status set_permissions_credential_and_token(IdentityHandle local,
                                                       const Token& permissions_credential,
                                                       const Token& permissions_token) = 0;
 
-  /// Admits a remote participant that discovery announced (DDS-Security 8.3.2.11.3). Nothing about
-  /// it is proven yet. The caller owns the handle. Errors: those of the two tokens
+  /// Admits a remote participant that discovery announced (DDS-Security 1.2, clause 9.3.2.11.3).
+  /// Nothing about it is proven yet. The caller owns the handle. Errors: those of the two tokens
   /// (token_class_wrong, token_too_large, token_field_missing, token_field_repeated,
   /// token_field_length), remote_guid_is_local, guid_not_adjusted, those of
   /// pki::ChainVerifier::verify for the local certificate, random_failed,
@@ -98,40 +100,40 @@ class Authentication {
   virtual Result<RemoteIdentity> validate_remote_identity(
       IdentityHandle local, const std::optional<Token>& remote_auth_request,
       const Token& remote_identity_token, const Guid& remote_guid) = 0;
-  /// Begins a handshake as the participant with the lower GUID (DDS-Security 8.3.2.11.4).
-  /// `serialized_participant_data`: the local ParticipantBuiltinTopicData as a big-endian parameter
-  /// list. With the same data, while the reply is still missing, it returns the same handle and
-  /// request. Errors: token_field_length (data empty or too long), handshake_role_wrong (the remote
-  /// GUID is the lower), too_many_handshakes, those of pki::ChainVerifier::verify for the local
-  /// certificate, internal.
+  /// Begins a handshake as the participant with the lower GUID (DDS-Security 1.2,
+  /// clause 9.3.2.11.4). `serialized_participant_data`: the local ParticipantBuiltinTopicData as a
+  /// big-endian parameter list. With the same data, while the reply is still missing, it returns
+  /// the same handle and request. Errors: token_field_length (data empty or too long),
+  /// handshake_role_wrong (the remote GUID is the lower), too_many_handshakes, those of
+  /// pki::ChainVerifier::verify for the local certificate, internal.
   virtual Result<HandshakeStep> begin_handshake_request(IdentityHandle initiator,
                                                         IdentityHandle replier,
                                                         BytesView serialized_participant_data) = 0;
-  /// Answers a handshake request (DDS-Security 8.3.2.11.5). The same request gets the same handle
-  /// and reply. Errors: token_field_length, handshake_role_wrong, unexpected_message (the handshake
-  /// that this request began is over), too_many_handshakes; those of the token's form and
-  /// algorithms; token_field_differs, challenge_not_announced; those of the peer's certificate,
-  /// participant data and public key; those of pki::ChainVerifier::verify for the local
-  /// certificate; internal. An error concerns this one message only.
+  /// Answers a handshake request (DDS-Security 1.2, clause 9.3.2.11.5). The same request gets the
+  /// same handle and reply. Errors: token_field_length, handshake_role_wrong, unexpected_message
+  /// (the handshake that this request began is over), too_many_handshakes; those of the token's
+  /// form and algorithms; token_field_differs, challenge_not_announced; those of the peer's
+  /// certificate, participant data and public key; those of pki::ChainVerifier::verify for the
+  /// local certificate; internal. An error concerns this one message only.
   virtual Result<HandshakeStep> begin_handshake_reply(const Token& request,
                                                       IdentityHandle initiator,
                                                       IdentityHandle replier,
                                                       BytesView serialized_participant_data) = 0;
-  /// Takes the peer's next message of a handshake (DDS-Security 8.3.2.11.6). The handle in the
-  /// result is the one passed in. Errors: token_class_wrong and the others of the token's form and
-  /// algorithms, unexpected_message, token_field_differs, challenge_not_announced,
+  /// Takes the peer's next message of a handshake (DDS-Security 1.2, clause 9.3.2.11.6). The handle
+  /// in the result is the one passed in. Errors: token_class_wrong and the others of the token's
+  /// form and algorithms, unexpected_message, token_field_differs, challenge_not_announced,
   /// key_agreement_algorithm_changed, those of the peer's certificate, participant data and public
   /// key, signature_invalid, too_many_remote_identities, too_many_identities_of_subject, internal.
   /// An error concerns this one message only.
   virtual Result<HandshakeStep> process_handshake(HandshakeHandle handshake,
                                                   const Token& message) = 0;
 
-  /// The result of the key agreement (DDS-Security 8.3.2.11.7). It may outlive the handshake.
-  /// Error: handshake_not_finished before ok or ok_final_message.
+  /// The result of the key agreement (DDS-Security 1.2, clause 9.3.2.11.7). It may outlive the
+  /// handshake. Error: handshake_not_finished before ok or ok_final_message.
   virtual Result<std::shared_ptr<const SharedSecret>> shared_secret(HandshakeHandle handshake) = 0;
-  /// The peer's c.id and c.perm as binary properties (DDS-Security 8.3.2.11.8, 9.3.2.2). The first
-  /// `expire` after this call drops them, because peers choose how large they are. Errors:
-  /// handshake_not_finished, credential_given_out (already dropped).
+  /// The peer's c.id and c.perm as binary properties (DDS-Security 1.2, clauses 9.3.2.11.8
+  /// and 10.3.2.3). The first `expire` after this call drops them, because peers choose how large
+  /// they are. Errors: handshake_not_finished, credential_given_out (already dropped).
   virtual Result<Token> authenticated_peer_credential_token(HandshakeHandle handshake) = 0;
 
   /// The subject name of the peer's certificate, for log messages. Empty before ok or

@@ -1,6 +1,6 @@
-// The CryptoKeyFactory, CryptoKeyExchange and CryptoTransform interfaces (DDS-Security 8.5.1),
-// independent of the host. The host owns all buffers: no call on the message path allocates. Clause
-// numbers of single operations are those of DDS-Security 1.1, unless 1.2 is named.
+// The CryptoKeyFactory, CryptoKeyExchange and CryptoTransform interfaces (DDS-Security 1.2,
+// clause 9.5.1), independent of the host. The host owns all buffers: no call on the message path
+// allocates.
 //
 // Every function that takes a handle and returns a Result fails with crypto_handle_nil,
 // crypto_handle_unknown (never given out, or unregistered) or crypto_handle_wrong_kind.
@@ -21,27 +21,28 @@
 
 namespace ddssec::spi {
 
-/// transformation_key_revision (DDS-Security 1.2 7.3.17): 0 for the first keys, then 1 to 2^24 - 1,
-/// then 1 again.
+/// transformation_key_revision (DDS-Security 1.2, clause 7.3.17): 0 for the first keys, then 1 to
+/// 2^24 - 1, then 1 again.
 using KeyRevision = std::uint32_t;
 
 /// Selects a local entity's keys: those it encodes with now, or those that will replace them.
 enum class KeyStage : std::uint8_t { in_use, revised };
 
-/// Registers entities and makes their keys (DDS-Security 8.5.1.7). Thread-safe. A handle belongs to
-/// the caller until it is unregistered. Functions that make keys can also fail with random_failed,
-/// and functions that register an entity with crypto_too_many_entities.
+/// Registers entities and makes their keys (DDS-Security 1.2, clause 9.5.1.8). Thread-safe. A
+/// handle belongs to the caller until it is unregistered. Functions that make keys can also fail
+/// with random_failed, and functions that register an entity with crypto_too_many_entities.
 class CryptoKeyFactory {
  public:
   virtual ~CryptoKeyFactory() = default;
 
-  /// A local participant (DDS-Security 8.5.1.7.1). Errors: invalid_property, cipher_not_allowed (by
-  /// the governance or the AEAD implementation), key_limits_without_revision.
+  /// A local participant (DDS-Security 1.2, clause 9.5.1.8.1). Errors: invalid_property,
+  /// cipher_not_allowed (by the governance or the AEAD implementation),
+  /// key_limits_without_revision.
   virtual Result<ParticipantCryptoHandle> register_local_participant(
       IdentityHandle identity, PermissionsHandle permissions, const PropertyList& properties,
       const ParticipantSecurityAttributes& attributes) = 0;
-  /// A remote participant that has authenticated with `local` (DDS-Security 8.5.1.7.2). The same
-  /// remote identity handle always gets the same crypto handle.
+  /// A remote participant that has authenticated with `local` (DDS-Security 1.2, clause 9.5.1.8.2).
+  /// The same remote identity handle always gets the same crypto handle.
   ///
   /// Authentication gives out one identity handle for each pair of a local and a remote
   /// participant, so the crypto handle belongs to the pair. A host with one remote identity for all
@@ -54,22 +55,23 @@ class CryptoKeyFactory {
   virtual Result<ParticipantCryptoHandle> register_matched_remote_participant(
       ParticipantCryptoHandle local, IdentityHandle remote_identity,
       PermissionsHandle remote_permissions, const SharedSecret& shared_secret) = 0;
-  /// A local writer (DDS-Security 8.5.1.7.3). Errors: invalid_property, cipher_not_allowed.
+  /// A local writer (DDS-Security 1.2, clause 9.5.1.8.3). Errors: invalid_property,
+  /// cipher_not_allowed.
   virtual Result<DatawriterCryptoHandle> register_local_datawriter(
       ParticipantCryptoHandle participant, const PropertyList& properties,
       const EndpointSecurityAttributes& attributes) = 0;
-  /// A remote reader that matches a local writer (DDS-Security 8.5.1.7.4). Errors:
+  /// A remote reader that matches a local writer (DDS-Security 1.2, clause 9.5.1.8.4). Errors:
   /// crypto_not_matched (the two participants have no shared secret), those of MatchGate::check,
   /// cipher_not_understood_by_peer, receiver_places_taken.
   virtual Result<DatareaderCryptoHandle> register_matched_remote_datareader(
       DatawriterCryptoHandle local_datawriter, ParticipantCryptoHandle remote_participant,
       const SharedSecret& shared_secret, bool relay_only) = 0;
-  /// A local reader (DDS-Security 8.5.1.7.5). Errors as for a writer.
+  /// A local reader (DDS-Security 1.2, clause 9.5.1.8.5). Errors as for a writer.
   virtual Result<DatareaderCryptoHandle> register_local_datareader(
       ParticipantCryptoHandle participant, const PropertyList& properties,
       const EndpointSecurityAttributes& attributes) = 0;
-  /// A remote writer that matches a local reader (DDS-Security 8.5.1.7.6). Errors as for a remote
-  /// reader.
+  /// A remote writer that matches a local reader (DDS-Security 1.2, clause 9.5.1.8.6). Errors as
+  /// for a remote reader.
   virtual Result<DatawriterCryptoHandle> register_matched_remote_datawriter(
       DatareaderCryptoHandle local_datareader, ParticipantCryptoHandle remote_participant,
       const SharedSecret& shared_secret) = 0;
@@ -89,13 +91,13 @@ class CryptoKeyFactory {
   virtual Result<std::unique_ptr<PreSharedKeys>> pre_shared_keys(
       const PreSharedKeyRequest& request) = 0;
   /// Makes keys of the next revision for a local participant and all its endpoints except the
-  /// volatile ones (DDS-Security 1.2 9.5.1.8.7). Keys that only one receiver has stay as they are.
-  /// Nothing is encoded with the new keys before activate_key_revision. Returns the new revision,
-  /// or 0 if the governance does not enable key revision: then nothing was done. Error:
+  /// volatile ones (DDS-Security 1.2, clause 9.5.1.8.7). Keys that only one receiver has stay as
+  /// they are. Nothing is encoded with the new keys before activate_key_revision. Returns the new
+  /// revision, or 0 if the governance does not enable key revision: then nothing was done. Error:
   /// key_revision_out_of_turn (the previous revision is not activated yet).
   virtual Result<KeyRevision> revise_local_entity_keys(ParticipantCryptoHandle local) = 0;
   /// From now on, encodes everything with the keys that revise_local_entity_keys made, and wipes
-  /// the former keys (DDS-Security 1.2 9.5.1.8.8). Error: key_revision_out_of_turn.
+  /// the former keys (DDS-Security 1.2, clause 9.5.1.8.8). Error: key_revision_out_of_turn.
   virtual Status activate_key_revision(ParticipantCryptoHandle local, KeyRevision revision) = 0;
   /// True if the keys in use are near the limit of time or volume that the participant's properties
   /// set. Call it once a second; keys that are made when it returns true are in use well before the
@@ -115,17 +117,17 @@ class CryptoKeyFactory {
   /// host asks. An unknown handle is ignored.
   virtual void cut_off(ParticipantCryptoHandle local) = 0;
 
-  /// Unregisters a participant (DDS-Security 8.5.1.7.7). A local participant is removed with its
-  /// endpoints and everything it shares with remote ones. A remote participant is removed with its
-  /// endpoints, for all local participants that use this handle.
+  /// Unregisters a participant (DDS-Security 1.2, clause 9.5.1.8.9). A local participant is removed
+  /// with its endpoints and everything it shares with remote ones. A remote participant is removed
+  /// with its endpoints, for all local participants that use this handle.
   virtual Status unregister_participant(ParticipantCryptoHandle participant) = 0;
-  /// Unregisters an endpoint (DDS-Security 8.5.1.7.8, 8.5.1.7.9); a local one with all that were
-  /// matched to it.
+  /// Unregisters an endpoint (DDS-Security 1.2, clauses 9.5.1.8.10 and 9.5.1.8.11); a local one
+  /// with all that were matched to it.
   virtual Status unregister_datawriter(DatawriterCryptoHandle datawriter) = 0;
   virtual Status unregister_datareader(DatareaderCryptoHandle datareader) = 0;
 };
 
-/// Exchanges keys (DDS-Security 8.5.1.8). Thread-safe. A refused token changes nothing.
+/// Exchanges keys (DDS-Security 1.2, clause 9.5.1.9). Thread-safe. A refused token changes nothing.
 ///
 /// The create functions return the tokens to send. With stage `revised` they return no tokens if
 /// the entity has no keys, or was made after the revision began. Error: crypto_not_matched.
@@ -141,33 +143,34 @@ class CryptoKeyExchange {
  public:
   virtual ~CryptoKeyExchange() = default;
 
-  /// DDS-Security 8.5.1.8.1. Stage `in_use`: always exactly one token.
+  /// DDS-Security 1.2, clause 9.5.1.9.1. Stage `in_use`: always exactly one token.
   virtual Result<std::vector<Token>> create_local_participant_crypto_tokens(
       ParticipantCryptoHandle local, ParticipantCryptoHandle remote,
       KeyStage stage = KeyStage::in_use) = 0;
-  /// DDS-Security 8.5.1.8.2.
+  /// DDS-Security 1.2, clause 9.5.1.9.2.
   virtual Status set_remote_participant_crypto_tokens(ParticipantCryptoHandle local,
                                                       ParticipantCryptoHandle remote,
                                                       std::span<const Token> tokens) = 0;
-  /// DDS-Security 8.5.1.8.3. The token for submessages comes before the one for payloads.
+  /// DDS-Security 1.2, clause 9.5.1.9.3. The token for submessages comes before the one for
+  /// payloads.
   virtual Result<std::vector<Token>> create_local_datawriter_crypto_tokens(
       DatawriterCryptoHandle local, DatareaderCryptoHandle remote,
       KeyStage stage = KeyStage::in_use) = 0;
-  /// DDS-Security 8.5.1.8.4.
+  /// DDS-Security 1.2, clause 9.5.1.9.4.
   virtual Status set_remote_datawriter_crypto_tokens(DatareaderCryptoHandle local,
                                                      DatawriterCryptoHandle remote,
                                                      std::span<const Token> tokens) = 0;
-  /// DDS-Security 8.5.1.8.5.
+  /// DDS-Security 1.2, clause 9.5.1.9.5.
   virtual Result<std::vector<Token>> create_local_datareader_crypto_tokens(
       DatareaderCryptoHandle local, DatawriterCryptoHandle remote,
       KeyStage stage = KeyStage::in_use) = 0;
-  /// DDS-Security 8.5.1.8.6.
+  /// DDS-Security 1.2, clause 9.5.1.9.6.
   virtual Status set_remote_datareader_crypto_tokens(DatawriterCryptoHandle local,
                                                      DatareaderCryptoHandle remote,
                                                      std::span<const Token> tokens) = 0;
 };
 
-/// DDS_SecureSubmessageCategory_t (DDS-Security 8.5.1.9).
+/// DDS_SecureSubmessageCategory_t (DDS-Security 1.2, clause 9.5.1.7).
 enum class SecureSubmessageCategory : std::uint8_t { info, datawriter, datareader };
 
 /// A submessage's sender and receiver. For category `datawriter`, the writer is the remote one; for
@@ -182,8 +185,8 @@ struct SecureSubmessage {
 /// prefix, length, padding, footer, INFO_SRC. `receivers`: 0 without origin authentication.
 constexpr std::size_t protection_overhead(std::size_t receivers) { return 112 + 20 * receivers; }
 
-/// Encodes and decodes (DDS-Security 8.5.1.9). Thread-safe. Threads do not wait for each other
-/// unless they send for the same entity.
+/// Encodes and decodes (DDS-Security 1.2, clause 9.5.1.10). Thread-safe. Threads do not wait for
+/// each other unless they send for the same entity.
 ///
 /// All encoders and decoders write to `out` and return the number of octets written. They fail with
 /// length_out_of_range if `out` is too small. To encode, the plain size +
@@ -214,44 +217,44 @@ class CryptoTransform {
  public:
   virtual ~CryptoTransform() = default;
 
-  /// DDS-Security 8.5.1.9.1. `plain` is at most 2^32 - 1 octets.
+  /// DDS-Security 1.2, clause 9.5.1.10.1. `plain` is at most 2^32 - 1 octets.
   virtual Result<std::size_t> encode_serialized_payload(DatawriterCryptoHandle sender,
                                                         BytesView plain, MutableBytes out) = 0;
-  /// DDS-Security 8.5.1.9.2.
+  /// DDS-Security 1.2, clause 9.5.1.10.2.
   virtual Result<std::size_t> encode_datawriter_submessage(
       DatawriterCryptoHandle sender, std::span<const DatareaderCryptoHandle> receivers,
       BytesView plain, MutableBytes out) = 0;
-  /// DDS-Security 8.5.1.9.3.
+  /// DDS-Security 1.2, clause 9.5.1.10.3.
   virtual Result<std::size_t> encode_datareader_submessage(
       DatareaderCryptoHandle sender, std::span<const DatawriterCryptoHandle> receivers,
       BytesView plain, MutableBytes out) = 0;
-  /// DDS-Security 8.5.1.9.4.
+  /// DDS-Security 1.2, clause 9.5.1.10.4.
   virtual Result<std::size_t> encode_rtps_message(
       ParticipantCryptoHandle sender, std::span<const ParticipantCryptoHandle> receivers,
       BytesView plain, MutableBytes out) = 0;
 
-  /// DDS-Security 8.5.1.9.5. Errors also: info_source_missing, info_source_mismatch (the RTPS
-  /// header names another source than the protected INFO_SRC).
+  /// DDS-Security 1.2, clause 9.5.1.10.5. Errors also: info_source_missing, info_source_mismatch
+  /// (the RTPS header names another source than the protected INFO_SRC).
   virtual Result<std::size_t> decode_rtps_message(ParticipantCryptoHandle receiver,
                                                   ParticipantCryptoHandle sender, BytesView encoded,
                                                   MutableBytes out) = 0;
-  /// Finds sender and receiver of a submessage by its key id (DDS-Security 8.5.1.9.6). `receiver`
-  /// may be nil (no INFO_DST before it). Errors: secure_group_malformed, secure_flags_unsupported,
-  /// unknown_key_id, key_exchange_undirected (key tokens without INFO_DST, and the host does not
-  /// check sources).
+  /// Finds sender and receiver of a submessage by its key id (DDS-Security 1.2, clause 9.5.1.10.6).
+  /// `receiver` may be nil (no INFO_DST before it). Errors: secure_group_malformed,
+  /// secure_flags_unsupported, unknown_key_id, key_exchange_undirected (key tokens without
+  /// INFO_DST, and the host does not check sources).
   virtual Result<SecureSubmessage> preprocess_secure_submessage(ParticipantCryptoHandle receiver,
                                                                 ParticipantCryptoHandle sender,
                                                                 BytesView encoded) = 0;
-  /// DDS-Security 8.5.1.9.7. Errors also: submessage_not_of_sender, key_exchange_reflected (the
-  /// local participant's own message came back).
+  /// DDS-Security 1.2, clause 9.5.1.10.7. Errors also: submessage_not_of_sender,
+  /// key_exchange_reflected (the local participant's own message came back).
   virtual Result<std::size_t> decode_datawriter_submessage(DatareaderCryptoHandle receiver,
                                                            DatawriterCryptoHandle sender,
                                                            BytesView encoded, MutableBytes out) = 0;
-  /// DDS-Security 8.5.1.9.8. Errors as for a writer's submessage.
+  /// DDS-Security 1.2, clause 9.5.1.10.8. Errors as for a writer's submessage.
   virtual Result<std::size_t> decode_datareader_submessage(DatawriterCryptoHandle receiver,
                                                            DatareaderCryptoHandle sender,
                                                            BytesView encoded, MutableBytes out) = 0;
-  /// DDS-Security 8.5.1.9.9. Error also: receiver_specific_macs_not_allowed.
+  /// DDS-Security 1.2, clause 9.5.1.10.9. Error also: receiver_specific_macs_not_allowed.
   virtual Result<std::size_t> decode_serialized_payload(DatareaderCryptoHandle receiver,
                                                         DatawriterCryptoHandle sender,
                                                         BytesView encoded, MutableBytes out) = 0;

@@ -1,5 +1,5 @@
 // Protection of whole RTPS messages by a key that all participants of a domain share (DDS-Security
-// 1.2 8.5.1.9, encode_rtps_message with transform_with_psk).
+// 1.2, clause 9.5.1.10, encode_rtps_message with transform_with_psk).
 #pragma once
 
 #include <string_view>

@@ -5,7 +5,7 @@
 
 namespace ddssec::spi::property {
 
-// DDS-Security 9.3.1
+// DDS-Security 1.2, clause 10.3.1
 inline constexpr std::string_view kIdentityCa = "dds.sec.auth.identity_ca";
 inline constexpr std::string_view kIdentityCertificate = "dds.sec.auth.identity_certificate";
 inline constexpr std::string_view kPrivateKey = "dds.sec.auth.private_key";
@@ -31,7 +31,7 @@ inline constexpr std::string_view kWarnBeforeEnd = "org.ddssec.warn_before_end";
 /// Ours, in the IdentityToken: ciphers that are not the standard's.
 inline constexpr std::string_view kAnnouncedCiphers = "org.ddssec.symmetric_ciphers";
 
-// DDS-Security 9.4.1
+// DDS-Security 1.2, clause 10.4.1
 inline constexpr std::string_view kPermissionsCa = "dds.sec.access.permissions_ca";
 inline constexpr std::string_view kGovernance = "dds.sec.access.governance";
 inline constexpr std::string_view kPermissions = "dds.sec.access.permissions";
@@ -46,7 +46,7 @@ inline constexpr std::string_view kSymmetricCipher = "dds.sec.crypto.symmetric_c
 /// Ours: of a participant's protected messages and builtin endpoints; AES unless asked for.
 inline constexpr std::string_view kMessageCipher =
     "org.ddssec.crypto.message_symmetric_cipher_algorithm";
-// DDS-Security 1.2 10.5.1: of a domain's pre-shared keys. ID:PASSPHRASE, by file: or data:.
+// DDS-Security 1.2, clause 10.5.1: of a domain's pre-shared keys. ID:PASSPHRASE, by file: or data:.
 inline constexpr std::string_view kPskPassphrase = "dds.sec.crypto.rtps_psk_secret_passphrase";
 /// A line each: accepted besides, while passphrases are changed.
 inline constexpr std::string_view kPskExtraPassphrases =

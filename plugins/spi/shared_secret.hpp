@@ -14,12 +14,12 @@
 namespace ddssec::spi {
 
 using Challenge = std::array<std::uint8_t, 32>;
-/// SHA-256 of the key agreement's result (DDS-Security 9.3.2.3.2). Those of other authentication
-/// plugins may be longer, up to 64 octets.
+/// SHA-256 of the key agreement's result (DDS-Security 1.2, clause 10.3.2.5.2). Those of other
+/// authentication plugins may be longer, up to 64 octets.
 using SharedSecretOctets = Secret<struct SharedSecretTag, 64>;
 
-/// The content of SharedSecretHandle (DDS-Security 9.3.2.3.2). Both challenges are as in the
-/// handshake, whichever side is the local one.
+/// The content of SharedSecretHandle (DDS-Security 1.2, clause 10.3.2.5.2). Both challenges are as
+/// in the handshake, whichever side is the local one.
 struct SharedSecret {
   SharedSecretOctets secret;
   Challenge challenge1{};

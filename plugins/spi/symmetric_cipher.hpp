@@ -1,4 +1,5 @@
-// Symmetric ciphers as discovery and properties name them (DDS-Security 1.2 7.3.8, 8.1).
+// Symmetric ciphers as discovery and properties name them (DDS-Security 1.2, clauses 7.3.8
+// and 8.1).
 #pragma once
 
 #include <cstdint>
@@ -45,7 +46,7 @@ struct SymmetricCipherInfo {
 };
 
 /// True if all required ciphers are supported; in compatibility mode, any one of them suffices
-/// (DDS-Security 1.2 7.3.9).
+/// (DDS-Security 1.2, clause 7.3.9).
 constexpr bool understands(CipherMask supported, CipherMask required) {
   constexpr CipherMask kCompatibilityMode = CipherMask{1} << 31;
   if ((required & kCompatibilityMode) != 0) return (supported & required) != 0;

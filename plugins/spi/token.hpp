@@ -15,7 +15,7 @@
 
 namespace ddssec::spi {
 
-/// Property_t (DDS-Security 7.3.1). `propagate` says whether it goes on the wire.
+/// Property_t (DDS-Security 1.2, clause 7.3.2). `propagate` says whether it goes on the wire.
 struct Property {
   std::string name;
   std::string value;
@@ -25,7 +25,7 @@ struct Property {
   ~Property();
 };
 
-/// BinaryProperty_t (DDS-Security 7.3.2).
+/// BinaryProperty_t (DDS-Security 1.2, clause 7.3.3).
 struct BinaryProperty {
   std::string name;
   Bytes value;
@@ -38,7 +38,7 @@ struct BinaryProperty {
 
 using PropertyList = std::vector<Property>;
 
-/// DataHolder (DDS-Security 7.3.3); every token of the standard has this type.
+/// DataHolder (DDS-Security 1.2, clause 7.3.4); every token of the standard has this type.
 struct Token {
   std::string class_id = {};
   PropertyList properties = {};
@@ -70,7 +70,7 @@ struct NamedOctets {
   BytesView value;
 };
 /// BinaryPropertySeq in big-endian XCDR1 without encapsulation: the input of hash_c1, hash_c2 and
-/// of the handshake's signatures (DDS-Security 9.3.2.3).
+/// of the handshake's signatures (DDS-Security 1.2, clause 10.3.2.5.1).
 Bytes serialize_binary_properties(std::span<const NamedOctets> properties);
 
 }  // namespace ddssec::spi

@@ -11,8 +11,9 @@
 namespace ddssec::rtps {
 
 /// Counts participants by the subject of their certificate. The first six octets of a proven GUID
-/// identify the subject (DDS-Security 9.3.3). A subject may have no more places than are free. So
-/// the first subject takes at most half of them, and each further one still finds some.
+/// identify the subject (DDS-Security 1.2, clause 10.3.3). A subject may have no more places than
+/// are free. So the first subject takes at most half of them, and each further one still finds
+/// some.
 class SubjectShares {
  public:
   explicit SubjectShares(std::size_t places) : places_(places) {}

@@ -45,8 +45,8 @@ KeyHash key_hash_of(BytesView big_endian_key, bool always_md5);
 }  // namespace detail
 
 /// Returns the key hash of `value`'s instance. `scratch` keeps its capacity. `always_md5`: for
-/// topics whose key is protected (DDS-Security 7.4.4). `version`: that of the samples, as peers do
-/// it; it makes a difference where a member of 8 octets follows one of 4.
+/// topics whose key is protected (DDS-Security 1.2, clause 7.4.4). `version`: that of the samples,
+/// as peers do it; it makes a difference where a member of 8 octets follows one of 4.
 template <DdsType T>
 KeyHash key_hash(const T& value, Bytes& scratch, bool always_md5 = false,
                  XcdrVersion version = XcdrVersion::xcdr1) {

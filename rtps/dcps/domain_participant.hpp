@@ -189,8 +189,8 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
   /// Creates new keys and switches to them when all trusted peers have received them, after 5 s at
   /// the latest. Only for secured participants whose governance enables key revision. Key revision
   /// also happens automatically when a peer's identity or permissions end and when a peer is
-  /// ignored (DDS-Security 1.2, 9.8.10.4). Call this for reasons that only the application knows.
-  /// Errors: rtps_not_enabled, rtps_key_revision_disabled.
+  /// ignored (DDS-Security 1.2, clause 9.8.10.4). Call this for reasons that only the application
+  /// knows. Errors: rtps_not_enabled, rtps_key_revision_disabled.
   Status revise_keys();
   // Ignores the entity permanently, as if it had never been found. Errors: rtps_not_enabled.
   /// With the participant's own GUID: its writers and readers do not match each other.

@@ -1,4 +1,4 @@
-// How the protection of an endpoint's payloads affects its keys (DDS-Security 1.2, 7.4.4).
+// How the protection of an endpoint's payloads affects its keys (DDS-Security 1.2, clause 7.4.4).
 #pragma once
 
 #include <atomic>

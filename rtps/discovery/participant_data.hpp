@@ -1,4 +1,5 @@
-// ParticipantBuiltinTopicData: what SPDP announces (RTPS 8.5.3.2, DDS-Security 7.4.1.4).
+// ParticipantBuiltinTopicData: what SPDP announces (RTPS 8.5.3.2, DDS-Security 1.2,
+// clause 7.5.1.4).
 #pragma once
 
 #include <optional>
@@ -36,7 +37,7 @@ struct ParticipantData {
 };
 
 /// Writes a parameter list without encapsulation, in the writer's byte order. In big-endian it is
-/// the handshake's c.pdata (DDS-Security 9.3.2.5).
+/// the handshake's c.pdata (DDS-Security 1.2, clause 10.3.2.5).
 void write_parameter_list(SpanWriter& out, const ParticipantData& data);
 /// True if the participant is in this domain. Without a domain id in its announcement, the port at
 /// which the announcement arrived determines the domain.

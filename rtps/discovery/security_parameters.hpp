@@ -1,5 +1,5 @@
-// Parameters that only secured participants and endpoints announce (DDS-Security 7.4.1), and keys
-// of builtin topics.
+// Parameters that only secured participants and endpoints announce (DDS-Security 1.2,
+// clause 7.5.1), and keys of builtin topics.
 #pragma once
 
 #include <optional>
@@ -17,7 +17,7 @@ inline constexpr ParameterId kPermissionsToken = 0x1002;
 inline constexpr ParameterId kDataTags = 0x1003;
 inline constexpr ParameterId kEndpointSecurityInfo = 0x1004;
 inline constexpr ParameterId kParticipantSecurityInfo = 0x1005;
-// DDS-Security 1.2, 7.4.1.6 and 7.4.1.7; peers of other vendors skip them.
+// DDS-Security 1.2, clauses 7.5.1.4 and 7.5.1.5; peers of other vendors skip them.
 inline constexpr ParameterId kParticipantCiphers = 0x1012;
 inline constexpr ParameterId kEndpointCiphers = 0x1013;
 }  // namespace pid

@@ -15,7 +15,7 @@ namespace {
 /// theirs after a second.
 constexpr MonotonicTime kPatience = std::chrono::milliseconds(2500);
 
-// Properties of an identity token (DDS-Security 9.3.2.1).
+// Properties of an identity token (DDS-Security 1.2, clause 10.3.2.1).
 constexpr std::string_view kSubject = "dds.cert.sn", kIdentityCa = "dds.ca.sn";
 
 const std::string* claim_of(const ObservedParticipant& participant, std::string_view property) {

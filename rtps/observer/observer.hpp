@@ -26,7 +26,8 @@ struct Seen {
   void note(MonotonicTime at);
 };
 
-/// The steps by which two participants come to trust each other, in this order (DDS-Security 8.8).
+/// The steps by which two participants come to trust each other, in this order (DDS-Security 1.2,
+/// clause 9.8).
 enum class HandshakeStep : std::uint8_t {
   auth_request,
   request,

@@ -1,5 +1,5 @@
 // The stateful builtin endpoints of a participant: SEDP, participant messages and, if it is
-// secured, their secure counterparts (RTPS 8.5.4, DDS-Security 7.4.5).
+// secured, their secure counterparts (RTPS 8.5.4, DDS-Security 1.2, clause 7.5.8).
 #pragma once
 
 #include <array>

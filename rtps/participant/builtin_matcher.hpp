@@ -1,5 +1,5 @@
 // Matches the builtin endpoints of remote participants with the local ones (RTPS 8.5.5,
-// DDS-Security 7.4.5).
+// DDS-Security 1.2, clause 7.5.8).
 #pragma once
 
 #include "rtps/participant/builtin_endpoints.hpp"

@@ -374,7 +374,7 @@ void Discovery::on_authenticated(const GuidPrefix& peer) {
   if (auto* remote = parts_.remotes.find(peer)) accept(*remote);
 }
 
-// DDS-Security 8.8.2.1: the participant may then be admitted without authentication.
+// DDS-Security 1.2, clause 9.8.3.1: the participant may then be admitted without authentication.
 void Discovery::on_refused(const GuidPrefix& peer) {
   auto* remote = parts_.remotes.find(peer);
   if (remote != nullptr && core_.security->admits_unauthenticated()) accept(*remote);

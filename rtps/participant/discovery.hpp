@@ -1,5 +1,6 @@
 // Finds other participants and removes them (RTPS 8.5.3), receives announcements of their endpoints
-// (RTPS 8.5.4), and applies the decisions of security to them (DDS-Security 7.4, 8.8).
+// (RTPS 8.5.4), and applies the decisions of security to them (DDS-Security 1.2, clauses 7.5
+// and 9.8).
 #pragma once
 
 #include "rtps/participant/announcer.hpp"

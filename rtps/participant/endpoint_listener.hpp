@@ -38,8 +38,8 @@ class EndpointListener {
   virtual void on_group(const Guid&, SequenceNumber) {}
   /// Writers only: there may be room again.
   virtual void on_acknowledged() {}
-  /// The payloads are encrypted, and with them the keys (DDS-Security 7.4.4). Called before any
-  /// other notification.
+  /// The payloads are encrypted, and with them the keys (DDS-Security 1.2, clause 7.4.4). Called
+  /// before any other notification.
   virtual void on_key_protected() {}
   /// The payloads are protected, so their contents are proven, but the key hash next to them is
   /// not. Called before any other notification.

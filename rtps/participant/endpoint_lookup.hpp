@@ -36,7 +36,8 @@ class MessageListener {
   virtual ~MessageListener() = default;
   /// A DATA of the SPDP writer (RTPS 8.5.3). Errors: those of reading it.
   virtual Status on_announcement(const GuidPrefix& source, const Data& data) = 0;
-  /// A message to the stateless endpoint, before authentication (DDS-Security 7.4.3). Not proven.
+  /// A message to the stateless endpoint, before authentication (DDS-Security 1.2, clause 7.5.3).
+  /// Not proven.
   virtual void on_stateless(const GuidPrefix& source, BytesView payload) = 0;
   virtual void on_stateless_frag(const GuidPrefix& source, const DataFrag& frag) = 0;
   /// A HEARTBEAT of a builtin writer, whether it matched a local reader or not.

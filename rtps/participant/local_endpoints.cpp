@@ -124,8 +124,8 @@ void LocalEndpoints::unpublish(const Guid& endpoint) {
   sedp_writer(endpoint.entity).write(std::move(change), core_.now);
 }
 
-// DDS-Security 7.4.1.8: the governance selects the topics whose endpoints are announced only to
-// authenticated participants.
+// DDS-Security 1.2, clause 7.5.1.7: the governance selects the topics whose endpoints are announced
+// only to authenticated participants.
 bool LocalEndpoints::is_announced_securely(const EntityId& endpoint) const {
   const auto* attributes =
       core_.security ? core_.security->keyring().attributes(endpoint) : nullptr;

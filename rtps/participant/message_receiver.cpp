@@ -68,8 +68,8 @@ Status MessageReceiver::walk(BytesView octets, Context& context) {
   return {};
 }
 
-// Prefix, one submessage and postfix (DDS-Security 7.4.6.2). If they cannot be opened, they are
-// dropped; the submessages after them still count.
+// Prefix, one submessage and postfix (DDS-Security 1.2, clause 7.4.6.4). If they cannot be opened,
+// they are dropped; the submessages after them still count.
 Status MessageReceiver::open_group(const SubmessageView& prefix, MessageReader& message,
                                    Context& context) {
   auto size = prefix.whole.size();

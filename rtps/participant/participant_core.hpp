@@ -52,8 +52,8 @@ struct ParticipantCore {
   bool is_authenticated(const GuidPrefix& peer) const {
     return security && security->is_authenticated(peer);
   }
-  /// The identity whose share of a limit a participant uses. DDS-Security 9.3.3: for an
-  /// authenticated participant, the first half of the prefix is bound to the subject of its
+  /// The identity whose share of a limit a participant uses. DDS-Security 1.2, clause 10.3.3: for
+  /// an authenticated participant, the first half of the prefix is bound to the subject of its
   /// certificate. The participant may choose the rest, so the rest is ignored.
   GuidPrefix identity_of(const GuidPrefix& peer) const {
     auto out = peer;

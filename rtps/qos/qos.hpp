@@ -100,10 +100,10 @@ struct Qos {
   std::vector<DataRepresentation> data_representation = {DataRepresentation::xcdr1};
   TypeConsistency type_consistency;  ///< readers only
   Bytes user_data, topic_data, group_data;
-  /// PROPERTY (DDS-Security 7.2.5), for the plugins of ddssec; not announced.
+  /// PROPERTY (DDS-Security 1.2, clause 7.3.21), for the plugins of ddssec; not announced.
   spi::PropertyList properties;
-  /// DATA_TAGS (DDS-Security 7.2.4), to which <data_tags> in the permissions refer. Announced only
-  /// if discovery of the topic is protected.
+  /// DATA_TAGS (DDS-Security 1.2, clause 7.3.21), to which <data_tags> in the permissions refer.
+  /// Announced only if discovery of the topic is protected.
   spi::PropertyList data_tags;
   ReaderDataLifecycle reader_data_lifecycle;  ///< not announced
   /// WRITER_DATA_LIFECYCLE: unregistering an instance, or deleting the writer, also disposes the

@@ -58,8 +58,8 @@ void MessageSender::begin_message(std::span<const Locator> to, bool wrapped) {
   write(out_, header_);
 }
 
-// DDS-Security 9.5.3.3.4.3: a payload that is signed without its length must end on a 4-octet
-// boundary.
+// DDS-Security 1.2, clause 10.5.3.3.4.3: a payload that is signed without its length must end on a
+// 4-octet boundary.
 std::optional<BytesView> MessageSender::protected_payload(const EntityId& writer, BytesView plain) {
   if (plain.size() % 4 != 0) {
     SpanWriter padded(plain_);

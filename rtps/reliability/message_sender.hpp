@@ -50,7 +50,7 @@ class MessageSender {
   /// protected messages.
   static constexpr std::size_t kLargestDatagram = 64000;
   /// A protected message of this many octets to receivers on this machine is full: the rest is room
-  /// for the last submessage and the receivers' MACs (DDS-Security 9.5.3.3.4).
+  /// for the last submessage and the receivers' MACs (DDS-Security 1.2, clause 10.5.3.3.4).
   static constexpr std::size_t kFullProtected = 46000;
 
   /// Limits for full messages that wait for more of the same sample. They are low because

@@ -213,8 +213,8 @@ std::optional<Admission::Permission> Admission::admit(const Local& local, const 
   return permission ? std::optional(*permission) : std::nullopt;
 }
 
-// DDS-Security 8.8.7: unauthenticated participants may use topics that have no access control and
-// no protection of any kind.
+// DDS-Security 1.2, clause 9.8.8: unauthenticated participants may use topics that have no access
+// control and no protection of any kind.
 Status Admission::check_open(const spi::EndpointSecurityAttributes& attributes,
                              const Endpoint& remote) const {
   if (is_open(attributes) && admits_unauthenticated()) return {};

@@ -1,5 +1,5 @@
 // Decides which participants may try to authenticate, and which endpoints may be created and
-// matched (DDS-Security 8.8.2, 8.8.5, 8.8.6).
+// matched (DDS-Security 1.2, clauses 9.8.3, 9.8.6, 9.8.7).
 #pragma once
 
 #include <map>

@@ -1,5 +1,5 @@
 // ParticipantGenericMessage: the messages of the stateless and of the volatile secure endpoints
-// (DDS-Security 7.4.3.5).
+// (DDS-Security 1.2, clause 7.3.22).
 #pragma once
 
 #include <string_view>

@@ -421,9 +421,9 @@ void Handshakes::note_overdue(Peer& peer) {
               peer, Origin::anyone);
 }
 
-// DDS-Security 1.2, 9.8.3.1: a participant that could authenticate but fails to is matched like one
-// that cannot. No single message counts as failure, because it can be sent in the peer's name. And
-// a peer that does not accept the local certificate does not report it.
+// DDS-Security 1.2, clause 9.8.3.1: a participant that could authenticate but fails to is matched
+// like one that cannot. No single message counts as failure, because it can be sent in the peer's
+// name. And a peer that does not accept the local certificate does not report it.
 MonotonicTime Handshakes::next_admission(const Peer& peer) const {
   const auto* unproven = peer.state.unproven();
   if (unproven == nullptr || unproven->admitted) return kNever;

@@ -1,5 +1,5 @@
-// Authenticates the peers (DDS-Security 8.8.2): processes messages to the stateless endpoint, sends
-// the messages of the handshakes, and limits their cost.
+// Authenticates the peers (DDS-Security 1.2, clause 9.8.3): processes messages to the stateless
+// endpoint, sends the messages of the handshakes, and limits their cost.
 #pragma once
 
 #include "rtps/budget/source_budget.hpp"

@@ -1,5 +1,5 @@
-// Sends and receives key tokens through the volatile secure endpoints (DDS-Security 8.8.7, 8.8.8).
-// There is one pair of these endpoints for each peer.
+// Sends and receives key tokens through the volatile secure endpoints (DDS-Security 1.2,
+// clauses 9.8.8 and 9.8.9). There is one pair of these endpoints for each peer.
 #pragma once
 
 #include "rtps/security/security_core.hpp"

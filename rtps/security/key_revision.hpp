@@ -1,5 +1,5 @@
 // Excludes participants that lost their trust: creates new keys for all others (DDS-Security 1.2,
-// 9.8.10.4), and uses them once the others have them.
+// clause 9.8.10.4), and uses them once the others have them.
 #pragma once
 
 #include "rtps/security/key_exchange.hpp"

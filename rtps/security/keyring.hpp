@@ -73,7 +73,7 @@ class Keyring final : public SendProtection {
   Result<bool> set_endpoint_tokens(const EntityId& local, const Guid& remote,
                                    std::span<const spi::Token> tokens);
 
-  // Key revision (DDS-Security 1.2, 9.8.10.4); see spi::CryptoKeyFactory:
+  // Key revision (DDS-Security 1.2, clause 9.8.10.4); see spi::CryptoKeyFactory:
   Result<spi::KeyRevision> revise();
   Status activate(spi::KeyRevision revision);
   bool is_revision_due() { return factory().is_key_revision_due(own_.crypto()); }

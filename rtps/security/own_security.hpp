@@ -41,7 +41,7 @@ class OwnSecurity {
   const spi::PropertyList& properties() const { return options_.properties; }
   DomainId domain_id() const { return domain_id_; }
   const std::string& domain_tag() const { return domain_tag_; }
-  /// Bound to the certificate's subject (DDS-Security 9.3.3).
+  /// Bound to the certificate's subject (DDS-Security 1.2, clause 10.3.3).
   const Guid& guid() const { return guid_; }
   spi::IdentityHandle identity() const { return identity_; }
   spi::PermissionsHandle permissions() const { return permissions_; }
@@ -57,7 +57,7 @@ class OwnSecurity {
   /// event.
   void present_renewed_permissions();
 
-  /// The governance's attributes for one of the builtin topics of DDS-Security 7.4.8.
+  /// The governance's attributes for one of the builtin topics of DDS-Security 1.2, clause 7.5.13.
   Result<spi::EndpointSecurityAttributes> builtin_attributes(std::string_view topic);
 
  private:

@@ -1,6 +1,6 @@
 // The handshake messages with one remote participant, from its announcement to its authentication
-// (DDS-Security 8.3.2, 9.3.4): what is sent, answered and repeated. No I/O, clock or lock: the
-// caller passes in messages and times, and sends the resulting messages.
+// (DDS-Security 1.2, clauses 9.3.2 and 10.3.4): what is sent, answered and repeated. No I/O, clock
+// or lock: the caller passes in messages and times, and sends the resulting messages.
 #pragma once
 
 #include <memory>
@@ -104,7 +104,7 @@ class PeerHandshake {
   void hasten(MonotonicTime now);
   /// Begins a new handshake next to the finished one, if the local side is the one that begins.
   void begin_again(MonotonicTime now);
-  /// True if the local GUID is the lower one (DDS-Security 10.3.3).
+  /// True if the local GUID is the lower one (DDS-Security 1.2, clause 10.3.3).
   bool begins() const { return sides_.own_guid < sides_.peer_guid; }
   /// Number of the peer's messages that the plugin refused.
   std::uint64_t refusals() const { return refusals_; }

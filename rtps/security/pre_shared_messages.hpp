@@ -1,4 +1,4 @@
-// Messages protected with the pre-shared key of the domain (DDS-Security 1.2, 10.4.1.2.5.8).
+// Messages protected with the pre-shared key of the domain (DDS-Security 1.2, clause 10.4.1.2.5.8).
 #pragma once
 
 #include "base/event.hpp"

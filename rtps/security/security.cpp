@@ -11,8 +11,8 @@ struct BuiltinEndpoint {
   std::string_view writer_name = {}, reader_name = {};
 };
 
-// DDS-Security 7.4.5: all builtin endpoints except the two pairs that must be readable before any
-// peer is authenticated.
+// DDS-Security 1.2, clause 7.5.8: all builtin endpoints except the two pairs that must be readable
+// before any peer is authenticated.
 constexpr BuiltinEndpoint kBuiltin[] = {
     {kPublicationsWriter, kPublicationsReader, "DCPSPublication"},
     {kSubscriptionsWriter, kSubscriptionsReader, "DCPSSubscription"},

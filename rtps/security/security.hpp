@@ -1,6 +1,6 @@
 // The security side of a participant: which peers it authenticates, what they may do, and the
-// exchange of keys (DDS-Security 7.4.3, 8.8). Sends only through the sender; has no clock and no
-// lock. It connects these parts, which do the work:
+// exchange of keys (DDS-Security 1.2, clauses 7.5.3 and 9.8). Sends only through the sender; has no
+// clock and no lock. It connects these parts, which do the work:
 //
 //   Handshakes    authenticates the peers, and limits what that costs
 //   KeyRevision   creates new keys for all others when a peer loses its trust

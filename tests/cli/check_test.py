@@ -480,7 +480,7 @@ class Check(WithoutLists):
         self.assertEqual(out["result"]["handshake"], {"starts": None, "ok": True})
 
     def test_who_starts_the_handshake_decides_between_the_products(self):
-        """DDS-Security 9.3.3 in openssl's words: the lower hash of the DER subject starts."""
+        """DDS-Security 1.2, clause 10.3.3 in openssl's words: the lower hash of the DER subject starts."""
         starts = "A" if self.subject_hash("talker") < self.subject_hash("listener") else "B"
         waits = "B" if starts == "A" else "A"
         out = self.check(exit=0)

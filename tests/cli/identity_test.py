@@ -372,7 +372,7 @@ class Identity(Transcript):
         one = b"\x30" + bytes([len(value) + 5]) + b"\x06\x03\x55\x04\x03" + value
         of_set = b"\x31" + bytes([len(one)]) + one
         digest = hashlib.sha256(b"\x30" + bytes([len(of_set)]) + of_set).digest()
-        begins = (int.from_bytes(digest[:6], "big") >> 1) | 1 << 47  # DDS-Security 9.3.3
+        begins = (int.from_bytes(digest[:6], "big") >> 1) | 1 << 47  # DDS-Security 1.2, clause 10.3.3
         shown = self.json("identity", "show", "talker", *NOW)["result"]
         self.assertEqual(shown["guid_start"], f"{begins:012x}")
 

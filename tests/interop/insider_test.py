@@ -124,7 +124,7 @@ class World:
 
 
 def prefix_begin(common_name):
-    """The first six octets of its GUID: a set bit and 47 bits of the subject's hash (DDS-Security 9.3.3)."""
+    """The first six octets of its GUID: a set bit and 47 bits of the subject's hash (DDS-Security 1.2, clause 10.3.3)."""
     number = int.from_bytes(hashlib.sha256(der_name(common_name)).digest()[:6], "big")
     return f"{number >> 1 | 1 << 47:012x}"
 

@@ -76,7 +76,7 @@ class Aes:
 
 
 class Key:
-    """KeyMaterial_AES_GCM_GMAC (DDS-Security 9.5.2.1.1), to protect with as its owner does."""
+    """KeyMaterial_AES_GCM_GMAC (DDS-Security 1.2, clause 10.5.2.1.1), to protect with as its owner does."""
 
     def __init__(self, aes, octets):
         self.aes, self.kind = aes, octets[:4]

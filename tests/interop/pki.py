@@ -57,7 +57,7 @@ def _name_where(prefix, wanted):
 
 
 # A participant's GUID begins with one set bit and 47 bits of the SHA-256 of its subject name, and
-# the lower GUID starts the handshake (DDS-Security 1.1, 9.3.3): the name decides who starts.
+# the lower GUID starts the handshake (DDS-Security 1.2, clause 10.3.3): the name decides who starts.
 STARTER = _name_where("starter", lambda octet: octet < 0x40)
 WAITER = _name_where("waiter", lambda octet: octet >= 0xC0)
 

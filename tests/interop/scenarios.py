@@ -298,7 +298,7 @@ def _plain_rows():
                   quick=name == "allowed-open-topic", known=known)
         yield Row(f"plain-subscriber-{name}", Side(governance), guest, stock_sub, ours, 1,
                   quick=name == "allowed-controlled-topic", known=known)
-    # DDS-Security 1.2, 9.8.3.1: who fails to authenticate is treated like who cannot. Fast DDS 2.9 never
+    # DDS-Security 1.2, clause 9.8.3.1: who fails to authenticate is treated like who cannot. Fast DDS 2.9 never
     # reads the attribute.
     yield replace(_pub("unknown-ca-publisher-allowed-open", (NONE, NONE, NONE, DATA), MUST_DATA, GUESTS,
                        quick=False, signed_by="other", trusts="other"),

@@ -81,7 +81,7 @@ class Cdr:
 
 
 def handshake(source, to, number, kind, properties=()):
-    """A whole RTPS message with a ParticipantGenericMessage (DDS-Security 7.4.4.4)."""
+    """A whole RTPS message with a ParticipantGenericMessage (DDS-Security 1.2, clause 7.3.22)."""
     cdr = Cdr().raw(source + STATELESS_WRITER).i64(number).raw(bytes(16)).i64(0)
     cdr.raw(to + PARTICIPANT).raw(bytes(32)).text("dds.sec.auth").u32(1)
     cdr.text(CLASS + kind).u32(0).u32(len(properties))

@@ -131,8 +131,8 @@ TEST(Session, ReplaysToASuccessorChangeNothing) {
   EXPECT_GT(successor->protection_counters().undecodable, 0u);
 }
 
-// Both directions of the key exchange have one key (DDS-Security 9.5.2.1): what one side said must
-// not come back to it as said by the other, or the other's tokens count as heard.
+// Both directions of the key exchange have one key (DDS-Security 1.2, clause 10.5.2.1): what one
+// side said must not come back to it as said by the other, or the other's tokens count as heard.
 TEST(Reflection, OfKeyExchangeMessagesChangesNothing) {
   for (const bool to_a : {true, false}) {
     Pair pair(everything(kEncrypt));

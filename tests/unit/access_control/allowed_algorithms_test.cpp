@@ -171,7 +171,7 @@ TEST_F(Algorithms, WhatOurHandshakesBeginWithMustBeListed) {
   EXPECT_REFUSED(local_of(Party(kP256, kP256)), governance_not_enforceable);
 }
 
-// DDS-Security 1.2 10.4.1.2.5.9: "may use any of the algorithms defined in clause 8.2".
+// DDS-Security 1.2, clause 10.4.1.2.5.9: "may use any of the algorithms defined in clause 8.2".
 TEST_F(Algorithms, AnAbsentListAllowsWhatTheStandardNames) {
   allowed = {};
   const Party own(kP256, kP256);

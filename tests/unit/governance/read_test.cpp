@@ -233,7 +233,7 @@ TEST(ReadGovernance, KnowsTheElementsOfVersion12) {
               value_not_protection_kind);
 }
 
-// DDS-Security 1.2 10.4.1.2.5.9.1, .3 and .4; only the schema requires the lists.
+// DDS-Security 1.2, clause 10.4.1.2.5.9.1, .3 and .4; only the schema requires the lists.
 TEST(ReadGovernance, AnAbsentListOfAlgorithmsHoldsThoseOfTheStandard) {
   const auto with = [](std::string_view lists) {
     return governance_from(replaced(kGovernanceXml, "</topic_access_rules>",
@@ -342,7 +342,7 @@ TEST(ReadPermissions, NotesSayWhatAndWhere) {
   EXPECT_EQ(document->grants[0].rules[0].subscribe[0].topics[0].text, "Circle");
 }
 
-// DDS-Security 1.2 10.4.1.2.3: <min> alone has no end, <max> alone begins with 0.
+// DDS-Security 1.2, clause 10.4.1.2.3: <min> alone has no end, <max> alone begins with 0.
 TEST(ReadPermissions, OneSidedRangesAreOpen) {
   const std::string only_min = "<id_range><min>3</min></id_range>";
   const auto allow = permissions_from(

@@ -247,7 +247,7 @@ TEST(GovernanceDiff, DomainsAndTagsAreToldTogether) {
   EXPECT_EQ(at_three.scope.tags.form, NameSet::Form::every);
 }
 
-// g6: DDS-Security 1.2 10.4.1.2.5.9.
+// g6: DDS-Security 1.2, clause 10.4.1.2.5.9.
 TEST(GovernanceDiff, AnAbsentListOfAlgorithmsIsNotStrongerOrWeaker) {
   auto before = plain(), after = plain();
   AllowedAlgorithms lists;

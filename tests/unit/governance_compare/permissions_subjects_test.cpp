@@ -72,7 +72,7 @@ TEST(PermissionsDiff, ASubjectAsAnotherExpressionForTheSameIsInterop) {
   }
 }
 
-// FNM_PATHNAME and FNM_NOESCAPE (DDS-Security 1.2 10.4.1.5.3.2.1).
+// FNM_PATHNAME and FNM_NOESCAPE (DDS-Security 1.2, clause 10.4.1.5.3.2.1).
 TEST(PermissionsDiff, ExpressionsOfSubjectsAreComparedAsSets) {
   const auto verdict = [](const char* old_name, std::vector<const char*> new_names) {
     auto before = document(kAll), after = document(kAll);

@@ -1,5 +1,5 @@
 // What an endpoint is tagged with counts for what its participant may do, here and there
-// (DDS-Security 9.4.1.3.2.3).
+// (DDS-Security 1.2, clause 10.4.1.5.3.4).
 #include "tests/unit/rtps_security/fixture.hpp"
 
 namespace ddssec::rtps {

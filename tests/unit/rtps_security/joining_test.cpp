@@ -260,7 +260,7 @@ spi::PropertyList of_another_ca(const std::string& subject, const Rules& rules) 
   return out;
 }
 
-// DDS-Security 1.2, 9.8.3.1.
+// DDS-Security 1.2, clause 9.8.3.1.
 TEST(Joining, WhoFailsToAuthenticateGetsWhatIsOpenWhereThatIsAllowed) {
   struct Case {
     bool allowed, open;

@@ -1,4 +1,4 @@
-// What a key hash says of a key where payloads are encrypted (DDS-Security 7.4.4).
+// What a key hash says of a key where payloads are encrypted (DDS-Security 1.2, clause 7.4.4).
 #include <filesystem>
 #include <functional>
 #include <unistd.h>

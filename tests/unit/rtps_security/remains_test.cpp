@@ -69,8 +69,8 @@ class KeyWatch final : public spi::Cryptography, spi::CryptoKeyExchange {
   }
 
   spi::CryptoKeyExchange& exchange() { return real_->key_exchange(); }
-  /// KeyMaterial_AES_GCM_GMAC (DDS-Security 9.5.2.1.2) with keys of 256 bits: the salt is public
-  /// to nobody else, either.
+  /// KeyMaterial_AES_GCM_GMAC (DDS-Security 1.2, clause 10.5.2.1.2) with keys of 256 bits: the salt
+  /// is public to nobody else, either.
   void note(const std::string& whose, Given tokens) {
     constexpr std::size_t kSalt = 8, kSenderKey = 48, kReceiverKey = 88, kSize = 32;
     for (const auto& token : tokens) {

@@ -22,7 +22,7 @@ TEST(SymmetricCipher, AListMayNameWhatWeDoNotKnow) {
     EXPECT_EQ(ciphers_in(nothing), 0u) << nothing;
 }
 
-// DDS-Security 1.2 7.3.9
+// DDS-Security 1.2, clause 7.3.9
 TEST(SymmetricCipher, AllThatIsRequiredOrAnyInCompatibilityMode) {
   constexpr CipherMask kCompatible = CipherMask{1} << 31;
   EXPECT_TRUE(understands(0x3, 0x2));

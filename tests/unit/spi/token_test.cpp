@@ -62,7 +62,7 @@ TEST(Token, MorePropertiesThanTheBoundAreRefused) {
   EXPECT_EQ(read_token(reader).error().code(), Code::length_out_of_range);
 }
 
-// Both vectors were computed independently from the rule of DDS-Security 9.3.2.3.
+// Both vectors were computed independently from the rule of DDS-Security 1.2, clause 10.3.2.5.1.
 TEST(BinaryProperties, SerializeAsTheHashInputOfTheHandshake) {
   const Bytes pdata = {0, 1, 0, 0};
   const NamedOctets a[] = {{"c.id", as_bytes("-----BEGIN")},

@@ -323,7 +323,7 @@ Passphrase passphrase_of(const Json& entry) {
           Passphrase::Text::copy_of(as_bytes(entry["passphrase"].get<std::string>())).value()};
 }
 
-/// The example of DDS-Security 1.2 10.5.2.1.3.
+/// The example of DDS-Security 1.2, clause 10.5.2.1.3.
 TEST(Kat, PreSharedKeyExample) {
   const auto& entry = kat()["psk_spec_example"];
   const auto passphrase = passphrase_of(entry);
