@@ -5,6 +5,7 @@
 #include <deque>
 #include <map>
 #include <mutex>
+#include <set>
 
 #include "pki/openssl.hpp"
 
@@ -86,6 +87,21 @@ STACK_OF(X509_CRL) * lists_of_issuer(const X509_STORE_CTX* context, const X509_N
   if (static_cast<int>(foreign.size()) == sk_X509_CRL_num(lists)) return lists;
   for (const int i : foreign) X509_CRL_free(sk_X509_CRL_delete(lists, i));
   return lists;
+}
+
+// Of several CAs with one name, as while one is replaced by another, OpenSSL takes the first that
+// the certificate's extensions do not exclude. It may have none that names the key.
+int is_issued_by(X509_STORE_CTX*, X509* certificate, X509* issuer) {
+  const bool is_by = X509_check_issued(issuer, certificate) == X509_V_OK &&
+                     X509_verify(certificate, X509_get0_pubkey(issuer)) == 1;
+  if (!is_by) ERR_clear_error();
+  return is_by ? 1 : 0;
+}
+
+bool share_a_name(const std::vector<Certificate>& anchors) {
+  std::set<std::string_view> names;
+  return !std::ranges::all_of(
+      anchors, [&](const Certificate& ca) { return names.insert(ca.subject()).second; });
 }
 
 std::string subject_of(const X509* x509) {
@@ -220,6 +236,8 @@ Status ChainVerifier::Impl::fill_store(CrlPolicy policy) {
       crls_until = std::min(crls_until.value_or(*next), *next);
   }
   X509_STORE_set_lookup_crls(store.get(), lists_of_issuer);
+  // Only then: it verifies a signature more for each certificate.
+  if (share_a_name(anchors)) X509_STORE_set_check_issued(store.get(), is_issued_by);
   X509_STORE_set_verify_cb(store.get(), policy == CrlPolicy::hard_fail
                                             ? on_fault<CrlPolicy::hard_fail>
                                             : on_fault<CrlPolicy::soft_fail>);

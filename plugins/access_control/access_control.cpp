@@ -167,7 +167,7 @@ class Plugin final : public spi::AccessControl {
   Result<spi::ParticipantSecurityAttributes> participant_sec_attributes(
       PermissionsHandle local) override {
     DDSSEC_ASSIGN_OR_RETURN(const Holder holder, known(local));
-    return participant_attributes(holder->participant()->governance->domain_rule());
+    return participant_attributes(holder->participant()->basis()->governance->domain_rule());
   }
   Result<spi::TopicSecurityAttributes> topic_sec_attributes(PermissionsHandle local,
                                                             std::string_view topic_name) override {
@@ -250,7 +250,7 @@ class Plugin final : public spi::AccessControl {
   Status judge_topic(PermissionsHolder& holder, std::string_view topic);
   std::vector<PermissionsHandle> peers_of_only(const Participants& gone, const Entries& all,
                                                WallTime now);
-  void renew_permissions(const Entries& all, PermissionsHandle local);
+  void renew_documents(const Entries& all, PermissionsHandle local);
   Status judge_own(const PermissionsHolder& remote, const Match& match);
   bool may_as_announced(PermissionsHolder& holder, Action action, const EndpointRequest& local);
   bool may_relay(PermissionsHolder& holder, const EndpointRequest& request);
@@ -283,8 +283,7 @@ Result<PermissionsHandle> Plugin::validate_remote_permissions(spi::IdentityHandl
   } else {
     auto refused = refuse(judged.error().in(name), subject.shown);
     // Without join access control such a peer may still have what is not protected.
-    const auto& rule = participant->governance->domain_rule();
-    if (rule.enable_join_access_control) return refused;
+    if (participant->basis()->governance->domain_rule().enable_join_access_control) return refused;
   }
   auto holder = std::make_shared<PermissionsHolder>(participant, remote_identity,
                                                     std::move(subject), name, std::move(document));
@@ -297,8 +296,8 @@ Result<PermissionsHandle> Plugin::validate_remote_permissions(spi::IdentityHandl
 }
 
 Status Plugin::judge_participant(PermissionsHolder& holder) {
-  const auto& rule = holder.participant()->governance->domain_rule();
-  if (!rule.enable_join_access_control) return {};
+  const auto basis = holder.participant()->basis();
+  if (!basis->governance->domain_rule().enable_join_access_control) return {};
   DDSSEC_ASSIGN_OR_RETURN(const Grant grant, grant_now(holder));
   const auto verdict = grant->judge_participant();
   if (!verdict.allowed) return std::unexpected(participant_denied(holder, *grant, verdict));
@@ -308,7 +307,8 @@ Status Plugin::judge_participant(PermissionsHolder& holder) {
 Status Plugin::judge_endpoint(PermissionsHolder& holder, Action action,
                               const EndpointRequest& request) {
   const auto& participant = *holder.participant();
-  const auto* rule = participant.governance->topic_rule(request.topic_name);
+  const auto basis = participant.basis();
+  const auto* rule = basis->governance->topic_rule(request.topic_name);
   if (!rule) return std::unexpected(topic_not_covered(participant, request.topic_name));
   if (!is_access_controlled(*rule, action)) return {};
   DDSSEC_ASSIGN_OR_RETURN(const Grant grant, grant_now(holder));
@@ -366,7 +366,8 @@ Status Plugin::check_remote_match(PermissionsHandle remote, const Match& match) 
 Status Plugin::judge_topic(PermissionsHolder& holder, std::string_view topic) {
   if (holder.remote()) DDSSEC_RETURN_IF_ERROR(check_topic_length(topic));
   const auto& participant = *holder.participant();
-  const auto* rule = participant.governance->topic_rule(topic);
+  const auto basis = participant.basis();
+  const auto* rule = basis->governance->topic_rule(topic);
   if (!rule) return std::unexpected(topic_not_covered(participant, topic));
   if (!rule->enable_read_access_control || !rule->enable_write_access_control) return {};
   DDSSEC_ASSIGN_OR_RETURN(const Grant grant, grant_now(holder));
@@ -402,9 +403,11 @@ Result<spi::EndpointSecurityAttributes> Plugin::attributes(PermissionsHandle loc
                                                            std::string_view topic) {
   DDSSEC_ASSIGN_OR_RETURN(const Holder holder, known(local));
   const auto& participant = *holder->participant();
-  const auto& governance = *participant.governance;
-  if (const auto builtin = builtin_attributes(governance.domain_rule(), topic)) return *builtin;
-  if (const auto* rule = governance.topic_rule(topic)) return endpoint_attributes(*rule);
+  const auto domain = participant.basis();
+  if (const auto builtin = builtin_attributes(domain->governance->domain_rule(), topic))
+    return *builtin;
+  const auto basis = participant.basis_for(topic);
+  if (const auto* rule = basis->governance->topic_rule(topic)) return endpoint_attributes(*rule);
   return refuse(topic_not_covered(participant, topic), *holder);
 }
 
@@ -436,25 +439,19 @@ std::vector<PermissionsHandle> Plugin::peers_of_only(const Participants& gone, c
   return peers;
 }
 
-/// Before anything is judged by the permissions in force.
-void Plugin::renew_permissions(const Entries& all, PermissionsHandle which) {
+/// Before anything is judged by the documents in force.
+void Plugin::renew_documents(const Entries& all, PermissionsHandle which) {
   for (const auto& [handle, holder] : all) {
     if (holder->remote() || (which && handle != which)) continue;
-    const auto renewed = holder->renew(documents_, environment_.clock);
-    if (!renewed) environment_.events.raise(event_about({}, renewed.error()));
-    if (!renewed || !*renewed) continue;
-    const auto end = holder->ends();
-    environment_.events.raise(event_about(
-        {}, Error(Code::permissions_renewed, {.document = holder->document_name(),
-                                              .field = "not_after",
-                                              .found = end ? to_string(*end) : std::string()})));
+    for (const auto& event : holder->renew(documents_, environment_.clock))
+      environment_.events.raise(event_about({}, event));
   }
 }
 
 std::vector<PermissionsHandle> Plugin::expire(PermissionsHandle local) {
   const auto all = handles_.all();
   const Holder own = handles_.find(local);
-  renew_permissions(all, local);
+  renew_documents(all, local);
   const WallTime now = environment_.clock.now();
   // Without the memory to tell, none is marked: the next call finds them again.
   std::vector<PermissionsHandle> ended;

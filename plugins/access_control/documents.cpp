@@ -14,14 +14,24 @@ Result<std::shared_ptr<const PermissionsCa>> PermissionsCa::load(const std::stri
   DDSSEC_ASSIGN_OR_RETURN(
       const auto file,
       pki::load_certificates(uri, spi::property::kPermissionsCa, pki::kMostBundleOctets));
-  DDSSEC_ASSIGN_OR_RETURN(auto certificates, pki::Certificate::bundle_from_pem(file));
+  DDSSEC_ASSIGN_OR_RETURN(auto bundle, pki::Certificate::bundle_from_pem(file));
+  return of(std::move(bundle));
+}
+
+Result<std::shared_ptr<const PermissionsCa>> PermissionsCa::of(
+    std::vector<pki::Certificate> authorities) {
   Bytes fingerprints;
-  for (const auto& certificate : certificates) {
+  for (const auto& certificate : authorities) {
     const auto& f = certificate.fingerprint();
     fingerprints.insert(fingerprints.end(), f.begin(), f.end());
   }
-  DDSSEC_ASSIGN_OR_RETURN(auto verifier, pki::DocumentVerifier::make(std::move(certificates)));
+  DDSSEC_ASSIGN_OR_RETURN(auto verifier, pki::DocumentVerifier::make(std::move(authorities)));
   return std::make_shared<const PermissionsCa>(std::move(verifier), sha256(fingerprints));
+}
+
+bool PermissionsCa::holds(const pki::Certificate& signer) const {
+  return std::ranges::find(verifier_.permissions_cas(), signer) !=
+         verifier_.permissions_cas().end();
 }
 
 PermissionsDocument::PermissionsDocument(governance::Permissions permissions,
@@ -29,7 +39,7 @@ PermissionsDocument::PermissionsDocument(governance::Permissions permissions,
     : permissions_(std::make_shared<const governance::Permissions>(std::move(permissions))),
       signer_not_before_(document.signer().not_before()),
       signer_not_after_(document.signer_not_after()),
-      signer_(document.signer().subject()) {}
+      signer_(document.signer()) {}
 
 Status PermissionsDocument::check_signer(WallTime now) const {
   const bool early = now < signer_not_before_;
@@ -38,7 +48,7 @@ Status PermissionsDocument::check_signer(WallTime now) const {
               {.field = early ? "notBefore" : "notAfter",
                .expected = to_string(early ? signer_not_before_ : signer_not_after_),
                .found = to_string(now),
-               .note = "permissions CA " + signer_});
+               .note = "permissions CA " + signer_.subject()});
 }
 
 Result<Grant> PermissionsDocument::grant_for(const pki::SubjectName& subject,

@@ -24,7 +24,12 @@ class PermissionsCa {
   /// pki::Certificate::bundle_from_pem and of pki::DocumentVerifier::make.
   static Result<std::shared_ptr<const PermissionsCa>> load(const std::string& uri);
 
+  /// Of certificates. Error: that of pki::DocumentVerifier::make.
+  static Result<std::shared_ptr<const PermissionsCa>> of(std::vector<pki::Certificate> authorities);
+
   const pki::DocumentVerifier& verifier() const { return verifier_; }
+  /// True if the certificate is one of the file's.
+  bool holds(const pki::Certificate& signer) const;
   /// SHA-256 over the file's certificates.
   const Sha256Digest& digest() const { return digest_; }
 
@@ -53,6 +58,7 @@ class PermissionsDocument {
   /// certificate_not_yet_valid.
   Status check_signer(WallTime now) const;
   WallTime signer_not_after() const { return signer_not_after_; }
+  const pki::Certificate& signer() const { return signer_; }
 
   void set_partition_match(governance::PartitionMatch match) { partition_match_ = match; }
 
@@ -63,7 +69,7 @@ class PermissionsDocument {
   std::shared_ptr<const governance::Permissions> permissions_;
   WallTime signer_not_before_;
   WallTime signer_not_after_;
-  std::string signer_;
+  pki::Certificate signer_;
   governance::PartitionMatch partition_match_ = governance::PartitionMatch::all;
   std::mutex mutex_;
   std::map<std::tuple<const governance::Grant*, DomainId, std::string>, Grant> compiled_;

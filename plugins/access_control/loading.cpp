@@ -31,8 +31,8 @@ Result<T> in_document(Result<T> result, const std::string& name) {
   return std::unexpected(result.error().in(name));
 }
 
-/// The three URIs: permissions CA, governance, permissions.
-Result<std::array<std::string, 3>> document_uris(const spi::PropertyList& properties) {
+/// Where the three documents are, and the identity CA.
+Result<DocumentPlaces> places_of(const spi::PropertyList& properties) {
   constexpr std::array kNames = {spi::property::kPermissionsCa, spi::property::kGovernance,
                                  spi::property::kPermissions};
   std::array<std::string, kNames.size()> values;
@@ -45,7 +45,14 @@ Result<std::array<std::string, 3>> document_uris(const spi::PropertyList& proper
   if (!missing.empty()) {
     return fail(Code::access_document_missing, {.expected = missing, .found = "empty or not set"});
   }
-  return values;
+  return DocumentPlaces{
+      .permissions_ca = values[0],
+      .governance = values[1],
+      .permissions = values[2],
+      .identity_ca = std::string(spi::property_value(properties, spi::property::kIdentityCa)),
+      .permissions_ca_name = document_name(kNames[0], values[0]),
+      .governance_name = document_name(kNames[1], values[1]),
+      .permissions_name = document_name(kNames[2], values[2])};
 }
 
 /// What `read` makes of the certificates that a property names.
@@ -64,15 +71,15 @@ Result<pki::Certificate> local_certificate(const spi::PropertyList& properties) 
 }
 
 /// Ours are refused here and not in authentication, which hosts ask before there is a governance.
-Status check_own_algorithms(Participant& own, const pki::Certificate& certificate,
+Status check_own_algorithms(Basis& basis, const pki::Certificate& certificate,
                             const spi::PropertyList& properties) {
-  const auto* const allowed = own.allowed_algorithms();
+  const auto* const allowed = basis.allowed_algorithms();
   if (allowed == nullptr) return {};
   DDSSEC_ASSIGN_OR_RETURN(
-      own.identity_authorities,
+      basis.identity_authorities,
       certificates_of(properties, spi::property::kIdentityCa, pki::kMostBundleOctets,
                       pki::Certificate::bundle_from_pem));
-  DDSSEC_RETURN_IF_ERROR(check_identity(*allowed, certificate, own.identity_authorities));
+  DDSSEC_RETURN_IF_ERROR(check_identity(*allowed, certificate, basis.identity_authorities));
   DDSSEC_ASSIGN_OR_RETURN(
       const auto signers,
       certificates_of(properties, spi::property::kPermissionsCa, pki::kMostBundleOctets,
@@ -81,18 +88,16 @@ Status check_own_algorithms(Participant& own, const pki::Certificate& certificat
   return {};
 }
 
-Result<std::shared_ptr<const governance::CompiledGovernance>> compile_governance(
-    const LoadContext& context, const Participant& participant, BytesView file) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto document,
-                          participant.ca->verifier().verify(file, context.now));
-  DDSSEC_ASSIGN_OR_RETURN(auto rules,
-                          governance::read_governance(document.content(), document.first_line()));
-  auto content = std::make_shared<const governance::Governance>(std::move(rules));
+Result<Basis> first_basis(const LoadContext& context, const Participant& participant,
+                          const DocumentPlaces& places, BytesView governance_file) {
+  Basis out;
   DDSSEC_ASSIGN_OR_RETURN(
-      auto compiled, governance::CompiledGovernance::make(std::move(content), participant.domain,
-                                                          participant.domain_tag));
-  DDSSEC_RETURN_IF_ERROR(check_enforceable(compiled->domain_rule(), context.options));
-  return compiled;
+      out.ca, in_document(PermissionsCa::load(places.permissions_ca), places.permissions_ca_name));
+  DDSSEC_ASSIGN_OR_RETURN(out.governance,
+                          in_document(compile_governance({*out.ca, participant, context.options},
+                                                         governance_file, context.now),
+                                      places.governance_name));
+  return out;
 }
 
 /// The octets of a property that a host may carry as binary or as text.
@@ -120,12 +125,24 @@ bool is_compatible_class(std::string_view class_id) {
 
 }  // namespace
 
+Result<std::shared_ptr<const governance::CompiledGovernance>> compile_governance(
+    const GovernanceContext& context, BytesView file, WallTime now) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto document, context.ca.verifier().verify(file, now));
+  DDSSEC_ASSIGN_OR_RETURN(auto rules,
+                          governance::read_governance(document.content(), document.first_line()));
+  auto content = std::make_shared<const governance::Governance>(std::move(rules));
+  DDSSEC_ASSIGN_OR_RETURN(auto compiled, governance::CompiledGovernance::make(
+                                             std::move(content), context.participant.domain,
+                                             context.participant.domain_tag));
+  DDSSEC_RETURN_IF_ERROR(check_enforceable(compiled->domain_rule(), context.options));
+  return compiled;
+}
+
 Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context,
                                                       spi::IdentityHandle identity, DomainId domain,
                                                       const spi::PropertyList& properties,
                                                       std::string_view domain_tag) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto uris, document_uris(properties));
-  const auto& [ca_uri, governance_uri, permissions_uri] = uris;
+  DDSSEC_ASSIGN_OR_RETURN(const auto places, places_of(properties));
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate, local_certificate(properties));
   Subject subject{pki::SubjectName::of(certificate), certificate.subject()};
   auto participant = std::make_shared<Participant>();
@@ -133,42 +150,40 @@ Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context
   participant->domain = domain;
   participant->domain_tag = domain_tag;
   DDSSEC_ASSIGN_OR_RETURN(participant->warn_before_end, spi::warning_days(properties));
-  DDSSEC_ASSIGN_OR_RETURN(const auto poll_interval, spi::files_poll_interval(properties));
-  DDSSEC_ASSIGN_OR_RETURN(participant->ca,
-                          in_document(PermissionsCa::load(ca_uri),
-                                      document_name(spi::property::kPermissionsCa, ca_uri)));
-  participant->governance_name = document_name(spi::property::kGovernance, governance_uri);
+  participant->governance_name = places.governance_name;
+  DDSSEC_ASSIGN_OR_RETURN(const auto interval, spi::files_poll_interval(properties));
+  auto own = std::make_unique<OwnDocuments>(places, context.options, interval);
   DDSSEC_ASSIGN_OR_RETURN(
-      const auto governance_file,
-      pki::load(governance_uri, spi::property::kGovernance, pki::kMostDocumentOctets));
-  DDSSEC_ASSIGN_OR_RETURN(participant->governance,
-                          in_document(compile_governance(context, *participant, governance_file),
-                                      participant->governance_name));
-  DDSSEC_RETURN_IF_ERROR(in_document(check_own_algorithms(*participant, certificate, properties),
+      auto governance_file,
+      pki::load(places.governance, spi::property::kGovernance, pki::kMostDocumentOctets));
+  DDSSEC_ASSIGN_OR_RETURN(auto basis, first_basis(context, *participant, places, governance_file));
+  DDSSEC_RETURN_IF_ERROR(in_document(check_own_algorithms(basis, certificate, properties),
                                      participant->governance_name));
-  const auto name = document_name(spi::property::kPermissions, permissions_uri);
-  auto watch = std::make_unique<PermissionsWatch>(permissions_uri, name, poll_interval);
-  DDSSEC_ASSIGN_OR_RETURN(const auto file, pki::load(permissions_uri, spi::property::kPermissions,
-                                                     pki::kMostDocumentOctets));
-  watch->note_read(file);
   DDSSEC_ASSIGN_OR_RETURN(
-      auto document,
-      in_document(context.documents.permissions(*participant->ca, file, context.now), name));
-  auto holder = std::make_shared<PermissionsHolder>(std::move(participant), std::nullopt,
-                                                    std::move(subject), name, std::move(document));
-  holder->set_own(std::string(as_text(file)), std::move(watch));
+      const auto file,
+      pki::load(places.permissions, spi::property::kPermissions, pki::kMostDocumentOctets));
+  own->note_read(std::move(governance_file), file);
+  DDSSEC_ASSIGN_OR_RETURN(auto document,
+                          in_document(context.documents.permissions(*basis.ca, file, context.now),
+                                      places.permissions_name));
+  DDSSEC_RETURN_IF_ERROR(participant->set_basis(std::move(basis)));
+  auto holder =
+      std::make_shared<PermissionsHolder>(std::move(participant), std::nullopt, std::move(subject),
+                                          places.permissions_name, std::move(document));
+  holder->set_own(std::string(as_text(file)), std::move(own));
   DDSSEC_RETURN_IF_ERROR(holder->grant(context.now));
   return holder;
 }
 
 Status check_remote_algorithms(const Participant& local, const spi::Token& credential,
                                Subject& subject) {
-  const auto* const allowed = local.allowed_algorithms();
+  const auto basis = local.basis();
+  const auto* const allowed = basis->allowed_algorithms();
   const auto octets = octets_of(credential, "c.id");
   if (allowed == nullptr || !octets) return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate, pki::Certificate::from_pem(*octets));
   subject = {pki::SubjectName::of(certificate), certificate.subject()};
-  DDSSEC_RETURN_IF_ERROR(check_identity(*allowed, certificate, local.identity_authorities));
+  DDSSEC_RETURN_IF_ERROR(check_identity(*allowed, certificate, basis->identity_authorities));
   const auto agreement = octets_of(credential, "c.kagree_algo");
   return check_key_establishment(*allowed,
                                  agreement ? std::optional(as_text(*agreement)) : std::nullopt);
@@ -200,7 +215,7 @@ Result<std::shared_ptr<PermissionsDocument>> judge_remote(const LoadContext& con
                  .found = std::to_string(file->size())});
   }
   DDSSEC_ASSIGN_OR_RETURN(auto document,
-                          context.documents.permissions(*local.ca, *file, context.now));
+                          context.documents.permissions(*local.basis()->ca, *file, context.now));
   DDSSEC_RETURN_IF_ERROR(document->grant_for(subject.name, subject.shown, local.domain,
                                              local.domain_tag, context.now));
   return document;

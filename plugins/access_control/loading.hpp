@@ -16,6 +16,18 @@ struct LoadContext {
   WallTime now;
 };
 
+/// What compiling a governance document needs besides it.
+struct GovernanceContext {
+  const PermissionsCa& ca;
+  const Participant& participant;
+  const Options& options;
+};
+/// The rule for the participant's domain, from a signed file. Errors: those of
+/// pki::DocumentVerifier::verify, governance::read_governance and CompiledGovernance::make,
+/// governance_not_enforceable.
+Result<std::shared_ptr<const governance::CompiledGovernance>> compile_governance(
+    const GovernanceContext& context, BytesView file, WallTime now);
+
 /// Reads what the properties name: certificate, permissions CA, governance and permissions, and
 /// finds the grant. Errors: access_not_configured, access_document_missing, missing_property,
 /// governance_not_enforceable, identity_algorithm_not_allowed, trust_chain_algorithm_not_allowed,

@@ -35,10 +35,10 @@ Sha256Digest digest_of(std::string_view text) {
 
 }  // namespace
 
-void PermissionsHolder::set_own(std::string text, std::unique_ptr<PermissionsWatch> watch) {
+void PermissionsHolder::set_own(std::string text, std::unique_ptr<OwnDocuments> documents) {
   text_ = std::move(text);
   digest_ = digest_of(text_);
-  watch_ = std::move(watch);
+  own_documents_ = std::move(documents);
 }
 
 void PermissionsHolder::note_seen(std::shared_ptr<const PermissionsHolder> own,
@@ -72,9 +72,23 @@ Result<Grant> PermissionsHolder::grant_in(PermissionsDocument& document, WallTim
                             participant_->domain_tag, now);
 }
 
+/// Of a peer. Our own documents are judged before other CAs come into force.
+Status PermissionsHolder::check_signer() {
+  const auto ca = participant_->basis()->ca;
+  if (!remote_ || ca == accepted_by_) return {};
+  if (!ca->holds(document_->signer()))
+    return fail(Code::permissions_ca_withdrawn,
+                {.document = document_name_,
+                 .expected = "signed by " + pki::describe(ca->verifier().permissions_cas()),
+                 .found = "signed by " + pki::describe({document_->signer()})});
+  accepted_by_ = ca;
+  return {};
+}
+
 Result<Grant> PermissionsHolder::grant(WallTime now) {
   const std::lock_guard lock(mutex_);
   if (!document_) return fail(Code::peer_has_no_permissions);
+  DDSSEC_RETURN_IF_ERROR(check_signer());
   if (grant_ && !is_over(now)) return grant_;
   auto found = grant_in(*document_, now);
   if (!found) return std::unexpected(found.error().in(document_name_));
@@ -124,14 +138,10 @@ std::uint64_t PermissionsHolder::renewals() const {
   return renewals_;
 }
 
-Result<bool> PermissionsHolder::renew(DocumentCache& documents, const Clock& clock) {
+std::vector<Error> PermissionsHolder::renew(DocumentCache& documents, const Clock& clock) {
   const std::lock_guard lock(renewal_mutex_);
-  if (!watch_) return false;
-  return watch_->look(clock.monotonic(), [&](BytesView file) -> Status {
-    const auto now = clock.now();
-    DDSSEC_ASSIGN_OR_RETURN(auto document, documents.permissions(*participant_->ca, file, now));
-    return take(std::move(document), file, now);
-  });
+  if (!own_documents_) return {};
+  return own_documents_->renew(*this, *participant_, documents, clock);
 }
 
 Status PermissionsHolder::take(std::shared_ptr<PermissionsDocument> document, BytesView file,

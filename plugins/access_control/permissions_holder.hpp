@@ -10,30 +10,10 @@
 #include "base/hash.hpp"
 #include "plugins/access_control/announced.hpp"
 #include "plugins/access_control/documents.hpp"
-#include "plugins/access_control/permissions_watch.hpp"
-#include "plugins/spi/end_warning.hpp"
-#include "plugins/spi/handles.hpp"
+#include "plugins/access_control/own_documents.hpp"
+#include "plugins/access_control/participant.hpp"
 
 namespace ddssec::access_control {
-
-/// A local participant: its documents govern what it does and which peers it trusts.
-struct Participant {
-  spi::IdentityHandle identity;
-  DomainId domain = 0;
-  std::string domain_tag;
-  std::shared_ptr<const governance::CompiledGovernance> governance;
-  std::string governance_name;  ///< the document's name in errors
-  std::shared_ptr<const PermissionsCa> ca;
-  spi::WarningDays warn_before_end;
-  /// identity_ca, if the governance restricts algorithms
-  std::vector<pki::Certificate> identity_authorities;
-
-  /// Null: all algorithms.
-  const governance::AllowedAlgorithms* allowed_algorithms() const {
-    const auto& allowed = governance->domain_rule().allowed_algorithms;
-    return allowed ? &*allowed : nullptr;
-  }
-};
 
 /// Who is judged.
 struct Subject {
@@ -46,7 +26,7 @@ class PermissionsHolder {
  public:
   /// `remote`: the peer's identity, if it is one. `document` null: a peer without usable
   /// permissions, to which only unprotected topics are open.
-  PermissionsHolder(std::shared_ptr<const Participant> participant,
+  PermissionsHolder(std::shared_ptr<Participant> participant,
                     std::optional<spi::IdentityHandle> remote, Subject subject,
                     std::string document_name, std::shared_ptr<PermissionsDocument> document)
       : participant_(std::move(participant)),
@@ -56,23 +36,25 @@ class PermissionsHolder {
         document_(std::move(document)),
         warning_(participant_->warn_before_end) {}
 
-  const std::shared_ptr<const Participant>& participant() const { return participant_; }
+  const std::shared_ptr<Participant>& participant() const { return participant_; }
   const std::optional<spi::IdentityHandle>& remote() const { return remote_; }
   /// Subject of a peer, for events; empty for a local participant.
   std::string peer_subject() const { return remote_ ? subject_.shown : std::string(); }
   bool has_document() const { return document() != nullptr; }
 
-  /// Of a local participant: the signed file as it goes to peers, and where a renewed one may come.
-  /// Before the holder is shared.
-  void set_own(std::string text, std::unique_ptr<PermissionsWatch> watch);
+  /// Of a local participant: the signed file as it goes to peers, and where renewed documents may
+  /// come. Before the holder is shared.
+  void set_own(std::string text, std::unique_ptr<OwnDocuments> documents);
   std::string text() const;
-  /// Takes renewed permissions of a local participant, if the file holds any. True: it did. A
-  /// document is taken if its signature is that of the permissions CA and it has a grant for the
-  /// subject that is valid now and does not begin earlier than the one in force: an older document
-  /// that was put back would give again what was taken away. It may give less, and end earlier.
-  /// Errors: those of PermissionsWatch::look. Nothing is taken after the end was reported.
-  Result<bool> renew(DocumentCache& documents, const Clock& clock);
-  /// How often it did.
+  /// Of a local participant: takes the documents that were put in place of those in force. Returns
+  /// events, as OwnDocuments::renew does.
+  std::vector<Error> renew(DocumentCache& documents, const Clock& clock);
+  /// Renewed permissions, with the file, come into force if they have a grant for the subject that
+  /// is valid now and does not begin earlier than the one in force: an older document that was put
+  /// back would give again what was taken away. They may give less, and end earlier. Error:
+  /// permissions_renewal_refused, also after the end was reported; those of grant_for.
+  Status take(std::shared_ptr<PermissionsDocument> document, BytesView file, WallTime now);
+  /// How often it has taken permissions.
   std::uint64_t renewals() const;
 
   /// Of a peer: it has seen the document of `own` with that digest. Empty: the first one, which
@@ -88,7 +70,7 @@ class PermissionsHolder {
   /// because the clock goes back to a time before it began. When a grant ends, another of
   /// the same document takes over; a peer's only if it gives the same: else the peer ends, and what
   /// it may have is judged when it comes again. Errors: those of PermissionsDocument::grant_for,
-  /// peer_has_no_permissions.
+  /// peer_has_no_permissions, permissions_ca_withdrawn.
   Result<Grant> grant(WallTime now);
 
   /// When the grant found last ends, if it was not reported as ended.
@@ -104,7 +86,7 @@ class PermissionsHolder {
   void mark_reported();
 
  private:
-  const std::shared_ptr<const Participant> participant_;
+  const std::shared_ptr<Participant> participant_;
   const std::optional<spi::IdentityHandle> remote_;
   const Subject subject_;
   const std::string document_name_;
@@ -113,14 +95,14 @@ class PermissionsHolder {
   std::shared_ptr<PermissionsDocument> seen_;     ///< and what it has seen of that
 
   bool is_over(WallTime now) const;
+  Status check_signer();
   std::shared_ptr<PermissionsDocument> document() const;
   std::shared_ptr<PermissionsDocument> presented(const std::optional<Sha256Digest>& digest) const;
   Result<Grant> grant_in(PermissionsDocument& document, WallTime now) const;
-  Status take(std::shared_ptr<PermissionsDocument> document, BytesView file, WallTime now);
   std::optional<Error> outlived(WallTime now) const;
 
   std::mutex renewal_mutex_;  ///< before mutex_: no check waits while a file is read
-  std::unique_ptr<PermissionsWatch> watch_;
+  std::unique_ptr<OwnDocuments> own_documents_;
   mutable std::mutex mutex_;
   std::shared_ptr<PermissionsDocument> document_;
   std::string text_;
@@ -132,6 +114,7 @@ class PermissionsHolder {
   /// Those renewed since: the first, and the last few, which handshakes under way still present.
   std::vector<Former> former_;
   std::uint64_t renewals_ = 0;
+  std::shared_ptr<const PermissionsCa> accepted_by_;  ///< of a peer
   Grant grant_;
   bool reported_ = false;
   spi::EndWarning warning_;

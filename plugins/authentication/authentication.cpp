@@ -11,6 +11,7 @@
 #include "plugins/authentication/identity_token.hpp"
 #include "plugins/authentication/kept_requests.hpp"
 #include "plugins/authentication/participant_data.hpp"
+#include "plugins/authentication/renewal.hpp"
 #include "plugins/authentication/revocation.hpp"
 #include "plugins/spi/property_names.hpp"
 #include "plugins/spi/session_facts.hpp"
@@ -90,7 +91,6 @@ class PkiDh final : public spi::Authentication {
   }
 
   void drop_credentials_given_out();
-  void renew_identities(IdentityHandle local);
   bool has_outlived(const std::vector<IdentityTable::Ended>& all,
                     const IdentityTable::Ended& session) const;
   bool may_go_on(const Pair& pair, const PairHandshake& handshake,
@@ -211,26 +211,6 @@ Status PkiDh::return_identity_handle(IdentityHandle identity) {
   return {};
 }
 
-/// Before anything is judged by the certificate in force.
-void PkiDh::renew_identities(IdentityHandle which) {
-  for (const auto& local : table_.locals(which)) {
-    auto& identity = *local.identity;
-    const auto us = our_name(identity.guid());
-    const auto renewed = identity.renew_identity(environment_.clock);
-    if (!renewed) environment_.events.raise(event_about(us, renewed.error()));
-    if (!renewed || !*renewed) continue;
-    const auto chain = identity.verify(environment_.clock.now());
-    if (!chain) continue;  // it has just ended, and `expire` says so
-    table_.note_renewed(local.handle, *chain);
-    environment_.events.raise(event_about(
-        us,
-        Error(Code::identity_renewed, {.document = identity.identity_path(),
-                                       .field = "notAfter",
-                                       .found = to_string(chain->not_after()),
-                                       .note = "serial number " + chain->certificate().serial()})));
-  }
-}
-
 /// True if our own end is not what ended the session: it would have its own event.
 bool PkiDh::has_outlived(const std::vector<IdentityTable::Ended>& all,
                          const IdentityTable::Ended& session) const {
@@ -241,7 +221,7 @@ bool PkiDh::has_outlived(const std::vector<IdentityTable::Ended>& all,
 
 std::vector<IdentityHandle> PkiDh::expire(IdentityHandle local) {
   drop_credentials_given_out();
-  renew_identities(local);
+  renew_identities(table_, local, stores_, environment_);
   const auto now = environment_.clock.now();
   const auto revocations = find_revocations(table_, local, stores_, environment_);
   const auto all = table_.ended_by(now, local);

@@ -167,6 +167,25 @@ void IdentityTable::drop_handshakes(const Pair& pair) {
   handshakes_of_.erase(handles);
 }
 
+void IdentityTable::set_end_of(std::int64_t handle, Remote& remote, const Proofs& proofs) {
+  const bool ends_with_ours =
+      !remote.keeps_session && proofs.own.not_after() < proofs.peer.not_after();
+  const auto& first = ends_with_ours ? proofs.own : proofs.peer;
+  set_end(handle, remote, first.not_after(), first.first_to_expire());
+  remote.ends_with_ours = ends_with_ours;
+}
+
+void IdentityTable::note_verified_again(spi::IdentityHandle handle, const Proofs& proofs) {
+  const std::unique_lock lock(mutex_);
+  const auto found = remotes_.find(handle.value);
+  if (found == remotes_.end() || found->second.has_ended) return;
+  auto& remote = found->second;
+  // The peer may have authenticated anew meanwhile, with another certificate.
+  if (remote.authenticated == proofs.peer.certificate() &&
+      remote.own_seen == proofs.own.certificate())
+    set_end_of(handle.value, remote, proofs);
+}
+
 Status IdentityTable::note_authenticated(spi::IdentityHandle handle, const Proofs& proofs) {
   const auto& [chain, own, peer_keeps_session] = proofs;
   const std::unique_lock lock(mutex_);
@@ -178,12 +197,11 @@ Status IdentityTable::note_authenticated(spi::IdentityHandle handle, const Proof
     DDSSEC_RETURN_IF_ERROR(counts.check_authenticated(remote.pair->remote_guid, remote_limits_));
   auto subject = chain.certificate().subject();
   auto certificate = chain.certificate();
-  const bool ends_with_ours = !peer_keeps_session && own.not_after() < chain.not_after();
-  const auto& first = ends_with_ours ? own : chain;
-  set_end(handle.value, remote, first.not_after(), first.first_to_expire());
-  remote.ends_with_ours = ends_with_ours;
+  remote.keeps_session = peer_keeps_session;
+  set_end_of(handle.value, remote, proofs);
   if (!remote.authenticated) counts.authenticate(remote.pair->remote_guid, subject);
   remote.authenticated = std::move(certificate);
+  remote.own_seen = own.certificate();
   remote.claim.subject = std::move(subject);
   return {};
 }
@@ -286,7 +304,7 @@ std::vector<IdentityTable::Authenticated> IdentityTable::authenticated_with(
   if (local == locals_.end()) return peers;
   for (const auto& [guid, value] : local->second.remotes)
     if (const auto& remote = remotes_.at(value); remote.authenticated && !remote.has_ended)
-      peers.push_back({{value}, remote.name(), *remote.authenticated});
+      peers.push_back({{value}, remote.name(), *remote.authenticated, *remote.own_seen});
   return peers;
 }
 

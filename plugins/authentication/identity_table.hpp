@@ -99,13 +99,15 @@ class IdentityTable {
 
   struct Proofs {
     const pki::ChainValid& peer;
-    const pki::ChainValid& own;  ///< of the certificate that the peer has seen
-    bool peer_keeps_session;     ///< after the end of that certificate
+    const pki::ChainValid& own;       ///< of the certificate that the peer has seen
+    bool peer_keeps_session = false;  ///< after the end of that certificate
   };
   /// The remote identity has authenticated: from now on it expires with the certificate that ends
   /// first. With ours, because then the peer ends the session, unless it keeps it. Also success if
   /// it was removed meanwhile. Errors: too_many_remote_identities, too_many_identities_of_subject.
   Status note_authenticated(spi::IdentityHandle remote, const Proofs& proofs);
+  /// The same certificates have been verified by other CAs, which may end earlier or later.
+  void note_verified_again(spi::IdentityHandle remote, const Proofs& proofs);
 
   /// Removes an identity; a local one with its remote ones. False if there is no such identity.
   bool remove(spi::IdentityHandle handle);
@@ -138,6 +140,7 @@ class IdentityTable {
     spi::IdentityHandle handle;
     PeerName name;
     pki::Certificate certificate;
+    pki::Certificate own;  ///< that the peer has seen
   };
   /// The remote identities of a local one that have authenticated and have not expired.
   std::vector<Authenticated> authenticated_with(spi::IdentityHandle local) const;
@@ -172,7 +175,9 @@ class IdentityTable {
     RemoteClaim claim;
     /// The certificate with which it authenticated.
     std::optional<pki::Certificate> authenticated = {};
+    std::optional<pki::Certificate> own_seen = {};  ///< ours, with which it did
     std::shared_ptr<Pair> pair;
+    bool keeps_session = false;  ///< after the end of ours
     bool ends_with_ours = false;
     PeerName name() const;
   };
@@ -182,6 +187,7 @@ class IdentityTable {
   static std::int64_t next_handle();
   Status renew_claim(spi::IdentityHandle remote, RemoteClaim claim);
   void forget(Remotes::iterator remote);
+  void set_end_of(std::int64_t handle, Remote& remote, const Proofs& proofs);
   void set_end(std::int64_t handle, Common& identity, WallTime end, std::string whose);
   void drop_end(std::int64_t handle, const Common& identity);
   void drop_handshakes(const Pair& pair);

@@ -84,36 +84,47 @@ Result<std::optional<IdentityWatch::Found>> IdentityWatch::look(std::chrono::nan
     key_.look_again();
   });
   Sha256Digest content{};
-  auto found = read(in_force, accept, content);
+  auto found = judge(in_force, accept, content);
   if (found) {
     refusals_.clear();
     again.release();
     return found;
   }
   if (!refusals_.is_due(found.error().code(), content)) return std::nullopt;
-  return std::unexpected(spi::renewal_refused(Code::identity_renewal_refused, found.error(),
-                                              path_of(found.error()),
-                                              "the certificate read before stays in force"));
+  return std::unexpected(renewal_refused(Code::identity_renewal_refused, found.error(),
+                                         path_of(found.error()),
+                                         "the certificate read before stays in force"));
 }
 
-Result<std::optional<IdentityWatch::Found>> IdentityWatch::read(const Found& in_force,
-                                                                const Accept& accept,
-                                                                Sha256Digest& content) const {
+Result<pki::PrivateKey> IdentityWatch::key(const Found& in_force) const {
+  if (key_path_.empty()) return in_force.key;
+  return load_key(uri_of(key_path_), passphrase_);
+}
+
+Result<IdentityWatch::Found> IdentityWatch::read(const Found& in_force) const {
+  if (path_.empty()) return in_force;
+  DDSSEC_ASSIGN_OR_RETURN(const Bytes octets, load_octets(uri_of(path_)));
+  DDSSEC_ASSIGN_OR_RETURN(auto certificate,
+                          in(pki::Certificate::from_pem(octets), property::kIdentityCertificate));
+  DDSSEC_ASSIGN_OR_RETURN(auto own_key, key(in_force));
+  return Found{std::move(certificate), std::move(own_key)};
+}
+
+Result<std::optional<IdentityWatch::Found>> IdentityWatch::judge(const Found& in_force,
+                                                                 const Accept& accept,
+                                                                 Sha256Digest& content) const {
   DDSSEC_ASSIGN_OR_RETURN(const Bytes octets, load_octets(uri_of(path_)));
   content = sha256(octets);
   DDSSEC_ASSIGN_OR_RETURN(auto certificate,
                           in(pki::Certificate::from_pem(octets), property::kIdentityCertificate));
   if (certificate == in_force.certificate && key_path_.empty()) return std::nullopt;
-  auto key = in_force.key;
-  if (!key_path_.empty()) {
-    DDSSEC_ASSIGN_OR_RETURN(key, load_key(uri_of(key_path_), passphrase_));
-  }
+  DDSSEC_ASSIGN_OR_RETURN(auto own_key, key(in_force));
   if (certificate == in_force.certificate) {
     // The key of a certificate that has not come yet, or the old one in another form.
-    DDSSEC_RETURN_IF_ERROR(in(key.matches(certificate), property::kPrivateKey));
+    DDSSEC_RETURN_IF_ERROR(in(own_key.matches(certificate), property::kPrivateKey));
     return std::nullopt;
   }
-  Found found{std::move(certificate), std::move(key)};
+  Found found{std::move(certificate), std::move(own_key)};
   DDSSEC_RETURN_IF_ERROR(accept(found));
   return found;
 }

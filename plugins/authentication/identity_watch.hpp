@@ -8,8 +8,8 @@
 #include <string>
 
 #include "base/file_watch.hpp"
+#include "base/renewal_refusals.hpp"
 #include "pki/private_key.hpp"
-#include "plugins/spi/renewal_refusals.hpp"
 #include "plugins/spi/token.hpp"
 
 namespace ddssec::authentication {
@@ -44,13 +44,17 @@ class IdentityWatch {
   Result<std::optional<Found>> look(std::chrono::nanoseconds now, const Found& in_force,
                                     const Accept& accept);
 
+  /// The files as they are now, whether they have changed or not. Errors: those of pki.
+  Result<Found> read(const Found& in_force) const;
+
   /// The path of the certificate; empty if it is no file.
   const std::string& path() const { return path_; }
 
  private:
   IdentityWatch(std::string path, std::string key_path, std::chrono::seconds interval);
-  Result<std::optional<Found>> read(const Found& in_force, const Accept& accept,
-                                    Sha256Digest& content) const;
+  Result<std::optional<Found>> judge(const Found& in_force, const Accept& accept,
+                                     Sha256Digest& content) const;
+  Result<pki::PrivateKey> key(const Found& in_force) const;
   const std::string& path_of(const Error& error) const;
 
   std::string path_;
@@ -58,7 +62,7 @@ class IdentityWatch {
   OwnPassphrase passphrase_;
   FileWatch certificate_;
   FileWatch key_;
-  spi::RenewalRefusals refusals_;
+  RenewalRefusals refusals_;
 };
 
 }  // namespace ddssec::authentication

@@ -9,6 +9,7 @@
 #include "plugins/authentication/document_errors.hpp"
 #include "plugins/authentication/identity_token.hpp"
 #include "plugins/authentication/identity_watch.hpp"
+#include "plugins/spi/files_poll_interval.hpp"
 #include "plugins/spi/property_names.hpp"
 
 namespace ddssec::authentication {
@@ -103,6 +104,18 @@ Result<std::shared_ptr<const TrustStore>> load_peer_trust(
   return in(stores.open(std::move(anchors), {}), kName);
 }
 
+Result<pki::AuthorityWatch> watch_authorities(const spi::PropertyList& properties) {
+  constexpr auto kName = property::kIdentityCa;
+  DDSSEC_ASSIGN_OR_RETURN(const auto interval, spi::files_poll_interval(properties));
+  const auto uri = spi::property_value(properties, kName);
+  return pki::AuthorityWatch({.uri = std::string(uri),
+                              .name = file_named_by(uri).value_or(std::string(kName)),
+                              .most = 0,
+                              .refused = Code::identity_ca_renewal_refused,
+                              .stays = "the CAs read before stay in force"},
+                             interval);
+}
+
 Status check_belongs(const pki::PrivateKey& key, const pki::Certificate& certificate) {
   return in(key.matches(certificate), property::kPrivateKey);
 }
@@ -113,6 +126,7 @@ Result<IdentityFiles> IdentityFiles::load(const spi::PropertyList& properties, T
                                           WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(auto warn_before_end, spi::warning_days(properties));
   DDSSEC_ASSIGN_OR_RETURN(auto watch, IdentityWatch::of(properties));
+  DDSSEC_ASSIGN_OR_RETURN(auto authorities, watch_authorities(properties));
   DDSSEC_ASSIGN_OR_RETURN(auto lists, RevocationLists::load(properties));
   constexpr auto kCa = property::kIdentityCa, kKey = property::kPrivateKey;
   constexpr auto kCertificate = property::kIdentityCertificate;
@@ -125,18 +139,23 @@ Result<IdentityFiles> IdentityFiles::load(const spi::PropertyList& properties, T
   DDSSEC_RETURN_IF_ERROR(locate(check_belongs(key, certificate), properties, {kKey, kCertificate}));
   DDSSEC_RETURN_IF_ERROR(
       locate(in(own->verify(certificate, now), kCertificate), properties, {kCertificate, kCa}));
-  return IdentityFiles{.certificate = std::move(certificate),
-                       .key = std::move(key),
-                       .watch = std::move(watch),
-                       .revocation_lists = std::move(lists),
-                       .own_trust = std::move(own),
-                       .peer_trust = std::move(peers),
-                       .warn_before_end = std::move(warn_before_end)};
+  return IdentityFiles{
+      .certificate = std::move(certificate),
+      .key = std::move(key),
+      .watch = std::move(watch),
+      .authorities = std::move(authorities),
+      .revocation_lists = std::move(lists),
+      .own_trust = std::move(own),
+      .peer_trust = std::move(peers),
+      .has_trusted_folder = !spi::property_value(properties, property::kTrustedCaDir).empty(),
+      .warn_before_end = std::move(warn_before_end)};
 }
 
 LocalIdentity::LocalIdentity(IdentityFiles files, const Guid& candidate)
     : guid_(adjusted_guid(files.certificate.subject_digest(), candidate)),
+      has_trusted_folder_(files.has_trusted_folder),
       watch_(std::move(files.watch)),
+      authorities_(std::move(files.authorities)),
       revocation_lists_(std::move(files.revocation_lists)),
       certificate_warning_(files.warn_before_end),
       list_warning_(files.warn_before_end),
@@ -149,7 +168,8 @@ spi::Token LocalIdentity::identity_token(spi::CipherMask ciphers) const {
   const auto trust = own_trust();
   const auto own = certificate();
   const auto& anchors = trust->anchors();
-  const auto issuer = std::ranges::find(anchors, own.issuer(), &pki::Certificate::subject);
+  const auto issuer =
+      std::ranges::find_if(anchors, [&](const auto& ca) { return own.is_issued_by(ca); });
   return write_identity_token(own, issuer == anchors.end() ? anchors.front() : *issuer, ciphers);
 }
 
@@ -207,7 +227,7 @@ Result<bool> LocalIdentity::renew_revocation_lists(TrustStores& stores, const Cl
 /// A new store does not remember which peers the former one trusted.
 Status LocalIdentity::adopt(const std::vector<pki::Crl>& lists, TrustStores& stores, WallTime now) {
   const auto former = own_trust();
-  if (peer_trust() != former) return fail(Code::trusted_ca_dir_with_crl);
+  if (has_trusted_folder_) return fail(Code::trusted_ca_dir_with_crl);
   DDSSEC_RETURN_IF_ERROR(
       check_renewal(lists, revocation_lists_.in_force(), former->anchors(), now));
   DDSSEC_ASSIGN_OR_RETURN(auto renewed, stores.open(former->anchors(), lists));
@@ -219,9 +239,10 @@ Status LocalIdentity::adopt(const std::vector<pki::Crl>& lists, TrustStores& sto
   return {};
 }
 
-std::optional<std::uint64_t> LocalIdentity::unapplied_renewal() const {
+std::optional<LocalIdentity::Unapplied> LocalIdentity::unapplied_renewal() const {
   const std::scoped_lock lock(mutex_);
-  return renewals_ > applied_renewals_ ? std::optional(renewals_) : std::nullopt;
+  if (renewals_ <= applied_renewals_) return std::nullopt;
+  return Unapplied{renewals_, authorities_renewal_ > applied_renewals_};
 }
 
 void LocalIdentity::note_applied(std::uint64_t renewal) {
@@ -261,7 +282,8 @@ std::shared_ptr<const Presented> LocalIdentity::presented() const {
 /// The subject is what the GUID, the permissions and the peers' counts go by; the identity token
 /// that discovery announces names the algorithm. An older certificate would end sooner, or bring
 /// back a key that was replaced for a reason.
-Status LocalIdentity::check_renewed(const IdentityWatch::Found& found, WallTime now) const {
+Status LocalIdentity::check_renewed(const IdentityWatch::Found& found, const TrustStore& trust,
+                                    WallTime now) const {
   const auto former = certificate();
   const auto& renewed = found.certificate;
   const auto differs = [](std::string_view field, std::string expected, std::string is) {
@@ -283,7 +305,7 @@ Status LocalIdentity::check_renewed(const IdentityWatch::Found& found, WallTime 
     return differs("notAfter", to_string(former.not_after()) + " or later",
                    to_string(renewed.not_after()));
   DDSSEC_RETURN_IF_ERROR(check_belongs(found.key, renewed));
-  DDSSEC_RETURN_IF_ERROR(verify(renewed, now));
+  DDSSEC_RETURN_IF_ERROR(in(trust.verify(renewed, now), property::kIdentityCertificate));
   return {};
 }
 
@@ -293,13 +315,83 @@ Result<bool> LocalIdentity::renew_identity(const Clock& clock) {
   DDSSEC_ASSIGN_OR_RETURN(const auto found,
                           watch_.look(clock.monotonic(), {former->certificate, former->key},
                                       [&](const IdentityWatch::Found& one) {
-                                        return check_renewed(one, clock.now());
+                                        return check_renewed(one, *own_trust(), clock.now());
                                       }));
   if (!found) return false;
   const std::scoped_lock presenting(mutex_);
   presented_ = std::make_shared<const Presented>(
       Presented{found->certificate, found->key, presented_->permissions});
   return true;
+}
+
+// ---- other certificate authorities
+
+/// As when the identity was loaded.
+Status LocalIdentity::check_in_trusted_folder(
+    const std::vector<pki::Certificate>& authorities) const {
+  if (!has_trusted_folder_) return {};
+  const auto folder = peer_trust();
+  for (const auto& ca : authorities)
+    if (std::ranges::find(folder->anchors(), ca) == folder->anchors().end())
+      return fail(Code::own_ca_not_trusted,
+                  {.document = std::string(property::kTrustedCaDir), .expected = ca.subject()});
+  return {};
+}
+
+/// mutex_ is held. A new store does not remember which peers the former one trusted.
+void LocalIdentity::trust(std::shared_ptr<const TrustStore> store) {
+  own_trust_ = std::move(store);
+  if (has_trusted_folder_) return;
+  peer_trust_ = own_trust_;
+  authorities_renewal_ = ++renewals_;
+}
+
+Result<LocalIdentity::AuthoritiesTaken> LocalIdentity::renew_authorities(TrustStores& stores,
+                                                                         const Clock& clock) {
+  const std::scoped_lock lock(renewal_mutex_);
+  AuthoritiesTaken taken;
+  const auto former = own_trust();
+  const auto take = [&](const std::vector<pki::Certificate>& next) -> Status {
+    DDSSEC_ASSIGN_OR_RETURN(taken.identity, take_authorities(next, stores, clock.now()));
+    return {};
+  };
+  DDSSEC_ASSIGN_OR_RETURN(taken.authorities,
+                          authorities_.look(clock.monotonic(), former->anchors(), take));
+  return taken;
+}
+
+/// True: with our certificate.
+Result<bool> LocalIdentity::take_authorities(const std::vector<pki::Certificate>& next,
+                                             TrustStores& stores, WallTime now) {
+  DDSSEC_RETURN_IF_ERROR(check_in_trusted_folder(next));
+  DDSSEC_ASSIGN_OR_RETURN(auto store, stores.open(next, revocation_lists_.in_force()));
+  const auto former = presented();
+  const auto own = in(store->verify(former->certificate, now), property::kIdentityCertificate);
+  if (own) {
+    const std::scoped_lock lock(mutex_);
+    trust(std::move(store));
+    return false;
+  }
+  // A CA that is replaced without overlap has issued our certificate anew.
+  const auto found = watch_.read({former->certificate, former->key});
+  if (!found || found->certificate == former->certificate) return std::unexpected(own.error());
+  DDSSEC_RETURN_IF_ERROR(take_together(next, *found, stores, now));
+  return true;
+}
+
+Status LocalIdentity::take_together(const std::vector<pki::Certificate>& next,
+                                    const IdentityWatch::Found& identity, TrustStores& stores,
+                                    WallTime now) {
+  DDSSEC_ASSIGN_OR_RETURN(auto lists, revocation_lists_.read());
+  DDSSEC_RETURN_IF_ERROR(check_renewal(lists.lists, revocation_lists_.in_force(), next, now));
+  DDSSEC_ASSIGN_OR_RETURN(auto store, stores.open(next, lists.lists));
+  DDSSEC_RETURN_IF_ERROR(check_renewed(identity, *store, now));
+  revocation_lists_.take(std::move(lists));
+  const std::scoped_lock lock(mutex_);
+  trust(std::move(store));
+  presented_ = std::make_shared<const Presented>(
+      Presented{identity.certificate, identity.key, presented_->permissions});
+  return {};
 }
 
 // ---- what is presented

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "base/ids.hpp"
+#include "pki/authority_watch.hpp"
 #include "pki/private_key.hpp"
 #include "plugins/authentication/credentials.hpp"
 #include "plugins/authentication/identity_watch.hpp"
@@ -21,10 +22,12 @@ namespace ddssec::authentication {
 struct IdentityFiles {
   pki::Certificate certificate;
   pki::PrivateKey key;
-  IdentityWatch watch;  ///< of the files of certificate and key
+  IdentityWatch watch;              ///< of the files of certificate and key
+  pki::AuthorityWatch authorities;  ///< of the file of identity_ca
   RevocationLists revocation_lists;
   std::shared_ptr<const TrustStore> own_trust;   ///< identity_ca, with the revocation lists
   std::shared_ptr<const TrustStore> peer_trust;  ///< the same, or the trusted_ca_dir
+  bool has_trusted_folder = false;
   spi::WarningDays warn_before_end;
 
   /// Loads identity_ca, identity_certificate, private_key (with password), and the optional
@@ -45,7 +48,7 @@ struct Presented {
   Bytes permissions;
 };
 
-/// Thread-safe; immutable but for what is presented and the revocation lists.
+/// Thread-safe; immutable but for what is presented and what is trusted.
 class LocalIdentity {
  public:
   LocalIdentity(IdentityFiles files, const Guid& candidate);
@@ -84,8 +87,26 @@ class LocalIdentity {
   /// The path of the certificate; empty if it is no file.
   const std::string& identity_path() const { return watch_.path(); }
 
-  /// How often lists came into force, if no peer was judged by the last ones yet.
-  std::optional<std::uint64_t> unapplied_renewal() const;
+  struct AuthoritiesTaken {
+    bool authorities = false;  ///< other identity CAs are in force
+    bool identity = false;     ///< and so is a certificate of one of them
+  };
+  /// Takes other identity CAs if their file holds any: from then on every check is made by them.
+  /// They must believe our own certificate: the one in force, or else the one that lies in its file
+  /// now. Then that certificate comes into force, and so do the revocation lists in their file.
+  /// Errors: those of AuthorityWatch::look.
+  Result<AuthoritiesTaken> renew_authorities(TrustStores& stores, const Clock& clock);
+  /// The path of the identity CAs; the property's name if it is no file.
+  const std::string& authorities_path() const { return authorities_.name(); }
+  /// Their subjects, for a person.
+  std::string authorities() const { return pki::describe(own_trust()->anchors()); }
+
+  /// What came into force and no peer was judged by yet.
+  struct Unapplied {
+    std::uint64_t renewal;  ///< how often lists or CAs came into force
+    bool authorities;       ///< CAs are among it
+  };
+  std::optional<Unapplied> unapplied_renewal() const;
   void note_applied(std::uint64_t renewal);
 
   /// From a PermissionsCredentialToken. Errors: permissions_credential_wrong, token_field_length.
@@ -105,13 +126,22 @@ class LocalIdentity {
 
   std::shared_ptr<const TrustStore> own_trust() const;
   Status adopt(const std::vector<pki::Crl>& lists, TrustStores& stores, WallTime now);
-  Status check_renewed(const IdentityWatch::Found& found, WallTime now) const;
+  Status check_renewed(const IdentityWatch::Found& found, const TrustStore& trust,
+                       WallTime now) const;
+  Status check_in_trusted_folder(const std::vector<pki::Certificate>& authorities) const;
+  Result<bool> take_authorities(const std::vector<pki::Certificate>& next, TrustStores& stores,
+                                WallTime now);
+  Status take_together(const std::vector<pki::Certificate>& next,
+                       const IdentityWatch::Found& identity, TrustStores& stores, WallTime now);
+  void trust(std::shared_ptr<const TrustStore> store);
 
   const Guid guid_;
+  const bool has_trusted_folder_;
   /// Guards watch, lists and warnings; before mutex_. Files are read under it: no handshake waits
   /// for it.
   mutable std::mutex renewal_mutex_;
   IdentityWatch watch_;
+  pki::AuthorityWatch authorities_;
   RevocationLists revocation_lists_;
   spi::EndWarning certificate_warning_;
   spi::EndWarning list_warning_;
@@ -119,6 +149,7 @@ class LocalIdentity {
   std::shared_ptr<const TrustStore> own_trust_;
   std::shared_ptr<const TrustStore> peer_trust_;
   std::uint64_t renewals_ = 0;
+  std::uint64_t authorities_renewal_ = 0;  ///< the last of `renewals_` that brought other CAs
   std::uint64_t applied_renewals_ = 0;
   std::shared_ptr<const Presented> presented_;
   mutable std::optional<KnownHash> known_hash_;

@@ -22,6 +22,41 @@ std::optional<Error> refusal(const pki::Certificate& certificate, const TrustSto
                               .note = "it is in use, and cut off"});
 }
 
+/// Whether the path ends at a CA that is trusted is decided before anything else about it: any
+/// other reason means that it does. Those ends have events of their own.
+bool is_about_time_or_lists(Code code) {
+  switch (code) {
+    case Code::certificate_expired:
+    case Code::certificate_not_yet_valid:
+    case Code::certificate_revoked:
+    case Code::crl_missing:
+    case Code::crl_expired:
+    case Code::crl_not_yet_valid:
+      return true;
+    default:
+      return false;
+  }
+}
+
+/// The reason why a peer must go after CAs have left the file: none that is left issued its
+/// certificate. For one that stays, the end of the session is found anew.
+std::optional<Error> withdrawal(IdentityTable& table, const IdentityTable::Authenticated& peer,
+                                const LocalIdentity& whose, WallTime now) {
+  const auto trust = whose.peer_trust();
+  const auto verdict = trust->verify(peer.certificate, now);
+  if (!verdict && is_about_time_or_lists(verdict.error().code())) return std::nullopt;
+  if (!verdict)
+    return Error(Code::identity_ca_withdrawn,
+                 {.document = whose.authorities_path(),
+                  .field = peer.certificate.subject(),
+                  .expected = "a certificate of " + whose.authorities(),
+                  .found = "issuer " + peer.certificate.issuer(),
+                  .note = "serial number " + peer.certificate.serial()});
+  if (const auto own = whose.verify(peer.own, now))
+    table.note_verified_again(peer.handle, {*verdict, *own});
+  return std::nullopt;
+}
+
 void look_at_lists(const OurOwn& local, TrustStores& stores, const Environment& environment) {
   const auto renewed = local.identity->renew_revocation_lists(stores, environment.clock);
   const auto us = our_name(local.identity->guid());
@@ -32,28 +67,32 @@ void look_at_lists(const OurOwn& local, TrustStores& stores, const Environment& 
                                                 .found = local.identity->revocation_lists()})));
 }
 
-void judge(const IdentityTable& table, const OurOwn& local, WallTime now, Revocations& out) {
+void judge(IdentityTable& table, const OurOwn& local, bool by_other_authorities, WallTime now,
+           Revocations& out) {
   // Waits for handshake steps that began under the former lists, so that no peer authenticates
   // under them after the judgement.
   for (const auto& pair : table.pairs_of(local.handle)) const std::scoped_lock wait(pair->mutex);
   const auto trust = local.identity->peer_trust();
   if (auto reason = refusal(local.identity->certificate(), *trust, *local.identity, now))
     out.identities.push_back({local.handle, our_name(local.identity->guid()), *std::move(reason)});
-  for (auto& peer : table.authenticated_with(local.handle))
-    if (auto reason = refusal(peer.certificate, *trust, *local.identity, now))
-      out.identities.push_back({peer.handle, std::move(peer.name), *std::move(reason)});
+  for (auto& peer : table.authenticated_with(local.handle)) {
+    std::optional<Error> reason;
+    if (by_other_authorities) reason = withdrawal(table, peer, *local.identity, now);
+    if (!reason) reason = refusal(peer.certificate, *trust, *local.identity, now);
+    if (reason) out.identities.push_back({peer.handle, std::move(peer.name), *std::move(reason)});
+  }
 }
 
 }  // namespace
 
-Revocations find_revocations(const IdentityTable& table, spi::IdentityHandle which,
-                             TrustStores& stores, const Environment& environment) {
+Revocations find_revocations(IdentityTable& table, spi::IdentityHandle which, TrustStores& stores,
+                             const Environment& environment) {
   Revocations out;
   for (const auto& local : table.locals(which)) {
     look_at_lists(local, stores, environment);
-    if (const auto renewal = local.identity->unapplied_renewal()) {
-      judge(table, local, environment.clock.now(), out);
-      out.judgements.push_back({local.identity, *renewal});
+    if (const auto unapplied = local.identity->unapplied_renewal()) {
+      judge(table, local, unapplied->authorities, environment.clock.now(), out);
+      out.judgements.push_back({local.identity, unapplied->renewal});
     }
   }
   return out;

@@ -1,4 +1,5 @@
-// Revokes identities that are named by a revocation list which arrived while participants run.
+// Ends identities that a revocation list names which arrived while participants run, and peers
+// whose CA has left the CA file.
 #pragma once
 
 #include <memory>
@@ -23,8 +24,8 @@ struct Revocations {
 
 /// Checks the revocation lists of one local identity, or of all (nil). Raises an event for each
 /// file with newer lists, or with lists that cannot be used. Judges authenticated peers by new
-/// lists. Does not mark any identity.
-Revocations find_revocations(const IdentityTable& table, spi::IdentityHandle local,
-                             TrustStores& stores, const Environment& environment);
+/// lists, and by CAs that renew_identities has taken. Does not mark any identity.
+Revocations find_revocations(IdentityTable& table, spi::IdentityHandle local, TrustStores& stores,
+                             const Environment& environment);
 
 }  // namespace ddssec::authentication

@@ -79,8 +79,9 @@ Status check_replaced(const pki::Crl& held, const std::vector<pki::Crl>& lists,
 Status check_renewal(const std::vector<pki::Crl>& lists, const std::vector<pki::Crl>& former,
                      const std::vector<pki::Certificate>& anchors, WallTime now) {
   for (const auto& crl : lists) DDSSEC_RETURN_IF_ERROR(check_signed(crl, anchors, now));
+  // Of a CA that has been replaced by one of the same name the list has no effect any more.
   for (const auto& held : former)
-    if (std::ranges::any_of(anchors, [&](const auto& ca) { return held.is_named_after(ca); }))
+    if (std::ranges::any_of(anchors, [&](const auto& ca) { return held.is_signed_by(ca); }))
       DDSSEC_RETURN_IF_ERROR(check_replaced(held, lists, anchors, now));
   return {};
 }
@@ -179,7 +180,7 @@ Result<bool> RevocationLists::look_at(Place& place, const Accept& accept) {
   const auto content = octets ? sha256(*octets) : Sha256Digest{};
   Result<bool> taken = false;
   if (!octets && !not_yet) taken = std::unexpected(octets.error());
-  if (octets && content != place.content) taken = take(*octets, place.uri, accept);
+  if (octets && content != place.content) taken = judge(*octets, place.uri, accept);
   if (!taken) return refuse(place, taken.error(), content);
   if (*taken) place.content = content;
   place.was_refused = false;
@@ -188,7 +189,28 @@ Result<bool> RevocationLists::look_at(Place& place, const Accept& accept) {
   return taken;
 }
 
-Result<bool> RevocationLists::take(BytesView octets, const std::string& uri, const Accept& accept) {
+Result<RevocationLists::Present> RevocationLists::read() const {
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    const auto& place = places_[i];
+    const auto octets = ddssec::load(place.uri, place.path, pki::kMostDocumentOctets);
+    if (!octets && lists_.empty() && octets.error().code() == Code::file_not_found) continue;
+    if (!octets) return std::unexpected(octets.error());
+    DDSSEC_ASSIGN_OR_RETURN(auto lists, parse(*octets, place.uri));
+    return Present{std::move(lists), i, sha256(*octets)};
+  }
+  return Present{lists_};
+}
+
+void RevocationLists::take(Present present) {
+  lists_ = std::move(present.lists);
+  if (!present.place) return;
+  auto& place = places_[*present.place];
+  place.content = present.content;
+  keep_only(place);
+}
+
+Result<bool> RevocationLists::judge(BytesView octets, const std::string& uri,
+                                    const Accept& accept) {
   DDSSEC_ASSIGN_OR_RETURN(auto lists, parse(octets, uri));
   DDSSEC_RETURN_IF_ERROR(accept(lists));
   lists_ = std::move(lists);

@@ -52,6 +52,18 @@ class RevocationLists {
   /// Crl::all_from and `accept`, crl_file_empty.
   Result<bool> look(std::chrono::nanoseconds now, const Accept& accept);
 
+  /// What a file holds now.
+  struct Present {
+    std::vector<pki::Crl> lists;
+    std::optional<std::size_t> place = {};  ///< empty: there is no file, `lists` are in force
+    Sha256Digest content = {};
+  };
+  /// The lists as they are now, whether they have changed or not. For a caller that takes them
+  /// together with CAs. Errors: those of ddssec::load and Crl::all_from, crl_file_empty.
+  Result<Present> read() const;
+  /// They are in force from now on.
+  void take(Present present);
+
  private:
   struct Refusal {
     Code code;
@@ -74,7 +86,7 @@ class RevocationLists {
   Status read_first(Place& place, std::string_view name, bool may_come_later);
   void keep_only(Place& place);
   Result<bool> look_at(Place& place, const Accept& accept);
-  Result<bool> take(BytesView octets, const std::string& uri, const Accept& accept);
+  Result<bool> judge(BytesView octets, const std::string& uri, const Accept& accept);
   Result<bool> refuse(Place& place, const Error& error, const Sha256Digest& content);
 
   std::chrono::seconds interval_{0};

@@ -147,9 +147,10 @@ class AccessControl {
 
   /// When the next grant in use ends, or the certificate that signed it; empty if none does.
   virtual std::optional<WallTime> next_expiry() = 0;
-  /// First takes renewed permissions of local participants from the file that their properties
-  /// name, if it has changed; no other call reads files later on. Then
-  /// raises the events for permissions that ended, and returns their handles, each once. The host
+  /// First takes other permissions CAs, a changed governance and renewed permissions of local
+  /// participants from the files that their properties name, if they have changed; no other call
+  /// reads files later on. Then raises the events for permissions that ended or whose CA has left
+  /// the file, and returns their handles, each once. The host
   /// then revokes them. As with Authentication::expire, a local participant's handle is followed by
   /// those of its peers. Excepted are peers for whose remote identity another local participant has
   /// permissions too: a host that gives all its participants one remote identity (Cyclone DDS) can

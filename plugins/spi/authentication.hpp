@@ -35,9 +35,8 @@ inline bool refusal_passes(Code code) {
 /// Nothing that happens to one pair affects another. Only verified documents are shared.
 ///
 /// Thread-safe. A call reads files in only two cases: validate_local_identity reads the configured
-/// files, and `expire` reads those of them that have changed: a revocation list, the certificate
-/// and its key. No call does other I/O, waits, or
-/// calls back into the host. The host is responsible for retransmission: it sends the same token
+/// files, and `expire` reads those of them that have changed: a revocation list, the identity
+/// CAs, the certificate and its key. No call does other I/O, waits, or calls back into the host. The host is responsible for retransmission: it sends the same token
 /// again. A refused message changes nothing: an honest message still succeeds afterwards.
 ///
 /// Unless noted otherwise, a function that takes an identity handle fails with unknown_identity
@@ -151,7 +150,8 @@ class Authentication {
   /// time, and once a second in any case: the clock may be set, or a certificate revoked or
   /// renewed.
   virtual std::optional<WallTime> next_expiry() = 0;
-  /// First takes a renewed certificate of a local identity: handshakes that begin later present it.
+  /// First takes other identity CAs of a local identity, and a renewed certificate: handshakes that
+  /// begin later go by them. A peer whose CA has left the file is revoked.
   /// Raises the events for identities that expired or were revoked, and returns their handles, each
   /// once. A remote identity expires also with the local certificate that it has seen, because the
   /// peer then ends the session; after a renewal both sides authenticate again. The host then

@@ -72,6 +72,22 @@ TEST(Chain, AnotherCaOfTheSameName_IsToldByItsKey) {
       << proof.error().to_sentence();
 }
 
+// A certificate of version 1 has no extension that would name the CA's key.
+TEST(Chain, TwoCasOfOneName_AreToldApartByTheSignature) {
+  const auto first = make_ca("CN=Root");
+  const auto second = make_ca("CN=Root");
+  const auto third = make_ca("CN=Root");
+  const auto verifier = make_verifier({first.certificate(), second.certificate()});
+  for (const auto* ca : {&first, &second}) {
+    EXPECT_TRUE(verifier.verify(make_leaf(*ca).certificate, kNow));
+    const auto proof = verifier.verify(as_version_1(make_leaf(*ca).certificate, ca->key()), kNow);
+    EXPECT_TRUE(proof) << proof.error().to_sentence();
+  }
+  EXPECT_CODE(verifier.verify(make_leaf(third).certificate, kNow), issuer_unknown);
+  EXPECT_CODE(verifier.verify(as_version_1(make_leaf(third).certificate, third.key()), kNow),
+              issuer_unknown);
+}
+
 TEST(Chain, AForgedSignatureIsRefused) {
   const auto ca = make_ca();
   auto der = to_bytes(make_leaf(ca).certificate.der());

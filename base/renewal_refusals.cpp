@@ -1,6 +1,6 @@
-#include "plugins/spi/renewal_refusals.hpp"
+#include "base/renewal_refusals.hpp"
 
-namespace ddssec::spi {
+namespace ddssec {
 
 Error renewal_refused(Code code, const Error& why, const std::string& path,
                       std::string_view stays) {
@@ -18,4 +18,4 @@ Error renewal_refused(Code code, const Error& why, const std::string& path,
   return {code, std::move(details)};
 }
 
-}  // namespace ddssec::spi
+}  // namespace ddssec

@@ -9,7 +9,7 @@
 #include "base/hash.hpp"
 #include "base/result.hpp"
 
-namespace ddssec::spi {
+namespace ddssec {
 
 /// A file is reported if it was wrong at two looks in a row, so not if it is just being written;
 /// and once, as long as it stays the same. Not thread-safe.
@@ -37,4 +37,4 @@ class RenewalRefusals {
 /// in force.
 Error renewal_refused(Code code, const Error& why, const std::string& path, std::string_view stays);
 
-}  // namespace ddssec::spi
+}  // namespace ddssec

@@ -1,0 +1,32 @@
+#include "base/document_watch.hpp"
+
+#include "base/rollback.hpp"
+#include "base/source.hpp"
+
+namespace ddssec {
+
+DocumentWatch::DocumentWatch(What what, std::chrono::seconds interval)
+    : what_(std::move(what)), watch_(what_.uri, interval) {}
+
+Result<Bytes> DocumentWatch::read() const { return load(what_.uri, what_.name, what_.most); }
+
+Result<bool> DocumentWatch::look(std::chrono::nanoseconds now, const Take& take) {
+  if (!watch_.may_have_changed(now)) return false;
+  Rollback again([&] { watch_.look_again(); });
+  const auto file = read();
+  const auto content = file ? sha256(*file) : Sha256Digest{};
+  Status status;
+  if (!file) status = std::unexpected(file.error());
+  const bool is_other = file && content != content_;
+  if (is_other) status = take(*file);
+  if (status) {
+    if (is_other) content_ = content;
+    refusals_.clear();
+    again.release();
+    return is_other;
+  }
+  if (!refusals_.is_due(status.error().code(), content)) return false;
+  return std::unexpected(renewal_refused(what_.refused, status.error(), what_.name, what_.stays));
+}
+
+}  // namespace ddssec

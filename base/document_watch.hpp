@@ -1,0 +1,52 @@
+// A file with a document of a local participant, which may be replaced while the participant runs.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <string>
+#include <string_view>
+
+#include "base/file_watch.hpp"
+#include "base/renewal_refusals.hpp"
+
+namespace ddssec {
+
+/// Not thread-safe.
+class DocumentWatch {
+ public:
+  /// What is watched, and what an event about it says.
+  struct What {
+    std::string uri;
+    std::string name;        ///< of the file, or of the property if the document stands there
+    std::size_t most;        ///< octets that are read
+    Code refused;            ///< the event's code
+    std::string_view stays;  ///< what is still in force then
+  };
+
+  /// Before the file is read for the first time.
+  DocumentWatch(What what, std::chrono::seconds interval);
+
+  /// The octets that are in force were read.
+  void note_read(BytesView file) { content_ = sha256(file); }
+
+  /// Judges a document that would take the place of the one in force, and uses it if it is good.
+  using Take = std::function<Status(BytesView)>;
+  /// Reads the file if it may have changed. True: another document is in force. `now`:
+  /// Clock::monotonic. Error, once as long as the file stays the same, and only if it was wrong at
+  /// two looks in a row: What::refused, with what is wrong.
+  Result<bool> look(std::chrono::nanoseconds now, const Take& take);
+
+  /// The file as it is now, whether it has changed or not. For a caller that takes it together with
+  /// another one, and then calls note_read. Errors: those of ddssec::load.
+  Result<Bytes> read() const;
+
+  const std::string& name() const { return what_.name; }
+
+ private:
+  What what_;
+  FileWatch watch_;
+  Sha256Digest content_{};
+  RenewalRefusals refusals_;
+};
+
+}  // namespace ddssec

@@ -1,0 +1,105 @@
+#include "governance/live_change.hpp"
+
+#include <array>
+#include <string>
+
+namespace ddssec::governance {
+namespace {
+
+std::string shown(bool value) { return value ? "true" : "false"; }
+std::string shown(ProtectionKind kind) { return std::string(to_string(kind)); }
+
+std::string shown(const std::vector<Text>& names) {
+  std::string out;
+  for (const auto& name : names) out += (out.empty() ? "" : ", ") + name.text;
+  return out.empty() ? "not limited" : out;
+}
+
+Status differs(std::string_view element, std::string former, std::string next, int line) {
+  return fail(Code::governance_renewal_refused, {.line = line,
+                                                 .field = std::string(element),
+                                                 .expected = std::move(former),
+                                                 .found = std::move(next)});
+}
+
+template <class Rule, class Value>
+Status check_same(std::string_view element, const Rule& former, const Rule& next,
+                  Value Rule::*value) {
+  if (former.*value == next.*value) return {};
+  return differs(element, shown(former.*value), shown(next.*value), next.line);
+}
+
+Status check_algorithms(const DomainRule& former, const DomainRule& next) {
+  using Names = std::vector<Text> AllowedAlgorithms::*;
+  constexpr std::array<std::pair<std::string_view, Names>, 4> kLists = {{
+      {"digital_signature", &AllowedAlgorithms::digital_signature},
+      {"digital_signature_identity_trust_chain",
+       &AllowedAlgorithms::digital_signature_identity_trust_chain},
+      {"key_establishment", &AllowedAlgorithms::key_establishment},
+      {"symmetric_cipher", &AllowedAlgorithms::symmetric_cipher},
+  }};
+  if (former.allowed_algorithms.has_value() != next.allowed_algorithms.has_value())
+    return differs("allowed_crypto_algorithms", shown(former.allowed_algorithms.has_value()),
+                   shown(next.allowed_algorithms.has_value()), next.line);
+  if (!former.allowed_algorithms) return {};
+  for (const auto& [element, list] : kLists)
+    DDSSEC_RETURN_IF_ERROR(
+        check_same(element, *former.allowed_algorithms, *next.allowed_algorithms, list));
+  return {};
+}
+
+Status check_domain(const DomainRule& former, const DomainRule& next) {
+  const auto check = [&](std::string_view element, auto value) {
+    return check_same(element, former, next, value);
+  };
+  DDSSEC_RETURN_IF_ERROR(
+      check("allow_unauthenticated_participants", &DomainRule::allow_unauthenticated_participants));
+  DDSSEC_RETURN_IF_ERROR(
+      check("enable_join_access_control", &DomainRule::enable_join_access_control));
+  DDSSEC_RETURN_IF_ERROR(check("enable_key_revision", &DomainRule::enable_key_revision));
+  DDSSEC_RETURN_IF_ERROR(
+      check("discovery_protection_kind", &DomainRule::discovery_protection_kind));
+  DDSSEC_RETURN_IF_ERROR(
+      check("liveliness_protection_kind", &DomainRule::liveliness_protection_kind));
+  DDSSEC_RETURN_IF_ERROR(check("rtps_protection_kind", &DomainRule::rtps_protection_kind));
+  DDSSEC_RETURN_IF_ERROR(check("rtps_psk_protection_kind", &DomainRule::rtps_psk_protection_kind));
+  return check_algorithms(former, next);
+}
+
+bool is_same(const TopicRule& a, const TopicRule& b) {
+  return a.topic_expression == b.topic_expression && protect_alike(a, b);
+}
+
+}  // namespace
+
+bool protect_alike(const TopicRule& a, const TopicRule& b) {
+  return a.enable_discovery_protection == b.enable_discovery_protection &&
+         a.enable_liveliness_protection == b.enable_liveliness_protection &&
+         a.enable_read_access_control == b.enable_read_access_control &&
+         a.enable_write_access_control == b.enable_write_access_control &&
+         a.metadata_protection_kind == b.metadata_protection_kind &&
+         a.data_protection_kind == b.data_protection_kind;
+}
+
+Result<AddedTopicRules> added_topic_rules(const DomainRule& former, const DomainRule& next) {
+  DDSSEC_RETURN_IF_ERROR(check_domain(former, next));
+  AddedTopicRules out;
+  auto awaited = former.topic_rules.begin();
+  for (const auto& rule : next.topic_rules) {
+    if (awaited != former.topic_rules.end() && is_same(*awaited, rule)) {
+      ++awaited;
+      continue;
+    }
+    out.are_last = out.are_last && awaited == former.topic_rules.end();
+    out.rules.push_back(&rule);
+  }
+  if (awaited == former.topic_rules.end()) return out;
+  return fail(Code::governance_renewal_refused,
+              {.line = next.line,
+               .field = "topic_rule",
+               .expected = "the rule for \"" + awaited->topic_expression +
+                           "\" with its values and at its place",
+               .found = "another rule or none"});
+}
+
+}  // namespace ddssec::governance

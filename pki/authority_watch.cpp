@@ -1,0 +1,43 @@
+#include "pki/authority_watch.hpp"
+
+#include <algorithm>
+
+#include "pki/source.hpp"
+
+namespace ddssec::pki {
+namespace {
+
+bool have_the_same(const AuthorityWatch::Authorities& a, const AuthorityWatch::Authorities& b) {
+  const auto is_in = [](const AuthorityWatch::Authorities& all) {
+    return [&](const Certificate& ca) { return std::ranges::find(all, ca) != all.end(); };
+  };
+  return std::ranges::all_of(a, is_in(b)) && std::ranges::all_of(b, is_in(a));
+}
+
+DocumentWatch::What of_bundle(DocumentWatch::What what) {
+  what.most = kMostBundleOctets;
+  return what;
+}
+
+}  // namespace
+
+AuthorityWatch::AuthorityWatch(DocumentWatch::What what, std::chrono::seconds interval)
+    : file_(of_bundle(std::move(what)), interval) {}
+
+Result<bool> AuthorityWatch::look(std::chrono::nanoseconds now, const Authorities& in_force,
+                                  const Take& take) {
+  bool is_other = false;
+  const auto judge = [&](BytesView file) -> Status {
+    DDSSEC_ASSIGN_OR_RETURN(const auto next, Certificate::bundle_from_pem(file));
+    if (have_the_same(next, in_force)) return {};
+    DDSSEC_RETURN_IF_ERROR(withdrawn_.check(in_force, next));
+    DDSSEC_RETURN_IF_ERROR(take(next));
+    withdrawn_.note(in_force, next);
+    is_other = true;
+    return {};
+  };
+  DDSSEC_RETURN_IF_ERROR(file_.look(now, judge));
+  return is_other;
+}
+
+}  // namespace ddssec::pki

@@ -1,0 +1,36 @@
+// A CA file of a local participant, which may be replaced while the participant runs.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "base/document_watch.hpp"
+#include "pki/withdrawn_authorities.hpp"
+
+namespace ddssec::pki {
+
+/// Not thread-safe.
+class AuthorityWatch {
+ public:
+  /// Before the file is read for the first time. `what.most` is set here.
+  AuthorityWatch(DocumentWatch::What what, std::chrono::seconds interval);
+
+  using Authorities = std::vector<Certificate>;
+  /// Judges CAs that would take the place of those in force, and uses them if they are good.
+  using Take = std::function<Status(const Authorities&)>;
+  /// Reads the file if it may have changed. True: other CAs are in force. A file with the same CAs
+  /// in another order is the same. Error as of DocumentWatch::look: what is wrong with the file,
+  /// what `take` refused, or ca_put_back.
+  Result<bool> look(std::chrono::nanoseconds now, const Authorities& in_force, const Take& take);
+
+  /// The path of the file, or the name of the property if it is none.
+  const std::string& name() const { return file_.name(); }
+
+ private:
+  DocumentWatch file_;
+  WithdrawnAuthorities withdrawn_;
+};
+
+}  // namespace ddssec::pki

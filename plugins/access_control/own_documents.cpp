@@ -1,0 +1,193 @@
+#include "plugins/access_control/own_documents.hpp"
+
+#include <algorithm>
+
+#include "governance/live_change.hpp"
+#include "pki/source.hpp"
+#include "plugins/access_control/allowed_algorithms.hpp"
+#include "plugins/access_control/loading.hpp"
+
+namespace ddssec::access_control {
+namespace {
+
+DocumentWatch::What what(const std::string& uri, const std::string& name, std::size_t most,
+                         Code refused, std::string_view stays) {
+  return {.uri = uri, .name = name, .most = most, .refused = refused, .stays = stays};
+}
+
+/// `octets` if they fit, else the file as it is now if that fits; else why `octets` do not.
+template <class Fits>
+Result<std::optional<Bytes>> one_that_fits(BytesView octets, const DocumentWatch& file,
+                                           Fits&& fits) {
+  const Status in_force = fits(octets);
+  if (in_force) return std::nullopt;
+  auto present = file.read();
+  if (!present || std::ranges::equal(*present, octets)) return std::unexpected(in_force.error());
+  DDSSEC_RETURN_IF_ERROR(fits(*present));
+  return std::move(*present);
+}
+
+}  // namespace
+
+struct OwnDocuments::Renewal {
+  PermissionsHolder& holder;
+  Participant& participant;
+  DocumentCache& documents;
+  const Clock& clock;
+};
+
+OwnDocuments::OwnDocuments(const DocumentPlaces& places, const Options& options,
+                           std::chrono::seconds interval)
+    : options_(options),
+      authorities_(what(places.permissions_ca, places.permissions_ca_name, 0,
+                        Code::permissions_ca_renewal_refused, "the CAs read before stay in force"),
+                   interval),
+      governance_(what(places.governance, places.governance_name, pki::kMostDocumentOctets,
+                       Code::governance_renewal_refused, "the document read before stays in force"),
+                  interval),
+      permissions_(
+          what(places.permissions, places.permissions_name, pki::kMostSentPermissionsOctets,
+               Code::permissions_renewal_refused, "the permissions read before stay in force"),
+          interval),
+      identity_authorities_(what(places.identity_ca, places.identity_ca, pki::kMostBundleOctets,
+                                 Code::identity_ca_renewal_refused, ""),
+                            interval) {}
+
+void OwnDocuments::note_read(Bytes governance, BytesView permissions) {
+  governance_.note_read(governance);
+  permissions_.note_read(permissions);
+  governance_in_force_ = std::move(governance);
+}
+
+std::vector<Error> OwnDocuments::renew(PermissionsHolder& holder, Participant& participant,
+                                       DocumentCache& documents, const Clock& clock) {
+  const Renewal now{holder, participant, documents, clock};
+  std::vector<Error> events;
+  const auto renewals = holder.renewals();
+  // The CAs come first: a renewed document may be signed by a new one.
+  renew_identity_authorities(now);
+  renew_authorities(now, events);
+  renew_governance(now, events);
+  renew_permissions(now, events);
+  if (holder.renewals() == renewals) return events;
+  const auto end = holder.ends();
+  events.emplace_back(Code::permissions_renewed,
+                      ErrorDetails{.document = permissions_.name(),
+                                   .field = "not_after",
+                                   .found = end ? to_string(*end) : std::string()});
+  return events;
+}
+
+// ---- certificate authorities
+
+void OwnDocuments::renew_authorities(const Renewal& now, std::vector<Error>& events) {
+  const auto basis = now.participant.basis();
+  const auto taken = authorities_.look(
+      now.clock.monotonic(), basis->ca->verifier().permissions_cas(),
+      [&](const std::vector<pki::Certificate>& next) { return take_authorities(now, next); });
+  if (!taken) events.push_back(taken.error());
+  if (!taken || !*taken) return;
+  const auto& in_force = now.participant.basis()->ca->verifier().permissions_cas();
+  events.emplace_back(Code::permissions_ca_renewed, ErrorDetails{.document = authorities_.name(),
+                                                                 .found = pki::describe(in_force)});
+}
+
+Status OwnDocuments::take_authorities(const Renewal& now,
+                                      const std::vector<pki::Certificate>& next) {
+  auto basis = *now.participant.basis();
+  DDSSEC_ASSIGN_OR_RETURN(basis.ca, PermissionsCa::of(next));
+  if (const auto* const allowed = basis.allowed_algorithms())
+    for (const auto& ca : next) DDSSEC_RETURN_IF_ERROR(check_authority(*allowed, ca));
+  const auto time = now.clock.now();
+  const auto fits_governance = [&](BytesView file) -> Status {
+    DDSSEC_ASSIGN_OR_RETURN(basis, judge_governance(now, basis, file));
+    return {};
+  };
+  DDSSEC_ASSIGN_OR_RETURN(auto governance,
+                          one_that_fits(governance_in_force_, governance_, fits_governance));
+  const auto fits_permissions = [&](BytesView file) -> Status {
+    DDSSEC_RETURN_IF_ERROR(now.documents.permissions(*basis.ca, file, time));
+    return {};
+  };
+  const auto text = now.holder.text();
+  DDSSEC_ASSIGN_OR_RETURN(const auto permissions,
+                          one_that_fits(as_bytes(text), permissions_, fits_permissions));
+  if (permissions) {
+    DDSSEC_ASSIGN_OR_RETURN(auto document,
+                            now.documents.permissions(*basis.ca, *permissions, time));
+    DDSSEC_RETURN_IF_ERROR(now.holder.take(std::move(document), *permissions, time));
+    permissions_.note_read(*permissions);
+  }
+  DDSSEC_RETURN_IF_ERROR(now.participant.set_basis(std::move(basis)));
+  if (!governance) return {};
+  governance_.note_read(*governance);
+  governance_in_force_ = *std::move(governance);
+  return {};
+}
+
+// Those that were there before stay: they only tell which algorithm a CA has that authentication
+// trusts.
+void OwnDocuments::renew_identity_authorities(const Renewal& now) {
+  auto basis = *now.participant.basis();
+  if (basis.allowed_algorithms() == nullptr) return;
+  const auto ignored =
+      identity_authorities_.look(now.clock.monotonic(), [&](BytesView file) -> Status {
+        DDSSEC_ASSIGN_OR_RETURN(auto all, pki::Certificate::bundle_from_pem(file));
+        for (const auto& ca : basis.identity_authorities)
+          if (all.size() < pki::kMostCertificatesInBundle &&
+              std::ranges::find(all, ca) == all.end())
+            all.push_back(ca);
+        basis.identity_authorities = std::move(all);
+        return now.participant.set_basis(std::move(basis));
+      });
+  static_cast<void>(ignored);
+}
+
+// ---- governance
+
+Result<Basis> OwnDocuments::judge_governance(const Renewal& now, const Basis& basis,
+                                             BytesView file) const {
+  auto next = basis;
+  DDSSEC_ASSIGN_OR_RETURN(
+      next.governance,
+      compile_governance({*basis.ca, now.participant, options_}, file, now.clock.now()));
+  DDSSEC_RETURN_IF_ERROR(now.participant.check_governance(*next.governance));
+  return next;
+}
+
+void OwnDocuments::renew_governance(const Renewal& now, std::vector<Error>& events) {
+  const auto former = now.participant.basis();
+  const auto taken = governance_.look(now.clock.monotonic(), [&](BytesView file) -> Status {
+    DDSSEC_ASSIGN_OR_RETURN(auto next, judge_governance(now, *former, file));
+    DDSSEC_RETURN_IF_ERROR(now.participant.set_basis(std::move(next)));
+    governance_in_force_ = to_bytes(file);
+    return {};
+  });
+  if (!taken) events.push_back(taken.error());
+  if (!taken || !*taken) return;
+  const auto basis = now.participant.basis();
+  const auto added = governance::added_topic_rules(former->governance->domain_rule(),
+                                                   basis->governance->domain_rule());
+  if (added && !added->rules.empty())
+    events.emplace_back(
+        Code::governance_renewed,
+        ErrorDetails{.document = governance_.name(),
+                     .line = added->rules.front()->line,
+                     .field = "topic_rule",
+                     .found = std::to_string(added->rules.size()) + " more, the first for \"" +
+                              added->rules.front()->topic_expression + "\""});
+}
+
+// ---- permissions
+
+void OwnDocuments::renew_permissions(const Renewal& now, std::vector<Error>& events) {
+  const auto looked = permissions_.look(now.clock.monotonic(), [&](BytesView file) -> Status {
+    const auto time = now.clock.now();
+    const auto basis = now.participant.basis();
+    DDSSEC_ASSIGN_OR_RETURN(auto document, now.documents.permissions(*basis->ca, file, time));
+    return now.holder.take(std::move(document), file, time);
+  });
+  if (!looked) events.push_back(looked.error());
+}
+
+}  // namespace ddssec::access_control

@@ -1,0 +1,64 @@
+// The documents of a local participant, which may be replaced while the participant runs.
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/document_watch.hpp"
+#include "pki/authority_watch.hpp"
+#include "plugins/access_control/access_control.hpp"
+#include "plugins/access_control/participant.hpp"
+
+namespace ddssec::access_control {
+
+class PermissionsHolder;
+
+/// Where they are.
+struct DocumentPlaces {
+  std::string permissions_ca, governance, permissions, identity_ca;  ///< URIs
+  std::string permissions_ca_name, governance_name, permissions_name;
+};
+
+/// Not thread-safe.
+class OwnDocuments {
+ public:
+  /// Before the files are read for the first time.
+  OwnDocuments(const DocumentPlaces& places, const Options& options, std::chrono::seconds interval);
+
+  /// These octets are in force.
+  void note_read(Bytes governance, BytesView permissions);
+
+  /// Takes what the files hold, if they have changed:
+  /// - Other permissions CAs, if the governance and the permissions of the participant are signed
+  ///   by one of them: those in force, or else those in the files now, which then come into force.
+  /// - A governance document that only adds topic rules, none of them for a topic in use.
+  /// - Renewed permissions, as PermissionsHolder::take has it.
+  /// - Further identity CAs, where the governance restricts algorithms. Authentication decides
+  ///   which of them are trusted, and reports a file that cannot be used.
+  /// Returns events: what was taken, and what cannot be used (once as long as the file stays the
+  /// same). What cannot be used changes nothing.
+  std::vector<Error> renew(PermissionsHolder& holder, Participant& participant,
+                           DocumentCache& documents, const Clock& clock);
+
+ private:
+  struct Renewal;  // what one call of renew() needs
+
+  void renew_authorities(const Renewal& now, std::vector<Error>& events);
+  void renew_governance(const Renewal& now, std::vector<Error>& events);
+  void renew_permissions(const Renewal& now, std::vector<Error>& events);
+  void renew_identity_authorities(const Renewal& now);
+  Status take_authorities(const Renewal& now, const std::vector<pki::Certificate>& next);
+  Result<Basis> judge_governance(const Renewal& now, const Basis& basis, BytesView file) const;
+
+  const Options options_;
+  pki::AuthorityWatch authorities_;
+  DocumentWatch governance_;
+  DocumentWatch permissions_;
+  DocumentWatch identity_authorities_;
+  Bytes governance_in_force_;
+};
+
+}  // namespace ddssec::access_control

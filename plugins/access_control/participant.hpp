@@ -1,0 +1,62 @@
+// A local participant: what it goes by, and the topics that it uses.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "governance/decision.hpp"
+#include "plugins/access_control/documents.hpp"
+#include "plugins/spi/end_warning.hpp"
+#include "plugins/spi/handles.hpp"
+
+namespace ddssec::access_control {
+
+/// By what a local participant judges itself and its peers. Replaced as a whole.
+struct Basis {
+  std::shared_ptr<const PermissionsCa> ca;
+  std::shared_ptr<const governance::CompiledGovernance> governance;
+  /// identity_ca, if the governance restricts algorithms
+  std::vector<pki::Certificate> identity_authorities = {};
+
+  /// Null: all algorithms.
+  const governance::AllowedAlgorithms* allowed_algorithms() const {
+    const auto& allowed = governance->domain_rule().allowed_algorithms;
+    return allowed ? &*allowed : nullptr;
+  }
+};
+
+/// Thread-safe, once it is shared.
+class Participant {
+ public:
+  /// The largest number of topics that are remembered.
+  static constexpr std::size_t kMostTopicsInUse = 4096;
+
+  spi::IdentityHandle identity = {};
+  DomainId domain = 0;
+  std::string domain_tag = {};
+  std::string governance_name = {};  ///< the document's name in errors
+  spi::WarningDays warn_before_end = {};
+
+  std::shared_ptr<const Basis> basis() const;
+  /// The same for a host that asks how a topic is protected, and keeps the answer.
+  std::shared_ptr<const Basis> basis_for(std::string_view topic) const;
+  /// Success if the governance document may take the place of the one in force: it only adds topic
+  /// rules, and each topic that was ever in use is protected as before. Error:
+  /// governance_renewal_refused.
+  Status check_governance(const governance::CompiledGovernance& next) const;
+  /// Error: that of check_governance, for another one than before.
+  Status set_basis(Basis basis);
+
+ private:
+  Status check(const governance::CompiledGovernance& next) const;
+
+  mutable std::mutex mutex_;
+  std::shared_ptr<const Basis> basis_;
+  mutable std::set<std::string, std::less<>> topics_in_use_;
+  mutable bool has_more_topics_ = false;
+};
+
+}  // namespace ddssec::access_control

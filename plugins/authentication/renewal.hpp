@@ -1,0 +1,15 @@
+// Takes the documents of local identities that were renewed while they run.
+#pragma once
+
+#include "base/event.hpp"
+#include "plugins/authentication/identity_table.hpp"
+
+namespace ddssec::authentication {
+
+/// Takes other identity CAs and a renewed certificate of one local identity, or of all (nil), and
+/// moves its end. Raises an event for each file that was taken or cannot be used. Call it before
+/// anything is judged by what is in force.
+void renew_identities(IdentityTable& table, spi::IdentityHandle local, TrustStores& stores,
+                      const Environment& environment);
+
+}  // namespace ddssec::authentication

@@ -1,0 +1,305 @@
+// Permissions CAs and governance documents that are replaced while a participant runs.
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <gmock/gmock.h>
+
+#include "plugins/access_control/participant.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/unit/access_control/fixture.hpp"
+
+namespace ddssec::access_control {
+namespace {
+
+using testing::Each;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+/// The talker has files of the first CA; the second has the same name.
+class AuthorityRenewal : public AccessControlTest {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(own_) << own_.error().to_sentence();
+    log.events.clear();
+  }
+
+  const pki::Authority& first() const { return authorities().permissions_ca; }
+  const pki::Authority& second() const { return authorities().other_ca; }
+
+  static std::string bundle(std::initializer_list<const pki::Authority*> cas) {
+    std::string out;
+    for (const auto* ca : cas) out += ca->certificate().pem();
+    return out;
+  }
+  void put(std::initializer_list<const pki::Authority*> cas) {
+    folder_.replace("permissions_ca.pem", bundle(cas));
+  }
+  std::string permissions(const pki::Authority& ca, const char* subject = kTalker,
+                          std::chrono::seconds from = -24h) const {
+    auto all = rule(true);
+    all.publish = {topics({"t"})};
+    all.subscribe = {topics({"t"})};
+    auto out = grant(subject, {all});
+    out.validity.not_before = kNow + from;
+    return signed_by(ca, governance::to_xml(governance::Permissions{.grants = {out}}));
+  }
+  std::string governance(const pki::Authority& ca) const {
+    return signed_by(ca, governance::to_xml(governance_document));
+  }
+  void sign_all(const pki::Authority& ca) {
+    folder_.replace("governance.p7s", governance(ca));
+    folder_.replace("permissions.p7s", permissions(ca));
+  }
+  Result<spi::PermissionsHandle> from_files() {
+    auto all = properties("", "");
+    const auto set = [&](std::string_view name, const std::string& path) {
+      for (auto& one : all)
+        if (one.name == name) one.value = "file:" + path;
+    };
+    set(spi::property::kPermissionsCa, path_);
+    set(spi::property::kGovernance, folder_.write("governance.p7s", governance(first())));
+    set(spi::property::kPermissions, folder_.write("permissions.p7s", permissions(first())));
+    return plugin->validate_local_permissions(kLocalIdentity, 0, all);
+  }
+  std::vector<spi::PermissionsHandle> look() {
+    clock.advance(5s);
+    return plugin->expire();
+  }
+  std::vector<Code> codes_after_looking() {
+    log.events.clear();
+    for (int i = 0; i < 3; ++i) look();
+    std::vector<Code> out;
+    for (const auto& event : log.events) out.push_back(event.error.code());
+    return out;
+  }
+  void expect_refused(Code code, const std::string& path, std::string_view why) {
+    EXPECT_THAT(codes_after_looking(), ElementsAre(code));
+    ASSERT_FALSE(log.events.empty());
+    EXPECT_EQ(log.events.front().error.details().document, path);
+    EXPECT_THAT(log.events.front().error.to_sentence(), HasSubstr(why));
+    EXPECT_THAT(log.events.front().error.to_sentence(), HasSubstr("read before stay"));
+    EXPECT_THAT(codes_after_looking(), IsEmpty()) << "told twice";
+  }
+  bool accepts(const pki::Authority& ca) {
+    const auto handle = remote(permissions(ca, kListener));
+    return handle && plugin->check_remote_participant(*handle, 0).has_value();
+  }
+  bool may_publish(std::string_view topic) {
+    return plugin->check_create_datawriter(*own_, 0, {.topic_name = topic}).has_value();
+  }
+  ProtectionKind data_of(std::string_view topic) {
+    const auto found = plugin->datawriter_sec_attributes(*own_, {.topic_name = topic});
+    return found && found->is_payload_protected() ? ProtectionKind::encrypt : ProtectionKind::none;
+  }
+  /// A rule for the topic "open", whose data is not protected.
+  static governance::TopicRule open_rule(std::string expression = "open") {
+    return {.topic_expression = std::move(expression),
+            .data_protection_kind = ProtectionKind::none};
+  }
+  std::vector<governance::TopicRule>& topic_rules() {
+    return governance_document.domain_rules.front().topic_rules;
+  }
+
+  const test::TemporaryFolder folder_;
+  const std::string path_ = folder_.write("permissions_ca.pem", first().certificate().pem());
+  Result<spi::PermissionsHandle> own_ = from_files();
+};
+
+// ---- overlap
+
+TEST_F(AuthorityRenewal, SecondCa_IsAcceptedBesideTheFirst) {
+  EXPECT_TRUE(accepts(first()));
+  EXPECT_FALSE(accepts(second()));
+  put({&first(), &second()});
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_ca_renewed));
+  EXPECT_EQ(log.events.front().severity, Severity::informational);
+  EXPECT_EQ(log.events.front().error.details().document, path_);
+  EXPECT_TRUE(accepts(first()));
+  EXPECT_TRUE(accepts(second()));
+  put({&second(), &first()});
+  EXPECT_THAT(codes_after_looking(), IsEmpty()) << "the order says nothing";
+}
+
+TEST_F(AuthorityRenewal, DocumentsOfTheSecondCa_AreTakenDuringTheOverlap) {
+  put({&first(), &second()});
+  codes_after_looking();
+  sign_all(second());
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewed));
+  EXPECT_TRUE(may_publish("t"));
+  EXPECT_EQ(plugin->renewals(*own_), 1u) << "authentication must present it";
+}
+
+// ---- the first one leaves
+
+TEST_F(AuthorityRenewal, CaThatLeaves_EndsItsPeers) {
+  put({&first(), &second()});
+  codes_after_looking();
+  sign_all(second());
+  codes_after_looking();
+  const auto former = remote(permissions(first(), kListener));
+  const auto moved = remote(permissions(second(), kListener));
+  ASSERT_TRUE(former && moved);
+  put({&second()});
+  log.events.clear();
+  EXPECT_THAT(look(), ElementsAre(*former));
+  ASSERT_EQ(log.events.size(), 2u);
+  EXPECT_EQ(log.events.front().error.code(), Code::permissions_ca_renewed);
+  EXPECT_EQ(log.events.back().error.code(), Code::permissions_ca_withdrawn);
+  EXPECT_EQ(log.events.back().peer_subject, kListener);
+  EXPECT_THAT(look(), IsEmpty()) << "ended twice";
+  EXPECT_CODE(plugin->check_remote_participant(*former, 0), permissions_ca_withdrawn);
+  EXPECT_TRUE(plugin->check_remote_participant(*moved, 0));
+  EXPECT_FALSE(accepts(first()));
+}
+
+TEST_F(AuthorityRenewal, CaWithoutOverlap_IsTakenTogetherWithOurDocuments) {
+  put({&second()});
+  sign_all(second());
+  EXPECT_THAT(codes_after_looking(),
+              ElementsAre(Code::permissions_ca_renewed, Code::permissions_renewed));
+  EXPECT_FALSE(accepts(first()));
+  EXPECT_TRUE(accepts(second()));
+  EXPECT_TRUE(may_publish("t"));
+}
+
+TEST_F(AuthorityRenewal, DocumentsThatComeOneLookLater_AreNoRefusal) {
+  put({&second()});
+  look();
+  sign_all(second());
+  EXPECT_THAT(codes_after_looking(),
+              ElementsAre(Code::permissions_ca_renewed, Code::permissions_renewed));
+}
+
+// ---- what is not taken
+
+TEST_F(AuthorityRenewal, FileWithoutTheCaOfOurDocuments_IsRefused) {
+  put({&second()});
+  expect_refused(Code::permissions_ca_renewal_refused, path_, "not one of the configured");
+  EXPECT_TRUE(accepts(first()));
+}
+
+TEST_F(AuthorityRenewal, OlderPermissionsOfTheNewCa_AreRefusedAsARollBack) {
+  put({&second()});
+  folder_.replace("governance.p7s", governance(second()));
+  folder_.replace("permissions.p7s", permissions(second(), kTalker, -25h));
+  EXPECT_THAT(codes_after_looking(),
+              testing::UnorderedElementsAre(Code::permissions_ca_renewal_refused,
+                                            Code::permissions_renewal_refused,
+                                            Code::governance_renewal_refused));
+  EXPECT_TRUE(accepts(first()));
+  EXPECT_FALSE(accepts(second()));
+}
+
+TEST_F(AuthorityRenewal, CaThatWasWithdrawn_IsRefusedAsARollBack) {
+  put({&second()});
+  sign_all(second());
+  codes_after_looking();
+  put({&second(), &first()});
+  expect_refused(Code::permissions_ca_renewal_refused, path_, "has left the CA file");
+  EXPECT_FALSE(accepts(first()));
+}
+
+TEST_F(AuthorityRenewal, WhatIsNoFileOfCas_IsReportedOnceAndNothingIsLost) {
+  for (const auto& text :
+       {std::string(), std::string("nonsense"), first().certificate().pem().substr(0, 200),
+        std::string(2'000'000, 'x')}) {
+    folder_.replace("permissions_ca.pem", text);
+    EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_ca_renewal_refused));
+    EXPECT_THAT(codes_after_looking(), IsEmpty());
+  }
+  std::filesystem::remove(path_);
+  std::filesystem::create_directory(path_);
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_ca_renewal_refused));
+  std::filesystem::remove(path_);
+  const int socket = ::socket(AF_UNIX, SOCK_STREAM, 0);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path_.copy(address.sun_path, sizeof address.sun_path - 1);
+  ASSERT_EQ(::bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  EXPECT_THAT(codes_after_looking(), Each(Code::permissions_ca_renewal_refused));
+  ::close(socket);
+  EXPECT_TRUE(accepts(first()));
+  EXPECT_TRUE(may_publish("t"));
+}
+
+TEST_F(AuthorityRenewal, FileThatKeepsChanging_CostsOneLookForEachInterval) {
+  for (int i = 0; i < 50; ++i) {
+    folder_.replace("permissions_ca.pem", "nonsense " + std::to_string(i));
+    clock.advance(100ms);
+    plugin->expire();
+  }
+  EXPECT_LE(log.events.size(), 1u);
+}
+
+// ---- governance
+
+TEST_F(AuthorityRenewal, GovernanceThatIsOnlySignedAnew_IsNoEvent) {
+  folder_.replace("governance.p7s", governance(first()));
+  EXPECT_THAT(codes_after_looking(), IsEmpty());
+}
+
+TEST_F(AuthorityRenewal, RuleForATopicThatNoOneUses_IsTaken) {
+  EXPECT_EQ(data_of("t"), ProtectionKind::encrypt);
+  topic_rules().insert(topic_rules().begin(), open_rule());
+  folder_.replace("governance.p7s", governance(first()));
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewed));
+  EXPECT_EQ(log.events.front().severity, Severity::informational);
+  EXPECT_THAT(log.events.front().error.to_sentence(), HasSubstr("\"open\""));
+  EXPECT_EQ(data_of("open"), ProtectionKind::none);
+  EXPECT_EQ(data_of("t"), ProtectionKind::encrypt);
+}
+
+TEST_F(AuthorityRenewal, RuleForATopicInUse_IsRefused) {
+  EXPECT_EQ(data_of("open"), ProtectionKind::encrypt);
+  topic_rules().insert(topic_rules().begin(), open_rule());
+  folder_.replace("governance.p7s", governance(first()));
+  expect_refused(Code::governance_renewal_refused, folder_.path() + "/governance.p7s",
+                 "this participant uses it");
+  EXPECT_EQ(data_of("open"), ProtectionKind::encrypt);
+}
+
+TEST_F(AuthorityRenewal, RuleThatLeftTheGovernance_IsRefusedAsARollBack) {
+  const auto former = governance(first());
+  topic_rules().insert(topic_rules().begin(), open_rule());
+  folder_.replace("governance.p7s", governance(first()));
+  codes_after_looking();
+  folder_.replace("governance.p7s", former);
+  expect_refused(Code::governance_renewal_refused, folder_.path() + "/governance.p7s",
+                 "the rule for \"open\"");
+  EXPECT_EQ(data_of("open"), ProtectionKind::none);
+}
+
+TEST_F(AuthorityRenewal, OtherProtectionKind_IsRefusedWithBothValues) {
+  governance_document.domain_rules.front().rtps_protection_kind = ProtectionKind::sign;
+  folder_.replace("governance.p7s", governance(first()));
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewal_refused));
+  ASSERT_FALSE(log.events.empty());
+  const auto& details = log.events.front().error.details();
+  EXPECT_EQ(details.field, "rtps_protection_kind");
+  EXPECT_EQ(details.expected, "ENCRYPT");
+  EXPECT_EQ(details.found, "SIGN");
+}
+
+TEST_F(AuthorityRenewal, GovernanceOfAnotherCa_IsRefused) {
+  folder_.replace("governance.p7s", governance(second()));
+  expect_refused(Code::governance_renewal_refused, folder_.path() + "/governance.p7s",
+                 "not one of the configured");
+}
+
+TEST_F(AuthorityRenewal, MoreTopicsThanAreRemembered_LeaveOnlyRulesAtTheEnd) {
+  for (std::size_t i = 0; i <= Participant::kMostTopicsInUse; ++i) data_of("t" + std::to_string(i));
+  const auto all = topic_rules();
+  topic_rules().insert(topic_rules().begin(), open_rule());
+  folder_.replace("governance.p7s", governance(first()));
+  expect_refused(Code::governance_renewal_refused, folder_.path() + "/governance.p7s",
+                 "further rules after the others");
+  topic_rules() = all;
+  topic_rules().push_back(open_rule());
+  folder_.replace("governance.p7s", governance(first()));
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewed));
+}
+
+}  // namespace
+}  // namespace ddssec::access_control

@@ -1,0 +1,441 @@
+// Identity CAs that are replaced while a participant runs.
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <gmock/gmock.h>
+
+#include "tests/support/temporary_folder.hpp"
+#include "tests/unit/authentication/revocation_lists.hpp"
+
+namespace ddssec::authentication {
+namespace {
+
+using std::chrono::days;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr auto kName = "CN=Identity CA,O=Example";
+constexpr pki::Validity kDecade{kNow - days(2), kNow + days(3650)};
+
+/// Of one name, as `ddssec ca rotate` makes them.
+const pki::Authority& old_ca() {
+  static const auto ca = make_ca(kName, {}, kDecade);
+  return ca;
+}
+const pki::Authority& new_ca() {
+  static const auto ca = make_ca(kName, {}, kDecade);
+  return ca;
+}
+const pki::Authority& third_ca() {
+  static const auto ca = make_ca(kName, {}, kDecade);
+  return ca;
+}
+
+std::string bundle(std::initializer_list<const pki::Authority*> cas) {
+  std::string out;
+  for (const auto* ca : cas) out += ca->certificate().pem();
+  return out;
+}
+
+Identity trusting_all(Identity identity) {
+  set(identity.properties, property::kIdentityCa,
+      "data:," + bundle({&old_ca(), &new_ca(), &third_ca()}));
+  return identity;
+}
+
+Identity alice_of(const pki::Authority& ca, pki::Validity validity = kYear, int key = 0) {
+  return make_identity(ca, "CN=alice,O=Example", {}, validity, key);
+}
+Identity bob_of(const pki::Authority& ca) {
+  return trusting_all(make_identity(ca, "CN=bob,O=Example", {}, kYear, 1));
+}
+
+/// Alice has files and a certificate of the old CA. Bob, of the old one, believes all.
+class AuthorityRenewal : public testing::Test {
+ protected:
+  AuthorityRenewal() : pairing_(alice(), bob_of(old_ca())) {}
+
+  Identity alice() {
+    auto identity = alice_of(old_ca());
+    set(identity.properties, property::kIdentityCertificate,
+        "file:" + folder_.write("cert.pem", identity.certificate.pem()));
+    set(identity.properties, property::kPrivateKey,
+        "file:" + folder_.write("key.pem", pem_text(identity.key)));
+    path_ = folder_.write("identity_ca.pem", bundle({&old_ca()}));
+    set(identity.properties, property::kIdentityCa, "file:" + path_);
+    return identity;
+  }
+  void put(std::initializer_list<const pki::Authority*> cas) {
+    folder_.replace("identity_ca.pem", bundle(cas));
+  }
+  std::vector<IdentityHandle> look() {
+    engine().clock.advance(5s);
+    return engine()->expire();
+  }
+  std::vector<Code> codes_after_looking() {
+    events().clear();
+    for (int i = 0; i < 3; ++i) ended_ = look();
+    std::vector<Code> out;
+    for (const auto& event : events()) out.push_back(event.error.code());
+    return out;
+  }
+  void expect_refused(std::string_view why) {
+    EXPECT_THAT(codes_after_looking(), ElementsAre(Code::identity_ca_renewal_refused));
+    ASSERT_FALSE(events().empty());
+    EXPECT_EQ(events().front().error.details().document, path_);
+    EXPECT_THAT(events().front().error.to_sentence(), HasSubstr(why));
+    EXPECT_THAT(events().front().error.to_sentence(), HasSubstr("read before stay in force"));
+    EXPECT_THAT(codes_after_looking(), IsEmpty()) << "told twice";
+  }
+  /// Whether a participant that has not met Alice authenticates with her.
+  bool meets(const pki::Authority& ca) {
+    Engine other{7};
+    Participant carol(other, trusting_all(make_identity(ca, "CN=carol,O=Example", {}, kYear, 2)),
+                      ++carols_);
+    Two two(pairing_.a, carol);
+    const auto request = two.request();
+    const auto reply = request ? two.reply(*request->message) : request;
+    const auto fin = reply ? two.at_low(request->handle, *reply->message) : reply;
+    const auto end = fin ? two.at_high(reply->handle, *fin->message) : fin;
+    return end && end->result == ValidationResult::ok;
+  }
+  Engine& engine() { return pairing_.first_engine; }
+  std::vector<Event>& events() { return engine().events.events; }
+  IdentityHandle bob_at_alice() {
+    return &pairing_.two.low == &pairing_.a ? pairing_.two.high_at_low : pairing_.two.low_at_high;
+  }
+
+  const test::TemporaryFolder folder_;
+  std::string path_;
+  Pairing pairing_;
+  std::vector<IdentityHandle> ended_;
+  std::uint8_t carols_ = 10;
+};
+
+// ---- overlap
+
+TEST_F(AuthorityRenewal, SecondCa_IsAcceptedBesideTheFirst) {
+  EXPECT_TRUE(meets(old_ca()));
+  EXPECT_FALSE(meets(new_ca()));
+  put({&old_ca(), &new_ca()});
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::identity_ca_renewed));
+  const auto& event = events().front();
+  EXPECT_EQ(event.severity, Severity::informational);
+  EXPECT_EQ(event.guid, pairing_.a.guid.to_string());
+  EXPECT_EQ(event.error.details().document, path_);
+  EXPECT_THAT(event.error.details().found, HasSubstr(kName));
+  EXPECT_TRUE(meets(old_ca()));
+  EXPECT_TRUE(meets(new_ca()));
+  EXPECT_FALSE(meets(third_ca()));
+}
+
+TEST_F(AuthorityRenewal, OtherOrder_IsNoEvent) {
+  put({&new_ca(), &old_ca()});
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::identity_ca_renewed));
+  put({&old_ca(), &new_ca()});
+  EXPECT_THAT(codes_after_looking(), IsEmpty());
+}
+
+TEST_F(AuthorityRenewal, SecondCa_LeavesSessionsAlone) {
+  pairing_.expect_success();
+  put({&new_ca(), &old_ca()});
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::identity_ca_renewed));
+  EXPECT_THAT(ended_, IsEmpty());
+}
+
+TEST_F(AuthorityRenewal, CertificateOfTheSecondCa_IsTakenWithIt) {
+  put({&new_ca(), &old_ca()});
+  folder_.replace("cert.pem", alice_of(new_ca(), {kNow, kYear.not_after}).certificate.pem());
+  EXPECT_THAT(codes_after_looking(),
+              ElementsAre(Code::identity_ca_renewed, Code::identity_renewed));
+  pairing_.expect_success();
+}
+
+// ---- the old one leaves
+
+TEST_F(AuthorityRenewal, CaThatLeaves_EndsItsPeers) {
+  pairing_.expect_success();
+  put({&new_ca(), &old_ca()});
+  folder_.replace("cert.pem", alice_of(new_ca(), {kNow, kYear.not_after}).certificate.pem());
+  codes_after_looking();
+  put({&new_ca()});
+  events().clear();
+  EXPECT_THAT(look(), ElementsAre(bob_at_alice()));
+  ASSERT_EQ(events().size(), 2u);
+  EXPECT_EQ(events().front().error.code(), Code::identity_ca_renewed);
+  const auto& event = events().back();
+  EXPECT_EQ(event.error.code(), Code::identity_ca_withdrawn);
+  EXPECT_EQ(event.peer_subject, "CN=bob,O=Example");
+  EXPECT_EQ(event.proof, PeerProof::authenticated);
+  EXPECT_EQ(event.error.details().document, path_);
+  EXPECT_THAT(look(), IsEmpty()) << "ended twice";
+  EXPECT_FALSE(meets(old_ca()));
+  EXPECT_TRUE(meets(new_ca()));
+}
+
+TEST_F(AuthorityRenewal, CaThatLeaves_LeavesPeersOfTheOtherAlone) {
+  Engine other{7};
+  Participant carol(other,
+                    trusting_all(make_identity(new_ca(), "CN=carol,O=Example", {}, kYear, 2)), 30);
+  put({&new_ca(), &old_ca()});
+  codes_after_looking();
+  Two two(pairing_.a, carol);
+  const auto request = two.request();
+  ASSERT_OK(request);
+  const auto reply = two.reply(*request->message);
+  ASSERT_OK(reply);
+  Pairing::expect_finish_of(two, *request, *reply);
+  folder_.replace("cert.pem", alice_of(new_ca(), {kNow, kYear.not_after}).certificate.pem());
+  put({&new_ca()});
+  EXPECT_THAT(codes_after_looking(),
+              ElementsAre(Code::identity_ca_renewed, Code::identity_renewed));
+  EXPECT_THAT(ended_, IsEmpty());
+}
+
+TEST_F(AuthorityRenewal, HandshakeThatBeganUnderTheOldCa_DoesNotEndUnderTheNew) {
+  put({&new_ca(), &old_ca()});
+  folder_.replace("cert.pem", alice_of(new_ca(), {kNow, kYear.not_after}).certificate.pem());
+  codes_after_looking();
+  const auto request = pairing_.two.request();
+  ASSERT_OK(request);
+  const auto reply = pairing_.two.reply(*request->message);
+  ASSERT_OK(reply);
+  put({&new_ca()});
+  look();
+  const auto fin = pairing_.two.at_low(request->handle, *reply->message);
+  if (&pairing_.two.low == &pairing_.a) {
+    EXPECT_CODE(fin, issuer_unknown);
+    return;
+  }
+  ASSERT_OK(fin);
+  EXPECT_CODE(pairing_.two.at_high(reply->handle, *fin->message), issuer_unknown);
+}
+
+TEST_F(AuthorityRenewal, CaWithoutOverlap_IsTakenTogetherWithOurCertificate) {
+  pairing_.expect_success();
+  put({&new_ca()});
+  folder_.replace("cert.pem", alice_of(new_ca(), {kNow, kYear.not_after}).certificate.pem());
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::identity_ca_renewed, Code::identity_renewed,
+                                                 Code::identity_ca_withdrawn));
+  EXPECT_FALSE(meets(old_ca()));
+  EXPECT_TRUE(meets(new_ca()));
+}
+
+TEST_F(AuthorityRenewal, CertificateThatComesOneLookLater_IsNoRefusal) {
+  put({&new_ca()});
+  look();
+  folder_.replace("cert.pem", alice_of(new_ca(), {kNow, kYear.not_after}).certificate.pem());
+  EXPECT_THAT(codes_after_looking(),
+              ElementsAre(Code::identity_ca_renewed, Code::identity_renewed));
+}
+
+// ---- with revocation lists
+
+TEST_F(AuthorityRenewal, RevocationList_IsTakenTogetherWithItsCa) {
+  auto identity = alice();
+  folder_.write("crl.pem", pem({.number = 4}, old_ca()));
+  Engine other{3};
+  Participant alone(other, identity, 9);
+  const auto next = alice_of(new_ca(), {kNow, kYear.not_after});
+  folder_.replace("crl.pem", pem({.number = 1}, new_ca()));
+  folder_.replace("cert.pem", next.certificate.pem());
+  put({&new_ca()});
+  other.events.events.clear();
+  for (int i = 0; i < 3; ++i) {
+    other.clock.advance(5s);
+    EXPECT_THAT(other->expire(), IsEmpty());
+  }
+  std::vector<Code> codes;
+  for (const auto& event : other.events.events) codes.push_back(event.error.code());
+  EXPECT_THAT(codes, ElementsAre(Code::identity_ca_renewed, Code::identity_renewed));
+  folder_.replace("crl.pem", pem({2, {next.certificate}}, new_ca()));
+  other.clock.advance(5s);
+  EXPECT_THAT(other->expire(), ElementsAre(alone.handle)) << "later lists do not count";
+}
+
+TEST_F(AuthorityRenewal, ListsOfBothCas_CountDuringTheOverlap) {
+  auto identity = alice();
+  folder_.write("crl.pem", pem({.number = 4}, old_ca()));
+  Engine other{3};
+  Participant alone(other, identity, 9);
+  folder_.replace("crl.pem", pem({.number = 4}, old_ca()) + pem({.number = 1}, new_ca()));
+  put({&old_ca(), &new_ca()});
+  for (int i = 0; i < 3; ++i) {
+    other.clock.advance(5s);
+    EXPECT_THAT(other->expire(), IsEmpty());
+  }
+  folder_.replace("crl.pem", pem({5, {identity.certificate}}, old_ca()) + pem({}, new_ca()));
+  other.clock.advance(5s);
+  EXPECT_THAT(other->expire(), ElementsAre(alone.handle));
+}
+
+// ---- what is not taken
+
+TEST_F(AuthorityRenewal, FileWithoutOurCa_IsRefused) {
+  put({&new_ca()});
+  expect_refused("no configured CA issued the certificate");
+  EXPECT_TRUE(meets(old_ca()));
+  EXPECT_FALSE(meets(new_ca()));
+}
+
+TEST_F(AuthorityRenewal, CertificateThatIsNoCa_IsRefused) {
+  folder_.replace("identity_ca.pem", bundle({&old_ca()}) + alice_of(old_ca()).certificate.pem());
+  expect_refused("used as a CA");
+}
+
+TEST_F(AuthorityRenewal, CaThatWasWithdrawn_IsRefusedAsARollBack) {
+  put({&new_ca(), &old_ca()});
+  folder_.replace("cert.pem", alice_of(new_ca(), {kNow, kYear.not_after}).certificate.pem());
+  codes_after_looking();
+  put({&new_ca()});
+  codes_after_looking();
+  put({&new_ca(), &old_ca()});
+  expect_refused("has left the CA file");
+  EXPECT_FALSE(meets(old_ca()));
+  put({&new_ca(), &third_ca()});
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::identity_ca_renewed));
+}
+
+TEST_F(AuthorityRenewal, CertificateOfTheWithdrawnCa_IsRefusedAsARollBack) {
+  const auto former = alice_of(old_ca(), {kNow, kYear.not_after});
+  put({&new_ca()});
+  folder_.replace("cert.pem", alice_of(new_ca(), {kNow, kYear.not_after}).certificate.pem());
+  codes_after_looking();
+  folder_.replace("cert.pem", former.certificate.pem());
+  put({&old_ca()});
+  EXPECT_THAT(codes_after_looking(),
+              testing::UnorderedElementsAre(Code::identity_ca_renewal_refused,
+                                            Code::identity_renewal_refused));
+  EXPECT_FALSE(meets(old_ca()));
+}
+
+TEST_F(AuthorityRenewal, WhatIsNoFileOfCas_IsReportedOnceAndNothingIsLost) {
+  for (const auto& text : {std::string(), std::string("nonsense"),
+                           bundle({&old_ca()}).substr(0, 200), std::string(2'000'000, 'x')}) {
+    folder_.replace("identity_ca.pem", text);
+    EXPECT_THAT(codes_after_looking(), ElementsAre(Code::identity_ca_renewal_refused));
+    EXPECT_THAT(codes_after_looking(), IsEmpty());
+  }
+  std::filesystem::remove(path_);
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::identity_ca_renewal_refused));
+  std::filesystem::create_directory(path_);
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::identity_ca_renewal_refused));
+  std::filesystem::remove(path_);
+  const int socket = ::socket(AF_UNIX, SOCK_STREAM, 0);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path_.copy(address.sun_path, sizeof address.sun_path - 1);
+  ASSERT_EQ(::bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  EXPECT_THAT(codes_after_looking(), testing::Each(Code::identity_ca_renewal_refused));
+  ::close(socket);
+  EXPECT_TRUE(meets(old_ca()));
+  pairing_.expect_success();
+}
+
+TEST_F(AuthorityRenewal, FileThatIsJustBeingWritten_IsNoEvent) {
+  const auto both = bundle({&old_ca(), &new_ca()});
+  folder_.write("identity_ca.pem", both.substr(0, both.size() - 200));
+  look();
+  folder_.write("identity_ca.pem", both);
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::identity_ca_renewed));
+}
+
+TEST_F(AuthorityRenewal, FileThatKeepsChanging_CostsOneLookForEachInterval) {
+  events().clear();
+  for (int i = 0; i < 50; ++i) {
+    folder_.replace("identity_ca.pem", "nonsense " + std::to_string(i));
+    engine().clock.advance(100ms);
+    engine()->expire();
+  }
+  EXPECT_LE(events().size(), 1u);
+}
+
+TEST_F(AuthorityRenewal, CasThatComeAndGo_AreBounded) {
+  const auto ca = [](int i) { return make_ca("CN=" + std::to_string(i), {}, kDecade); };
+  int taken = 0;
+  for (int i = 0; i < 300; ++i) {
+    const auto other = ca(i);
+    put({&old_ca(), &other});
+    events().clear();
+    look();
+    if (!events().empty() && events().front().error.code() == Code::identity_ca_renewed) ++taken;
+  }
+  EXPECT_EQ(taken, 257);
+  EXPECT_TRUE(meets(old_ca()));
+}
+
+TEST_F(AuthorityRenewal, CaThatIsNotValidYet_DoesNotDisturbOurs) {
+  const auto later = make_ca(kName, {}, {kNow + days(1), kNow + days(900)});
+  put({&later, &old_ca()});
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::identity_ca_renewed));
+  EXPECT_TRUE(meets(old_ca()));
+}
+
+TEST_F(AuthorityRenewal, ClockThatGoesBackAndForth_ChangesNothing) {
+  put({&old_ca(), &new_ca()});
+  codes_after_looking();
+  engine().clock.advance(days(-300));
+  codes_after_looking();
+  engine().clock.advance(days(300));
+  codes_after_looking();
+  EXPECT_TRUE(meets(new_ca()));
+}
+
+TEST_F(AuthorityRenewal, IntervalOfZero_MeansNever) {
+  auto identity = alice();
+  set(identity.properties, property::kFilesPollInterval, "0");
+  Engine other{3};
+  Participant alone(other, identity, 9);
+  other.events.events.clear();
+  put({&old_ca(), &new_ca()});
+  other.clock.advance(60s);
+  other->expire();
+  EXPECT_THAT(other.events.events, IsEmpty());
+}
+
+TEST_F(AuthorityRenewal, FolderOfTrustedCas_MustHaveEveryCa) {
+  auto identity = alice();
+  const test::TemporaryFolder trusted;
+  trusted.write("old.pem", bundle({&old_ca()}));
+  set(identity.properties, property::kTrustedCaDir, "file:" + trusted.path());
+  Engine other{3};
+  Participant alone(other, identity, 9);
+  other.events.events.clear();
+  put({&old_ca(), &new_ca()});
+  for (int i = 0; i < 3; ++i) {
+    other.clock.advance(5s);
+    other->expire();
+  }
+  ASSERT_EQ(other.events.events.size(), 1u);
+  EXPECT_EQ(other.events.events.front().error.code(), Code::identity_ca_renewal_refused);
+  EXPECT_THAT(other.events.events.front().error.to_sentence(), HasSubstr("not among the trusted"));
+}
+
+// ---- ends
+
+// `ddssec ca renew`: the same name and key, a later end.
+TEST(AuthorityRenewalOfOneKey, CaThatLivesLonger_MovesTheEndOfSessions) {
+  const test::TemporaryFolder folder;
+  const auto ca = make_ca(kName, {}, {kNow - days(2), kNow + days(30)});
+  const auto longer = ca.renewed(kDecade, test_random()).value();
+  auto alice = alice_of(ca, kYear);
+  set(alice.properties, property::kIdentityCa,
+      "file:" + folder.write("identity_ca.pem", ca.certificate().pem()));
+  Pairing pairing(alice, make_identity(ca, "CN=bob,O=Example", {}, kYear, 1));
+  pairing.expect_success();
+  auto& engine = pairing.first_engine;
+  EXPECT_EQ(engine->next_expiry(), kNow + days(30));
+  folder.replace("identity_ca.pem", longer.pem());
+  engine.clock.advance(5s);
+  EXPECT_THAT(engine->expire(), IsEmpty());
+  EXPECT_EQ(engine->next_expiry(), kYear.not_after);
+  engine.clock.advance(days(31));
+  EXPECT_THAT(engine->expire(), IsEmpty());
+}
+
+}  // namespace
+}  // namespace ddssec::authentication
