@@ -4,6 +4,7 @@
 #include "cli/diff_inputs.hpp"
 #include "cli/documents.hpp"
 #include "cli/governance_diff_report.hpp"
+#include "cli/governance_forecast.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
 #include "cli/permissions_diff_report.hpp"
@@ -67,6 +68,7 @@ Result<Report> governance_diff(const Arguments& arguments, const Context& contex
                               sides.after.path));
   const auto diff = governance::compare(before, after, options);
   Report report = report_of(diff, sides);
+  add_forecast(before, after, sides, report);
   warn_of_open_ranges(report, Rule::GOV004, before.notes, sides.before.path);
   warn_of_open_ranges(report, Rule::GOV004, after.notes, sides.after.path);
   const bool unknown = diff.verdict == ChangeClass::unknown;

@@ -102,6 +102,21 @@ class GovernanceDifferences(Differences):
                                              "only_new": ["rt/[xy]"]}])
         self.assertIn("no name is treated differently\n", self.text())
 
+    def test_what_running_participants_do_is_told(self):
+        one = governance(topic("rt/x"), topic("*"))
+        for new, ours, stock in ((one, "same", "same"),
+                                 (governance(topic("rt/y", "NONE"), topic("rt/x"), topic("*")), "live unless in use",
+                                  "restart"),
+                                 (governance(topic("*")), "restart", "restart"),
+                                 (governance(topic("rt/x"), topic("*"), unauthenticated="true"), "restart", "restart")):
+            self.write(one, new)
+            out = self.diff()["live"]
+            self.assertEqual((out["ddssec"], out["stock"]), (ours, stock))
+        self.assertEqual(out["reason"], "allow_unauthenticated_participants: false became true")
+        self.write(governance(topic("rt/x")), governance(topic("rt/x"), topic("rt/y")))
+        self.assertEqual(self.diff()["live"]["ddssec"], "live")
+        self.assertIn("running participants: on ddssec's plugins:  taken while they run", self.text())
+
     def test_fail_on_says_what_is_too_much(self):
         self.write(governance(topic("*"), unauthenticated="true"), governance(topic("*")))
         for threshold, exit in (("weaker", 0), ("breaking", 0), ("any", 1)):
