@@ -1,9 +1,12 @@
-// ca rotate: replaces a CA and its key, for participants with separate folders.
+// ca rotate: replaces a CA and its key, for participants with separate folders; at once, or with an
+// overlap in which both count.
 #include <filesystem>
 #include <set>
 
 #include <fmt/format.h>
 
+#include "base/tool_code.hpp"
+#include "cli/ca_overlap.hpp"
 #include "cli/ca_rotation.hpp"
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
@@ -134,10 +137,70 @@ std::vector<fs::path> shared_documents(const fs::path& given) {
   return out;
 }
 
-Report report_of(const std::string& role, const pki::Certificate& ca, const Followed& followed,
-                 const std::vector<std::string>& elsewhere) {
+std::string_view step_word(Step step) {
+  switch (step) {
+    case Step::replace:
+      return "replaced";
+    case Step::begin:
+      return "begun";
+    case Step::move:
+      return "moved";
+    case Step::end:
+      return "ended";
+  }
+  return "";
+}
+
+/// What happened.
+std::string summary(const std::string& role, const Succession& change, std::size_t count) {
+  const auto& subject = change.ca.certificate().subject();
+  const auto folders = counted(count, "folder");
+  switch (change.step) {
+    case Step::replace:
+      break;
+    case Step::begin:
+      return fmt::format("{} CA {} has a successor of that name; until {} both count in {}\n", role,
+                         subject, date(change.overlap->until), folders);
+    case Step::move:
+      return fmt::format("{} with what the successor of the {} CA {} issued or signed\n", folders,
+                         role, subject);
+    case Step::end:
+      return fmt::format("the former {} CA {} has ended; its successor alone counts in {}\n", role,
+                         subject, folders);
+  }
+  return fmt::format("{} CA is {} with a new key now; {} signed anew\n", role, subject, folders);
+}
+
+std::string next_step(const std::string& role, Step step, const std::string& given) {
+  const auto command = fmt::format("ddssec ca rotate {} --role {}", given, role);
+  switch (step) {
+    case Step::replace:
+      break;
+    case Step::begin:
+      return fmt::format(
+          "Participants on ddssec's plugins take the files while they run. When all have them, "
+          "those on other machines too: {} --move\n"
+          "With stock plugins, restart a participant after it was moved. Until then it talks only "
+          "to those that have not moved: ddssec check A B\n",
+          command);
+    case Step::move:
+      return fmt::format("When all have moved, those on other machines too: {} --end\n", command);
+    case Step::end:
+      return "Copy the folders of participants on other machines there. Sessions that began with "
+             "the former CA end and begin again.\n";
+  }
+  return "Every participant must start again with the new files, unless it runs on ddssec's "
+         "plugins: "
+         "old ones and new ones do not meet.\n";
+}
+
+Report report_of(const std::string& role, const Succession& change, const Followed& followed,
+                 const std::vector<std::string>& elsewhere, const std::string& given) {
   Report report;
+  const auto& ca = change.ca.certificate();
   report.result = {{"role", role},
+                   {"step", step_word(change.step)},
+                   {"until", change.overlap ? Json(to_string(change.overlap->until)) : Json()},
                    {"subject", ca.subject()},
                    {"not_after", to_string(ca.not_after())},
                    {"sha256", to_hex(ca.fingerprint())},
@@ -145,8 +208,7 @@ Report report_of(const std::string& role, const pki::Certificate& ca, const Foll
                    {"revoked", followed.revoked},
                    {"unlogged", followed.unlogged},
                    {"elsewhere", elsewhere}};
-  report.text = fmt::format("{} CA is {} with a new key now; {} signed anew\n", role, ca.subject(),
-                            counted(followed.again.size(), "folder"));
+  report.text = summary(role, change, followed.again.size());
   for (const auto& name : followed.again) report.text += fmt::format("  {}\n", name);
   for (const auto& name : followed.revoked)
     report.text += fmt::format("revoked and left out: {}\n", name);
@@ -155,16 +217,99 @@ Report report_of(const std::string& role, const pki::Certificate& ca, const Foll
   add_left(followed, report);
   for (const auto& name : elsewhere)
     report.errors.emplace_back(Code::participant_elsewhere, ErrorDetails{.found = name});
-  report.text +=
-      "Every participant must start again with the new files: old ones and new ones do not meet.\n";
-  if (role == "permissions")
+  report.text += next_step(role, change.step, given);
+  if (role == "permissions" && change.step == Step::replace)
     report.text += "A signed document that lies elsewhere is still the old CA's: sign it again.\n";
+  return report;
+}
+
+Result<Step> step_of(const Arguments& arguments) {
+  const std::vector<std::pair<std::string_view, Step>> kOptions = {
+      {"--overlap", Step::begin}, {"--move", Step::move}, {"--end", Step::end}};
+  auto step = Step::replace;
+  for (const auto& [option, meaning] : kOptions) {
+    if (!arguments.has(option)) continue;
+    if (step != Step::replace)
+      return fail(Code::usage, {.field = std::string(option),
+                                .note = "give one of --overlap, --move and --end"});
+    step = meaning;
+  }
+  if (arguments.has("--when-due") && step != Step::end)
+    return fail(Code::usage, {.field = "--when-due", .note = "it belongs to --end"});
+  return step;
+}
+
+// The successor is in place already, and its file has both.
+Result<Succession> on_the_way(const OpenCa& ca, Step step, const pki::Passphrase* passphrase) {
+  DDSSEC_ASSIGN_OR_RETURN(auto overlap, read_overlap(ca.paths));
+  if (!overlap) return fail(tool_code::no_overlap, {.document = ca.paths.certificate});
+  auto trust = step == Step::end ? overlap->next_only() : overlap->next_first();
+  return Succession{.old = ca,
+                    .ca = ca.authority,
+                    .trust_pem = std::move(trust),
+                    .passphrase = passphrase,
+                    .step = step,
+                    .overlap = std::move(overlap)};
+}
+
+// With a new key.
+Result<Succession> with_successor(const OpenCa& old, const Successor& successor, Step step,
+                                  const Arguments& arguments, const Context& context) {
+  Succession change{.old = old,
+                    .ca = successor.ca,
+                    .trust_pem = successor.trust_pem,
+                    .passphrase = nullptr,
+                    .step = step};
+  if (step == Step::replace) return change;
+  DDSSEC_ASSIGN_OR_RETURN(const auto overlap, read_overlap(old.paths));
+  if (overlap) return fail(tool_code::overlap_under_way, {.document = overlap_file(old.paths)});
+  DDSSEC_ASSIGN_OR_RETURN(const auto span_of_time, duration(arguments, "--overlap"));
+  const auto until = context.clock.now() + span_of_time;
+  DDSSEC_ASSIGN_OR_RETURN(auto next,
+                          pki::Certificate::bundle_from_pem(as_bytes(successor.trust_pem)));
+  DDSSEC_ASSIGN_OR_RETURN(const auto former, read_certificates(old.paths.certificate));
+  change.overlap = overlap_of(std::move(next), former, until);
+  change.trust_pem = change.overlap->former_first();
+  return change;
+}
+
+Report not_due(const std::string& role, const OpenCa& ca, const Overlap& overlap) {
+  return {.text = fmt::format("not due: the former {} CA ends on {}\n", role, date(overlap.until)),
+          .result = {{"role", role},
+                     {"step", "not due"},
+                     {"until", to_string(overlap.until)},
+                     {"subject", ca.certificate().subject()},
+                     {"not_after", to_string(ca.certificate().not_after())},
+                     {"sha256", to_hex(ca.certificate().fingerprint())},
+                     {"folders", Json::array()},
+                     {"revoked", Json::array()},
+                     {"unlogged", Json::array()},
+                     {"elsewhere", Json::array()}}};
+}
+
+Result<Report> follow(const std::string& role, const Succession& change, const Arguments& arguments,
+                      const Context& context) {
+  const fs::path given = arguments.text("DIR");
+  DDSSEC_ASSIGN_OR_RETURN(const auto known, followers_of(arguments, given, context.clock.now()));
+  Replacement out;
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto followed, role == "identity" ? follow_identity_ca(out, change, known.here, context)
+                                        : follow_permissions_ca(out, change, known.here,
+                                                                shared_documents(given), context));
+  DDSSEC_ASSIGN_OR_RETURN(auto files, put_in_place(out, followed));
+  // If this fails, nothing is wrong: the former CA is not in the CA's file any more.
+  const bool is_over = change.step == Step::end || change.step == Step::replace;
+  std::error_code ignored;
+  if (is_over && !writes_nothing()) fs::remove(overlap_file(change.old.paths), ignored);
+  auto report = report_of(role, change, followed, known.elsewhere, given.string());
+  report.files_written = std::move(files);
   return report;
 }
 
 Result<Report> ca_rotate(const Arguments& arguments, const Context& context) {
   const fs::path given = arguments.text("DIR");
   DDSSEC_ASSIGN_OR_RETURN(const auto role, one_role(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const auto step, step_of(arguments));
   DDSSEC_RETURN_IF_ERROR(check_no_other_kind(given));
   const auto now = context.clock.now();
   CaOpener opener(arguments);
@@ -172,48 +317,58 @@ Result<Report> ca_rotate(const Arguments& arguments, const Context& context) {
   if (const auto log = ca_paths(given, "identity"); is_there(log.certificate))
     DDSSEC_RETURN_IF_ERROR(check_list_date(now, log, arguments));
   if (old.authority.key().in_token()) return fail(Code::key_in_token, {.document = old.paths.key});
-  DDSSEC_ASSIGN_OR_RETURN(const auto known, followers_of(arguments, given, now));
+  if (step == Step::move || step == Step::end) {
+    DDSSEC_ASSIGN_OR_RETURN(auto change, on_the_way(old, step, opener.used_passphrase()));
+    if (arguments.has("--when-due") && now < change.overlap->until)
+      return not_due(role, old, *change.overlap);
+    change.takes_unlogged = arguments.has("--unlogged");
+    return follow(role, change, arguments, context);
+  }
+  DDSSEC_RETURN_IF_ERROR(
+      followers_of(arguments, given, now));  // before a CA above has logged a successor
   DDSSEC_ASSIGN_OR_RETURN(const auto successor,
                           successor_of(old.certificate(), arguments, context));
-  const auto& [ca, trust] = successor;
-  const Succession change{old, ca, trust, opener.used_passphrase(), arguments.has("--unlogged")};
-  Replacement out;
-  DDSSEC_ASSIGN_OR_RETURN(
-      auto followed, role == "identity" ? follow_identity_ca(out, change, known.here, context)
-                                        : follow_permissions_ca(out, change, known.here,
-                                                                shared_documents(given), context));
-  DDSSEC_ASSIGN_OR_RETURN(auto files, put_in_place(out, followed));
-  auto report = report_of(role, ca.certificate(), followed, known.elsewhere);
-  report.files_written = std::move(files);
-  return report;
+  DDSSEC_ASSIGN_OR_RETURN(auto change, with_successor(old, successor, step, arguments, context));
+  change.passphrase = opener.used_passphrase();
+  change.takes_unlogged = arguments.has("--unlogged");
+  return follow(role, change, arguments, context);
 }
 
 }  // namespace
 
 std::vector<Command> ca_rotate_commands() {
-  return {{.group = "ca",
-           .name = "rotate",
-           .summary = "Replaces a CA and its key; issues or signs everything of it anew.",
-           .positionals = {{"DIR", "the CA's folder, or one with both"},
-                           {"DIRS",
-                            "the participants' folders; without any, all that the identity CA's "
-                            "log knows",
-                            true, true}},
-           .options = {{.name = "--role",
-                        .value = "ROLE",
-                        .summary = "identity or permissions",
-                        .required = true},
-                       {"--issuer", "DIR", "the CA above, for an intermediate one"},
-                       kClockIsRight,
-                       {"--unlogged", "",
-                        "also certificates and documents that the CA's log does not have; after a "
-                        "key was stolen, never without reading them"},
-                       kPassphraseFile,
-                       kPassphraseEnv,
-                       kInsecureKeyMode},
-           .examples = {"ddssec ca rotate ca --role permissions",
-                        "ddssec ca rotate ca talker listener --role identity"},
-           .run = ca_rotate}};
+  return {
+      {.group = "ca",
+       .name = "rotate",
+       .summary = "Replaces a CA and its key; issues or signs everything of it anew.",
+       .positionals = {{"DIR", "the CA's folder, or one with both"},
+                       {"DIRS",
+                        "the participants' folders; without any, all that the identity CA's "
+                        "log knows",
+                        true, true}},
+       .options = {{.name = "--role",
+                    .value = "ROLE",
+                    .summary = "identity or permissions",
+                    .required = true},
+                   {"--overlap", "TIME",
+                    "first only add a successor that counts beside it for this time: 30d"},
+                   {"--move", "", "then give the participants what the successor issues or signs"},
+                   {"--end", "",
+                    "then let the successor count alone, and move those that have "
+                    "not moved"},
+                   {"--when-due", "", "with --end: only if the time of --overlap is over"},
+                   {"--issuer", "DIR", "the CA above, for an intermediate one"},
+                   kClockIsRight,
+                   {"--unlogged", "",
+                    "also certificates and documents that the CA's log does not have; after a "
+                    "key was stolen, never without reading them"},
+                   kPassphraseFile,
+                   kPassphraseEnv,
+                   kInsecureKeyMode},
+       .examples = {"ddssec ca rotate ca --role permissions",
+                    "ddssec ca rotate ca --role identity --overlap 30d",
+                    "ddssec ca rotate ca talker listener --role identity"},
+       .run = ca_rotate}};
 }
 
 }  // namespace ddssec::cli

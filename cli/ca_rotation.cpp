@@ -17,17 +17,30 @@ namespace {
 namespace fs = std::filesystem;
 using Links = Replacement::Links;
 
+/// The former CA may end that much later than planned.
+constexpr int kListDaysAfterOverlap = 90;
+
 bool is_file_or_link(const fs::path& path) {
   std::error_code ignored;
   return fs::symlink_status(path, ignored).type() > fs::file_type::not_found;
 }
 
+Status put_key_of_ca(Replacement& out, const Succession& change) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto pem, change.ca.key().to_pem(change.passphrase));
+  return pem.expose([&](BytesView octets) {
+    return out.put(change.old.paths.key, octets, 0600, Links::replaced);
+  });
+}
+
 Status put_ca(Replacement& out, const Succession& change) {
   const auto& paths = change.old.paths;
-  DDSSEC_ASSIGN_OR_RETURN(const auto pem, change.ca.key().to_pem(change.passphrase));
-  DDSSEC_RETURN_IF_ERROR(pem.expose(
-      [&](BytesView octets) { return out.put(paths.key, octets, 0600, Links::replaced); }));
-  return out.put(paths.certificate, as_bytes(change.trust_pem), 0644, Links::replaced);
+  const bool is_begin = change.step == Step::begin;
+  if (change.step == Step::move) return {};
+  if (is_begin || change.step == Step::replace) DDSSEC_RETURN_IF_ERROR(put_key_of_ca(out, change));
+  const auto trust = is_begin ? change.overlap->next_first() : change.trust_pem;
+  DDSSEC_RETURN_IF_ERROR(out.put(paths.certificate, as_bytes(trust), 0644, Links::replaced));
+  if (!is_begin) return {};
+  return out.put_public(overlap_file(paths), overlap_text(*change.overlap));
 }
 
 /// Signs the documents of the old CA with the new one.
@@ -52,6 +65,7 @@ class SignerAnew {
     return out_.put(file, octets, 0644);
   }
 
+  WallTime now() const { return context_.clock.now(); }
   const std::string& lines() const { return lines_; }
   const std::vector<std::string>& unlogged() const { return unlogged_; }
 
@@ -81,7 +95,9 @@ Status put_if_there(Replacement& out, const fs::path& file, const std::string& t
 Status check_of_old_ca(const Follower& follower, const pki::Certificate& certificate,
                        const Succession& change, const pki::IssueLog& log) {
   const auto& before = change.old.certificate();
-  if (certificate.is_issued_by(before) || is_logged(certificate, log)) return {};
+  const auto is_issuer = [&](const auto& ca) { return certificate.is_issued_by(ca); };
+  if (is_issuer(before) || is_logged(certificate, log)) return {};
+  if (change.overlap && std::ranges::any_of(change.overlap->former, is_issuer)) return {};
   return fail(Code::issuer_unknown,
               {.document = follower.files.certificate,
                .expected = "one that the old CA, " + before.subject() + ", issued",
@@ -233,6 +249,17 @@ Status sign_documents_of(const Follower& follower, const std::vector<fs::path>& 
   return {};
 }
 
+/// It has moved already, or does not move in this step.
+bool keeps_documents(const Follower& follower, const Succession& change, WallTime now) {
+  if (change.step == Step::replace) return false;
+  if (change.step == Step::begin) return true;
+  const auto& own = change.ca.certificate().pem();
+  const auto is_of_next = [&](const fs::path& file) {
+    return !is_file_or_link(file) || is_signed_by(file, own, now);
+  };
+  return is_of_next(follower.files.permissions) && is_of_next(follower.files.governance);
+}
+
 Result<Followed> follow_with(Replacement& out, SignerAnew& signer, const Succession& change,
                              const std::vector<Follower>& followers,
                              const std::vector<fs::path>& shared) {
@@ -240,7 +267,8 @@ Result<Followed> follow_with(Replacement& out, SignerAnew& signer, const Success
   Following following(out, followed);
   for (const auto& follower : followers)
     DDSSEC_RETURN_IF_ERROR(following.add(follower, [&]() -> Status {
-      DDSSEC_RETURN_IF_ERROR(sign_documents_of(follower, shared, signer, followed));
+      if (!keeps_documents(follower, change, signer.now()))
+        DDSSEC_RETURN_IF_ERROR(sign_documents_of(follower, shared, signer, followed));
       return put_if_there(out, follower.files.permissions_ca, change.trust_pem);
     }));
   DDSSEC_RETURN_IF_ERROR(following.check());
@@ -258,7 +286,8 @@ Result<Followed> follow_permissions_ca(Replacement& out, const Succession& chang
   DDSSEC_ASSIGN_OR_RETURN(const auto log, read_signing_log(change.old.paths));
   SignerAnew signer(out, change, log, context);
   DDSSEC_RETURN_IF_ERROR(put_ca(out, change));
-  for (const auto& file : shared) {
+  const bool is_first_step = change.step == Step::replace || change.step == Step::begin;
+  for (const auto& file : is_first_step ? shared : std::vector<fs::path>()) {
     DDSSEC_ASSIGN_OR_RETURN(const auto document, signer.read(file));
     DDSSEC_RETURN_IF_ERROR(signer.sign(file, document));
   }
@@ -304,29 +333,63 @@ struct Reissue {
   const pki::IssueLog& log;
   const pki::Crl& crl;
   const std::vector<pki::Certificate>& trusted;  ///< the certificates of change.trust_pem
+  const std::vector<pki::Crl>& lists_of_former;  ///< in an overlap
   const Context& context;
 
-  // The line for the log.
+  // Only what the follower trusts.
+  Status put_trust(Replacement& out, const Follower& follower,
+                   const pki::Certificate& certificate) const {
+    const auto& files = follower.files;
+    DDSSEC_RETURN_IF_ERROR(put_if_there(out, files.identity_ca, change.trust_pem));
+    if (!is_to_be_replaced(files.crl)) return {};
+    // With the old list alone no peer of the new CA would be accepted, and the other way round.
+    return put_list(out, files.crl,
+                    {crl, change.ca.certificate(), "", &certificate, trusted, context.clock.now(),
+                     lists_of_former});
+  }
+
+  // The line for the log; none if the certificate stays.
   Result<std::string> put(Replacement& out, const Follower& follower,
                           const pki::Certificate& certificate) const {
     const auto& files = follower.files;
     const auto now = context.clock.now();
     DDSSEC_RETURN_IF_ERROR(check_of_old_ca(follower, certificate, change, log));
+    const bool has_moved = certificate.is_issued_by(change.ca.certificate());
+    if (change.step == Step::begin || has_moved) {
+      DDSSEC_RETURN_IF_ERROR(put_trust(out, follower, certificate));
+      return std::string();
+    }
     DDSSEC_RETURN_IF_ERROR(check_follows(follower, certificate, change, log));
     DDSSEC_ASSIGN_OR_RETURN(
         const auto again,
         change.ca.reissue(certificate, {now - kBackdated, certificate.not_after()},
                           context.random));
     DDSSEC_RETURN_IF_ERROR(out.put_public(files.certificate, again.pem()));
-    DDSSEC_RETURN_IF_ERROR(put_if_there(out, files.identity_ca, change.trust_pem));
-    if (is_to_be_replaced(files.crl))  // with the old list no peer would be accepted
-      DDSSEC_RETURN_IF_ERROR(
-          put_list(out, files.crl, {crl, change.ca.certificate(), "", &again, trusted, now}));
+    DDSSEC_RETURN_IF_ERROR(put_trust(out, follower, again));
     std::error_code ignored;
     return pki::IssueLog::issued_line(
         again, fs::absolute(files.folder, ignored).lexically_normal().string(), now);
   }
 };
+
+std::string to_pem(const std::vector<pki::Crl>& lists) {
+  std::string out;
+  for (const auto& list : lists) out += list.pem();
+  return out;
+}
+
+/// The former CA's key is replaced when the overlap begins: its last list is valid for longer.
+Result<std::vector<pki::Crl>> lists_beside(const Succession& change, const pki::IssueLog& log,
+                                           const Context& context) {
+  if (change.step == Step::move) return lists_of_former(change.old.paths, *change.overlap);
+  if (change.step != Step::begin) return std::vector<pki::Crl>();
+  const auto now = context.clock.now();
+  const auto days = std::chrono::ceil<std::chrono::days>(change.overlap->until - now);
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto last,
+      next_crl(change.old, log, now, static_cast<int>(days.count()) + kListDaysAfterOverlap));
+  return std::vector{last};
+}
 
 }  // namespace
 
@@ -338,13 +401,14 @@ Result<Followed> follow_identity_ca(Replacement& out, const Succession& change,
   DDSSEC_ASSIGN_OR_RETURN(
       const auto crl, routine_crl({paths, change.ca, change.trust_pem}, log, context.clock.now()));
   DDSSEC_RETURN_IF_ERROR(put_ca(out, change));
-  DDSSEC_RETURN_IF_ERROR(out.put_public(paths.crl, crl.pem()));
+  DDSSEC_ASSIGN_OR_RETURN(const auto of_former, lists_beside(change, log, context));
+  DDSSEC_RETURN_IF_ERROR(out.put_public(paths.crl, crl.pem() + to_pem(of_former)));
   Followed followed;
   std::string lines;
   DDSSEC_ASSIGN_OR_RETURN(const auto trusted,
                           pki::Certificate::bundle_from_pem(as_bytes(change.trust_pem)));
   DDSSEC_ASSIGN_OR_RETURN(const auto listed, crl.revoked());
-  const Reissue reissue{change, log, crl, trusted, context};
+  const Reissue reissue{change, log, crl, trusted, of_former, context};
   Following following(out, followed);
   for (const auto& follower : followers) {
     std::string revoked;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cli/ca_folder.hpp"
+#include "cli/ca_overlap.hpp"
 #include "cli/command.hpp"
 #include "cli/transaction.hpp"
 #include "pki/participant_folder.hpp"
@@ -21,13 +22,23 @@ struct Follower {
   bool is_named = false;  ///< named on the command line, so it may have been moved
 };
 
+/// One step of a rotation.
+enum class Step : std::uint8_t {
+  replace,  ///< the CA, and everything of it, at once
+  begin,    ///< of an overlap: the CA gets its successor, participants accept both
+  move,     ///< participants get certificates and documents of the successor, and accept both
+  end,      ///< the same for those that have not moved, and all accept the successor alone
+};
+
 /// The replaced CA and its successor.
 struct Succession {
-  const OpenCa& old;
+  const OpenCa& old;  ///< from Step::move on the successor itself, whose file has both
   const pki::Authority& ca;
-  std::string trust_pem;              ///< the certificates of `ca` for participants
+  std::string trust_pem;              ///< the CA file of the followers
   const pki::Passphrase* passphrase;  ///< of the new key; null: it is not encrypted
   bool takes_unlogged = false;        ///< also handle what the old CA's log does not contain
+  Step step = Step::replace;
+  std::optional<Overlap> overlap = {};  ///< for every step but Step::replace
 };
 
 /// The result for each follower, by name.
@@ -56,7 +67,8 @@ pki::Validity life_like(const pki::Certificate& old, WallTime now);
 Result<pki::Authority> new_root(const pki::Certificate& old, const std::string& subject,
                                 const Context& context);
 
-/// Drafts the new permissions CA, and signs every document of the followers and of `shared` anew;
+/// Drafts the new permissions CA, and signs every document of the followers and of `shared` anew
+/// (those of the followers only if the step asks for it);
 /// then writes the log. Signs only documents that the old CA signed and that its log contains,
 /// because the old key may be stolen. A follower with any other document is left unchanged. The
 /// caller holds the CA's lock (lock_records). Errors: those of document_of() for a shared document;
@@ -79,11 +91,11 @@ Result<Followed> follow_present_permissions_ca(Replacement& out, const Successio
                                                const Context& context);
 
 /// Drafts the new identity CA with its revocation list, and the followers' certificates with the
-/// same subject, key and end; then writes the log. Issues a certificate only if the log contains
-/// the old one with this serial number and SHA-256 and for this folder, because the old key may be
-/// stolen. A revoked participant gets none. The caller holds the CA's lock (lock_records). Errors:
-/// the first of `doubtful` (issuer_unknown: a certificate that the old CA did not issue) and
-/// `unwritten` if nothing is left to issue; those of Authority::reissue.
+/// same subject, key and end, if the step asks for them; then writes the log. Issues a certificate
+/// only if the log contains the old one with this serial number and SHA-256 and for this folder,
+/// because the old key may be stolen. A revoked participant gets none. The caller holds the CA's
+/// lock (lock_records). Errors: the first of `doubtful` (issuer_unknown: a certificate that the old
+/// CA did not issue) and `unwritten` if nothing is left to issue; those of Authority::reissue.
 Result<Followed> follow_identity_ca(Replacement& out, const Succession& change,
                                     const std::vector<Follower>& followers, const Context& context);
 

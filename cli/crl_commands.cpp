@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "cli/ca_folder.hpp"
+#include "cli/ca_overlap.hpp"
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/held_folder.hpp"
@@ -95,7 +96,8 @@ Result<Report> crl_new(const Arguments& arguments, const Context& context) {
   for (const auto& given : arguments.all("--from")) more.push_back(list_at(given));
   DDSSEC_ASSIGN_OR_RETURN(const auto crl, next_crl(ca, log, now, days, more, date));
   Replacement out;
-  DDSSEC_RETURN_IF_ERROR(out.put_public(ca.paths.crl, crl.pem()));
+  DDSSEC_ASSIGN_OR_RETURN(const auto lists, file_of_lists(ca.paths, crl));
+  DDSSEC_RETURN_IF_ERROR(out.put_public(ca.paths.crl, lists));
   DDSSEC_ASSIGN_OR_RETURN(const auto revoked, crl.revoked());
   const auto count = revoked.size();
   Report report;

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "cli/ca_overlap.hpp"
 #include "cli/documents.hpp"
 #include "cli/drop_in.hpp"
 #include "cli/fleet.hpp"
@@ -103,7 +104,9 @@ Result<Cas> open_cas(const Arguments& arguments, bool with_permissions, WallTime
     DDSSEC_ASSIGN_OR_RETURN(out.permissions, opener.open("permissions"));
   }
   DDSSEC_ASSIGN_OR_RETURN(out.list, list_for_newcomers(out.identity.paths, now));
-  if (out.list) out.crl = out.list->pem();
+  if (out.list) {
+    DDSSEC_ASSIGN_OR_RETURN(out.crl, file_of_lists(out.identity.paths, *out.list));
+  }
   return out;
 }
 
@@ -322,8 +325,8 @@ Status add_permissions(const Job& job, const pki::Certificate& certificate, Comp
   const auto paths = ca_paths(job.arguments.text("--ca"), "permissions");
   if (!job.spec.has_permissions()) {
     if (!is_there(job.files.permissions) && job.governance.empty()) return {};
-    DDSSEC_ASSIGN_OR_RETURN(const auto certificates, read_certificates(paths.certificate));
-    const auto trust = to_pem(certificates);
+    DDSSEC_ASSIGN_OR_RETURN(auto certificates, read_certificates(paths.certificate));
+    const auto trust = to_pem(std::move(certificates));
     return out.add(job.files.permissions_ca, as_bytes(trust), 0644, true);
   }
   if (is_there(job.files.permissions))
@@ -354,7 +357,10 @@ Result<Report> complete_folder(Job& job) {
   if (!job.governance.empty())
     DDSSEC_RETURN_IF_ERROR(out.add(job.files.governance, job.governance, 0644, true));
   DDSSEC_ASSIGN_OR_RETURN(const auto crl, list_for_newcomers(paths, job.context.clock.now()));
-  if (crl) DDSSEC_RETURN_IF_ERROR(out.add(job.files.crl, as_bytes(crl->pem()), 0644, false));
+  if (crl) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto lists, file_of_lists(paths, *crl));
+    DDSSEC_RETURN_IF_ERROR(out.add(job.files.crl, as_bytes(lists), 0644, false));
+  }
   DDSSEC_ASSIGN_OR_RETURN(const auto missing_files,
                           missing_configuration_files(job.files, job.spec.dropin));
   for (const auto& [name, text] : missing_files)

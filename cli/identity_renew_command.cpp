@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "base/text.hpp"
+#include "cli/ca_overlap.hpp"
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/held_folder.hpp"
@@ -109,6 +110,7 @@ Result<governance::Permissions> put_extended(Replacement& out, const pki::Partic
                                              const Arguments& arguments, const Context& context) {
   const auto now = context.clock.now();
   DDSSEC_RETURN_IF_ERROR(check_same_ca(files, ca));
+  DDSSEC_RETURN_IF_ERROR(check_moved(ca.paths, files.permissions, now));
   DDSSEC_ASSIGN_OR_RETURN(const auto old,
                           permissions_in(files, ca.paths.certificate, renewed, now));
   DDSSEC_RETURN_IF_ERROR(check_not_ended(old, files, arguments));

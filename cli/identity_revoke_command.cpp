@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "base/tool_code.hpp"
+#include "cli/ca_overlap.hpp"
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
@@ -249,7 +251,8 @@ Result<Report> identity_revoke(const Arguments& arguments, const Context& contex
   const auto lines = log_lines(what, log.revocations());
   DDSSEC_ASSIGN_OR_RETURN(const auto crl, next_crl(ca, log, now, days));
   Replacement out;
-  DDSSEC_RETURN_IF_ERROR(out.put_public(ca.paths.crl, crl.pem()));
+  DDSSEC_ASSIGN_OR_RETURN(const auto lists, file_of_lists(ca.paths, crl));
+  DDSSEC_RETURN_IF_ERROR(out.put_public(ca.paths.crl, lists));
   DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   // The log comes first: if the machine stops here, the next list is made from it.
   if (!lines.empty()) DDSSEC_RETURN_IF_ERROR(log_issued(ca.paths, lines));
@@ -265,6 +268,13 @@ Result<Report> identity_revoke(const Arguments& arguments, const Context& contex
                             number_text(crl), date(*crl.next_update()), what.in_words(),
                             same_key_text(what, arguments.text("--ca")) + next);
   report.text += about_clock(crl, now, arguments.text("--ca"));
+  // A participant that has moved may still have its former certificate, too.
+  DDSSEC_ASSIGN_OR_RETURN(const auto overlap, read_overlap(ca.paths));
+  if (overlap) {
+    report.errors.emplace_back(tool_code::revoked_after_overlap,
+                               ErrorDetails{.document = ca.paths.certificate});
+    report.exit = Exit::no;
+  }
   DDSSEC_ASSIGN_OR_RETURN(report.files_written, out.commit());
   return report;
 }

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "base/tool_code.hpp"
+#include "cli/ca_overlap.hpp"
 #include "cli/documents.hpp"
 #include "cli/held_folder.hpp"
 #include "cli/participant_places.hpp"
@@ -96,6 +98,10 @@ Status check_issuer(const pki::Certificate& certificate, const OpenCa& ca, const
   if (certificate.issuer() != ca.certificate().subject())
     return other_issuer(certificate, ca.certificate(), path,
                         "name the folder of the CA that issued it: --ca DIR");
+  DDSSEC_ASSIGN_OR_RETURN(const auto overlap, read_overlap(ca.paths));
+  const auto is_issuer = [&](const auto& one) { return certificate.is_issued_by(one); };
+  if (overlap && std::ranges::any_of(overlap->former, is_issuer))
+    return fail(tool_code::not_moved_yet, {.document = path});
   auto error = other_issuer(certificate, ca.certificate(), path,
                             "issue the participant again: ddssec identity issue --replace; or name "
                             "the folder of the CA that issued it: --ca DIR");

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "cli/ca_overlap.hpp"
 #include "cli/keystore.hpp"
 #include "cli/logged_certificate.hpp"
 
@@ -41,9 +42,11 @@ bool is_same_certificate(const fs::path& path, const pki::Certificate& certifica
 enum class Issuer : std::uint8_t { present, before_rotation, other };
 
 // An unreadable certificate counts as the CA's: the command that works on the folder reports it.
-Issuer issuer_in(const fs::path& folder, const pki::Certificate& ca, const pki::IssueLog& log) {
+Issuer issuer_in(const fs::path& folder, const std::vector<pki::Certificate>& cas,
+                 const pki::IssueLog& log) {
   const auto certificate = read_certificate(folder / "cert.pem");
-  if (!certificate || certificate->is_issued_by(ca)) return Issuer::present;
+  const auto is_issuer = [&](const auto& ca) { return certificate->is_issued_by(ca); };
+  if (!certificate || std::ranges::any_of(cas, is_issuer)) return Issuer::present;
   return is_logged(*certificate, log) ? Issuer::before_rotation : Issuer::other;
 }
 
@@ -127,6 +130,10 @@ Result<ParticipantPlaces> participant_places(const CaPaths& ca, const pki::Issue
   ParticipantPlaces out;
   if (log.issued().empty() && ca.log.filename() != "identity_ca.issued.jsonl") return out;
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(ca.certificate));
+  std::vector<pki::Certificate> cas{certificate};
+  // A participant that has not moved accepts those that have, and needs their list.
+  DDSSEC_ASSIGN_OR_RETURN(const auto overlap, read_overlap(ca));
+  if (overlap) cas.insert(cas.end(), overlap->former.begin(), overlap->former.end());
   const LoggedFolders folders(ca, log);
   std::set<fs::path> seen;
   for (const auto& logged : log.places()) {
@@ -138,7 +145,7 @@ Result<ParticipantPlaces> participant_places(const CaPaths& ca, const pki::Issue
     } else if (!is_here) {
       out.elsewhere.push_back(logged);
     } else if (seen.insert(folder).second) {
-      add_here(folder, issuer_in(folder, certificate, log), out);
+      add_here(folder, issuer_in(folder, cas, log), out);
       const bool is_outside = folders.keystore() && !folders.is_inside(folder);
       if (is_outside && !out.here.empty() && out.here.back() == folder)
         out.outside.push_back(folder);

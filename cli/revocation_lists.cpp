@@ -299,6 +299,12 @@ Status check_follows(const fs::path& file, const pki::Crl& former, const ListFor
   return {};
 }
 
+bool is_replaced_by_one_of(const pki::Crl& former, const std::vector<pki::Crl>& lists,
+                           const std::vector<pki::Certificate>& cas) {
+  return std::ranges::any_of(
+      lists, [&](const auto& list) { return pki::have_common_signer(list, former, cas); });
+}
+
 // By the key: another trusted CA may have the same name.
 bool is_of_issuer(const pki::Crl& list, const ListForFolder& what) {
   const auto is_by = [&](const pki::Certificate& ca) {
@@ -325,13 +331,16 @@ Status put_own_first(std::vector<pki::Crl>& lists, const fs::path& file,
 }  // namespace
 
 Status put_list(Replacement& out, const fs::path& file, const ListForFolder& what) {
-  if (what.participant != nullptr && !is_under(*what.participant, what))
+  const bool is_trusted = std::ranges::find(what.trusted, what.ca) != what.trusted.end();
+  if (what.participant != nullptr && !is_trusted && !is_under(*what.participant, what))
     return fail(Code::issuer_unknown, {.document = file.parent_path() / "cert.pem",
                                        .expected = "one that " + what.ca.subject() + " issued",
                                        .found = "one of " + what.participant->issuer()});
   std::vector<pki::Crl> lists{what.list};
+  lists.insert(lists.end(), what.beside.begin(), what.beside.end());
   DDSSEC_ASSIGN_OR_RETURN(const auto former_lists, lists_to_replace(file));
   for (const auto& former : former_lists) {
+    if (is_replaced_by_one_of(former, what.beside, what.trusted)) continue;
     if (is_list_of(former, what.ca))
       DDSSEC_RETURN_IF_ERROR(check_follows(file, former, what));
     else if (is_signed_by_one_of(former, what.trusted))

@@ -80,6 +80,8 @@ struct ListForFolder {
   const pki::Certificate* participant;    ///< the certificate of the folder; null: not known
   std::vector<pki::Certificate> trusted;  ///< the participant's identity CAs
   WallTime now;
+  /// Lists of other CAs that are to be there too; of CAs among `trusted`.
+  std::vector<pki::Crl> beside = {};
 };
 
 /// Drafts a participant's crl.pem, in which the list replaces this CA's former one. Lists of other
@@ -90,9 +92,10 @@ struct ListForFolder {
 /// CA's lock (lock_records), or checks the CA's list once more afterwards, so that no newer list is
 /// lost.
 ///
-/// Errors: issuer_unknown if the CA is not above the participant; crl_older if the existing list is
-/// newer or contains more; crl_missing if there would be no list of the CA that issued the
-/// certificate, so that no peer would be authenticated; those of read_file and Replacement::put.
+/// Errors: issuer_unknown if the CA is not above the participant and not among those that it
+/// trusts; crl_older if the existing list is newer or contains more; crl_missing if there would be
+/// no list of the CA that issued the certificate, so that no peer would be authenticated; those of
+/// read_file and Replacement::put.
 Status put_list(Replacement& out, const std::filesystem::path& file, const ListForFolder& what);
 
 }  // namespace ddssec::cli

@@ -1,0 +1,161 @@
+#!/usr/bin/env python3
+"""ca rotate --overlap, --move and --end: a CA and its successor side by side."""
+
+import json
+import shutil
+
+from transcript import Transcript, main
+
+NOW = ("--now", "2026-11-21T00:00:00Z")
+ROLES = ("identity", "permissions")
+
+
+class Overlap(Transcript):
+    def setUp(self):
+        super().setUp()
+        self.run_program("init", "demo", "--participant", "talker", "--participant", "listener", *NOW)
+        self.root = {role: self.text(f"demo/ca/{role}/ca.pem") for role in ROLES}
+
+    def text(self, path):
+        return (self.at / path).read_text()
+
+    def rotate(self, role, *words, exit=0, at=NOW):
+        return self.json("ca", "rotate", "demo", *words, "--role", role, *at, exit=exit)["result"]
+
+    def both(self, *words):
+        for role in ROLES:
+            self.rotate(role, *words)
+
+    def certificates(self, path):
+        text = self.text(path)
+        return [part + "-----END CERTIFICATE-----\n" for part in text.split("-----END CERTIFICATE-----\n")[:-1]]
+
+    def talks(self, a, b, *vendors):
+        words = [word for vendor in vendors for word in ("--vendor", vendor)]
+        return self.json("check", a, b, *words, *NOW, exit=None)["exit"] == 0
+
+    def copy(self, name, as_name):
+        shutil.copytree(self.at / "demo" / name, self.at / as_name)
+        for file in (self.at / as_name).glob("*.xml"):
+            file.unlink()
+        return as_name
+
+    def test_the_successor_is_accepted_before_it_issues_anything(self):
+        certificate = self.text("demo/talker/cert.pem")
+        out = self.rotate("identity", "--overlap", "30d")
+        self.assertEqual((out["step"], out["until"]), ("begun", "2026-12-21T00:00:00Z"))
+        self.assertEqual(out["folders"], [str(self.at / "demo" / name) for name in ("talker", "listener")])
+        self.assertEqual(self.text("demo/talker/cert.pem"), certificate)
+        successor, former = self.certificates("demo/ca/identity/ca.pem")
+        self.assertEqual(former, self.root["identity"])
+        self.assertEqual(self.certificates("demo/talker/identity_ca.pem"), [former, successor])
+        self.openssl("verify", "-CAfile", "demo/ca/identity/ca.pem", "demo/talker/cert.pem")
+        self.assertTrue(self.talks("demo/talker", "demo/listener"))
+        self.assertEqual(self.files()["demo/ca/identity/ca.key.pem"], 0o600)
+        lists = self.json("crl", "show", "demo/talker", *NOW)["result"]
+        self.assertEqual(len(lists["others"]), 1, "a list of each key")
+
+    def test_both_cas_pass_from_one_to_the_other(self):
+        self.both("--overlap", "30d")
+        out = self.rotate("identity", "demo/talker", "--move")
+        self.assertEqual((out["step"], out["folders"]), ("moved", ["demo/talker"]))
+        self.rotate("permissions", "demo/talker", "--move")
+        for role in ROLES:
+            successor, former = self.certificates(f"demo/ca/{role}/ca.pem")
+            self.assertEqual(self.certificates(f"demo/talker/{role}_ca.pem"), [successor, former])
+            self.assertEqual(self.certificates(f"demo/listener/{role}_ca.pem"), [former, successor])
+        self.json("governance", "verify", "demo/talker/governance.p7s", "--ca", "demo/talker/permissions_ca.pem", *NOW)
+        self.assertTrue(self.talks("demo/talker", "demo/listener"), "one moved, the other not")
+        self.both("--end")
+        for role in ROLES:
+            self.assertEqual(len(self.certificates(f"demo/ca/{role}/ca.pem")), 1)
+            for name in ("talker", "listener"):
+                self.assertEqual(self.text(f"demo/{name}/{role}_ca.pem"), self.text(f"demo/ca/{role}/ca.pem"))
+        self.assertEqual([path for path in self.files() if "overlap" in path], [])
+        self.assertTrue(self.talks("demo/talker", "demo/listener"))
+        self.assertEqual(self.json("crl", "show", "demo/talker", *NOW)["result"]["others"], [])
+        self.json("doctor", "demo/listener", *NOW)
+
+    def test_check_says_who_would_lose_whom_at_each_step(self):
+        self.copy("talker", "old")
+        self.both("--overlap", "30d")
+        unmoved = self.copy("listener", "unmoved")
+        self.both("--move")
+        moved = "demo/talker"
+        for one, other, want in ((moved, unmoved, True), (unmoved, moved, True), ("old", unmoved, True),
+                                 ("old", moved, False)):
+            self.assertEqual(self.talks(one, other, "ddssec"), want, f"{one} {other}")
+        self.assertTrue(self.talks(moved, "demo/listener", "cyclonedds"))
+        self.assertTrue(self.talks("old", unmoved, "cyclonedds"))
+        self.assertFalse(self.talks(moved, unmoved, "cyclonedds"))
+        self.assertFalse(self.talks(moved, unmoved, "A=ddssec", "B=cyclonedds"))
+        self.both("--end")
+        self.assertFalse(self.talks(moved, unmoved, "ddssec"))
+        self.assertTrue(self.talks(moved, "demo/listener", "fastdds"))
+
+    def test_the_end_waits_for_its_date_and_moves_who_has_not_moved(self):
+        self.both("--overlap", "30d")
+        before = {path: self.text(path) for path in self.files()}
+        out = self.rotate("identity", "--end", "--when-due")
+        self.assertEqual((out["step"], out["folders"]), ("not due", []))
+        self.assertEqual({path: self.text(path) for path in self.files()}, before)
+        out = self.rotate("identity", "--end", "--when-due", at=("--now", "2026-12-21T00:00:00Z"))
+        self.assertEqual((out["step"], len(out["folders"])), ("ended", 2))
+        self.assertEqual(len(self.certificates("demo/ca/identity/ca.pem")), 1)
+
+    def test_who_comes_during_the_overlap_accepts_both(self):
+        self.both("--overlap", "30d")
+        self.run_program("identity", "issue", "radar", "--ca", "demo", "-o", "demo/radar", "--publish", "x",
+                         "--governance", "demo/governance.p7s", *NOW)
+        self.assertTrue(self.talks("demo/radar", "demo/listener"))
+        self.assertEqual(self.certificates("demo/radar/identity_ca.pem"), self.certificates("demo/ca/identity/ca.pem"))
+
+    def test_a_compromised_ca_still_ends_at_once(self):
+        self.both("--overlap", "30d")
+        for role in ROLES:
+            self.assertEqual(self.rotate(role)["step"], "replaced")
+            self.assertEqual(len(self.certificates(f"demo/talker/{role}_ca.pem")), 1)
+            self.assertNotIn(self.root[role], self.text(f"demo/ca/{role}/ca.pem"))
+        self.assertTrue(self.talks("demo/talker", "demo/listener"))
+        self.refused("no_overlap", 1, "ca", "rotate", "demo", "--role", "identity", "--move", *NOW)
+        self.both("--overlap", "30d")
+
+    def test_steps_out_of_order_are_refused(self):
+        for step in ("--move", "--end"):
+            self.refused("no_overlap", 1, "ca", "rotate", "demo", "--role", "identity", step, *NOW)
+        self.refused("usage", 2, "ca", "rotate", "demo", "--role", "identity", "--move", "--end", *NOW)
+        self.refused("usage", 2, "ca", "rotate", "demo", "--role", "identity", "--when-due", *NOW)
+        self.rotate("identity", "--overlap", "30d")
+        self.refused("overlap_under_way", 1, "ca", "rotate", "demo", "--role", "identity", "--overlap", "1d", *NOW)
+        record = self.at / "demo/ca/identity/ca.overlap.json"
+        self.assertEqual(sorted(json.loads(record.read_text())), ["former", "until"])
+        for text in ("nonsense", "[]", '{"until": "soon", "former": []}'):
+            record.write_text(text)
+            self.refused("overlap_unreadable", 1, "ca", "rotate", "demo", "--role", "identity", "--end", *NOW)
+
+    def test_a_participant_that_has_not_moved_is_not_renewed(self):
+        self.both("--overlap", "30d")
+        self.refused("not_moved_yet", 1, "identity", "renew", "demo/talker", "--ca", "demo", "--permissions", *NOW)
+        self.both("--move")
+        self.run_program("identity", "renew", "demo/talker", "--ca", "demo", "--permissions", *NOW)
+        self.assertTrue(self.talks("demo/talker", "demo/listener"))
+
+    def test_a_revocation_during_the_overlap_ends_with_it(self):
+        self.both("--overlap", "30d")
+        out = self.json("identity", "revoke", "demo/talker", "--ca", "demo", *NOW, exit=1)
+        self.assertEqual([d["id"] for d in out["diagnostics"]], ["revoked_after_overlap"])
+        self.json("crl", "distribute", "--ca", "demo", *NOW)
+        told = self.run_program("identity", "revoke", "demo/listener", "--ca", "demo", *NOW, exit=1).stderr
+        self.assertIn("warning[revoked_after_overlap]", told)
+        out = self.rotate("identity", "--end")
+        self.assertEqual(out["revoked"], [str(self.at / "demo" / name) for name in ("talker", "listener")])
+        self.assertFalse(self.talks("demo/talker", "demo/listener"))
+
+    def test_dry_run_writes_nothing(self):
+        before = {path: self.text(path) for path in self.files()}
+        self.rotate("identity", "--overlap", "30d", "--dry-run")
+        self.assertEqual({path: self.text(path) for path in self.files()}, before)
+
+
+if __name__ == "__main__":
+    main()
