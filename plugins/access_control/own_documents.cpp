@@ -87,9 +87,10 @@ void OwnDocuments::renew_authorities(const Renewal& now, std::vector<Error>& eve
       [&](const std::vector<pki::Certificate>& next) { return take_authorities(now, next); });
   if (!taken) events.push_back(taken.error());
   if (!taken || !*taken) return;
-  const auto& in_force = now.participant.basis()->ca->verifier().permissions_cas();
-  events.emplace_back(Code::permissions_ca_renewed, ErrorDetails{.document = authorities_.name(),
-                                                                 .found = pki::describe(in_force)});
+  const auto ca = now.participant.basis()->ca;
+  events.emplace_back(Code::permissions_ca_renewed,
+                      ErrorDetails{.document = authorities_.name(),
+                                   .found = pki::describe(ca->verifier().permissions_cas())});
 }
 
 Status OwnDocuments::take_authorities(const Renewal& now,

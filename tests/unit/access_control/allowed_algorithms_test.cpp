@@ -1,6 +1,7 @@
 // <allowed_crypto_algorithms>: whose keys and which handshakes a governance document refuses.
 #include "plugins/access_control/allowed_algorithms.hpp"
 
+#include "tests/support/temporary_folder.hpp"
 #include "tests/unit/access_control/fixture.hpp"
 
 namespace ddssec::access_control {
@@ -193,6 +194,48 @@ TEST_F(Algorithms, WithoutTheElementAllAreAllowed) {
   auto all = properties(signed_document(governance::to_xml(content)), open_permissions(kTalker));
   all[0].value = "data:," + own.own.certificate.pem();
   EXPECT_TRUE(plugin->validate_local_permissions(kLocalIdentity, 0, all));
+}
+
+/// The identity CAs are a file, which may be replaced.
+class AlgorithmsOfLaterCas : public Algorithms {
+ protected:
+  Result<spi::PermissionsHandle> local_with_file() {
+    auto content = protected_governance();
+    content.domain_rules[0].allowed_algorithms = allowed;
+    auto all = properties(signed_document(governance::to_xml(content)), open_permissions(kTalker));
+    all[0].value = "data:," + own_.own.certificate.pem();
+    all.back().value = "file:" + folder_.write("identity_ca.pem", own_.ca.certificate().pem());
+    return plugin->validate_local_permissions(kLocalIdentity, 0, all);
+  }
+  void put(const std::string& text) {
+    folder_.replace("identity_ca.pem", text);
+    clock.advance(5s);
+    plugin->expire();
+  }
+
+  const test::TemporaryFolder folder_;
+  const Party own_{kP256, kP256};
+};
+
+TEST_F(AlgorithmsOfLaterCas, CaThatCameLater_IsJudgedByItsKey) {
+  ASSERT_TRUE(local_with_file());
+  const Party rsa(kP256, kRsa2048, kListener), p384(kP256, kP384, kListener);
+  EXPECT_REFUSED(remote_of(rsa.own.certificate), trust_chain_algorithm_not_allowed);
+  put(own_.ca.certificate().pem() + rsa.ca.certificate().pem() + p384.ca.certificate().pem());
+  EXPECT_TRUE(remote_of(rsa.own.certificate));
+  EXPECT_REFUSED(remote_of(p384.own.certificate), trust_chain_algorithm_not_allowed);
+}
+
+// Authentication keeps the former CAs, too, and reports the file.
+TEST_F(AlgorithmsOfLaterCas, FileThatCannotBeUsed_ChangesNothing) {
+  ASSERT_TRUE(local_with_file());
+  const Party other(kP256, kP256, kListener);
+  log.events.clear();
+  put("nonsense");
+  put(other.ca.certificate().pem());
+  EXPECT_TRUE(log.events.empty());
+  const auto peer = pki::make_leaf(own_.ca, kListener);
+  EXPECT_TRUE(remote_of(peer.certificate));
 }
 
 }  // namespace
