@@ -9,6 +9,7 @@
 #include "base/text.hpp"
 #include "cli/ca_overlap.hpp"
 #include "cli/documents.hpp"
+#include "cli/extended_permissions.hpp"
 #include "cli/groups.hpp"
 #include "cli/held_folder.hpp"
 #include "cli/inputs.hpp"
@@ -18,8 +19,6 @@
 #include "cli/participant.hpp"
 #include "cli/signed_documents.hpp"
 #include "cli/transaction.hpp"
-#include "governance/grant.hpp"
-#include "governance/read.hpp"
 #include "governance/write.hpp"
 
 namespace ddssec::cli {
@@ -27,27 +26,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A participant's permissions that the CA signed.
-struct OldPermissions {
-  governance::Grant grant;  ///< the participant's own
-  bool has_ended;
-};
-
 // Only permissions that the permissions CA of --ca signed: the CA's certificate in the
 // participant's folder is controlled by the participant.
 Result<OldPermissions> permissions_in(const pki::ParticipantFolder& files, const fs::path& ca,
                                       const pki::Certificate& certificate, WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(const auto proof, verified(files.permissions, ca, now));
-  DDSSEC_ASSIGN_OR_RETURN(
-      const auto document,
-      named(governance::read_permissions(proof.content(), proof.first_line()), files.permissions));
-  const auto subject = pki::SubjectName::of(certificate);
-  const auto found = std::ranges::find_if(
-      document.grants, [&](const auto& grant) { return governance::is_for(grant, subject); });
-  if (found == document.grants.end())
-    return fail(Code::no_grant_for_subject,
-                {.document = files.permissions, .found = certificate.subject()});
-  return OldPermissions{*found, found->validity.not_after <= now};
+  return named(own_permissions(proof, certificate, now), files.permissions);
 }
 
 // Empty if --ca has an identity CA alone.
@@ -95,16 +79,6 @@ Status check_not_ended(const OldPermissions& old, const pki::ParticipantFolder& 
                        "anyway; without --permissions only the certificate is renewed"});
 }
 
-// Extends only the grant of this subject, and no other grant that its name may match.
-governance::Permissions extended(const OldPermissions& old, const pki::Certificate& certificate,
-                                 WallTime until) {
-  auto grant = old.grant;
-  grant.subject_name = certificate.subject();
-  grant.subject_is_expression = false;
-  grant.validity.not_after = until;
-  return {.grants = {std::move(grant)}};
-}
-
 Result<governance::Permissions> put_extended(Replacement& out, const pki::ParticipantFolder& files,
                                              const pki::Certificate& renewed, const OpenCa& ca,
                                              const Arguments& arguments, const Context& context) {
@@ -121,7 +95,7 @@ Result<governance::Permissions> put_extended(Replacement& out, const pki::Partic
   const auto plain = fs::path(files.permissions).replace_extension("xml");
   if (is_there(plain)) DDSSEC_RETURN_IF_ERROR(out.put_public(plain, xml));
   DDSSEC_RETURN_IF_ERROR(out.put(files.permissions, octets, 0644));
-  DDSSEC_RETURN_IF_ERROR(log_signed(ca, as_bytes(xml), files.permissions, now));
+  DDSSEC_RETURN_IF_ERROR(log_signed(ca, as_bytes(xml), files.permissions, now, old.text));
   return document;
 }
 

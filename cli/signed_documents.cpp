@@ -66,8 +66,10 @@ Status log_signed(const CaPaths& ca, std::string_view lines) {
   return append_lines(ca.signed_log, lines, ca.key);
 }
 
-Status log_signed(const OpenCa& ca, BytesView text, const fs::path& file, WallTime now) {
-  return log_signed(ca.paths, signed_line(ca.certificate(), text, file, now));
+Status log_signed(const OpenCa& ca, BytesView text, const fs::path& file, WallTime now,
+                  BytesView extended) {
+  return log_signed(ca.paths, pki::SigningLog::signed_line(text, ca.certificate(),
+                                                           logged_path(file), now, extended));
 }
 
 Result<pki::SigningLog> read_signing_log(const CaPaths& ca) {

@@ -18,9 +18,10 @@ std::string signed_line(const pki::Certificate& ca, BytesView text,
 /// Appends whole lines to the CA's log. The last step before files are put in place. Errors:
 /// interrupted, length_out_of_range, those of append_lines.
 Status log_signed(const CaPaths& ca, std::string_view lines);
-/// The same for one document.
-Status log_signed(const OpenCa& ca, BytesView text, const std::filesystem::path& file,
-                  WallTime now);
+/// The same for one document. `extended`: the text that it says again for a longer time, if there
+/// is one (SigningLog::signed_line).
+Status log_signed(const OpenCa& ca, BytesView text, const std::filesystem::path& file, WallTime now,
+                  BytesView extended = {});
 
 /// The log of what the CA signed; empty if it has no log. Unreadable lines become notices
 /// (notice_unreadable_lines). Errors: those of read_file.

@@ -53,6 +53,8 @@ bool SigningLog::add_line(std::string_view line) {
   if (document.size() != kDigits || ca.size() != kDigits) return false;
   signed_.insert(entry(ca, document));
   files_of_[document].push_back(file);
+  if (auto old = member(object, "extends"); old.size() == kDigits)
+    extends_[document] = std::move(old);
   last_in_[file] = document;
   return true;
 }
@@ -60,6 +62,19 @@ bool SigningLog::add_line(std::string_view line) {
 bool SigningLog::is_last_of(const std::string& file, BytesView text) const {
   const auto found = last_in_.find(file);
   return found != last_in_.end() && found->second == document_digest(text);
+}
+
+// Two texts may extend each other, by hand; so the steps are counted.
+bool SigningLog::is_current_in(const std::string& file, const std::string& document) const {
+  auto at = last_in_.find(file);
+  if (at == last_in_.end()) return false;
+  const auto* text = &at->second;
+  for (std::size_t steps = 0; steps <= extends_.size() && *text != document; ++steps) {
+    const auto older = extends_.find(*text);
+    if (older == extends_.end()) return false;
+    text = &older->second;
+  }
+  return *text == document;
 }
 
 // A new CA that signs the same text again supersedes nothing: the old document is used until the
@@ -71,17 +86,18 @@ SigningLog::Standing SigningLog::standing(BytesView text, const Certificate& ca)
   });
   if (!is_signed) return Standing::unknown;
   const bool is_current = std::ranges::any_of(
-      files_of_.at(document), [&](const auto& file) { return last_in_.at(file) == document; });
+      files_of_.at(document), [&](const auto& file) { return is_current_in(file, document); });
   return is_current ? Standing::current : Standing::superseded;
 }
 
 std::string SigningLog::signed_line(BytesView text, const Certificate& ca, std::string_view file,
-                                    WallTime now) {
-  const LogJson object = {{"event", "signed"},
-                          {"time", to_string(now)},
-                          {"sha256", document_digest(text)},
-                          {"ca", key_digest(ca)},
-                          {"file", file}};
+                                    WallTime now, BytesView extended) {
+  LogJson object = {{"event", "signed"},
+                    {"time", to_string(now)},
+                    {"sha256", document_digest(text)},
+                    {"ca", key_digest(ca)},
+                    {"file", file}};
+  if (!extended.empty()) object["extends"] = document_digest(extended);
   return object.dump(-1, ' ', false, LogJson::error_handler_t::replace) + "\n";
 }
 

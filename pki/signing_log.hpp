@@ -26,7 +26,8 @@ class SigningLog {
   enum class Standing : std::uint8_t {
     unknown,     ///< not signed by this CA, by this log
     superseded,  ///< signed, but another text took its place in every file
-    current,     ///< the last text that was signed for a file, by this CA or by one that followed
+    current,     ///< the last text that was signed for a file, by this CA or by one that followed,
+                 ///< or one that this text extends
   };
 
   /// Parses the log; an empty text is an empty log. A last line without line end is skipped,
@@ -41,16 +42,20 @@ class SigningLog {
   /// The numbers, from 1, of the lines that could not be read.
   const std::vector<int>& unreadable() const { return unreadable_; }
 
-  /// The line, with its end, for a document that `ca` signed for a file.
+  /// The line, with its end, for a document that `ca` signed for a file. `extended`: the text that
+  /// it extends, if it says the same for a longer time. That one stays current, because a command
+  /// may be killed before the new one is in place.
   static std::string signed_line(BytesView text, const Certificate& ca, std::string_view file,
-                                 WallTime now);
+                                 WallTime now, BytesView extended = {});
 
  private:
   bool add_line(std::string_view line);
+  bool is_current_in(const std::string& file, const std::string& document) const;
 
   std::unordered_set<std::string> signed_;  ///< "key_digest() of the CA, document_digest()"
   std::unordered_map<std::string, std::vector<std::string>> files_of_;  ///< by document_digest()
   std::unordered_map<std::string, std::string> last_in_;  ///< by file: the last document_digest()
+  std::unordered_map<std::string, std::string> extends_;  ///< document_digest() of both
   std::vector<int> unreadable_;
 };
 

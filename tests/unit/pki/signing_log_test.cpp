@@ -48,6 +48,33 @@ TEST(SigningLog, ACaThatSignsTheSameTextAnewSupersedesNothing) {
   EXPECT_EQ(later.standing(as_bytes("b"), old.certificate()), Standing::unknown);
 }
 
+TEST(SigningLog, Extension_NotYetInPlace_LeavesTheExtendedTextCurrent) {
+  const auto ca = make_ca();
+  const auto& c = ca.certificate();
+  const auto extension = [&](std::string_view text, std::string_view old) {
+    return SigningLog::signed_line(as_bytes(text), c, "/p", WallTime(), as_bytes(old));
+  };
+  const auto text =
+      line("wide", c, "/p") + line("a", c, "/p") + extension("b", "a\r") + extension("c", "b");
+  const auto log = SigningLog::parse(as_bytes(text));
+  EXPECT_EQ(log.standing(as_bytes("wide"), c), Standing::superseded);
+  for (const auto* one : {"a", "b", "c"})
+    EXPECT_EQ(log.standing(as_bytes(one), c), Standing::current) << one;
+  const auto narrower = SigningLog::parse(as_bytes(text + line("d", c, "/p")));
+  for (const auto* one : {"wide", "a", "b", "c"})
+    EXPECT_EQ(narrower.standing(as_bytes(one), c), Standing::superseded) << one;
+}
+
+TEST(SigningLog, ExtensionsOfEachOther_AreReadToAnEnd) {
+  const auto ca = make_ca();
+  const auto& c = ca.certificate();
+  std::string text = line("x", c, "/p");
+  for (const auto& [next, old] : {std::pair("b", "a"), std::pair("a", "b")})
+    text += SigningLog::signed_line(as_bytes(std::string_view(next)), c, "/p", WallTime(),
+                                    as_bytes(std::string_view(old)));
+  EXPECT_EQ(SigningLog::parse(as_bytes(text)).standing(as_bytes("x"), c), Standing::superseded);
+}
+
 TEST(SigningLog, KnowsTheLastTextOfAFileWhicheverCaSignedIt) {
   const auto ca = make_ca();
   const auto& c = ca.certificate();

@@ -1,0 +1,29 @@
+// A participant's permissions with a later end, as a renewal signs them.
+#pragma once
+
+#include "base/bytes.hpp"
+#include "base/clock.hpp"
+#include "base/result.hpp"
+#include "governance/model.hpp"
+#include "pki/certificate.hpp"
+#include "pki/smime.hpp"
+
+namespace ddssec::cli {
+
+/// A participant's permissions that the CA signed.
+struct OldPermissions {
+  governance::Grant grant;  ///< the participant's own
+  bool has_ended;
+  Bytes text;  ///< of the whole document
+};
+
+/// The grant for the certificate's subject. Errors: no_grant_for_subject, those of
+/// governance::read_permissions.
+Result<OldPermissions> own_permissions(const pki::SignedDocument& document,
+                                       const pki::Certificate& certificate, WallTime now);
+
+/// A document with this one grant until `until`, and no other grant that its name may match.
+governance::Permissions extended(const OldPermissions& old, const pki::Certificate& certificate,
+                                 WallTime until);
+
+}  // namespace ddssec::cli
