@@ -115,10 +115,14 @@ int keep_owner(int file, int folder, const fs::path& target, unsigned mode) {
   const bool is_file =
       ::fstatat(folder, target.filename().c_str(), &former, AT_SYMLINK_NOFOLLOW) == 0 &&
       S_ISREG(former.st_mode);
-  if (::geteuid() != 0 || !is_file || ::fstat(file, &draft) != 0) return 0;
+  if (!is_file || ::fstat(file, &draft) != 0) return 0;
   if (draft.st_uid == former.st_uid && draft.st_gid == former.st_gid) return 0;
-  if (::fchown(file, former.st_uid, former.st_gid) == 0) return 0;
-  return (mode & 044) != 0 ? 0 : errno;  // files that everyone can read do not matter
+  const bool is_root = ::geteuid() == 0;
+  if (!is_root && draft.st_uid != former.st_uid) return 0;
+  if (::fchown(file, is_root ? former.st_uid : ~uid_t{}, former.st_gid) == 0) return 0;
+  // Files that everyone can read do not matter, nor does the group of one that it cannot read.
+  const bool matters = is_root ? (mode & 044) == 0 : (mode & 044) == 040;
+  return matters ? errno : 0;
 }
 
 }  // namespace ddssec::cli

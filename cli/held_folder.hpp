@@ -23,8 +23,9 @@ int folder_descriptor(const std::filesystem::path& folder);
 std::filesystem::path as_held(const std::filesystem::path& path);
 
 /// Keeps the owner of a replaced file: a key that only root could read would stop the participant.
-/// If root runs the command, the open `file` gets the owner and group of the target in `folder`.
-/// Returns 0, or errno for a file that must not be readable for everyone.
+/// If root runs the command, the open `file` gets the owner and group of the target in `folder`; if
+/// the owner runs it, the group. Returns 0, or errno for a file that must not be readable for
+/// everyone, or whose group must be able to read it.
 int keep_owner(int file, int folder, const std::filesystem::path& target, unsigned mode);
 
 }  // namespace ddssec::cli

@@ -5,6 +5,7 @@ import ctypes
 import fcntl
 import os
 import pathlib
+import shutil
 import struct
 import subprocess
 import threading
@@ -229,6 +230,16 @@ class Owners(Transcript):
             self.assertEqual(self.owners(), {(OTHER, OTHER)}, words)
         self.assertEqual((self.at / "demo/talker/key.pem").stat().st_mode & 0o777, 0o600)
         self.assertNotIn("DOC003", self.doctor())
+
+    def test_the_group_of_a_file_stays_when_its_owner_replaces_it(self):
+        for path in (self.at, *self.at.rglob("*")):
+            os.chown(path, OTHER, OTHER)
+        shutil.copy(PROGRAM, self.at / "ddssec")
+        certificate, group = self.at / "demo/talker/cert.pem", 12345
+        os.chown(certificate, OTHER, group)
+        subprocess.run([self.at / "ddssec", "identity", "renew", "demo/talker", "--ca", "demo", *NOW], cwd=self.at, check=True,
+                       capture_output=True, timeout=60, user=OTHER, group=OTHER, extra_groups=[group])
+        self.assertEqual((certificate.stat().st_uid, certificate.stat().st_gid), (OTHER, group))
 
     def test_doctor_names_a_key_that_the_folders_owner_cannot_read(self):
         os.chown(self.at / "demo/talker/key.pem", 0, 0)
