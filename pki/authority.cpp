@@ -241,18 +241,30 @@ Result<std::string> random_boundary(Random& random) {
 
 }  // namespace
 
-Result<std::string> make_request(const PrivateKey& key, std::string_view subject) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto name, make_name(subject));
+namespace {
+
+Result<std::string> request_for(const PrivateKey& key, const X509_NAME* name) {
   const RequestPtr request(X509_REQ_new());
   EVP_PKEY* pkey = key.impl().pkey.get();
   const BioPtr bio(BIO_new(BIO_s_mem()));
   if (!request || !bio || X509_REQ_set_version(request.get(), 0) != 1 ||
-      X509_REQ_set_subject_name(request.get(), name.get()) != 1 ||
+      X509_REQ_set_subject_name(request.get(), name) != 1 ||
       X509_REQ_set_pubkey(request.get(), pkey) != 1 ||
       X509_REQ_sign(request.get(), pkey, digest_of(key)) <= 0 ||
       PEM_write_bio_X509_REQ(bio.get(), request.get()) != 1)
     return openssl_failure(Code::internal);
   return bio_text(bio);
+}
+
+}  // namespace
+
+Result<std::string> make_request(const PrivateKey& key, std::string_view subject) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto name, make_name(subject));
+  return request_for(key, name.get());
+}
+
+Result<std::string> make_request(const PrivateKey& key, const Certificate& old) {
+  return request_for(key, X509_get_subject_name(old.impl().x509.get()));
 }
 
 Result<Credential> Authority::self_sign(const CertificateTemplate& content, PrivateKey key,

@@ -74,6 +74,10 @@ Result<RequestContent> read_request(BytesView request_pem);
 /// A PKCS#10 request in PEM for the public half of `key`. Errors: subject_name_malformed, internal.
 Result<std::string> make_request(const PrivateKey& key, std::string_view subject);
 
+/// The same for the certificate that follows `old`, with its subject octet for octet. The request
+/// has no extensions. Error: internal.
+Result<std::string> make_request(const PrivateKey& key, const Certificate& old);
+
 /// Signs `document` as multipart/signed with a text/plain header, SHA-256 (SHA-384 for P-384) and
 /// the signer's certificate included: the form that every vendor reads (`openssl smime -sign
 /// -text`). Line ends become CRLF. Errors: smime_malformed (a lone CR), smime_nul, random_failed,
