@@ -25,6 +25,7 @@ std::vector<Command> keystore_ca_commands();  ///< split-ca, rotate
 std::vector<Command> can_commands();
 std::vector<Command> check_commands();
 std::vector<Command> expiry_commands();
+std::vector<Command> agent_commands();
 std::vector<Command> doctor_commands();
 std::vector<Command> inspect_commands();
 std::vector<Command> explain_commands();

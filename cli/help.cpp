@@ -20,7 +20,7 @@ constexpr Section kSections[] = {
      "",
      {"doctor", "check", "can", "inspect", "expiry", "explain"}},
     {"certificate authorities", "ca"},
-    {"participants: keys and certificates", "identity"},
+    {"participants: keys and certificates", "identity", {"agent"}},
     {"revocation lists", "crl"},
     {"governance: what a domain protects", "governance"},
     {"permissions: who may use which topic", "permissions"},

@@ -157,7 +157,9 @@ std::string_view severity_word(Severity severity) {
 
 Exit exit_of(Code code) {
   if (code == tool_code::keystore_unseen) return Exit::unreadable;
-  if (code == tool_code::not_confirmed) return Exit::refused;
+  if (code == tool_code::not_confirmed || code == tool_code::folder_untrusted ||
+      code == tool_code::hook_unsafe)
+    return Exit::refused;
   switch (code) {
     case Code::usage:
     case Code::name_unusable:

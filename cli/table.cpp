@@ -61,6 +61,7 @@ const std::vector<Command>& commands() {
              can_commands(),
              check_commands(),
              expiry_commands(),
+             agent_commands(),
              doctor_commands(),
              inspect_commands(),
              explain_commands(),

@@ -114,6 +114,8 @@ class EveryCommand(Transcript):
         self.ask("completion", "fish")
         self.ask("man")
         self.ask("version")
+        self.ask("agent", "demo/talker", "--ca", "demo", "--once")
+        self.answers.append(self.json("agent", "demo/talker", "--ca", "demo", "--once", "--now", "2027-09-01"))
 
     def test_each_result_is_of_a_closed_schema(self):
         self.ask_certificates()

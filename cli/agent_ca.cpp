@@ -1,0 +1,151 @@
+#include "cli/agent_ca.hpp"
+
+#include <algorithm>
+
+#include "base/tool_code.hpp"
+#include "cli/agent_schedule.hpp"
+#include "cli/documents.hpp"
+#include "cli/extended_permissions.hpp"
+#include "cli/logged_certificate.hpp"
+#include "cli/participant.hpp"
+#include "cli/signed_documents.hpp"
+#include "governance/write.hpp"
+#include "pki/renewal_request.hpp"
+#include "pki/smime.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::seconds;
+
+// A short validity begins less early: else it would be over by two thirds when it is issued. As
+// long as the old one: that began earlier by the same rule.
+Result<pki::Validity> next_validity(const Arguments& arguments, const pki::Certificate& old,
+                                    WallTime now) {
+  if (arguments.has("--days")) return validity(arguments, now);
+  const auto span = lifetime(old);
+  const auto ahead = span >= 2 * kBackdated ? span - kBackdated : span * 8 / 9;
+  const auto backdated = ahead >= kBackdated ? seconds(kBackdated) : ahead / 8;
+  return pki::Validity{now - backdated, now + std::max(ahead, seconds(1))};
+}
+
+// Later in any case: a CA that ends soon would be asked again and again.
+Status check_later(const pki::Certificate& renewed, const pki::Certificate& old,
+                   const pki::Certificate& ca) {
+  if (renewed.not_after() > old.not_after()) return {};
+  return fail(Code::outlives_ca,
+              {.expected = "an end after " + to_string(old.not_after()),
+               .found = to_string(ca.not_after()) + ", the end of " + ca.subject(),
+               .hint = "give the CA a later end: ddssec ca renew"});
+}
+
+Result<pki::Certificate> issue(const RenewalRequest& request, const pki::Certificate& old,
+                               const OpenCa& ca, const Arguments& arguments,
+                               const Context& context) {
+  const auto now = context.clock.now();
+  DDSSEC_ASSIGN_OR_RETURN(const auto wanted, next_validity(arguments, old, now));
+  DDSSEC_ASSIGN_OR_RETURN(const auto life, within_ca(wanted, ca.certificate(), true));
+  DDSSEC_ASSIGN_OR_RETURN(const auto renewed, ca.authority.sign_request(as_bytes(request.request),
+                                                                        life, context.random));
+  DDSSEC_RETURN_IF_ERROR(check_later(renewed, old, ca.certificate()));
+  return renewed;
+}
+
+pki::RequestedKey key_of_request(const Arguments& arguments) {
+  return arguments.has("--rekey") ? pki::RequestedKey::any : pki::RequestedKey::same;
+}
+
+// The request comes from the participant, which must not get another name or, without --rekey,
+// another key.
+Status check_renewable(const RenewalRequest& request, const pki::Certificate& old,
+                       const fs::path& folder, const OpenCa& ca, const Arguments& arguments) {
+  const auto file = folder / "cert.pem";
+  DDSSEC_RETURN_IF_ERROR(
+      check_renewal_request(as_bytes(request.request), old, key_of_request(arguments)));
+  DDSSEC_RETURN_IF_ERROR(check_issuer(old, ca, file));
+  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(ca.paths));
+  const auto next = arguments.has("--rekey") ? NextKey::fresh : NextKey::same;
+  DDSSEC_RETURN_IF_ERROR(check_not_revoked(old, file, ca.paths, log, next));
+  return check_own(old, folder, ca.paths, log, {});
+}
+
+// A document that the CA has replaced since may give more. It would live on with each renewal.
+Status check_current(const pki::SignedDocument& document, const fs::path& file, const OpenCa& ca) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_signing_log(ca.paths));
+  const auto standing = log.standing(document.content(), document.signer());
+  if (standing == pki::SigningLog::Standing::current) return {};
+  const bool is_known = standing == pki::SigningLog::Standing::superseded;
+  return fail(
+      is_known ? tool_code::document_superseded : tool_code::document_unlogged,
+      {.document = file, .expected = "a document that " + ca.paths.signed_log.string() + " has"});
+}
+
+// Empty if the permissions in place last as long as the certificate.
+Result<Bytes> extended_by_ca(const Bytes& old_octets, const pki::Certificate& renewed,
+                             const fs::path& file, CaOpener& opener, const Context& context) {
+  const auto now = context.clock.now();
+  DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open("permissions"));
+  DDSSEC_ASSIGN_OR_RETURN(auto certificates, read_certificates(ca.paths.certificate));
+  DDSSEC_ASSIGN_OR_RETURN(const auto verifier,
+                          pki::DocumentVerifier::make(std::move(certificates)));
+  DDSSEC_ASSIGN_OR_RETURN(const auto document, named(verifier.verify(old_octets, now), file));
+  DDSSEC_ASSIGN_OR_RETURN(const auto old, named(own_permissions(document, renewed, now), file));
+  DDSSEC_RETURN_IF_ERROR(check_current(document, file, ca));
+  if (old.grant.validity.not_after >= renewed.not_after()) return Bytes();
+  if (old.has_ended)
+    return fail(
+        Code::grant_expired,
+        {.document = file,
+         .found = "an end on " + to_string(old.grant.validity.not_after),
+         .note = "rights that have ended are not given again unasked",
+         .hint = "ddssec identity renew --permissions --ended-permissions gives them again"});
+  const auto xml = to_xml(extended(old, renewed, renewed.not_after()));
+  DDSSEC_ASSIGN_OR_RETURN(auto out, sign_permissions(ca.authority, xml, now, context.random));
+  DDSSEC_RETURN_IF_ERROR(log_signed(ca, as_bytes(xml), file, now, old.text));
+  return out;
+}
+
+}  // namespace
+
+Result<RenewalAnswer> renew_by_ca(const RenewalRequest& request, const fs::path& folder,
+                                  const Arguments& arguments, const Context& context) {
+  CaOpener opener(arguments);
+  DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open("identity"));
+  DDSSEC_ASSIGN_OR_RETURN(const auto old,
+                          pki::Certificate::from_pem(as_bytes(request.certificate)));
+  DDSSEC_RETURN_IF_ERROR(check_renewable(request, old, folder, ca, arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const auto renewed, issue(request, old, ca, arguments, context));
+  std::error_code ignored;
+  const auto place = fs::absolute(folder, ignored).lexically_normal();
+  const auto home = place.has_filename() ? place : place.parent_path();
+  DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
+  DDSSEC_RETURN_IF_ERROR(log_issued(
+      ca.paths, pki::IssueLog::issued_line(renewed, home.string(), context.clock.now())));
+  RenewalAnswer out{renewed.pem()};
+  if (request.permissions.empty()) return out;
+  auto permissions =
+      extended_by_ca(request.permissions, renewed, home / "permissions.p7s", opener, context);
+  if (permissions)
+    out.permissions = *std::move(permissions);
+  else
+    out.problem = std::move(permissions).error();
+  return out;
+}
+
+Status check_asker(const RenewalRequest& request, const fs::path& trust, bool is_rekeying) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto old,
+                          pki::Certificate::from_pem(as_bytes(request.certificate)));
+  const auto key = is_rekeying ? pki::RequestedKey::any : pki::RequestedKey::same;
+  DDSSEC_RETURN_IF_ERROR(check_renewal_request(as_bytes(request.request), old, key));
+  if (trust.empty()) return {};
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificates, read_certificates(trust));
+  for (const auto& ca : certificates)
+    if (old.is_issued_by(ca)) return {};
+  return fail(Code::issuer_unknown,
+              {.document = trust,
+               .expected = "the certificate in the folder to be of a CA in this file",
+               .found = "one of " + old.issuer()});
+}
+
+}  // namespace ddssec::cli

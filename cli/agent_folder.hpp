@@ -1,0 +1,52 @@
+// A participant's folder as the agent uses it. The agent may run as root and the folder may be
+// another user's: so the process that reads and writes the folder becomes that user for good.
+#pragma once
+
+#include <filesystem>
+#include <sys/types.h>
+
+#include "base/result.hpp"
+
+namespace ddssec::cli {
+
+/// The user and the group of a folder.
+struct FolderOwner {
+  uid_t user;
+  gid_t group;
+};
+
+/// Success for an open folder of this user (for root: of any user) in which no other user may
+/// write. Errors: folder_untrusted; file_unreadable.
+Result<FolderOwner> check_folder(int descriptor, const std::filesystem::path& folder);
+
+/// If root runs this process: gives up its rights for those of the owner, with the owner's groups.
+/// There is no way back. Does nothing in a folder of root's. Error: internal.
+Status become(const FolderOwner& owner);
+
+/// Says to other agents that this one keeps a folder, as long as it lives: a locked file in it,
+/// which only the agent's user can open. It is removed at the end; if the process is killed, the
+/// file stays and its lock ends.
+class FolderLock {
+ public:
+  /// Errors: those of check_folder; file_unreadable, file_unwritable; agent_is_running.
+  static Result<FolderLock> take(const std::filesystem::path& folder);
+
+  /// False after the folder or the file in it was removed or replaced.
+  bool is_in_place(const std::filesystem::path& folder) const;
+  /// The open file: a process that has it keeps the lock.
+  int descriptor() const { return file_; }
+  const FolderOwner& owner() const { return owner_; }
+
+  ~FolderLock();
+  FolderLock(FolderLock&& other) noexcept;
+  FolderLock& operator=(FolderLock&& other) noexcept;
+
+ private:
+  FolderLock(int folder, int file, FolderOwner owner)
+      : folder_(folder), file_(file), owner_(owner) {}
+  int folder_;
+  int file_;
+  FolderOwner owner_;
+};
+
+}  // namespace ddssec::cli

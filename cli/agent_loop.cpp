@@ -1,0 +1,308 @@
+#include "cli/agent_loop.hpp"
+
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include "base/tool_code.hpp"
+#include "cli/agent_ca.hpp"
+#include "cli/agent_schedule.hpp"
+#include "cli/inputs.hpp"
+#include "cli/transaction.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+using End = ChildProcess::End;
+using std::chrono::seconds;
+using std::chrono::steady_clock;
+
+constexpr seconds kLongestRest{600};   // a folder may be changed by hand, and a clock be set
+constexpr seconds kTimeForFiles{60};   // a token, or another command that has locked the folder
+constexpr seconds kTimeForOwnCa{120};  // other commands may use the CA; each waits for 20 s
+
+std::unexpected<Error> worker_ended(End end) {
+  if (end == End::stopped) return fail(Code::interrupted);
+  return fail(Code::internal, {.field = "a process of the agent",
+                               .note = end == End::too_slow ? "it took too long" : "it has ended"});
+}
+
+Json error_line(const Error& error) { return {{"error", error_to_json(error)}}; }
+
+int send(int out, const Json& json) {
+  auto line = to_line(json) + '\n';
+  for (std::string_view rest = line; !rest.empty();) {
+    const auto written = ::write(out, rest.data(), rest.size());
+    if (written < 0 && errno != EINTR) return 1;
+    if (written > 0) rest.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return 0;
+}
+
+// Of a child, whose reads may wait: an interruption ends it.
+Result<std::string> receive(int in) {
+  std::string out;
+  std::array<char, 4096> part{};
+  while (out.size() <= kMaxAgentLine && !out.ends_with('\n')) {
+    const auto size = ::read(in, part.data(), part.size());
+    DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
+    if (size <= 0) return worker_ended(End::closed);
+    out.append(part.data(), static_cast<std::size_t>(size));
+  }
+  return out;
+}
+
+int work_in_folder(const AgentTask& task, const Context& context, int in, int out) {
+  const AskCa ask = [&](const RenewalRequest& request) -> Result<RenewalAnswer> {
+    if (send(out, to_json(request)) != 0) return worker_ended(End::closed);
+    DDSSEC_ASSIGN_OR_RETURN(const auto receive_value, receive(in));
+    DDSSEC_ASSIGN_OR_RETURN(auto json, json_from(receive_value));
+    return answer_from(std::move(json));
+  };
+  const auto event = tend_folder(task, ask, context);
+  return send(out, event ? *event : error_line(event.error()));
+}
+
+// Tried again with the same PIN or passphrase, it may lock the token.
+bool must_not_be_tried_again(Code code) {
+  return code == Code::pkcs11_pin_wrong || code == Code::passphrase_wrong;
+}
+
+// The members that an event may have: a process with another user's rights has sent it.
+Json known_members(const Json& event) {
+  constexpr std::size_t kMaxText = 4096, kMaxFiles = 8;
+  Json out = Json::object();
+  for (const auto* name : {"event", "subject", "serial", "not_after", "next", "sha256"})
+    if (event.contains(name)) out[name] = text_in(event, name).substr(0, kMaxText);
+  for (const auto* name : {"rekeyed", "permissions_extended"})
+    if (event.contains(name)) out[name] = event[name] == true;
+  if (event.contains("problem")) out["problem"] = error_to_json(error_from(event["problem"]));
+  if (!event.contains("files")) return out;
+  out["files"] = Json::array();
+  for (const auto& file : event["files"])
+    if (out["files"].size() < kMaxFiles && file.is_object())
+      out["files"].push_back({{"path", text_in(file, "path").substr(0, kMaxText)},
+                              {"mode", text_in(file, "mode").substr(0, kMaxText)},
+                              {"sha256", text_in(file, "sha256").substr(0, kMaxText)}});
+  return out;
+}
+
+Result<Json> event_from(const Json& json) {
+  if (json.contains("error")) return std::unexpected(error_from(json["error"]));
+  return known_members(json);
+}
+
+// Another user could ask for any name, with a certificate of their own in the folder.
+Status check_has_trust(const FolderOwner& owner, const Arguments& arguments,
+                       const std::filesystem::path& folder) {
+  const bool is_foreign = owner.user != ::geteuid();
+  ErrorDetails details{.document = folder, .found = fmt::format("a folder of user {}", owner.user)};
+  if (is_foreign && arguments.has("--rekey")) {
+    details.expected = "a folder of the agent's own user, with --rekey and a hook";
+    details.hint = "leave out --rekey: then a request shows that it comes from the present key";
+  } else if (is_foreign && !arguments.has("--trust")) {
+    details.expected = "--trust FILE, with a hook for folders of other users";
+    details.hint = "name the identity CA's certificate, in a file that only you can write";
+  } else {
+    return {};
+  }
+  return fail(tool_code::folder_untrusted, std::move(details));
+}
+
+std::vector<WrittenFile> files_from(const Json& event) {
+  std::vector<WrittenFile> out;
+  if (!event.contains("files")) return out;
+  for (const auto& file : event["files"])
+    out.push_back({.path = text_in(file, "path"),
+                   .mode = text_in(file, "mode"),
+                   .sha256 = text_in(file, "sha256")});
+  return out;
+}
+
+}  // namespace
+
+Agent::Agent(const Arguments& arguments, std::optional<Hook> hook, const Context& context)
+    : arguments_(arguments),
+      hook_(std::move(hook)),
+      context_(context),
+      events_(arguments.text("--format") == "json" ? AgentEvents::To::report
+                                                   : AgentEvents::To::standard_output,
+              context.clock) {
+  ::signal(SIGPIPE, SIG_IGN);
+  for (const auto& folder : arguments.all("FOLDERS"))
+    folders_.push_back({.task = {.folder = folder,
+                                 .is_rekeying = arguments.has("--rekey"),
+                                 .takes_permissions = arguments.has("--permissions"),
+                                 .is_dry_run = writes_nothing()}});
+}
+
+Json Agent::mode() const {
+  return {{"folders", folders_.size()}, {"by", hook_ ? "hook" : "ca"}, {"pid", ::getpid()}};
+}
+
+Report Agent::run_once() {
+  for (auto& folder : folders_)
+    if (!signals_.is_stopped()) tend(folder);
+  if (signals_.is_stopped()) errors_.emplace_back(Code::interrupted);
+  Report out{.exit = errors_.empty() ? Exit::done : exit_of(errors_.front().code()), .text = {}};
+  out.result = {{"events", events_.kept()}};
+  out.errors = std::move(errors_);
+  out.files_written = std::move(written_);
+  return out;
+}
+
+Report Agent::run() {
+  events_.report("started", mode());
+  while (!signals_.is_stopped()) {
+    if (signals_.take_reload()) look_at_all_now();
+    auto& folder = *std::ranges::min_element(folders_, {}, &Folder::next);
+    const auto rest = folder.next - context_.clock.since_boot();
+    if (rest.count() <= 0)
+      tend(folder);
+    else
+      signals_.wait(-1, 0, steady_clock::now() + std::min<Moment>(rest, seconds(60)), true);
+    errors_.clear();
+    written_.clear();
+  }
+  for (auto& folder : folders_) folder.lock.reset();
+  events_.report("stopped");
+  return {};
+}
+
+void Agent::look_at_all_now() {
+  for (auto& folder : folders_) {
+    folder.next = {};
+    folder.is_paused = false;
+  }
+}
+
+void Agent::tend(Folder& folder) {
+  auto event = try_to_tend(folder);
+  if (event) return note_success(folder, *std::move(event));
+  if (event.error().code() != Code::interrupted || !signals_.is_stopped())
+    note_failure(folder, event.error());
+}
+
+Result<Json> Agent::try_to_tend(Folder& folder) {
+  const auto& path = folder.task.folder;
+  if (folder.lock && !folder.lock->is_in_place(path)) folder.lock.reset();
+  if (!folder.lock && !folder.task.is_dry_run) {
+    DDSSEC_ASSIGN_OR_RETURN(folder.lock, FolderLock::take(path));
+  }
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto worker,
+      ChildProcess::start(
+          signals_, [&](int in, int out) { return work_in_folder(folder.task, context_, in, out); },
+          folder.lock ? folder.lock->descriptor() : -1));
+  return converse(folder, worker);
+}
+
+// The worker asks at most once. If the CA's answer is an error, the worker ends without an answer:
+// it has written nothing yet.
+Result<Json> Agent::converse(Folder& folder, ChildProcess& worker) {
+  std::string line;
+  const auto read = [&] {
+    return worker.read_line(line, kMaxAgentLine, steady_clock::now() + kTimeForFiles);
+  };
+  if (const auto end = read(); end != End::done) return worker_ended(end);
+  DDSSEC_ASSIGN_OR_RETURN(const auto json, json_from(line));
+  if (!json.contains("request")) return event_from(json);
+  DDSSEC_ASSIGN_OR_RETURN(const auto request, request_from(json));
+  folder.lifetime = std::max(seconds(1), request.lifetime);
+  DDSSEC_ASSIGN_OR_RETURN(const auto answer, ask_ca(folder, request));
+  const auto sent =
+      worker.write(to_line(to_json(answer)) + '\n', steady_clock::now() + kTimeForFiles);
+  if (sent != End::done) return worker_ended(sent);
+  if (const auto end = read(); end != End::done) return worker_ended(end);
+  DDSSEC_ASSIGN_OR_RETURN(auto json_value, json_from(line));
+  return event_from(std::move(json_value));
+}
+
+Result<RenewalAnswer> Agent::ask_ca(const Folder& folder, const RenewalRequest& request) {
+  if (!hook_) return ask_own_ca(folder, request);
+  DDSSEC_RETURN_IF_ERROR(check_has_trust(folder.lock->owner(), arguments_, folder.task.folder));
+  DDSSEC_RETURN_IF_ERROR(check_request(request));
+  DDSSEC_ASSIGN_OR_RETURN(const auto old,
+                          pki::Certificate::from_pem(as_bytes(request.certificate)));
+  std::error_code ignored;
+  const HookRequest asked{std::filesystem::absolute(folder.task.folder, ignored), old.subject(),
+                          request.request};
+  DDSSEC_ASSIGN_OR_RETURN(auto pem, run_hook(*hook_, asked, signals_));
+  return RenewalAnswer{std::move(pem)};
+}
+
+// What `work` returns, from a process of its own with the agent's rights.
+Result<Json> Agent::from_process(const std::function<Result<Json>()>& work) {
+  DDSSEC_ASSIGN_OR_RETURN(auto process, ChildProcess::start(signals_, [&](int, int out) {
+                            const auto result = work();
+                            return send(out, result ? *result : error_line(result.error()));
+                          }));
+  std::string line;
+  const auto end = process.read_line(line, kMaxAgentLine, steady_clock::now() + kTimeForOwnCa);
+  if (end != End::done) return worker_ended(end);
+  DDSSEC_ASSIGN_OR_RETURN(auto json, json_from(line));
+  if (json.contains("error")) return std::unexpected(error_from(json["error"]));
+  return json;
+}
+
+// The key of the CA is in that process alone.
+Result<RenewalAnswer> Agent::ask_own_ca(const Folder& folder, const RenewalRequest& request) {
+  DDSSEC_ASSIGN_OR_RETURN(auto process, from_process([&]() -> Result<Json> {
+                            DDSSEC_ASSIGN_OR_RETURN(
+                                const auto renew,
+                                renew_by_ca(request, folder.task.folder, arguments_, context_));
+                            return to_json(renew);
+                          }));
+  return answer_from(std::move(process));
+}
+
+Status Agent::check_request(const RenewalRequest& request) {
+  DDSSEC_RETURN_IF_ERROR(from_process([&]() -> Result<Json> {
+    DDSSEC_RETURN_IF_ERROR(
+        check_asker(request, arguments_.text("--trust"), arguments_.has("--rekey")));
+    return Json::object();
+  }));
+  return {};
+}
+
+void Agent::note_success(Folder& folder, Json event) {
+  const auto name = text_in(event, "event");
+  const auto next = time_from(text_in(event, "next"));
+  folder.failures = 0;
+  const auto now = context_.clock.now();
+  const auto rest = std::clamp(next.value_or(now) - now, seconds(1), kLongestRest);
+  folder.next = context_.clock.since_boot() + rest;
+  if (name == "renewed") {
+    folder.task.known = text_in(event, "sha256");
+    folder.task.known_renewal = next.value_or(now);
+    for (auto& file : files_from(event)) written_.push_back(std::move(file));
+  }
+  const bool is_news = name != "current" || folder.told != text_in(event, "serial");
+  folder.told = text_in(event, "serial");
+  if (event.contains("problem")) {
+    const auto problem = error_from(event["problem"]);
+    errors_.push_back(problem);
+    event["problem"] = event_members(problem);
+  }
+  event.erase("event");
+  if (is_news) events_.report(name, folder.task.folder, std::move(event));
+}
+
+void Agent::note_failure(Folder& folder, const Error& error) {
+  ++folder.failures;
+  folder.is_paused = must_not_be_tried_again(error.code());
+  std::array<std::uint8_t, 1> jitter{};
+  static_cast<void>(context_.random.fill(jitter));
+  const auto wait = retry_after(folder.failures, folder.lifetime, jitter[0]);
+  folder.next = folder.is_paused ? Moment::max() : context_.clock.since_boot() + wait;
+  auto members = event_members(error);
+  members["failures"] = folder.failures;
+  members["again_in"] = folder.is_paused ? Json() : Json(wait.count());
+  events_.report("failed", folder.task.folder, std::move(members));
+  errors_.push_back(error.in(folder.task.folder));
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,66 @@
+// The agent: looks after participants' folders, one after the other.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/agent_events.hpp"
+#include "cli/agent_folder.hpp"
+#include "cli/agent_hook.hpp"
+#include "cli/agent_messages.hpp"
+#include "cli/agent_participant.hpp"
+#include "cli/agent_process.hpp"
+#include "cli/command.hpp"
+
+namespace ddssec::cli {
+
+/// Renews what is due in some folders. For each of them a process with the rights of the folder's
+/// owner reads and writes the files (agent_participant.hpp), and another one with the agent's own
+/// rights asks the CA. The agent itself reads no file of a folder, and no key.
+class Agent {
+ public:
+  /// `hook` is empty for a CA of this machine (--ca).
+  Agent(const Arguments& arguments, std::optional<Hook> hook, const Context& context);
+
+  /// Looks at each folder once. The errors of those that failed are in the report.
+  Report run_once();
+  /// Goes on until SIGTERM or SIGINT. SIGHUP: looks at all folders now.
+  Report run();
+
+ private:
+  using Moment = std::chrono::nanoseconds;  ///< of Clock::since_boot
+  struct Folder {
+    AgentTask task;
+    std::optional<FolderLock> lock = {};
+    Moment next{0};
+    unsigned failures = 0;
+    std::chrono::seconds lifetime{std::chrono::days(1)};  ///< of its certificate
+    std::string told = {};  ///< the certificate that was reported as current
+    bool is_paused = false;
+  };
+
+  void tend(Folder& folder);
+  Result<Json> try_to_tend(Folder& folder);
+  Result<Json> converse(Folder& folder, ChildProcess& worker);
+  Result<RenewalAnswer> ask_ca(const Folder& folder, const RenewalRequest& request);
+  Result<RenewalAnswer> ask_own_ca(const Folder& folder, const RenewalRequest& request);
+  Status check_request(const RenewalRequest& request);
+  Result<Json> from_process(const std::function<Result<Json>()>& work);
+  void note_success(Folder& folder, Json event);
+  void note_failure(Folder& folder, const Error& error);
+  void look_at_all_now();
+  Json mode() const;
+
+  const Arguments& arguments_;
+  std::optional<Hook> hook_;
+  const Context& context_;
+  HeldSignals signals_;
+  AgentEvents events_;
+  std::vector<Folder> folders_;
+  std::vector<Error> errors_ = {};
+  std::vector<WrittenFile> written_ = {};
+};
+
+}  // namespace ddssec::cli

@@ -1,0 +1,40 @@
+// The agent's work in one participant's folder, done by a process that has the rights of the
+// folder's owner. It never sees a CA's key: another process asks the CA.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "cli/agent_messages.hpp"
+#include "cli/command.hpp"
+
+namespace ddssec::cli {
+
+/// What is to be done in a folder.
+struct AgentTask {
+  std::filesystem::path folder;
+  bool is_rekeying = false;
+  bool takes_permissions = false;  ///< they are to be extended, too
+  bool is_dry_run = false;
+  /// A certificate (SHA-256, hexadecimal) that the agent has put there, and when it is renewed: one
+  /// whose validity began long before it was issued would be renewed again at once.
+  std::string known = {};
+  WallTime known_renewal = {};
+};
+
+/// Asks the CA; the answer is not yet checked.
+using AskCa = std::function<Result<RenewalAnswer>(const RenewalRequest&)>;
+
+/// Renews the certificate in the folder if it is time. Gives up the rights of root first
+/// (agent_folder.hpp). The answer must have the participant's subject, octet for octet, and the
+/// requested key; it must chain to the folder's identity CA and be valid now, not be revoked by the
+/// folder's crl.pem, not begin earlier than the certificate in place, and end later. Files are
+/// replaced only after that, all or none, with their former owner and mode. The result is an event:
+///   {"event": "current" | "due" | "renewed", "subject", "not_after", "next", ...}
+/// Errors: folder_untrusted, key_in_token, key_mismatch, renewal_unfit, renewal_goes_back, those of
+/// `ask`, of ChainVerifier::verify and of Replacement.
+Result<Json> tend_folder(const AgentTask& task, const AskCa& ask, const Context& context);
+
+}  // namespace ddssec::cli

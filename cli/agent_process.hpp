@@ -1,0 +1,93 @@
+// The agent's child processes, with which it exchanges texts of bounded length in bounded time, and
+// the signals that reach it meanwhile.
+#pragma once
+
+#include <chrono>
+#include <csignal>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <sys/types.h>
+
+#include "base/result.hpp"
+
+namespace ddssec::cli {
+
+using Deadline = std::chrono::steady_clock::time_point;
+
+/// Holds back SIGTERM, SIGINT and SIGHUP as long as it lives, and takes them while it waits.
+class HeldSignals {
+ public:
+  HeldSignals();
+  ~HeldSignals();
+  HeldSignals(const HeldSignals&) = delete;
+  HeldSignals& operator=(const HeldSignals&) = delete;
+
+  /// The reason why a wait ended.
+  enum class Woken : std::uint8_t { ready, stop, time };
+  /// Waits until the file has one of the events (of poll; -1: no file), until SIGTERM or SIGINT
+  /// came at any time, or until the deadline. With `for_reload`, also until SIGHUP, as if that were
+  /// the deadline.
+  Woken wait(int file, short events, Deadline deadline, bool for_reload = false);
+
+  bool is_stopped() const { return is_stopped_; }
+  /// True once after each SIGHUP.
+  bool take_reload();
+  /// The mask of signals from before, for a child.
+  const sigset_t& former() const { return former_; }
+
+ private:
+  void take();
+  sigset_t former_{};
+  int file_ = -1;
+  bool is_stopped_ = false;
+  bool is_reload_ = false;
+};
+
+/// A child process. It is killed with its process group if it still runs when this is destroyed.
+class ChildProcess {
+ public:
+  /// What a child does; its process ends with the exit code. `in` and `out` are its ends of two
+  /// pipes.
+  using Body = std::function<int(int in, int out)>;
+  /// Starts one with its own process group and with /dev/null as standard input. Of the files that
+  /// are open, it has those pipes, standard output and error, and `kept` (-1: none). Error:
+  /// internal.
+  static Result<ChildProcess> start(HeldSignals& signals, const Body& body, int kept = -1);
+
+  /// The end of an exchange with a child.
+  enum class End : std::uint8_t { done, closed, too_long, too_slow, stopped };
+  /// Writes to the child's `in`. `closed`: the child does not read any more.
+  End write(std::string_view text, Deadline deadline);
+  /// No more comes to the child's `in`.
+  void end_input();
+  /// Reads up to the next line end, which is not part of `line`.
+  End read_line(std::string& line, std::size_t most, Deadline deadline);
+  /// Reads all until the child closes its `out`.
+  End read_all(std::string& text, std::size_t most, Deadline deadline);
+  /// Waits until the process has ended of its own accord; what it left running in its group is
+  /// killed.
+  End wait(Deadline deadline);
+  /// Ends the process with SIGTERM and, after two seconds, its whole group with SIGKILL.
+  void stop();
+  /// "exit code 3" or "signal 9"; empty for exit code 0, or if it runs.
+  std::string failure() const;
+
+  ~ChildProcess();
+  ChildProcess(ChildProcess&& other) noexcept;
+  ChildProcess& operator=(ChildProcess&&) = delete;
+
+ private:
+  ChildProcess(HeldSignals& signals, pid_t pid, int in, int out)
+      : signals_(signals), pid_(pid), in_(in), out_(out) {}
+  End fill(std::size_t most, Deadline deadline);
+  void end_group();
+  HeldSignals& signals_;
+  pid_t pid_;
+  int in_, out_;
+  std::string buffer_ = {};  ///< read, but not yet taken
+  std::optional<int> status_ = {};
+};
+
+}  // namespace ddssec::cli

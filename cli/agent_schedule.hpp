@@ -1,0 +1,25 @@
+// When the agent renews a certificate, and when it tries again after a failure.
+#pragma once
+
+#include <chrono>
+
+#include "base/clock.hpp"
+#include "pki/certificate.hpp"
+
+namespace ddssec::cli {
+
+/// Two thirds of the validity after its begin, and up to a twentieth of it later. That part depends
+/// on the certificate's octets, so that participants of one day are not all renewed in one moment,
+/// and every run of the agent computes the same time.
+WallTime renewal_time(const pki::Certificate& certificate);
+
+/// The time from notBefore to notAfter; at least one second.
+std::chrono::seconds lifetime(const pki::Certificate& certificate);
+
+/// The wait after so many failures in a row, from 1: about a sixtieth of the lifetime (1 s to 60
+/// s), then twice as long each time, and at most a twelfth of it (2 s to 1 h). `jitter`, a random
+/// octet, adds up to an eighth.
+std::chrono::seconds retry_after(unsigned failures, std::chrono::seconds lifetime,
+                                 std::uint8_t jitter);
+
+}  // namespace ddssec::cli

@@ -1,0 +1,86 @@
+#!/usr/bin/env python3
+"""The agent is killed at any moment: every file is old or new, and the next run does the work."""
+
+import os
+import random
+import shutil
+import signal
+import subprocess
+import time
+
+from agent_folders import AgentTest, Running, ShortLived
+from transcript import PROGRAM, library_path, main
+
+LIBRARY = PROGRAM.parent.parent / "lib/kill_at.so"
+KILLS = 25
+
+
+class Interrupted(AgentTest):
+    def is_well(self, *now):
+        self.run_program("doctor", "demo/talker", *now)
+        self.assertEqual(self.public_key(), self.openssl("pkey", "-in", self.talker / "key.pem", "-pubout"))
+
+    def everywhere(self, *words, owner=os.geteuid()):
+        """Each process of the agent counts its own writes: the one that keeps the folder, the one of the CA, and the agent
+        itself, which makes the lock."""
+        base = self.at.parent / (self.at.name + "-base")
+        subprocess.run(["cp", "-a", self.at, base], check=True)
+        self.addCleanup(shutil.rmtree, base, True)
+        number, killed = 0, True
+        while killed:
+            number += 1
+            shutil.rmtree(self.at / "demo")
+            subprocess.run(["cp", "-a", base / "demo", self.at / "demo"], check=True)
+            done = subprocess.run([PROGRAM, "agent", "demo/talker", "--once", *words, *self.LATER], cwd=self.at, text=True,
+                                  capture_output=True, timeout=60, check=False, stdin=subprocess.DEVNULL,
+                                  env={**os.environ, "LD_LIBRARY_PATH": library_path(), "LD_PRELOAD": str(LIBRARY),
+                                       "KILL_AT": str(number)})
+            killed = done.returncode != 0
+            self.assertEqual(killed, '"event":"renewed"' not in done.stdout, done.stdout)
+            again = self.once(*words, *self.LATER)
+            self.assertIn(again[0]["event"], ("renewed", "current"), f"{words} at {number}")
+            self.is_well("--now", "+301d")
+            self.assertEqual({p.stat().st_uid for p in self.talker.iterdir()}, {owner})
+            self.assertEqual([p.name for p in self.talker.iterdir() if p.name.endswith(".new") or ".ddssec" in p.name], [])
+        self.assertGreater(number, 3)
+        shutil.rmtree(base)
+        shutil.rmtree(self.at / "demo")
+        self.run_program("init", "demo")
+
+    def test_between_any_two_writes(self):
+        self.everywhere("--ca", "demo", "--permissions")
+        self.everywhere("--ca", "demo", "--rekey")
+        self.everywhere("--hook", self.signing_hook("-days", "600"), "--rekey")
+
+    def test_in_a_folder_of_another_user(self):
+        if os.geteuid() != 0:
+            self.skipTest("only root can make files of another user")
+        self.at.chmod(0o755)
+        for path in (self.talker, *self.talker.iterdir()):
+            os.chown(path, 65534, 65534)
+        self.everywhere("--ca", "demo", "--rekey", "--permissions", owner=65534)
+
+    def test_all_at_once_at_any_moment(self):
+        short = ShortLived(self.at, self.ca)
+        short.put_into(self.talker, 5)
+        hook = self.hook(short.script(5))
+        renewed = 0
+        for _ in range(KILLS):
+            agent = Running(self.at, "demo/talker", "--hook", hook, "--rekey")
+            time.sleep(random.uniform(0.05, 2.5))
+            if random.random() < 0.5:
+                agent.kill_session()
+            agent.end(signal.SIGKILL)
+            renewed += len(agent.events("renewed"))
+            for name in ("cert.pem", "key.pem"):
+                self.assertTrue((self.talker / name).read_text().endswith("-----\n"), name)
+        short.put_into(self.talker, 1)
+        agent = Running(self.at, "demo/talker", "--hook", self.hook(short.script(3600)), "--rekey")
+        agent.wait_for("renewed")
+        self.assertEqual(agent.end(), 0)
+        self.assertGreater(renewed, 0)
+        self.is_well()
+
+
+if __name__ == "__main__":
+    main()
