@@ -52,6 +52,9 @@ install(FILES ${packaging}/keeper/ddssec-keeper.sysusers DESTINATION lib/sysuser
         COMPONENT keeper EXCLUDE_FROM_ALL)
 install(FILES ${packaging}/keeper/ddssec-keeper.default DESTINATION ../etc/default RENAME ddssec-keeper
         COMPONENT keeper EXCLUDE_FROM_ALL)
+install(FILES ${packaging}/agent/ddssec-agent.service DESTINATION lib/systemd/system COMPONENT tools EXCLUDE_FROM_ALL)
+install(FILES ${packaging}/agent/ddssec-agent.default DESTINATION ../etc/default RENAME ddssec-agent
+        COMPONENT tools EXCLUDE_FROM_ALL)
 install(FILES ${PROJECT_SOURCE_DIR}/programs/keeper/README.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/ddssec-keeper
         COMPONENT keeper EXCLUDE_FROM_ALL)
 
@@ -94,9 +97,15 @@ The program ddssec makes and renews certificates, writes, checks, compares and
 signs governance and permissions documents, and finds out why two participants
 do not talk. It reads and writes ROS 2 keystores.
 .
+`ddssec agent` renews certificates while participants run. Its sandboxed systemd
+service is neither enabled nor started when the package is installed: it needs
+folders and a CA first.
+.
 ddssec-peer and ddssec-shapes are test programs: they publish and subscribe,
 secured or not, with any DDS product.")
 set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS ddssec-plugins)
+set(CPACK_DEBIAN_TOOLS_PACKAGE_CONTROL_EXTRA
+    ${packaging}/agent/postinst ${packaging}/agent/prerm ${packaging}/agent/postrm ${packaging}/agent/conffiles)
 
 set(CPACK_COMPONENT_DEV_DESCRIPTION "embedded DDS participant with DDS-Security: development files
 Headers, static libraries, a CMake package and a pkg-config file for C++

@@ -7,7 +7,7 @@ die() { printf 'checks.sh: %s\n' "$*" >&2; exit 1; }
 step() { printf '\n== %s\n' "$*"; }
 
 step "install"
-rm -f /etc/default/ddssec-keeper /etc/dpkg/dpkg.cfg.d/*  # images of containers leave manual pages and more out
+rm -f /etc/default/ddssec-keeper /etc/default/ddssec-agent /etc/dpkg/dpkg.cfg.d/*  # images of containers leave manual pages and more out
 case "$1" in
   --dpkg) dpkg --install ddssec-*.deb >install.log 2>&1 || { cat install.log; die "dpkg --install"; } ;;
   --apt) apt-get install -y -qq --no-install-recommends /packages/ddssec-*.deb >install.log 2>&1 ||
@@ -88,6 +88,19 @@ install -d -m 0700 -o ddssec-keeper -g ddssec-keeper /var/lib/ddssec-keeper  # s
 cat keeper.log
 grep -q '^Keeping domain 0' keeper.log || die "the keeper did not start"
 [ "$(stat -c %a /var/lib/ddssec-keeper/samples)" = 600 ] || die "others can read the store"
+
+step "ddssec agent"
+unit=/usr/lib/systemd/system/ddssec-agent.service
+enabled=$(find /etc/systemd -name 'ddssec-agent*')
+[ -z "$enabled" ] || die "installing enabled the service: $enabled"
+if command -v systemd-analyze >/dev/null; then
+  SYSTEMD_LOG_LEVEL=warning systemd-analyze verify --man=no "$unit" 2>verify.log || { cat verify.log; die "systemd-analyze verify"; }
+  if grep ddssec-agent verify.log; then die "systemd-analyze verify names the unit"; fi
+  systemd-analyze security --offline=true --threshold=30 --no-pager "$unit" >security.log 2>&1 || { cat security.log; die "less sandboxed"; }
+  tail -n 1 security.log
+fi
+ddssec agent demo/talker --ca demo --permissions --once --now +300d | tee agent.log
+grep -q '"event":"renewed"' agent.log || die "nothing is renewed"
 
 step "ddssec-dev"
 if command -v cmake >/dev/null && command -v c++ >/dev/null; then

@@ -1,0 +1,82 @@
+#!/usr/bin/env python3
+"""The pod of docs/agent.md: its YAML is read, and its two commands are run as they stand there, on folders of this
+machine in place of the mounted ones. The systemd unit is checked by systemd-analyze, if there is one."""
+
+import pathlib
+import re
+import shlex
+import shutil
+import subprocess
+import unittest
+
+from agent_folders import AgentTest
+from transcript import DATA, PROGRAM, main
+
+SOURCE = DATA.parent.parent
+UNIT = SOURCE / "packaging/agent/ddssec-agent.service"
+
+
+class Page(AgentTest):
+    def pod(self):
+        try:
+            import yaml
+        except ImportError:
+            self.skipTest("no module yaml")
+        text, = re.findall(r"```yaml\n(.*?)```", (SOURCE / "docs/agent.md").read_text(), re.S)
+        return yaml.safe_load(text)
+
+    def here(self, text):
+        """The mounted folders as folders of this test."""
+        return re.sub(r"/(secret|identity|hook)\b(?=/| |$)", rf"{self.at}/\1", text)
+
+    def test_the_pod_renews_a_mounted_secret(self):
+        spec = self.pod()["spec"]
+        volumes = {volume["name"] for volume in spec["volumes"]}
+        for container in spec["initContainers"] + spec["containers"]:
+            self.assertLessEqual({mount["name"] for mount in container["volumeMounts"]}, volumes)
+        inside = self.at / "secret/..1"  # as kubelet makes it
+        inside.parent.mkdir()
+        shutil.copytree(self.talker, inside)
+        (self.at / "secret/..data").symlink_to("..1")
+        for file in inside.iterdir():
+            (self.at / "secret" / file.name).symlink_to(f"..data/{file.name}")
+        (self.at / "identity").mkdir()
+        shell, option, script = spec["initContainers"][0]["command"]
+        subprocess.run([shell, option, self.here(script)], check=True, timeout=60)
+        hook = pathlib.Path(self.signing_hook())
+        (self.at / "dir").mkdir()
+        hook.rename(self.at / "dir/ask-the-ca")
+        (self.at / "dir").rename(self.at / "hook")
+        agent, = [one for one in spec["containers"] if one["name"] == "agent"]
+        program, command, folder, *words = map(self.here, agent["command"])
+        self.assertEqual((program, command), ("ddssec", "agent"))
+        event, = self.once(*words, *self.LATER, folder=folder)
+        self.assertEqual(event["event"], "renewed")
+        shutil.rmtree(self.at / "secret")
+
+    @unittest.skipUnless(shutil.which("systemd-analyze"), "there is no systemd-analyze")
+    def test_the_unit_is_sound_and_sandboxed(self):
+        unit = self.at / UNIT.name
+        unit.write_text(UNIT.read_text().replace("/usr/bin/ddssec", str(PROGRAM)))
+        done = subprocess.run(["systemd-analyze", "verify", "--man=no", unit], text=True, capture_output=True, timeout=60,
+                              check=False)
+        self.assertNotIn(UNIT.name, done.stderr)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        done = subprocess.run(["systemd-analyze", "security", "--offline=true", "--threshold=30", "--no-pager", unit], text=True,
+                              capture_output=True, timeout=60, check=False)
+        self.assertEqual(done.returncode, 0, done.stdout[-300:])
+
+    def test_the_units_command_works_with_its_settings(self):
+        settings = (SOURCE / "packaging/agent/ddssec-agent.default").read_text()
+        given = dict(re.findall(r"(?m)^#(DDSSEC_\w+)=(.*)$", settings))
+        self.assertEqual(set(given), {"DDSSEC_AGENT_FOLDERS", "DDSSEC_AGENT_SOURCE", "DDSSEC_AGENT_OPTIONS"})
+        line, = re.findall(r"(?m)^ExecStart=/usr/bin/ddssec agent (.*)$", UNIT.read_text())
+        self.assertEqual(line, "$DDSSEC_AGENT_FOLDERS $DDSSEC_AGENT_SOURCE $DDSSEC_AGENT_OPTIONS")
+        for value in re.findall(r"(?m)^#DDSSEC_AGENT_SOURCE=(.*)$", settings):
+            words = shlex.split(shlex.split(value)[0])
+            done = self.run_program("agent", "nothing", *words, "--once", exit=3)
+            self.assertIn("file_not_found", done.stdout)
+
+
+if __name__ == "__main__":
+    main()
