@@ -87,9 +87,11 @@ void check_environment(const LoadedFolder& folder, const doctor::Settings& setti
               .hint = "correct the variable; file:// stands before an absolute path"});
 }
 
-void check_profiles_file(const LoadedFolder& folder, doctor::Diagnosis& out) {
-  const char* const file = std::getenv("FASTRTPS_DEFAULT_PROFILES_FILE");
-  if (file != nullptr && *file != '\0') doctor::check_profile_in_force(folder, file, out);
+void check_profiles_file(const LoadedFolder& folder, const doctor::Settings& settings,
+                         doctor::Diagnosis& out) {
+  const char* const file = std::getenv(doctor::profile_places(settings.lineup.fastdds).variable);
+  if (file != nullptr && *file != '\0') doctor::check_profile_in_force(folder, file, settings, out);
+  doctor::check_profile_of_working_directory(folder, settings, out);
 }
 
 /// As the plugins judge it when a participant is made.
@@ -187,7 +189,8 @@ void warn_of_unset_variable(const LoadedFolder& folder, const doctor::Settings& 
 
 void warn_of_unset_profiles_file(const LoadedFolder& folder, const doctor::Settings& settings,
                                  doctor::Diagnosis& out) {
-  const char* const set = std::getenv("FASTRTPS_DEFAULT_PROFILES_FILE");
+  const auto* const variable = doctor::profile_places(settings.lineup.fastdds).variable;
+  const char* const set = std::getenv(variable);
   const auto file = folder.paths.folder / "fastdds.xml";
   if ((set != nullptr && *set != '\0') || folder.paths.layout == pki::FolderLayout::sros2 ||
       !is_there(file))
@@ -196,13 +199,13 @@ void warn_of_unset_profiles_file(const LoadedFolder& folder, const doctor::Setti
   out.report({},
              {.rule = Rule::DOC101,
               .message = fmt::format(
-                  "FASTRTPS_DEFAULT_PROFILES_FILE is {} in this shell: a Fast DDS application "
-                  "that starts here runs WITHOUT security, unless it names the profile itself",
-                  set == nullptr ? "not set" : "empty"),
+                  "{} is {} in this shell: a Fast DDS application that starts here runs WITHOUT "
+                  "security, unless it names the profile itself",
+                  variable, set == nullptr ? "not set" : "empty"),
               .document = file,
-              .hint = "export FASTRTPS_DEFAULT_PROFILES_FILE=" +
-                      doctor::shell_word(fs::absolute(file, ignored).lexically_normal().string()) +
-                      " where the application starts",
+              .hint = fmt::format(
+                  "export {}={} where the application starts", variable,
+                  doctor::shell_word(fs::absolute(file, ignored).lexically_normal().string())),
               .vendors = {doctor::id(doctor::Vendor::fastdds, settings.lineup)},
               .severity = Severity::warning});
 }
@@ -255,7 +258,7 @@ doctor::Diagnosis diagnosis_beyond_folder(const LoadedFolder& folder,
   check_pre_shared_keys(folder, settings, out);
   check_key_limits(folder, settings, out);
   check_environment(folder, settings, out);
-  check_profiles_file(folder, out);
+  check_profiles_file(folder, settings, out);
   check_enforcement(folder, settings, out);
   return out;
 }

@@ -25,7 +25,7 @@ void warn_of_unset_variable(const governance::doctor::LoadedFolder& folder,
                             const governance::doctor::Settings& settings,
                             governance::doctor::Diagnosis& out);
 
-/// The same for FASTRTPS_DEFAULT_PROFILES_FILE and the folder's fastdds.xml.
+/// The same for the variable that names Fast DDS's profiles, and the folder's fastdds.xml.
 void warn_of_unset_profiles_file(const governance::doctor::LoadedFolder& folder,
                                  const governance::doctor::Settings& settings,
                                  governance::doctor::Diagnosis& out);

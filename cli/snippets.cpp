@@ -110,11 +110,13 @@ Result<std::vector<ConfigurationFile>> missing_configuration_files(
 }
 
 std::string configuration_lines(std::string_view name, const fs::path& folder) {
+  const auto fastdds = shell_word(whole_path(folder / kFastDdsFile));
   return fmt::format(
       "{} with Cyclone DDS: export CYCLONEDDS_URI={}\n"
-      "{} with Fast DDS:    export FASTRTPS_DEFAULT_PROFILES_FILE={}\n",
-      name, shell_word("file://" + whole_path(folder / kCycloneDdsFile)), name,
-      shell_word(whole_path(folder / kFastDdsFile)));
+      "{} with Fast DDS 2:  export FASTRTPS_DEFAULT_PROFILES_FILE={}\n"
+      "{} with Fast DDS 3:  export FASTDDS_DEFAULT_PROFILES_FILE={}\n",
+      name, shell_word("file://" + whole_path(folder / kCycloneDdsFile)), name, fastdds, name,
+      fastdds);
 }
 
 std::string cyclonedds_snippet(const pki::ParticipantFolder& folder, const fs::path& dropin) {

@@ -35,7 +35,8 @@ std::string configuration_lines(std::string_view name, const std::filesystem::pa
 std::string cyclonedds_snippet(const pki::ParticipantFolder& folder,
                                const std::filesystem::path& dropin = {});
 
-/// A Fast DDS profile file, for FASTRTPS_DEFAULT_PROFILES_FILE.
+/// A Fast DDS profile file, for FASTRTPS_DEFAULT_PROFILES_FILE (Fast DDS 3:
+/// FASTDDS_DEFAULT_PROFILES_FILE).
 std::string fastdds_snippet(const pki::ParticipantFolder& folder);
 
 /// Environment variables of ROS 2 for an enclave of a keystore.

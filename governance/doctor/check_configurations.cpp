@@ -1,5 +1,6 @@
 // Checks whether the configurations in a participant's folder name the files beside them.
 #include <algorithm>
+#include <cstdlib>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -22,6 +23,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMostOctets = 1024 * 1024;
+
+// Measured with Fast DDS 2.9.1: any value that begins with 1 counts.
+constexpr const char* kSkipVariable = "SKIP_DEFAULT_XML_FILE";
 
 std::string without_escapes(std::string_view text) {
   constexpr std::pair<std::string_view, char> kEscapes[] = {
@@ -107,15 +111,33 @@ std::vector<Named> named_by_cyclonedds(std::string_view text, const EffectiveSec
   return out;
 }
 
-std::vector<Named> named_by_fastdds(std::string_view text) {
+const Role* role_of_property(std::string_view name) {
+  const auto* const role =
+      std::ranges::find(kRoles, name.substr(name.rfind('.') + 1), &Role::property);
+  return name.starts_with("dds.sec.") && role != std::end(kRoles) ? role : nullptr;
+}
+
+// Everything that looks like a property, in any profile and in a text that is not well-formed.
+std::vector<Named> named_anywhere_by_fastdds(std::string_view text) {
   std::vector<Named> out;
   for (auto tag = find_tag(text, "name"); tag; tag = find_tag(tag->after, "name")) {
-    const auto name = content_of(tag->after);
     const auto value = find_tag(tag->after, "value");
-    if (!name.starts_with("dds.sec.") || !value) continue;
-    const auto* const role = std::ranges::find(
-        kRoles, std::string_view(name).substr(name.rfind('.') + 1), &Role::property);
-    if (role != std::end(kRoles)) out.push_back({role, content_of(value->after)});
+    const auto* const role = role_of_property(content_of(tag->after));
+    if (value && role != nullptr) out.push_back({role, content_of(value->after)});
+  }
+  return out;
+}
+
+// The values of the default profile, of which the last one counts.
+std::vector<Named> named_by_fastdds(std::string_view text) {
+  const auto properties = properties_of_profile(text);
+  if (!properties) return named_anywhere_by_fastdds(without_comments(text));
+  std::vector<Named> out;
+  for (const auto& [name, value] : *properties) {
+    const auto* const role = role_of_property(name);
+    if (role == nullptr) continue;
+    std::erase_if(out, [&](const Named& earlier) { return earlier.role == role; });
+    out.push_back({role, value});
   }
   return out;
 }
@@ -161,6 +183,12 @@ struct Configuration {
 
 bool has_scheme(std::string_view value) {
   return value.starts_with("file:") || value.starts_with("data:,") || value.starts_with("pkcs11:");
+}
+
+// Measured with Fast DDS 2.9.1: it takes neither "file:/a" nor "/a".
+bool has_fastdds_scheme(std::string_view value) {
+  return value.starts_with("file://") || value.starts_with("data:,") ||
+         value.starts_with("pkcs11:");
 }
 
 // Also for a file that exists and cannot be read.
@@ -215,6 +243,11 @@ void check_judged(const LoadedFolder& folder, const Configuration& configuration
     const auto& judged = paths.*(named.role->judged);
     if (!is_judged(named.value, judged, paths.folder))
       report(sentence(configuration, named, judged));
+    else if (configuration.is_fastdds && !has_fastdds_scheme(named.value))
+      report(
+          fmt::format("{} names {} as {}, and Fast DDS does not start without \"file://\" before "
+                      "the path; write file://{}",
+                      configuration.name, named.value, named.role->property, judged.string()));
     else if (!configuration.is_fastdds && !has_scheme(named.value))
       report(
           fmt::format("{} names {} as {}, without \"file:\" before the path: Cyclone DDS does "
@@ -230,12 +263,17 @@ void check_judged(const LoadedFolder& folder, const Configuration& configuration
 }
 
 // The environment may be that of another participant.
-bool is_of(const Configuration& configuration, const pki::ParticipantFolder& paths) {
-  return std::ranges::any_of(configuration.files, [&](const Named& named) {
+bool is_of(const std::vector<Named>& files, const pki::ParticipantFolder& paths) {
+  return std::ranges::any_of(files, [&](const Named& named) {
     const bool is_own =
         named.role->judged == &Files::certificate || named.role->judged == &Files::key;
     return is_own && is_judged(named.value, paths.*(named.role->judged), paths.folder);
   });
+}
+
+bool is_of(const ProfileInQuestion& question, const pki::ParticipantFolder& paths) {
+  return is_of(named_by_fastdds(question.text), paths) ||
+         is_of(named_anywhere_by_fastdds(without_comments(question.text)), paths);
 }
 
 constexpr Outcomes kCycloneFails{.cyclonedds = Outcome::fail, .ours = Outcome::fail};
@@ -304,8 +342,7 @@ void check_cyclonedds(const LoadedFolder& folder, const Settings& settings, cons
 }
 
 Configuration configuration_of(const ProfileInQuestion& question) {
-  return {question.name, question.document, kFastFails,
-          named_by_fastdds(without_comments(question.text)), true};
+  return {question.name, question.document, kFastFails, named_by_fastdds(question.text), true};
 }
 
 void check_fastdds(const LoadedFolder& folder, const ProfileInQuestion& question, Diagnosis& out) {
@@ -315,31 +352,60 @@ void check_fastdds(const LoadedFolder& folder, const ProfileInQuestion& question
 
 }  // namespace
 
-void check_profile_in_force(const LoadedFolder& folder, const fs::path& file, Diagnosis& out) {
+void check_profile_in_force(const LoadedFolder& folder, const fs::path& file,
+                            const Settings& settings, Diagnosis& out) {
   std::error_code ignored;
+  const auto version = settings.lineup.fastdds;
+  const auto variable = profile_places(version).variable;
   const auto octets =
       ddssec::load("file://" + fs::absolute(file, ignored).string(), "", kMostOctets);
   const auto own = folder.paths.folder / "fastdds.xml";
   if (octets && fs::equivalent(file, own, ignored)) return;  // has been checked
   if (octets) {
-    const auto text = as_text(*octets);
-    const ProfileInQuestion question{"the file that FASTRTPS_DEFAULT_PROFILES_FILE names", file,
-                                     text};
-    if (is_of(configuration_of(question), folder.paths))
-      return check_fastdds(folder, question, out);
+    const ProfileInQuestion question{fmt::format("the file that {} names", variable), file,
+                                     as_text(*octets), version};
+    if (is_of(question, folder.paths)) return check_fastdds(folder, question, out);
   }
   if (folder.paths.layout == pki::FolderLayout::sros2 || !fs::exists(own, ignored)) return;
   out.report({},
              {.rule = Rule::DOC101,
               .message = fmt::format(
-                  "FASTRTPS_DEFAULT_PROFILES_FILE names {}, which {}: a Fast DDS application "
-                  "that starts in this environment does not read {}",
-                  file.string(), octets ? "names no file of this participant" : "cannot be read",
-                  own.string()),
+                  "{} names {}, which {}: a Fast DDS application that starts in this "
+                  "environment does not read {}",
+                  variable, file.string(),
+                  octets ? "names no file of this participant" : "cannot be read", own.string()),
               .document = file,
-              .hint = "export FASTRTPS_DEFAULT_PROFILES_FILE=" +
-                      shell_word(fs::absolute(own, ignored).string()),
+              .hint = fmt::format("export {}={}", variable,
+                                  shell_word(fs::absolute(own, ignored).string())),
               .severity = Severity::warning});
+}
+
+void check_profile_of_working_directory(const LoadedFolder& folder, const Settings& settings,
+                                        Diagnosis& out) {
+  const char* const skip = std::getenv(kSkipVariable);
+  const auto version = settings.lineup.fastdds;
+  const fs::path file(profile_places(version).file);
+  const auto own = folder.paths.folder / "fastdds.xml";
+  std::error_code ignored;
+  const bool is_skipped = skip != nullptr && *skip == '1';
+  if (is_skipped || !fs::exists(file, ignored) || fs::equivalent(file, own, ignored)) return;
+  const auto octets =
+      ddssec::load("file://" + fs::absolute(file, ignored).string(), "", kMostOctets);
+  if (octets && !may_set_default_participant(as_text(*octets))) return;
+  const ProfileInQuestion question{fmt::format("{} in the working directory", file.string()), file,
+                                   octets ? as_text(*octets) : std::string_view(), version};
+  if (is_of(question, folder.paths)) return check_fastdds(folder, question, out);
+  if (folder.paths.layout == pki::FolderLayout::sros2 || !fs::exists(own, ignored)) return;
+  out.report(
+      kFastFails,
+      {.rule = Rule::DOC101,
+       .message = fmt::format("{}: a Fast DDS application that starts here takes its default "
+                              "profile from it, whatever {} names, and runs without the "
+                              "security of {}",
+                              question.name, profile_places(version).variable, own.string()),
+       .document = fs::absolute(file, ignored),
+       .hint = fmt::format("remove the file; or export {}=1 where the application starts",
+                           kSkipVariable)});
 }
 
 void check_configuration_in_force(const LoadedFolder& folder, std::string_view text,
@@ -350,7 +416,7 @@ void check_configuration_in_force(const LoadedFolder& folder, std::string_view t
       named_by_cyclonedds(without_comments(text), security, settings.domain)};
   const ConfigurationInQuestion question{configuration.name, configuration.document, folder,
                                          settings.domain, security};
-  if (is_of(configuration, folder.paths)) {
+  if (is_of(configuration.files, folder.paths)) {
     check_judged(folder, configuration, out);
     return check_effective_security(question, out);
   }
@@ -374,7 +440,7 @@ void check_configurations(const LoadedFolder& folder, const Settings& settings, 
     if (is_cyclonedds)
       check_cyclonedds(folder, settings, file, text, out);
     else
-      check_fastdds(folder, {name, file, text}, out);
+      check_fastdds(folder, {name, file, text, settings.lineup.fastdds}, out);
     const auto read = without_comments(text);
     const auto expanded = is_cyclonedds ? expanded_variables(read, settings.domain) : std::nullopt;
     check_other_folder(folder, name, expanded.value_or(read), out);

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "governance/doctor/configuration_checks.hpp"
+#include "governance/doctor/fastdds_elements.hpp"
 #include "governance/xml.hpp"
 
 namespace ddssec::governance::doctor {
@@ -64,11 +65,19 @@ XmlElement default_participant(XmlElement root) {
   return out;
 }
 
-using Properties = std::vector<std::pair<std::string, std::string>>;
+// <participant> may also stand beside <profiles>.
+bool has_default_participant(XmlElement parent) {
+  for (auto child = parent.first_child(); child; child = child.next_sibling())
+    if (child.name() == "participant"
+            ? child.attribute("is_default_profile") != nullptr
+            : child.name() == "profiles" && has_default_participant(child))
+      return true;
+  return false;
+}
 
 // Names and values count with the blanks around them.
-Properties properties_of(XmlElement participant) {
-  Properties out;
+ProfileProperties properties_of(XmlElement participant) {
+  ProfileProperties out;
   const auto policy = child_of(child_of(participant, "rtps"), "propertiesPolicy");
   each_child(child_of(policy, "properties"), "property", [&](XmlElement property) {
     const auto text = [&](std::string_view name) {
@@ -80,10 +89,12 @@ Properties properties_of(XmlElement participant) {
   return out;
 }
 
-// The first one of the name.
-const std::string* value_of(const Properties& all, std::string_view name) {
-  const auto found = std::ranges::find(all, name, &Properties::value_type::first);
-  return found == all.end() ? nullptr : &found->second;
+// The last one of the name (measured).
+const std::string* value_of(const ProfileProperties& all, std::string_view name) {
+  const std::string* out = nullptr;
+  for (const auto& [found, value] : all)
+    if (found == name) out = &value;
+  return out;
 }
 
 class Checks {
@@ -93,8 +104,10 @@ class Checks {
   void run() {
     out_.pass(Rule::DOC101);
     out_.pass(Rule::DOC102);
+    out_.pass(Rule::DOC108);
     const auto document = XmlDocument::parse(as_bytes(question_.text));
     if (!document) return report_unread(document.error());
+    report_doubts(doubts_about_profiles(document->root(), question_.version));
     const auto participant = default_participant(document->root());
     if (!participant)
       return report_unsecured(
@@ -119,7 +132,7 @@ class Checks {
   }
 
   // "": the plugin is switched on.
-  static std::string wrong_in(const Properties& properties, const Plugin& plugin) {
+  static std::string wrong_in(const ProfileProperties& properties, const Plugin& plugin) {
     const auto* const value = value_of(properties, plugin.property);
     if (value == nullptr)
       return fmt::format("has no property {} in its default profile", plugin.property);
@@ -154,13 +167,21 @@ class Checks {
                             error.code() == Code::xml_processing_instruction;
     if (is_refused)
       return report_unsecured(line, fmt::format("cannot be read ({})", error.message()));
-    out_.report({}, {.rule = Rule::DOC101,
-                     .message = fmt::format("whether {} switches security on is not known: {}",
-                                            question_.name, error.message()),
-                     .document = question_.document,
-                     .line = line,
-                     .hint = std::string(kHint),
-                     .severity = Severity::warning});
+    report_doubts({{fmt::format("cannot be judged: {}", error.message()), line}});
+  }
+
+  // Measured: Fast DDS ignores the whole file for one element or value that it does not accept, and
+  // says so only in its log.
+  void report_doubts(const std::vector<ConfiguredText>& doubts) {
+    for (const auto& doubt : doubts)
+      out_.report(kFastFails,
+                  {.rule = Rule::DOC108,
+                   .message = fmt::format(
+                       "{} {}: it is not known that Fast DDS {} accepts this, and if it does not, "
+                       "it ignores the file, and the process runs WITHOUT security",
+                       question_.name, doubt.text, to_string(question_.version)),
+                   .document = question_.document,
+                   .line = doubt.line});
   }
 
   const ProfileInQuestion& question_;
@@ -168,6 +189,17 @@ class Checks {
 };
 
 }  // namespace
+
+std::optional<ProfileProperties> properties_of_profile(std::string_view text) {
+  const auto document = XmlDocument::parse(as_bytes(text));
+  const auto participant = document ? default_participant(document->root()) : XmlElement();
+  return participant ? std::optional(properties_of(participant)) : std::nullopt;
+}
+
+bool may_set_default_participant(std::string_view text) {
+  const auto document = XmlDocument::parse(as_bytes(text));
+  return !document || has_default_participant(document->root());
+}
 
 void check_profile(const ProfileInQuestion& question, Diagnosis& out) {
   Checks(question, out).run();

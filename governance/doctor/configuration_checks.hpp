@@ -2,7 +2,10 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "base/text.hpp"
 #include "governance/doctor/diagnosis.hpp"
@@ -28,11 +31,24 @@ struct ProfileInQuestion {
   std::string name;  ///< its name in messages
   std::filesystem::path document;
   std::string_view text;
+  Version version;  ///< of the Fast DDS that is to read it
 };
 
-/// DOC101, DOC102: checks that a process that takes its default profile from the file starts, with
-/// security. Measured with Fast DDS 2.9.1: without a default participant profile, and without or
-/// with a misspelt plugin, it starts without security and says so only in its log.
+/// Names and values, in document order, with the blanks around them.
+using ProfileProperties = std::vector<std::pair<std::string, std::string>>;
+
+/// The properties of the default participant profile; empty if there is none, or if the text is not
+/// well-formed.
+std::optional<ProfileProperties> properties_of_profile(std::string_view text);
+
+/// False if the text is well-formed and no <participant> in it has is_default_profile: it cannot
+/// change the participant that another file describes.
+bool may_set_default_participant(std::string_view text);
+
+/// DOC101, DOC102, DOC108: checks that a process that takes its default profile from the file
+/// starts, with security. Measured with Fast DDS 2.9.1: without a default participant profile, and
+/// without or with a misspelt plugin, it starts without security and says so only in its log. The
+/// same if the file has a part that is not known to be accepted (fastdds_elements.hpp).
 void check_profile(const ProfileInQuestion& question, Diagnosis& out);
 
 }  // namespace ddssec::governance::doctor

@@ -51,6 +51,17 @@ std::string name(Vendor vendor, const Lineup& lineup = {});
 /// "Cyclone DDS", "Fast DDS", "ddssec's plugins".
 std::string_view family(Vendor vendor);
 
+/// How Fast DDS finds its default profiles. Fast DDS 3 renamed both; 3.1 was not run to see it.
+struct ProfilePlaces {
+  const char* variable;  ///< an environment variable that names a file
+  const char* file;      ///< a file in the working directory, which is read after the other one
+};
+constexpr ProfilePlaces profile_places(Version fastdds) {
+  return fastdds.major < 3
+             ? ProfilePlaces{"FASTRTPS_DEFAULT_PROFILES_FILE", "DEFAULT_FASTRTPS_PROFILES.xml"}
+             : ProfilePlaces{"FASTDDS_DEFAULT_PROFILES_FILE", "DEFAULT_FASTDDS_PROFILES.xml"};
+}
+
 /// The label of a column: the id, or "ddssec" for `ours`, whose id is part of the JSON contract.
 std::string label(Vendor vendor, const Lineup& lineup = {});
 

@@ -119,7 +119,8 @@ class Init(Transcript):
                 self.assertIn(f"{self.at}/demo/{name}/permissions.p7s", text)
         self.assertNotIn("<", done.stdout)
         self.assertIn(f"export CYCLONEDDS_URI=file://{self.at}/demo/talker/cyclonedds.xml\n", done.stdout)
-        self.assertIn(f"export FASTRTPS_DEFAULT_PROFILES_FILE={self.at}/demo/talker/fastdds.xml\n", done.stdout)
+        for variable in ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE"):
+            self.assertIn(f"export {variable}={self.at}/demo/talker/fastdds.xml\n", done.stdout)
 
     def dropin(self, folder, octets="ddssec_"):
         (self.at / folder).mkdir()
