@@ -68,13 +68,14 @@ struct HeldInstance {
   std::optional<Time> seen_until;  ///< source time of the newest sample that was read or taken
   MonotonicTime deadline = kNever;
   MonotonicTime quiet_until{};      ///< TIME_BASED_FILTER
-  std::optional<Change> held_back;  ///< kept until quiet_until
+  MonotonicTime release_at{};       ///< not before quiet_until
+  std::optional<Change> held_back;  ///< kept until release_at
   HeldShareOf share_of_held_back;
   Link<HeldInstance> ready{this};  ///< list of the instances that have samples
   /// List of the instances without samples that are not alive: the first to be removed.
   Link<HeldInstance> idle{this};
   Link<HeldInstance> due{this};    ///< list in the order of deadlines
-  Link<HeldInstance> quiet{this};  ///< list in the order of quiet_until
+  Link<HeldInstance> quiet{this};  ///< list in the order of release_at
   InstanceTime purge;              ///< READER_DATA_LIFECYCLE
   std::size_t valid() const { return held.size() - invalid; }
   HeldSamples::const_iterator oldest() const;

@@ -5,6 +5,12 @@
 #include "rtps/dcps/deadline.hpp"
 
 namespace ddssec::rtps {
+namespace {
+
+/// A sample that TIME_BASED_FILTER held back is offered to a full reader no more often than this.
+constexpr std::chrono::milliseconds kLeastPause{10};
+
+}  // namespace
 
 ReaderCache::ReaderCache(const Qos& qos, KeyOf key_of)
     : exclusive_(qos.ownership == OwnershipKind::exclusive),
@@ -131,7 +137,9 @@ void ReaderCache::store_alive(Instance& instance, HeldSample sample, MonotonicTi
   sample.no_writers_generations = instance.no_writers_generations;
   held_.insert(instance, std::move(sample));
   restart_deadline(instance, now);
-  if (separation_.count() > 0) begin_quiet(instance, now);
+  // The new sample replaces one that was held back.
+  held_.hold_back(instance, std::nullopt);
+  if (separation_.count() > 0) begin_quiet(instance, now, now + separation_);
 }
 
 // Handles a dispose, an unregister, or both at once.
@@ -280,24 +288,25 @@ void ReaderCache::check_deadlines(MonotonicTime now,
 MonotonicTime ReaderCache::next_tick() const {
   return std::min({held_.next_expiry(), due_.empty() ? kNever : due_.front()->deadline,
                    purges_.empty() ? kNever : purges_.begin()->first,
-                   quiet_.empty() ? kNever : quiet_.front()->quiet_until});
+                   quiet_.empty() ? kNever : quiet_.front()->release_at});
 }
 
 void ReaderCache::set_minimum_separation(Duration separation) {
   separation_ = separation.to_nanoseconds();
-  for (auto& [handle, instance] : held_.all()) instance.quiet_until = {};
+  for (auto& [handle, instance] : held_.all()) instance.quiet_until = instance.release_at = {};
 }
 
-void ReaderCache::begin_quiet(Instance& instance, MonotonicTime now) {
-  held_.hold_back(instance, std::nullopt);
+void ReaderCache::begin_quiet(Instance& instance, MonotonicTime now, MonotonicTime release_at) {
   instance.quiet_until = now + separation_;
+  instance.release_at = release_at;
   instance.quiet.append_to(quiet_);
 }
 
-// DDS 1.4, 2.2.3.12: a reliable reader gets the last sample in the end.
+// DDS 1.4, 2.2.3.12: a reliable reader gets the last sample in the end. A rejected one is due again
+// later than now, even without a separation, so that each instance has one turn.
 bool ReaderCache::release(const Moment& at) {
   bool any = false;
-  while (!quiet_.empty() && quiet_.front()->quiet_until <= at.now) {
+  while (!quiet_.empty() && quiet_.front()->release_at <= at.now) {
     auto& instance = *quiet_.front();
     instance.quiet.leave();
     const auto share = instance.share_of_held_back;  // its writer may be gone
@@ -306,7 +315,7 @@ bool ReaderCache::release(const Moment& at) {
     const auto outcome = store(*change, at, share).outcome;
     any = any || outcome == Outcome::stored;
     if (outcome != Outcome::rejected) continue;
-    begin_quiet(instance, at.now);
+    begin_quiet(instance, at.now, at.now + std::max<MonotonicTime>(separation_, kLeastPause));
     held_.hold_back(instance, std::move(change), share);
   }
   return any;

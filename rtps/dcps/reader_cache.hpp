@@ -125,7 +125,9 @@ class ReaderCache {
   void end(Instance& instance, InstanceState state, MonotonicTime now);
   bool purge(MonotonicTime now);
   void restart_deadline(Instance& instance, MonotonicTime now);
-  void begin_quiet(Instance& instance, MonotonicTime now);
+  /// Samples of the instance are filtered until the separation ends. What is held back until then
+  /// is stored at `release_at`.
+  void begin_quiet(Instance& instance, MonotonicTime now, MonotonicTime release_at);
 
   const bool exclusive_, by_source_, reliable_;
   MonotonicTime deadline_ = kNever;  ///< period

@@ -1,0 +1,92 @@
+// TIME_BASED_FILTER in a reader that is full: what was held back is offered again, at a bounded
+// rate.
+#include <gmock/gmock.h>
+
+#include "rtps/dcps/reader_cache.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using ::testing::ElementsAre;
+using Outcome = ReaderCache::Outcome;
+
+struct TimeBasedFilter : ::testing::Test {
+  Qos qos = [] {
+    Qos all;
+    all.reliability.kind = ReliabilityKind::reliable;
+    all.history.kind = HistoryKind::keep_all;
+    all.resource_limits.max_samples = 1;
+    all.time_based_filter = Duration::from(seconds(3));
+    return all;
+  }();
+  ReaderCache cache{qos};
+  MonotonicTime now = seconds(100);
+
+  Moment moment() const { return {now, Time::from(now)}; }
+  Outcome put(std::uint8_t value) {
+    Change change;
+    change.writer = {GuidPrefix::from(Bytes(12, 1)), EntityId{{0, 0, 1, 2}}};
+    change.key_hash = KeyHash{1};
+    change.source_time = Time::from(now);
+    change.payload = Payload::copy_of(Bytes{value});
+    return cache.store(change, moment()).outcome;
+  }
+  std::vector<int> take() {
+    std::vector<OctetSample> samples;
+    cache.select({.take = true}, moment(), samples);
+    std::vector<int> out;
+    for (const auto& sample : samples) out.push_back(sample.payload.view()[0]);
+    return out;
+  }
+};
+
+TEST_F(TimeBasedFilter, SetToZeroInAFullReader_ReleaseEndsAndKeepsTheSample) {
+  ASSERT_EQ(put(10), Outcome::stored);
+  ASSERT_EQ(put(11), Outcome::dropped);  // held back
+  cache.set_minimum_separation({});
+  EXPECT_LE(cache.next_tick(), now);
+  EXPECT_FALSE(cache.release(moment()));
+  EXPECT_GE(cache.next_tick(), now + milliseconds(1));
+  EXPECT_LE(cache.next_tick(), now + milliseconds(100));
+  EXPECT_THAT(take(), ElementsAre(10));
+  now = cache.next_tick();
+  EXPECT_TRUE(cache.release(moment()));
+  EXPECT_THAT(take(), ElementsAre(11));
+  EXPECT_EQ(cache.next_tick(), kNever);
+}
+
+TEST_F(TimeBasedFilter, VeryShortInAFullReader_IsOfferedAtABoundedRate) {
+  ASSERT_EQ(put(10), Outcome::stored);
+  ASSERT_EQ(put(11), Outcome::dropped);
+  cache.set_minimum_separation(Duration::from(std::chrono::nanoseconds(1)));
+  int turns = 0;
+  for (const auto end = now + seconds(1); now < end; ++turns) {
+    ASSERT_FALSE(cache.release(moment()));
+    now = std::max(cache.next_tick(), now + std::chrono::nanoseconds(1));
+    ASSERT_LT(turns, 1000);
+  }
+  EXPECT_THAT(take(), ElementsAre(10));
+  now += seconds(1);
+  EXPECT_TRUE(cache.release(moment()));
+  EXPECT_THAT(take(), ElementsAre(11));
+}
+
+// Without a filter, a reliable reader loses nothing and does not go back.
+TEST_F(TimeBasedFilter, SetToZeroInAFullReader_NewSamplesAreRejectedAndReplaceTheOneHeldBack) {
+  ASSERT_EQ(put(10), Outcome::stored);
+  ASSERT_EQ(put(11), Outcome::dropped);
+  cache.set_minimum_separation({});
+  EXPECT_FALSE(cache.release(moment()));
+  EXPECT_EQ(put(12), Outcome::rejected);
+  EXPECT_THAT(take(), ElementsAre(10));
+  EXPECT_EQ(put(12), Outcome::stored);
+  EXPECT_THAT(take(), ElementsAre(12));
+  now += seconds(1);
+  EXPECT_FALSE(cache.release(moment()));
+  EXPECT_THAT(take(), ElementsAre());
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
