@@ -80,12 +80,20 @@ Result<std::size_t> AnyDataReader::access(const Query& query, std::vector<OctetS
   if (of_instance && reception_.cache().key_value(query.instance) == nullptr)
     return no_such_instance();
   const auto before = out.size();
-  if (reception_.select(query, out)) {
-    if (auto* reader = context_.protocol().local_endpoints().reader(guid_)) reader->offer_again();
-    context_.reschedule();
-  }
+  if (reception_.select(query, out)) offer_again();
   reception_.after_access(query.take);
   return out.size() - before;
+}
+
+void AnyDataReader::discard_malformed(std::span<const OctetSample> samples) {
+  const auto held = lock();
+  if (reception_.discard_malformed(samples)) offer_again();
+  reception_.after_access(true);
+}
+
+void AnyDataReader::offer_again() {
+  if (auto* reader = context_.protocol().local_endpoints().reader(guid_)) reader->offer_again();
+  context_.reschedule();
 }
 
 InstanceHandle AnyDataReader::lookup_key(const KeyHash& key) const {

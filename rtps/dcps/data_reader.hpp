@@ -73,6 +73,8 @@ class AnyDataReader : public Endpoint {
   AnyDataReader(Group& subscriber, ParticipantContext& context, Topic& topic, Qos qos);
   /// Counts a sample that could not be deserialized as the type.
   void count_malformed() { reception_.samples().count_malformed(); }
+  /// Removes the samples, which could not be deserialized as the type, and counts them.
+  void discard_malformed(std::span<const OctetSample> samples);
 
  private:
   friend class QueryCondition;
@@ -90,6 +92,9 @@ class AnyDataReader : public Endpoint {
   void on_group(const Guid& writer, SequenceNumber group) override {
     reception_.on_group(writer, group);
   }
+
+  /// Changes that the reader refused for lack of room are offered once more.
+  void offer_again();
 
   Result<Guid> create(EndpointRequest request) override;
   void on_own_qos(const Qos& before) override { reception_.change_qos(before, qos_, enabled()); }
@@ -142,24 +147,40 @@ class DataReader final : public AnyDataReader, public SampleAccess<DataReader<T>
   friend class SampleAccess<DataReader<T>, Samples<T>>;
   using AnyDataReader::AnyDataReader;
 
-  Result<std::size_t> fill(const Query& query, Samples<T>& out) {
-    out.raw_.clear();
+  // A sample that cannot be deserialized is removed, and the next one is found in its place, so
+  // that no writer hides what others wrote. A writer could send such samples as fast as they are
+  // removed, so their number is bounded.
+  Result<std::size_t> fill(Query query, Samples<T>& out) {
     out.size_ = 0;
-    if (auto found = access(query, out.raw_); !found) return found;
-    for (const auto& raw : out.raw_)
-      if (!out.append(raw)) count_malformed();
-    out.raw_.clear();
+    const auto wanted = query.most;
+    std::size_t discarded = 0;
+    while (discarded < HeldInstances::kMaxSamples) {
+      query.most = wanted - out.size();
+      if (auto found = access(query, out.raw_); !found && discarded == 0) return found;
+      const auto malformed = out.append_raw();
+      if (malformed.empty()) break;
+      discard_malformed(malformed);
+      discarded += malformed.size();
+      if (!has_more(query, out)) break;
+    }
+    if (discarded > 0) out.join_selections();
     return out.size();
+  }
+  /// Whether the query can find more, without finding again what it found. Changes a query for
+  /// the next instance to one for the instance that was found.
+  static bool has_more(Query& query, const Samples<T>& found) {
+    if (found.empty()) return true;
+    if (query.scope == Query::Scope::next_instance) {
+      query.scope = Query::Scope::instance;
+      query.instance = found[0].info.instance_handle;
+    }
+    return query.take || !query.states.sample.contains(SampleState::read);
   }
   std::optional<Sample<T>> next(bool take) {
     Samples<T> one;
-    Query query{.states = {.sample = SampleState::not_read}, .most = 1, .take = take};
-    // Samples that cannot be deserialized are counted and skipped.
-    for (auto before = malformed(); fill(query, one); before = malformed()) {
-      if (one.size() > 0) return std::move(one[0]);
-      if (malformed() == before) break;
-    }
-    return std::nullopt;
+    const Query query{.states = {.sample = SampleState::not_read}, .most = 1, .take = take};
+    if (!fill(query, one) || one.empty()) return std::nullopt;
+    return std::move(one[0]);
   }
 };
 

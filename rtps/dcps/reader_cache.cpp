@@ -189,6 +189,22 @@ bool ReaderCache::purge(MonotonicTime now) {
   return any;
 }
 
+bool ReaderCache::discard(const OctetSample& sample) {
+  auto* instance = held_.find(sample.info.instance_handle);
+  if (instance == nullptr) return false;
+  const auto at = std::ranges::find_if(instance->held, [&](const HeldSample& held) {
+    return held.valid != sample.key_only && held.change.sequence_number == sample.number &&
+           held.change.writer == sample.info.publication_handle;
+  });
+  if (at == instance->held.end()) return false;
+  {
+    const Recount recount(held_, *instance);
+    held_.erase(*instance, at);
+  }
+  held_.settle(*instance);
+  return true;
+}
+
 std::size_t ReaderCache::octets_of(const KeyHash& key) const {
   const auto* instance = held_.find(key);
   if (instance == nullptr) return 0;

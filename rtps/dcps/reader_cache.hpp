@@ -62,10 +62,9 @@ class ReaderCache {
   std::size_t most_samples_of_one() const { return held_.most_samples_of_one(); }
   /// Appends the samples that match the query to `out`; samples of one instance are adjacent.
   void select(const Query& query, const Moment& at, std::vector<OctetSample>& out);
-  /// True if a select with these states would find something.
-  bool any(const States& states) const { return held_.any(states); }
-  /// The same for a query. If there is one, the samples are checked one by one.
-  bool any(const States& states, BoundFilter* matching) const {
+  /// True if a select with these states would find something. If there is a query, the samples are
+  /// checked one by one.
+  bool any(const States& states, BoundFilter* matching = nullptr) const {
     return rtps::any(held_, states, matching);
   }
 
@@ -90,6 +89,8 @@ class ReaderCache {
   /// Returns the serialized key, or nullptr if the instance is not known.
   const Payload* key_value(InstanceHandle instance) const;
 
+  /// Removes a sample that was selected before. Returns false if it is no longer held.
+  bool discard(const OctetSample& sample);
   /// The octets of one instance.
   std::size_t octets_of(const KeyHash& key) const;
   /// Removes all trace of the instance, if it has ended.

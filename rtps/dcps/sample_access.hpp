@@ -42,6 +42,21 @@ class Samples {
     return true;
   }
 
+  /// Appends what was selected. Returns what cannot be deserialized.
+  std::vector<OctetSample> append_raw() {
+    std::vector<OctetSample> malformed;
+    for (const auto& raw : raw_)
+      if (!append(raw)) malformed.push_back(raw);
+    raw_.clear();
+    return malformed;
+  }
+  /// Corrects the infos after samples were left out or found by several selections.
+  void join_selections() {
+    std::vector<SampleInfo*> infos;
+    for (auto& sample : *this) infos.push_back(&sample.info);
+    rtps::join_selections(infos);
+  }
+
   std::vector<Sample<T>> held_;
   std::size_t size_ = 0;
   std::vector<OctetSample> raw_;

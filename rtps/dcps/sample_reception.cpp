@@ -185,6 +185,22 @@ void SampleReception::report_unreadable_key(const Change& change) {
       reader_.entity, change.writer);
 }
 
+/// Reported rarely (on the 1st, 2nd, 4th, 8th ... time), because a writer can send any number.
+void SampleReception::report_malformed(const OctetSample& sample) {
+  if (!std::has_single_bit(++discarded_)) return;
+  const auto octets = sample.payload.view();
+  context_.protocol().remote_participants().raise_about(
+      Error(Code::rtps_sample_malformed,
+            {.document = "topic " + topic_.name(),
+             .field = sample.key_only ? "serialized key" : "serialized data",
+             .expected = topic_.type_name(),
+             .found = fmt::format("{} octets that begin {}; {} such samples so far", octets.size(),
+                                  to_hex(octets.first(std::min<std::size_t>(octets.size(), 16))),
+                                  discarded_),
+             .note = "another event follows when they are twice as many"}),
+      reader_.entity, sample.info.publication_handle);
+}
+
 void SampleReception::note_data() {
   update_conditions();
   reports_.of_reader.note(StatusKind::data_available);
@@ -213,6 +229,15 @@ bool SampleReception::select(const Query& query, std::vector<OctetSample>& out) 
   reports_.of_reader.clear(StatusKind::data_available);
   reports_.of_subscriber.clear(StatusKind::data_on_readers);
   return query.take && std::exchange(refused_, false);
+}
+
+bool SampleReception::discard_malformed(std::span<const OctetSample> samples) {
+  for (const auto& sample : samples) {
+    samples_.cache().discard(sample);
+    samples_.count_malformed();
+    report_malformed(sample);
+  }
+  return std::exchange(refused_, false);
 }
 
 void SampleReception::after_access(bool taken) {

@@ -61,6 +61,8 @@ class SampleReception final : private PresentedReader, private Timed {
   /// afterwards.
   bool select(const Query& query, std::vector<OctetSample>& out);
   void after_access(bool taken);
+  /// Removes samples that cannot be deserialized as the type. Returns as `select` does.
+  bool discard_malformed(std::span<const OctetSample> samples);
   /// See ReaderPresentation::pause.
   void pause(bool paused, MonotonicTime now);
   /// Schedules a call of the Presenter at the time that it asks for.
@@ -88,6 +90,7 @@ class SampleReception final : private PresentedReader, private Timed {
   void report_crowded(const Guid& writer, SampleRejectedReason reason);
   void report_time_ahead(const Guid& writer);
   void report_unreadable_key(const Change& change);
+  void report_malformed(const OctetSample& sample);
   void note_data();
 
   ParticipantContext& context_;
@@ -105,7 +108,8 @@ class SampleReception final : private PresentedReader, private Timed {
   SampleRejectedStatus rejected_;
   /// Changes rejected by the limits that identities share: on instances, and on samples.
   std::uint64_t crowded_ = 0, crowded_samples_ = 0;
-  std::uint64_t given_up_ = 0;  ///< sets that were given up
+  std::uint64_t given_up_ = 0;   ///< sets that were given up
+  std::uint64_t discarded_ = 0;  ///< samples that could not be deserialized
 };
 
 }  // namespace ddssec::rtps

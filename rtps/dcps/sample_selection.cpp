@@ -1,6 +1,7 @@
 #include "rtps/dcps/sample_selection.hpp"
 
 #include <algorithm>
+#include <ranges>
 
 namespace ddssec::rtps {
 namespace {
@@ -44,6 +45,7 @@ HeldSamples::iterator hand_out(HeldInstances& instances, HeldInstance& instance,
   if (held.change.source_time)
     instance.seen_until = std::max(instance.seen_until, held.change.source_time);
   sample.payload = held.valid ? held.change.payload : instance.key_value;
+  sample.number = held.change.sequence_number;
   out.push_back(std::move(sample));
   instance.unread -= held.is_read ? 0 : 1;
   held.is_read = true;
@@ -88,6 +90,17 @@ std::vector<Found> find_ordered(const HeldInstances& instances, const Query& que
   return found;
 }
 
+/// Sets the ranks within the collection.
+void rank(std::span<SampleInfo* const> infos) {
+  // Number of samples, generations.
+  std::map<InstanceHandle, std::pair<std::int32_t, std::int32_t>> later;
+  for (auto* info : infos | std::views::reverse) {
+    const auto known = later.try_emplace(info->instance_handle, 0, generations_of(*info)).first;
+    info->sample_rank = known->second.first++;
+    info->generation_rank = known->second.second - generations_of(*info);
+  }
+}
+
 void select_ordered(HeldInstances& instances, const Query& query, std::vector<OctetSample>& out) {
   const auto begin = out.size();
   const auto found = find_ordered(instances, query);
@@ -102,15 +115,13 @@ void select_ordered(HeldInstances& instances, const Query& query, std::vector<Oc
     for (const auto& [handle, generations] : newest)
       instances.find(handle)->view = ViewState::not_new;
   }
-  // Number of samples, generations.
-  std::map<InstanceHandle, std::pair<std::int32_t, std::int32_t>> later;
-  for (auto i = out.size(); i-- > begin;) {
-    auto& info = out[i].info;
-    const auto known = later.try_emplace(info.instance_handle, 0, generations_of(info)).first;
-    info.sample_rank = known->second.first++;
-    info.generation_rank = known->second.second - generations_of(info);
+  std::vector<SampleInfo*> infos;
+  for (auto& sample : std::span(out).subspan(begin)) {
+    auto& info = sample.info;
     info.absolute_generation_rank = newest.at(info.instance_handle) - generations_of(info);
+    infos.push_back(&info);
   }
+  rank(infos);
   for (const auto& [handle, generations] : newest) instances.settle(*instances.find(handle));
 }
 
@@ -134,6 +145,13 @@ void select(HeldInstances& instances, const Query& query, std::vector<OctetSampl
     for (auto next = all.upper_bound(query.instance); next != all.end() && out.size() == begin;)
       from((next++)->second);
   }
+}
+
+void join_selections(std::span<SampleInfo* const> infos) {
+  std::map<InstanceHandle, ViewState> views;
+  for (auto* info : infos)
+    info->view_state = views.try_emplace(info->instance_handle, info->view_state).first->second;
+  rank(infos);
 }
 
 bool any(const HeldInstances& instances, const States& states, BoundFilter* matching) {

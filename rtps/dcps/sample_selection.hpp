@@ -23,6 +23,10 @@ struct Query {
 /// marked as read, or taken.
 void select(HeldInstances& instances, const Query& query, std::vector<OctetSample>& out);
 
+/// Makes the infos of samples from several selections those of one collection: their ranks, and the
+/// view state of an instance, which is the one before the first selection.
+void join_selections(std::span<SampleInfo* const> infos);
+
 /// True if a select with these states, and with this filter if it is not nullptr, would find
 /// something. With a filter, the samples are checked one by one.
 bool any(const HeldInstances& instances, const States& states, BoundFilter* matching);

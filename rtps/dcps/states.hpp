@@ -80,6 +80,7 @@ struct OctetSample {
   Payload payload;        ///< with its encapsulation
   bool key_only = false;  ///< the payload is a serialized key; empty if the key was not sent
   SampleInfo info;
+  SequenceNumber number = {};  ///< that its writer gave it; 0 if it has none
 };
 
 }  // namespace ddssec::rtps
