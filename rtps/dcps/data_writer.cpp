@@ -150,8 +150,8 @@ Status AnyDataWriter::wait_for_room(std::unique_lock<std::mutex>& lock, const Oc
     return fail(Code::rtps_history_full, {.document = "writer " + guid_.to_string()});
   // Slow down gently: samples that do not fit in the receiver's buffers would have to be sent
   // twice.
-  if (protocol().is_ahead())
-    context_.wait(lock, std::min(most, kBrake), [&] { return !protocol().is_ahead(); });
+  const auto may_go_on = [&] { return !protocol().is_ahead(context_.now()); };
+  if (!may_go_on()) context_.wait(lock, std::min(most, kBrake), may_go_on);
   return {};
 }
 

@@ -13,6 +13,7 @@ ReaderProxy& MatchedReaders::add(MatchedReader reader, const ReaderProxy::Range&
 void MatchedReaders::remove(ReaderProxy& proxy) {
   count(proxy, -1);
   acknowledged_.remove(proxy.place);
+  in_time_.remove(proxy.place_in_time);
   proxies_.erase(proxies_.find(proxy.reader().guid));
 }
 
@@ -24,7 +25,22 @@ void MatchedReaders::set_filter(ReaderProxy& proxy, std::shared_ptr<ChangeFilter
 
 void MatchedReaders::acknowledge(ReaderProxy& proxy, SequenceNumber through) {
   proxy.set_acknowledged(through);
-  if (proxy.acknowledges()) acknowledged_.set(proxy.place, through);
+  if (!proxy.acknowledges()) return;
+  acknowledged_.set(proxy.place, through);
+  if (!proxy.timeliness.is_late()) in_time_.set(proxy.place_in_time, through);
+}
+
+void MatchedReaders::check_timeliness(SequenceNumber written, MonotonicTime now) {
+  if (now < next_check_) return;
+  next_check_ = now + kCheckPeriod;
+  for (auto& [guid, proxy] : proxies_) {
+    if (!proxy.acknowledges()) continue;
+    proxy.timeliness.check(proxy.acknowledged(), written, now);
+    if (proxy.timeliness.is_late())
+      in_time_.remove(proxy.place_in_time);
+    else
+      in_time_.set(proxy.place_in_time, proxy.acknowledged());
+  }
 }
 
 void MatchedReaders::count(const ReaderProxy& proxy, int by) {

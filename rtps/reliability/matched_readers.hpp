@@ -13,6 +13,7 @@ namespace ddssec::rtps {
 class MatchedReaders {
  public:
   using Proxies = std::map<Guid, ReaderProxy>;
+  static constexpr MonotonicTime kCheckPeriod = std::chrono::milliseconds(20);
 
   MatchedReaders(const EntityId& writer, bool writer_is_reliable)
       : writer_(writer), reliable_(writer_is_reliable) {}
@@ -38,6 +39,11 @@ class MatchedReaders {
 
   void acknowledge(ReaderProxy& proxy, SequenceNumber through);
   const AcknowledgedNumbers& acknowledged() const { return acknowledged_; }
+  /// Finds out which readers acknowledge in time (Timeliness). Costs time for each reader, so it
+  /// does nothing if it was called less than kCheckPeriod ago.
+  void check_timeliness(SequenceNumber written, MonotonicTime now);
+  /// Only of the readers that acknowledge in time.
+  const AcknowledgedNumbers& acknowledged_in_time() const { return in_time_; }
 
   /// The DSCP of messages to the readers.
   void set_dscp(std::uint8_t dscp) { dscp_ = dscp; }
@@ -63,6 +69,8 @@ class MatchedReaders {
   std::uint8_t dscp_ = 0;
   Proxies proxies_;
   AcknowledgedNumbers acknowledged_;  ///< of the readers that acknowledge
+  AcknowledgedNumbers in_time_;
+  MonotonicTime next_check_{};
   LocatorCounts locators_;
   std::size_t bare_only_ = 0, short_is_hash_ = 0;  ///< number of readers with that KeyReading
   std::size_t filtered_ = 0;

@@ -40,6 +40,31 @@ class LastCount {
   std::int32_t last_ = 0;
 };
 
+/// Whether a reader acknowledges in time: everything that was written before a point in time, at
+/// most kPatience later.
+class Timeliness {
+ public:
+  static constexpr MonotonicTime kPatience = std::chrono::milliseconds(500);
+
+  /// `written`: the last number that was written.
+  void check(SequenceNumber acknowledged, SequenceNumber written, MonotonicTime now) {
+    if (acknowledged >= awaited_) {
+      awaited_ = written;
+      due_ = now + kPatience;
+      is_late_ = false;
+    } else if (now >= due_) {
+      is_late_ = true;
+    }
+  }
+  /// True until it has acknowledged what was awaited.
+  bool is_late() const { return is_late_; }
+
+ private:
+  SequenceNumber awaited_;
+  MonotonicTime due_{};
+  bool is_late_ = false;
+};
+
 /// No I/O, clock or lock.
 class ReaderProxy {
  public:
@@ -91,7 +116,9 @@ class ReaderProxy {
     return false;
   }
 
-  AcknowledgedNumbers::Place place;  ///< if it acknowledges
+  AcknowledgedNumbers::Place place;          ///< if it acknowledges
+  AcknowledgedNumbers::Place place_in_time;  ///< if it does so in time
+  Timeliness timeliness;
   LastCount acknacks, nack_frags;
   RepairAllowance allowance;
   FragmentRepair repair;

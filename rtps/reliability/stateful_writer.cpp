@@ -265,10 +265,14 @@ void StatefulWriter::tick(MonotonicTime now) {
   call_at(next_tick());
 }
 
-bool StatefulWriter::is_ahead() const {
+bool StatefulWriter::is_ahead(MonotonicTime now) {
   constexpr std::size_t kHighWater = 512 << 10;
-  return qos_.is_reliable() && readers_.size() > 0 &&
-         qos_.durability == DurabilityKind::volatile_ && history_.octets() > kHighWater;
+  if (!qos_.is_reliable() || readers_.size() == 0 || qos_.durability != DurabilityKind::volatile_ ||
+      history_.octets() <= kHighWater)
+    return false;
+  readers_.check_timeliness(history_.last(), now);
+  const auto in_time = readers_.acknowledged_in_time().lowest();
+  return in_time && history_.octets_after(*in_time, kHighWater) > kHighWater;
 }
 
 // No reader will request these changes again: late joiners of a volatile writer get no old changes.

@@ -44,9 +44,10 @@ class StatefulWriter final : private Timed {
   void set_filter(const Guid& reader, std::shared_ptr<ChangeFilter> filter);
 
   /// True while so much is unacknowledged that further samples would only be lost: a fast writer
-  /// should wait briefly. Never true for TRANSIENT_LOCAL writers, which also keep what is
-  /// acknowledged.
-  bool is_ahead() const;
+  /// should wait briefly. Only readers that acknowledge in time count (Timeliness), so that a
+  /// reader that is gone, slow or hostile does not hold up the writer. Never true for
+  /// TRANSIENT_LOCAL writers, which also keep what is acknowledged.
+  bool is_ahead(MonotonicTime now);
   bool has_room(std::size_t payload_size, const KeyHash& instance = {}) const {
     return history_.has_room(payload_size, instance);
   }

@@ -160,6 +160,13 @@ const Change* WriterHistory::find(SequenceNumber number) const {
   return place && changes_[*place].change ? &*changes_[*place].change : nullptr;
 }
 
+std::size_t WriterHistory::octets_after(SequenceNumber number, std::size_t enough) const {
+  std::size_t out = 0;
+  for (auto i = changes_.size(); i-- > 0 && out <= enough && changes_[i].number > number;)
+    if (changes_[i].change) out += changes_[i].change->payload.size();
+  return out;
+}
+
 SequenceNumber WriterHistory::first() const {
   return changes_.empty() ? next_ : changes_.front().number;
 }

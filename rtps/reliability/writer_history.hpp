@@ -39,6 +39,8 @@ class WriterHistory {
   SequenceNumber last() const { return {next_.value - 1}; }
   std::size_t size() const { return count_; }
   std::size_t octets() const { return octets_; }
+  /// The octets of the changes after `number`, or more than `enough` if there are more.
+  std::size_t octets_after(SequenceNumber number, std::size_t enough) const;
   /// The changes that are held, and the dropped ones that are not forgotten yet: at most about
   /// twice as many.
   std::size_t places() const { return changes_.size(); }

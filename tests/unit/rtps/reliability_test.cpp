@@ -335,9 +335,9 @@ TEST(Reliability, AWriterKnowsWhenItIsAhead) {
   pair.match();
   pair.run(3);
   for (int i = 0; i < 60; ++i) pair.write(Bytes(10'000));
-  EXPECT_TRUE(pair.writer.is_ahead());
+  EXPECT_TRUE(pair.writer.is_ahead(pair.now));
   pair.run(20);
-  EXPECT_FALSE(pair.writer.is_ahead());
+  EXPECT_FALSE(pair.writer.is_ahead(pair.now));
 }
 
 TEST(Reliability, AGapAtTheFrontIsSkippedAsAWhole) {
