@@ -10,6 +10,7 @@
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
 #include "cli/near.hpp"
+#include "cli/new_folder.hpp"
 #include "cli/options.hpp"
 #include "cli/participant.hpp"
 #include "cli/participant_places.hpp"

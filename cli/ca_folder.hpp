@@ -9,6 +9,7 @@
 #include "cli/command.hpp"
 #include "cli/file_lock.hpp"
 #include "cli/inputs.hpp"
+#include "cli/new_folder.hpp"
 #include "cli/transaction.hpp"
 #include "pki/authority.hpp"
 #include "pki/issue_log.hpp"

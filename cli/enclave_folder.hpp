@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "cli/new_folder.hpp"
 #include "cli/transaction.hpp"
 
 namespace ddssec::cli {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "cli/new_folder.hpp"
 #include "cli/participant.hpp"
-#include "cli/transaction.hpp"
 
 namespace ddssec::cli {
 

@@ -40,15 +40,18 @@ bool raise_limit() {
   return ::setrlimit(RLIMIT_NOFILE, &limit) == 0;
 }
 
-// O_PATH, because a user without the right to list a folder may still write into it.
-int open_folder(const std::string& name, int flags) {
-  return ::open(name.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC | flags);
+int open_folder(int parent, const std::string& name, int flags) {
+  flags |= O_DIRECTORY | O_CLOEXEC;
+  const int folder = ::openat(parent, name.c_str(), flags);
+  if (folder >= 0 || errno != EMFILE || !raise_limit()) return folder;
+  return ::openat(parent, name.c_str(), flags);
 }
 
+// O_PATH, because a user without the right to list a folder may still write into it.
+
 int open_and_keep(const std::string& name, bool is_held) {
-  const int flags = is_held ? O_NOFOLLOW : 0;
-  int folder = open_folder(name, flags);
-  if (folder < 0 && errno == EMFILE && raise_limit()) folder = open_folder(name, flags);
+  const int flags = O_PATH | (is_held ? O_NOFOLLOW : 0);
+  const int folder = open_folder(AT_FDCWD, name, flags);
   if (folder >= 0) folders().insert_or_assign(name, Folder{folder, is_held});
   return folder;
 }
@@ -101,6 +104,10 @@ int folder_descriptor(const fs::path& folder) {
   const auto name = name_of(folder);
   const auto found = folders().find(name);
   return found != folders().end() ? found->second.descriptor : open_and_keep(name, false);
+}
+
+Descriptor open_folder_in(int parent, const fs::path& name) {
+  return Descriptor(open_folder(parent, name, O_RDONLY | O_NOFOLLOW));
 }
 
 fs::path as_held(const fs::path& path) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "base/result.hpp"
+#include "cli/new_file.hpp"
 
 namespace ddssec::cli {
 
@@ -17,6 +18,10 @@ Status hold_folder(const std::filesystem::path& folder);
 /// The descriptor of a folder, by the path given to hold_folder(). A folder that is not held is
 /// opened now, following links, and kept open for writing. Error: -1, with errno.
 int folder_descriptor(const std::filesystem::path& folder);
+
+/// Opens a folder in an open folder, for listing and writing; a symbolic link is not followed.
+/// Error: -1, with errno.
+Descriptor open_folder_in(int parent, const std::filesystem::path& name);
 
 /// The path with which to read a file directly in a held folder, or the folder itself; any other
 /// path is returned unchanged. For system calls, not for messages.

@@ -9,6 +9,7 @@
 #include "cli/inputs.hpp"
 #include "cli/logged_certificate.hpp"
 #include "cli/near.hpp"
+#include "cli/new_folder.hpp"
 #include "cli/options.hpp"
 #include "cli/participant.hpp"
 #include "cli/subject_overlap.hpp"

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cli/enclave_folder.hpp"
+#include "cli/new_folder.hpp"
 #include "cli/participant.hpp"
 #include "cli/transaction.hpp"
 

@@ -16,6 +16,7 @@
 #include "cli/keystore.hpp"
 #include "cli/keystore_upkeep.hpp"
 #include "cli/logged_certificate.hpp"
+#include "cli/new_folder.hpp"
 #include "cli/options.hpp"
 #include "cli/products.hpp"
 #include "cli/revocation_lists.hpp"

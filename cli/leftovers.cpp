@@ -5,6 +5,7 @@
 #include <charconv>
 #include <csignal>
 #include <ctime>
+#include <dirent.h>
 #include <limits>
 #include <map>
 #include <optional>
@@ -14,6 +15,9 @@
 #include <unistd.h>
 
 #include <fmt/format.h>
+
+#include "cli/held_folder.hpp"
+#include "cli/new_file.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -74,11 +78,23 @@ std::optional<Maker> maker_of_folder(std::string_view rest) {
   return is_ours ? maker : std::nullopt;
 }
 
-/// True if a leftover has the expected kind, belongs to this user, and its process has ended.
-bool may_go(const fs::path& path, mode_t kind, const Maker& maker) {
+/// True if a leftover belongs to this user, and its process has ended.
+bool may_go(const struct stat& status, const Maker& maker) {
+  return status.st_uid == ::geteuid() && is_gone(maker, status.st_mtime);
+}
+
+bool may_go(const fs::path& file, const Maker& maker) {
   struct stat status {};
-  return ::lstat(path.c_str(), &status) == 0 && (status.st_mode & S_IFMT) == kind &&
-         status.st_uid == ::geteuid() && is_gone(maker, status.st_mtime);
+  return ::lstat(file.c_str(), &status) == 0 && S_ISREG(status.st_mode) && may_go(status, maker);
+}
+
+// What is checked is what is emptied, even if the name leads elsewhere meanwhile.
+void remove_leftover(int parent, const char* name, const Maker& maker) {
+  const auto folder = open_folder_in(parent, name);
+  struct stat status {};
+  if (!folder || ::fstat(folder.number(), &status) != 0 || !may_go(status, maker)) return;
+  remove_contents(folder.number());
+  ::unlinkat(parent, name, AT_REMOVEDIR);
 }
 
 template <class Each>
@@ -87,10 +103,6 @@ void for_each_entry(const fs::path& folder, Each each) {
   std::size_t count = 0;
   for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error))
     if (++count <= kMostEntries) each(at->path());
-}
-
-fs::path folder_of(const fs::path& path) {
-  return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
 
 }  // namespace
@@ -109,19 +121,33 @@ void remove_drafts_of(std::span<const fs::path> targets) {
            end = name.rfind('.', end - 1)) {
         if (!wanted.contains(name.substr(0, end + 1))) continue;
         const auto maker = maker_of_draft(std::string_view(name).substr(end + 1));
-        if (maker && may_go(path, S_IFREG, *maker)) ::unlink(path.c_str());
+        if (maker && may_go(path, *maker)) ::unlink(path.c_str());
       }
     });
 }
 
+void remove_contents(int folder) {
+  auto listed = open_folder_in(folder, ".");
+  DIR* listing = listed ? ::fdopendir(listed.number()) : nullptr;
+  if (listing == nullptr) return;
+  listed.release();  // closedir() closes it
+  while (const auto* entry = ::readdir(listing)) {
+    const std::string_view name = entry->d_name;
+    if (name == "." || name == ".." || ::unlinkat(folder, entry->d_name, 0) == 0) continue;
+    if (const auto inner = open_folder_in(folder, entry->d_name)) remove_contents(inner.number());
+    ::unlinkat(folder, entry->d_name, AT_REMOVEDIR);
+  }
+  ::closedir(listing);
+}
+
 void remove_unfinished_folders(const fs::path& target) {
+  const int parent = folder_descriptor(folder_of(target));
   const auto beginning = fmt::format(".{}.", target.filename().string());
   for_each_entry(folder_of(target), [&](const fs::path& path) {
     const auto name = path.filename().string();
     if (!name.starts_with(beginning)) return;
     const auto maker = maker_of_folder(std::string_view(name).substr(beginning.size()));
-    std::error_code ignored;
-    if (maker && may_go(path, S_IFDIR, *maker)) fs::remove_all(path, ignored);
+    if (maker) remove_leftover(parent, name.c_str(), *maker);
   });
 }
 

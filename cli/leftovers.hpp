@@ -16,8 +16,11 @@ std::string process_mark();
 /// namespace are removed when they are one day old. At most 10,000 entries of a folder are checked.
 void remove_drafts_of(std::span<const std::filesystem::path> targets);
 
-/// The same for unfinished folders (".NAME.MARK.XXXXXX") beside `target`, with their contents;
-/// symbolic links are removed, never followed.
+/// Removes everything in an open folder. Symbolic links are removed, never followed.
+void remove_contents(int folder);
+
+/// The same as remove_drafts_of for unfinished folders (".NAME.MARK.XXXXXX") beside `target`, with
+/// their contents; symbolic links are removed, never followed.
 void remove_unfinished_folders(const std::filesystem::path& target);
 
 }  // namespace ddssec::cli

@@ -9,6 +9,7 @@
 
 #include "cli/ca_folder.hpp"
 #include "cli/command.hpp"
+#include "cli/new_folder.hpp"
 #include "governance/model.hpp"
 #include "pki/participant_folder.hpp"
 

@@ -1,5 +1,5 @@
-// Writes files that appear all at once or not at all. Existing files are replaced only if that is
-// the purpose of the command.
+// Writes files into existing folders, all at once or not at all. Existing files are replaced only
+// if that is the purpose of the command.
 #pragma once
 
 #include <cstdint>
@@ -10,67 +10,12 @@
 #include <vector>
 
 #include "base/bytes.hpp"
+#include "cli/interruption.hpp"
+#include "cli/new_file.hpp"
 #include "cli/report.hpp"
 #include "cli/unfinished.hpp"
 
 namespace ddssec::cli {
-
-/// From now on SIGINT, SIGTERM and SIGHUP end the command at the next file with `interrupted`. If
-/// no file follows within 200 ms, the signal itself ends it, unless files are drafted and not yet
-/// in place.
-void note_interruptions();
-/// Success unless a signal came. Error: interrupted.
-Status check_not_interrupted();
-
-/// From now on nothing is written (--dry-run): every check is made, and the files that would be
-/// written are reported.
-void write_nothing();
-/// True after write_nothing().
-bool writes_nothing();
-
-/// The error file_unwritable for a path, by errno; it reports a missing folder.
-std::unexpected<Error> unwritable(const std::filesystem::path& path, int error);
-/// Success if there is nothing at the path, not even a dangling link, and its folder exists.
-/// Errors: would_overwrite, file_unwritable.
-Status check_nothing_at(const std::filesystem::path& path);
-
-/// A folder that a command creates. It is built beside its final place, under a temporary name and
-/// readable by the owner only. When it is complete and on the disk, one rename gives it its name. A
-/// folder that is not committed is removed. Symbolic links at the target are not followed.
-class NewFolder {
- public:
-  /// Begins a folder. Errors: would_overwrite if there is anything (including a dangling link) at
-  /// `target`; file_unwritable.
-  static Result<NewFolder> at(const std::filesystem::path& target);
-
-  /// Writes a file, created with `mode` and never with more permissions. `name` may contain
-  /// folders; those called "private" are for the owner only. Errors: file_unwritable, interrupted.
-  Status add(const std::filesystem::path& name, BytesView octets, unsigned mode);
-  Status add_public(const std::filesystem::path& name, std::string_view text) {
-    return add(name, as_bytes(text), 0644);
-  }
-  /// A symbolic link to `to`, which is relative to the link. Errors as add.
-  Status link(const std::filesystem::path& name, const std::filesystem::path& to);
-
-  /// Gives the folder its name. Errors: would_overwrite, file_unwritable, interrupted.
-  Result<std::vector<WrittenFile>> commit();
-
-  const std::filesystem::path& target() const { return target_; }
-
-  ~NewFolder();
-  NewFolder(NewFolder&& other) noexcept;
-  NewFolder& operator=(NewFolder&&) = delete;
-
- private:
-  NewFolder(std::filesystem::path target, std::filesystem::path staging)
-      : target_(std::move(target)), staging_(std::move(staging)) {}
-  Status make_parent(const std::filesystem::path& name);
-  Status flush() const;
-  std::filesystem::path target_;
-  std::filesystem::path staging_;  ///< empty once committed, and in a dry run
-  std::vector<std::filesystem::path> drafts_;
-  std::vector<WrittenFile> files_;
-};
 
 /// Writes files into existing folders: new ones, and replacements if that is the purpose of the
 /// command. All are written beside their places and are on the disk before the first one is
@@ -129,7 +74,7 @@ class Replacement {
   std::vector<Draft> all_drafts() const;
   std::vector<Folder> folders_ = {{}};  ///< first what is for no folder
   std::vector<Failure> failures_;
-  bool has_drafts_ = false;  ///< a signal must wait for them
+  std::optional<Drafting> drafting_;  ///< once there are drafts
 };
 
 /// Writes one new file, completely or not at all, and never in place of another one. Errors:

@@ -1,7 +1,8 @@
 // Preloaded by interrupted_test.py: kills the process, as SIGKILL does, just before its n-th call
 // that changes files (KILL_AT=n; 0: never), so that a test can stop a command between any two
 // writes. From the n-th write on, every one finds the disk full (FULL_AT=n). At the first rename,
-// a participant's owner removes the drafts in its folder (REMOVE_DRAFTS=pattern).
+// a participant's owner removes the drafts in its folder (REMOVE_DRAFTS=pattern) or runs a command
+// (AT_RENAME=command). A command runs just before the n-th call (AT_CALL=command, CALL=n).
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -16,34 +17,35 @@
 #include <sys/types.h>
 #include <unistd.h>
 
+static long number_of(const char* variable) {
+  const char* wanted = getenv(variable);
+  return wanted == NULL ? 0 : atol(wanted);
+}
+
+// Another command may run between two writes.
+static void run(const char* variable) {
+  const char* command = getenv(variable);
+  if (command == NULL) return;
+  char* copy = strdup(command);
+  unsetenv(variable);
+  unsetenv("LD_PRELOAD");
+  if (copy != NULL && system(copy) != 0) abort();
+  free(copy);
+}
+
 static void count(void) {
-  static long left = -1;
-  if (left == -1) {
-    const char* wanted = getenv("KILL_AT");
-    left = wanted == NULL ? 0 : atol(wanted);
-  }
+  static long left = -1, other = -1;
+  if (left == -1) left = number_of("KILL_AT");
+  if (other == -1) other = number_of("CALL");
   if (left > 0 && --left == 0) kill(getpid(), SIGKILL);
+  if (other > 0 && --other == 0) run("AT_CALL");
 }
 
 static int is_full(void) {
   static long left = -1;
-  if (left == -1) {
-    const char* wanted = getenv("FULL_AT");
-    left = wanted == NULL ? 0 : atol(wanted);
-  }
+  if (left == -1) left = number_of("FULL_AT");
   if (left > 1) return --left, 0;
   return left == 1;
-}
-
-// Another command may run between two writes: AT_RENAME=command runs at the first rename.
-static void run_command(void) {
-  const char* command = getenv("AT_RENAME");
-  if (command == NULL) return;
-  char* copy = strdup(command);
-  unsetenv("AT_RENAME");
-  unsetenv("LD_PRELOAD");
-  if (copy != NULL && system(copy) != 0) abort();
-  free(copy);
 }
 
 static void remove_drafts(void) {
@@ -64,6 +66,17 @@ static void remove_drafts(void) {
     return real arguments;                                                \
   }
 
+// Counts as two calls: something may also happen between this one and the next.
+#define CHANGE_AND_AFTER(type, name, parameters, arguments)               \
+  SEEN type name parameters {                                             \
+    static type(*real) parameters;                                        \
+    if (real == NULL) real = (type(*) parameters)dlsym(RTLD_NEXT, #name); \
+    count();                                                              \
+    const type done = real arguments;                                     \
+    count();                                                              \
+    return done;                                                          \
+  }
+
 CHANGE(int, rename, (const char* from, const char* to), (from, to))
 CHANGE(int, renameat2, (int d, const char* from, int e, const char* to, unsigned flags),
        (d, from, e, to, flags))
@@ -73,16 +86,16 @@ SEEN int renameat(int d, const char* from, int e, const char* to) {
   if (real == NULL)
     real = (int (*)(int, const char*, int, const char*))dlsym(RTLD_NEXT, "renameat");
   remove_drafts();
-  run_command();
+  run("AT_RENAME");
   count();
   return real(d, from, e, to);
 }
 
 CHANGE(int, unlinkat, (int d, const char* path, int flags), (d, path, flags))
 CHANGE(int, mkdir, (const char* path, mode_t mode), (path, mode))
-CHANGE(char*, mkdtemp, (char* path), (path))
+CHANGE_AND_AFTER(int, mkdirat, (int d, const char* path, mode_t mode), (d, path, mode))
 CHANGE(int, unlink, (const char* path), (path))
-CHANGE(int, symlink, (const char* to, const char* path), (to, path))
+CHANGE(int, symlinkat, (const char* to, int d, const char* path), (to, d, path))
 CHANGE(int, ftruncate, (int file, off_t size), (file, size))
 CHANGE(int, chmod, (const char* path, mode_t mode), (path, mode))
 CHANGE(int, fchmod, (int file, mode_t mode), (file, mode))

@@ -1,0 +1,26 @@
+// Signals that end a command: at its next file, so that no draft is left behind.
+#pragma once
+
+#include "base/result.hpp"
+
+namespace ddssec::cli {
+
+/// From now on SIGINT, SIGTERM and SIGHUP end the command at the next file with `interrupted`. If
+/// no file follows within 200 ms, the signal itself ends it, unless a Drafting is alive.
+void note_interruptions();
+/// Success unless a signal came. Error: interrupted.
+Status check_not_interrupted();
+
+/// Lives as long as files or folders are drafted, and neither in place nor removed.
+class Drafting {
+ public:
+  Drafting();
+  ~Drafting();
+  Drafting(Drafting&& other) noexcept;
+  Drafting& operator=(Drafting&&) = delete;
+
+ private:
+  bool is_counted_ = true;
+};
+
+}  // namespace ddssec::cli
