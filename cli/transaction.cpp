@@ -14,6 +14,7 @@
 #include "cli/file_lock.hpp"
 #include "cli/held_folder.hpp"
 #include "cli/leftovers.hpp"
+#include "pki/issue_log.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -123,7 +124,7 @@ void remove_former_drafts(const std::vector<Draft>& drafts) {
   remove_drafts_of(targets);
 }
 
-// Where the last whole line of a file ends; -1 if it cannot be read.
+// Where the last line that has a line end ends; -1 if the file cannot be read.
 off_t end_of_last_line(int file) {
   off_t end = ::lseek(file, 0, SEEK_END);
   char last = 0;
@@ -133,6 +134,26 @@ off_t end_of_last_line(int file) {
     --end;
   }
   return end;
+}
+
+/// Where lines can be added to a log.
+struct EndOfLog {
+  off_t at;
+  bool lacks_line_end;
+};
+
+// No part of a line is a whole JSON object. One that is whole counts, and only lacks its line end:
+// an editor may have taken it away.
+std::optional<EndOfLog> end_of_log(int file) {
+  const auto end = end_of_last_line(file);
+  const auto size = ::lseek(file, 0, SEEK_END);
+  if (end < 0 || size < end) return std::nullopt;
+  const auto length = static_cast<std::size_t>(size - end);
+  if (length == 0 || length > pki::kMaxLogLineOctets) return EndOfLog{end, false};
+  std::string last(length, '\0');
+  if (::pread(file, last.data(), length, end) != size - end) return std::nullopt;
+  const bool is_whole = Json::accept(last);
+  return EndOfLog{is_whole ? size : end, is_whole};
 }
 
 bool leads_to(const fs::path& link, const fs::path& to) {
@@ -249,11 +270,12 @@ Status append_lines(const fs::path& target, std::string_view lines, const fs::pa
   DDSSEC_ASSIGN_OR_RETURN(const auto held, FileLock::of(lock));
   const Descriptor file(::open(target.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644));
   if (!file) return unwritable(target, errno);
-  const auto end = end_of_last_line(file.number());
-  if (end < 0 || ::ftruncate(file.number(), end) != 0 ||
-      ::lseek(file.number(), end, SEEK_SET) != end)
+  const auto end = end_of_log(file.number());
+  if (!end || ::ftruncate(file.number(), end->at) != 0 ||
+      ::lseek(file.number(), end->at, SEEK_SET) != end->at)
     return unwritable(target, errno);
-  const int error = write_all(file.number(), as_bytes(lines));
+  const auto text = (end->lacks_line_end ? "\n" : "") + std::string(lines);
+  const int error = write_all(file.number(), as_bytes(text));
   if (error != 0 || ::fsync(file.number()) != 0) return unwritable(target, error ? error : errno);
   return {};
 }

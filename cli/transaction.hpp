@@ -89,8 +89,9 @@ Status check_link_place(const std::filesystem::path& target, const std::filesyst
 Result<WrittenFile> write_link(const std::filesystem::path& target,
                                const std::filesystem::path& to);
 
-/// Appends whole lines to a text file, created with mode 0644 if it does not exist. They are on the
-/// disk when this returns. A last line that an earlier crash cut short is removed first. Safe
+/// Appends whole lines to a log of JSON objects, created with mode 0644 if it does not exist. They
+/// are on the disk when this returns. A last line that an earlier crash cut short is removed first;
+/// one that is whole and only lacks its line end gets one. Safe
 /// against other processes that do the same with the same `lock`, a file that only its owner can
 /// open: every user who can read the text file could hold a lock on it. Errors: those of
 /// FileLock::of, file_unwritable, interrupted.

@@ -67,15 +67,15 @@ IssueLog IssueLog::parse(BytesView text) {
   IssueLog log;
   auto rest = as_text(text);
   for (int line = 1;; ++line) {
-    const auto end = rest.find('\n');
-    if (end == rest.npos) return log;
+    if (rest.empty()) return log;
+    const auto end = std::min(rest.find('\n'), rest.size());
     const auto added = log.add_line(rest.substr(0, end));
     if (!added) {
       auto details = added.error().details();
       details.line = line;
       log.unreadable_.emplace_back(Code::issue_log_malformed, std::move(details));
     }
-    rest.remove_prefix(end + 1);
+    rest.remove_prefix(std::min(end + 1, rest.size()));
   }
 }
 

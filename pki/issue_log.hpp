@@ -46,14 +46,14 @@ struct IssuedCertificate {
   }
 };
 
-/// The parsed log. Because lines are only added, it is safe against a crash: a line is there
-/// completely or, as the last one without its line end, not at all. Nothing that was written ever
-/// changes. It can be read with jq or an editor.
+/// The parsed log. Because lines are only added, it is safe against a crash: only the last line can
+/// be cut short. Nothing that was written ever changes. It can be read with jq or an editor.
 class IssueLog {
  public:
-  /// Parses the log; an empty text is an empty log. A last line without line end is skipped,
-  /// because its command did not finish. Any other unreadable line is ignored and listed in
-  /// unreadable(): one damaged line must not stop the revocation of everything else.
+  /// Parses the log; an empty text is an empty log. The last line may lack its line end, because no
+  /// part of a line is a whole JSON object. An unreadable line, such as one that is cut short, is
+  /// ignored and listed in unreadable(): one damaged line must not stop the revocation of
+  /// everything else.
   static IssueLog parse(BytesView text);
 
   /// In the order in which they were issued.

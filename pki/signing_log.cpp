@@ -36,10 +36,10 @@ SigningLog SigningLog::parse(BytesView text) {
   SigningLog log;
   auto rest = as_text(text);
   for (int line = 1;; ++line) {
-    const auto end = rest.find('\n');
-    if (end == rest.npos) return log;
+    if (rest.empty()) return log;
+    const auto end = std::min(rest.find('\n'), rest.size());
     if (!log.add_line(rest.substr(0, end))) log.unreadable_.push_back(line);
-    rest.remove_prefix(end + 1);
+    rest.remove_prefix(std::min(end + 1, rest.size()));
   }
 }
 

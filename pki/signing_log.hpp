@@ -30,8 +30,8 @@ class SigningLog {
                  ///< or one that this text extends
   };
 
-  /// Parses the log; an empty text is an empty log. A last line without line end is skipped,
-  /// because its command did not finish. Other unreadable lines are ignored.
+  /// Parses the log; an empty text is an empty log. The last line may lack its line end. Unreadable
+  /// lines are ignored and listed in unreadable().
   static SigningLog parse(BytesView text);
 
   /// The status of a document that was signed with the key of `ca`.

@@ -168,6 +168,23 @@ class Revocation(Transcript):
         self.assertTrue(log.read_text().startswith(whole))
         self.assertEqual(len(self.log()), 3)
 
+    def test_log_without_its_last_line_end_forgets_no_revocation(self):
+        self.run_program("identity", "revoke", "talker", "--ca", "ca", *NOW)
+        log = self.at / "ca/identity/issued.jsonl"
+        whole = log.read_text()
+        log.write_text(whole.removesuffix("\n"))
+        self.assertEqual(self.json("ca", "show", "ca", *NOW)["result"]["revoked"], 1)
+        self.issue("third")
+        self.assertTrue(log.read_text().startswith(whole))
+        self.assertEqual(len(self.log()), len(whole.splitlines()) + 1)
+
+    def test_log_whose_last_line_is_cut_short_says_so(self):
+        log = self.at / "ca/identity/issued.jsonl"
+        whole = log.read_text()
+        log.write_text(whole + '{"event":"revoked","time":"2026-')
+        told = self.json("ca", "show", "ca", *NOW)["diagnostics"]
+        self.assertEqual([(d["id"], d["line"]) for d in told], [("log_line_unreadable", len(whole.splitlines()) + 1)])
+
     def test_a_damaged_line_of_the_log_stops_no_revocation_and_is_told_once(self):
         log = self.at / "ca/identity/issued.jsonl"
         first, second = log.read_text().splitlines()

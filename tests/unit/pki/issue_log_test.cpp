@@ -67,12 +67,21 @@ TEST(IssueLog, ALastLineCutShortAtAnyOctetCountsForNothing) {
   const auto ca = make_ca();
   const auto first = IssueLog::issued_line(make_leaf(ca, "CN=a").certificate, "", kNow);
   const auto second = IssueLog::issued_line(make_leaf(ca, "CN=b").certificate, "", kNow);
-  for (std::size_t size = 0; size < second.size(); ++size) {
+  for (std::size_t size = 1; size + 1 < second.size(); ++size) {
     const auto log = IssueLog::parse(as_bytes(first + second.substr(0, size)));
-    ASSERT_TRUE(log.unreadable().empty()) << size;
+    ASSERT_EQ(log.unreadable().size(), 1u) << size;
+    EXPECT_EQ(log.unreadable()[0].details().line, 2) << size;
     EXPECT_EQ(log.issued().size(), 1u) << size;
   }
+  EXPECT_TRUE(IssueLog::parse(as_bytes(first)).unreadable().empty());
   EXPECT_TRUE(IssueLog::parse({}).issued().empty());
+}
+
+TEST(IssueLog, LastLineWithoutLineEnd_Counts) {
+  const auto line = IssueLog::revoked_line({"0A", kNow, RevocationReason::key_compromise});
+  const auto log = IssueLog::parse(as_bytes(line.substr(0, line.size() - 1)));
+  EXPECT_TRUE(log.unreadable().empty());
+  EXPECT_TRUE(log.is_revoked("0A"));
 }
 
 TEST(IssueLog, TheFirstLineOfASerialNumberCounts) {

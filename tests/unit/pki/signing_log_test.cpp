@@ -105,12 +105,23 @@ TEST(SigningLog, ALastLineCutShortAtAnyOctetCountsForNothing) {
   const auto ca = make_ca();
   const auto& c = ca.certificate();
   const auto second = line("b", c, "/p");
-  for (std::size_t size = 0; size < second.size(); ++size) {
+  for (std::size_t size = 1; size + 1 < second.size(); ++size) {
     const auto log = SigningLog::parse(as_bytes(line("a", c, "/p") + second.substr(0, size)));
-    EXPECT_TRUE(log.unreadable().empty());
+    EXPECT_EQ(log.unreadable(), std::vector{2}) << size;
     EXPECT_EQ(log.standing(as_bytes("a"), c), Standing::current) << size;
     EXPECT_EQ(log.standing(as_bytes("b"), c), Standing::unknown) << size;
   }
+}
+
+TEST(SigningLog, LastLineWithoutLineEnd_Counts) {
+  const auto ca = make_ca();
+  const auto& c = ca.certificate();
+  auto text = line("a", c, "/p") + line("b", c, "/p");
+  text.pop_back();
+  const auto log = SigningLog::parse(as_bytes(text));
+  EXPECT_TRUE(log.unreadable().empty());
+  EXPECT_EQ(log.standing(as_bytes("a"), c), Standing::superseded);
+  EXPECT_EQ(log.standing(as_bytes("b"), c), Standing::current);
 }
 
 }  // namespace
