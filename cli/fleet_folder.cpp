@@ -9,6 +9,7 @@
 #include "cli/documents.hpp"
 #include "cli/inputs.hpp"
 #include "cli/signed_documents.hpp"
+#include "cli/snippets.hpp"
 #include "pki/participant_folder.hpp"
 
 namespace ddssec::cli {
@@ -16,6 +17,7 @@ namespace ddssec::cli {
 namespace fs = std::filesystem;
 
 Result<FleetFolder> FleetFolder::at(const fs::path& target, std::vector<ParticipantSpec>& specs) {
+  DDSSEC_RETURN_IF_ERROR(check_nameable(target));
   FleetFolder out(target);
   const auto has = [&](const ParticipantSpec& spec) { return out.has(spec); };
   std::error_code ignored;

@@ -16,7 +16,7 @@ class FleetFolder {
  public:
   /// Removes participants that already have a certificate there from `specs`. Errors:
   /// would_overwrite if all of them have one, or if something else has the name of one; those of
-  /// NewFolder::at.
+  /// NewFolder::at and check_nameable.
   static Result<FleetFolder> at(const std::filesystem::path& target,
                                 std::vector<ParticipantSpec>& specs);
 

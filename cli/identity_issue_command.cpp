@@ -444,6 +444,7 @@ Result<Report> issue_one(const Arguments& arguments, const Context& context, Fin
   DDSSEC_ASSIGN_OR_RETURN(auto spec, spec_of(arguments, context.clock.now(), findings));
   const fs::path given = arguments.text("-o");
   const fs::path target = given.has_filename() ? given : given.parent_path();
+  DDSSEC_RETURN_IF_ERROR(check_nameable(target));
   std::error_code ignored;
   // A link is followed nowhere.
   const bool is_folder = fs::symlink_status(target, ignored).type() == fs::file_type::directory;

@@ -208,6 +208,7 @@ std::string next_steps(const Plan& plan, const Json& snippets) {
 Result<Report> init(const Arguments& arguments, const Context& context) {
   const auto now = context.clock.now();
   DDSSEC_ASSIGN_OR_RETURN(const auto plan, plan_of(arguments, now));
+  DDSSEC_RETURN_IF_ERROR(check_nameable(plan.target));
   DDSSEC_ASSIGN_OR_RETURN(auto folder, NewFolder::at(plan.target));
   DDSSEC_ASSIGN_OR_RETURN(const auto identity, make_ca(plan, "Identity", context));
   DDSSEC_ASSIGN_OR_RETURN(const auto permissions, make_ca(plan, "Permissions", context));

@@ -56,6 +56,7 @@ Result<Report> keystore_create(const Arguments& arguments, const Context& contex
   const fs::path target = arguments.text("KEYSTORE");
   DDSSEC_ASSIGN_OR_RETURN(const auto profile, profile_option(arguments));
   DDSSEC_ASSIGN_OR_RETURN(const auto domains, domain_ranges(arguments, "--domain"));
+  DDSSEC_RETURN_IF_ERROR(check_nameable(target));
   DDSSEC_ASSIGN_OR_RETURN(auto folder, NewFolder::at(target));
   std::optional<pki::Passphrase> secret;
   if (!arguments.has("--no-passphrase")) {
@@ -207,6 +208,7 @@ Result<Report> keystore_enclave(const Arguments& arguments, const Context& conte
                  .note = "the enclave exists",
                  .hint = "ddssec keystore permission gives it other rights; to issue it again with "
                          "a new key, remove its folder first"});
+  DDSSEC_RETURN_IF_ERROR(check_nameable(target));
   DDSSEC_ASSIGN_OR_RETURN(auto folder, EnclaveFolder::at(keystore, target));
   CaOpener opener(arguments);
   DDSSEC_ASSIGN_OR_RETURN(const auto identity, opener.open(ca_paths(keystore, "identity")));

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/bytes.hpp"
+#include "base/text.hpp"
 #include "cli/inputs.hpp"
 #include "governance/doctor/shell_word.hpp"
 #include "pki/source.hpp"
@@ -89,6 +90,7 @@ std::array<ConfigurationFile, 2> configuration_files(const pki::ParticipantFolde
 
 Result<std::vector<ConfigurationFile>> missing_configuration_files(
     const pki::ParticipantFolder& folder, const fs::path& dropin) {
+  DDSSEC_RETURN_IF_ERROR(check_nameable(folder.folder));
   std::vector<ConfigurationFile> out;
   for (auto& wanted : configuration_files(folder, dropin)) {
     const auto file = folder.folder / wanted.name;
@@ -107,6 +109,17 @@ Result<std::vector<ConfigurationFile>> missing_configuration_files(
     }
   }
   return out;
+}
+
+Status check_nameable(const fs::path& folder) {
+  const auto path = whole_path(folder);
+  if (printable(path) == path) return {};
+  return fail(Code::usage,
+              {.document = folder,
+               .note = fmt::format("the path {} has a line break or another character that neither "
+                                   "a configuration nor a line for a shell can name safely",
+                                   path),
+               .hint = "choose a folder whose whole path has only visible characters"});
 }
 
 std::string configuration_lines(std::string_view name, const fs::path& folder) {

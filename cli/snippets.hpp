@@ -23,13 +23,17 @@ struct ConfigurationFile {
 std::array<ConfigurationFile, 2> configuration_files(const pki::ParticipantFolder& folder,
                                                      const std::filesystem::path& dropin = {});
 /// The configuration files that a folder lacks: existing ones may have been changed by the user.
-/// With `dropin`, also a cyclonedds.xml that differs only in the libraries. Error: would_overwrite
-/// if it differs in more.
+/// With `dropin`, also a cyclonedds.xml that differs only in the libraries. Errors:
+/// would_overwrite if it differs in more; those of check_nameable.
 Result<std::vector<ConfigurationFile>> missing_configuration_files(
     const pki::ParticipantFolder& folder, const std::filesystem::path& dropin);
 /// Lines of text with the environment variables that name these files of `folder`, which belongs to
 /// `name`.
 std::string configuration_lines(std::string_view name, const std::filesystem::path& folder);
+
+/// Success if configurations and lines for a shell can name files in the folder: the whole path has
+/// no line break, no other control character and nothing that printable() replaces. Error: usage.
+Status check_nameable(const std::filesystem::path& folder);
 
 /// A Cyclone DDS configuration, for CYCLONEDDS_URI or a file that it names.
 std::string cyclonedds_snippet(const pki::ParticipantFolder& folder,

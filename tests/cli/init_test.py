@@ -54,6 +54,22 @@ class Init(Transcript):
         self.assertEqual(sorted(out["folders"]),
                          [str(self.at / "demo/listener"), str(self.at / "demo/third")])
 
+    def test_path_that_no_shell_line_can_name_is_refused(self):
+        """The line for CYCLONEDDS_URI would name another place, because the terminal gets no control characters."""
+        for name in ("a\nb", "a\tb", "a\x1b[2Jb", "a\u202eb"):
+            (self.at / name).mkdir()
+            for words in (("init", f"{name}/demo"), ("init", f"{name}/ks", "--layout", "sros2"),
+                          ("keystore", "create", f"{name}/ks", "--no-passphrase")):
+                with self.subTest(words=words):
+                    told = self.refused("usage", 2, *words, *NOW)
+                    self.assertIn("only visible characters", told["hint"])
+        self.run_program("ca", "create", "ca", "--no-passphrase", *NOW)
+        (self.at / "fleet.toml").write_text('[[participant]]\nname = "one"\n')
+        for words in (("talker", "-o", "a\nb/talker"), ("--from", "fleet.toml", "-o", "a\nb/fleet")):
+            self.refused("usage", 2, "identity", "issue", *words, "--ca", "ca", *NOW)
+        self.at /= "a\nb"  # the whole path counts
+        self.refused("usage", 2, "init", "demo", *NOW)
+
     def faults(self, out):
         """Of the folder: that LD_LIBRARY_PATH and CYCLONEDDS_URI name nothing of it is a matter of the shell."""
         return [d["id"] for d in out["diagnostics"] if d["id"] not in ("DOC068", "DOC101")]
