@@ -70,14 +70,16 @@ void check_environment(const LoadedFolder& folder, const doctor::Settings& setti
   const char* const uri = std::getenv("CYCLONEDDS_URI");
   if (uri == nullptr || *uri == '\0') return;
   const auto text = doctor::cyclonedds_configuration();
+  const auto inline_from = text ? text->size() - doctor::inline_octets(uri) : 0;
   const auto named = doctor::folder_named_by(uri);
   if (text && !named.empty()) {
-    const auto security =
-        doctor::effective_security(*text, settings.domain, doctor::ConfigurationPlace::variable);
+    const auto security = doctor::effective_security(
+        *text, settings.domain, doctor::ConfigurationPlace::variable, inline_from);
     if (security.problems.empty() && !security.is_there)
       return report_named_folder(folder, named, out);
   }
-  if (text) return doctor::check_configuration_in_force(folder, *text, settings, out);
+  if (text)
+    return doctor::check_configuration_in_force(folder, {*text, inline_from}, settings, out);
   out.report(kCycloneFails,
              {.rule = Rule::DOC102,
               .message = fmt::format("CYCLONEDDS_URI is \"{}\" and names a file that cannot be "

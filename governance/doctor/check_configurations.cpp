@@ -103,6 +103,10 @@ std::vector<Named> named_by_cyclonedds(std::string_view text, const EffectiveSec
       for (const auto& role : kRoles)
         if (const auto* value = *plugin ? (*plugin)->value(role.element) : nullptr)
           out.push_back({&role, expanded_variables(value->text, domain).value_or(value->text)});
+    // Measured: Cyclone DDS starts with an empty one, without a list.
+    std::erase_if(out, [](const Named& named) {
+      return named.role->judged == &Files::crl && named.value.empty();
+    });
     return out;
   }
   for (const auto& role : kRoles)
@@ -408,9 +412,11 @@ void check_profile_of_working_directory(const LoadedFolder& folder, const Settin
                            kSkipVariable)});
 }
 
-void check_configuration_in_force(const LoadedFolder& folder, std::string_view text,
+void check_configuration_in_force(const LoadedFolder& folder, const ConfigurationInForce& in_force,
                                   const Settings& settings, Diagnosis& out) {
-  const auto security = effective_security(text, settings.domain, ConfigurationPlace::variable);
+  const auto text = in_force.text;
+  const auto security =
+      effective_security(text, settings.domain, ConfigurationPlace::variable, in_force.inline_from);
   const Configuration configuration{
       "the configuration that CYCLONEDDS_URI names", "CYCLONEDDS_URI", kCycloneFails,
       named_by_cyclonedds(without_comments(text), security, settings.domain)};

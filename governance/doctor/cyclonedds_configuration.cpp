@@ -70,6 +70,12 @@ std::optional<std::string> cyclonedds_configuration(std::string_view uri) {
   return out;
 }
 
+std::size_t inline_octets(std::string_view uri) {
+  while (const auto name = next_name(uri))
+    if (name->starts_with('<')) return name->size();
+  return 0;
+}
+
 std::filesystem::path folder_named_by(std::string_view uri) {
   while (const auto name = next_name(uri))
     if (is_folder(*name)) return path_of(*name);

@@ -19,6 +19,9 @@ namespace ddssec::governance::doctor {
 std::optional<std::string> cyclonedds_configuration();
 std::optional<std::string> cyclonedds_configuration(std::string_view uri);
 
+/// The number of octets at the end of that text that are in the variable itself, not in a file.
+std::size_t inline_octets(std::string_view uri);
+
 /// The first folder among the files that `uri` names; empty if there is none.
 std::filesystem::path folder_named_by(std::string_view uri);
 

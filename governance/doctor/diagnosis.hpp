@@ -69,10 +69,15 @@ Diagnosis diagnose(const LoadedFolder& folder, const Settings& settings);
 /// refuses, and a stock product's does not. One finding for each product and document.
 void check_readings(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
 
-/// Checks whether a configuration of Cyclone DDS (`text`, named by the environment) makes the
-/// participant's process read the files of the folder. A configuration of another participant is
-/// ignored.
-void check_configuration_in_force(const LoadedFolder& folder, std::string_view text,
+/// What CYCLONEDDS_URI leads to.
+struct ConfigurationInForce {
+  std::string_view text;    ///< of cyclonedds_configuration()
+  std::size_t inline_from;  ///< where the part begins that is in the variable itself
+};
+
+/// Checks whether a configuration of Cyclone DDS makes the participant's process read the files of
+/// the folder. A configuration of another participant is ignored.
+void check_configuration_in_force(const LoadedFolder& folder, const ConfigurationInForce& in_force,
                                   const Settings& settings, Diagnosis& out);
 
 /// The same for a file of profiles of Fast DDS, named by the environment. One that is not of this

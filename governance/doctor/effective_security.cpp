@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "governance/doctor/expanded_variables.hpp"
 #include "governance/doctor/markup.hpp"
 #include "governance/doctor/section_elements.hpp"
 
@@ -60,12 +61,14 @@ bool is_security(std::string_view name) { return name == "security" || name == "
 /// Reads the elements and stores those that apply.
 class Walk {
  public:
-  Walk(DomainId domain, ConfigurationPlace place) : domain_(domain), place_(place) {}
+  Walk(DomainId domain, ConfigurationPlace place, std::size_t inline_from)
+      : domain_(domain), place_(place), inline_from_(inline_from) {}
 
   EffectiveSecurity of(std::string_view text) {
-    Markup markup(text);
+    Markup markup(text, inline_from_);
     for (;;) {
       const auto token = markup.next();
+      if (token.is_inline && !std::exchange(is_inline_, true)) refuse_open_elements();
       if (token.kind == Markup::Kind::end) break;
       if (token.kind == Markup::Kind::broken) {
         problem(token.line, "is not well-formed XML");
@@ -73,8 +76,7 @@ class Walk {
       }
       if (!take(token)) return std::move(out_);
     }
-    if (!path_.empty() && is_file() && out_.problems.empty())
-      problem(path_.back().line, fmt::format("has no end tag for <{}>", path_.back().name));
+    if (!is_inline_) refuse_open_elements();
     return std::move(out_);
   }
 
@@ -90,6 +92,7 @@ class Walk {
     std::string path = {};      ///< from a section on that is known (section_elements.hpp)
     std::string place = {};     ///< the same for elements that are one in a <Domain>
     bool has_text = false;      ///< directly inside
+    std::string spelled = {};   ///< the name as it is written
   };
 
   bool is_file() const { return place_ == ConfigurationPlace::file; }
@@ -106,15 +109,33 @@ class Walk {
     return true;
   }
 
+  // Of a file: what follows is another file, or in the variable itself.
+  void refuse_open_elements() {
+    if (path_.empty() || !out_.problems.empty()) return;
+    problem(path_.back().line, fmt::format("has no end tag for <{}>", path_.back().name));
+  }
+
   bool close(const Markup::Token& token) {
-    const bool is_anonymous = token.name.empty() && !is_file();
-    if (path_.empty() || (!is_anonymous && token.name != path_.back().name)) {
+    const bool is_anonymous = token.name.empty() && token.is_inline;
+    if (!path_.empty() && (is_anonymous || token.spelled == path_.back().spelled)) {
+      leave();
+      return true;
+    }
+    if (!path_.empty() && token.name == path_.back().name)
+      problem(token.line, fmt::format("ends <{}> with </{}>, in another letter case",
+                                      path_.back().spelled, token.spelled));
+    else
       problem(token.line, fmt::format("has an end tag </{}> that no start tag belongs to",
                                       token.name.substr(0, 64)));
-      return false;
-    }
-    leave();
-    return true;
+    return false;
+  }
+
+  // Measured: an empty value is the default.
+  void check_switch(const ConfiguredText& value) {
+    const auto read = ascii_lower(expanded_variables(value.text, domain_).value_or(""));
+    if (!read.empty() && read != "true" && read != "false")
+      problem(value.line, fmt::format("has the value \"{}\" for <{}>, which is true or false",
+                                      value.text.substr(0, 64), path_.back().spelled));
   }
 
   void leave() {
@@ -123,7 +144,10 @@ class Walk {
       if (is_second_ && !out_.authentication)
         problem(path_.back().line, "has a second <Security> without <Authentication>");
     }
-    if (value_ != nullptr) value_->text = std::string(trimmed(value_->text, kBlanks));
+    if (value_ != nullptr) {
+      value_->text = std::string(trimmed(value_->text, kBlanks));
+      if (path_.back().name == "includeoptionalfields") check_switch(*value_);
+    }
     value_ = nullptr;
     if (is_old_id()) take_old_id();
     if (path_.back().has_text && !values_.insert(path_.back().place).second)
@@ -136,6 +160,7 @@ class Walk {
     const bool is_other = !path_.empty() && path_.back().is_for_other_domain;
     if (!path_.empty()) path_.back().has_elements = true;
     path_.push_back({token.name, token.line, is_other});
+    path_.back().spelled = token.spelled;
     path_.back().place = fmt::format("#{}", count_++);
     if (path_.size() == 1) is_file() ? open_root(token) : open_part(token);
     if (security_depth_ != 0) return open_inside(token);
@@ -391,6 +416,8 @@ class Walk {
 
   DomainId domain_;
   ConfigurationPlace place_;
+  std::size_t inline_from_;
+  bool is_inline_ = false;  ///< what follows is in the variable itself
   EffectiveSecurity out_;
   std::vector<Open> path_;
   std::size_t security_depth_ = 0;  ///< 0: not inside one that counts
@@ -421,8 +448,8 @@ const ConfiguredText* ConfiguredPlugin::value(std::string_view name) const {
 }
 
 EffectiveSecurity effective_security(std::string_view text, DomainId domain,
-                                     ConfigurationPlace place) {
-  return Walk(domain, place).of(text);
+                                     ConfigurationPlace place, std::size_t inline_from) {
+  return Walk(domain, place, place == ConfigurationPlace::file ? text.npos : inline_from).of(text);
 }
 
 }  // namespace ddssec::governance::doctor

@@ -55,7 +55,9 @@ enum class ConfigurationPlace : std::uint8_t {
   variable,  ///< CYCLONEDDS_URI: also several documents, or parts of one without end tags
 };
 
+/// `inline_from`: where the part begins that is in the variable itself, after the files' texts.
+/// Only there end tags may be missing or have no name.
 EffectiveSecurity effective_security(std::string_view text, DomainId domain,
-                                     ConfigurationPlace place);
+                                     ConfigurationPlace place, std::size_t inline_from = 0);
 
 }  // namespace ddssec::governance::doctor

@@ -40,6 +40,17 @@ std::string replaced(const std::string& from, const std::string& to) {
   return text.replace(at, from.size(), to);
 }
 
+std::string replaced_both(const std::string& name, const std::string& other) {
+  auto text = replaced("<" + name + ">", "<" + other + ">");
+  const auto at = text.find("</" + name + ">");
+  EXPECT_NE(at, text.npos) << name;
+  return text.replace(at + 2, name.size(), other);
+}
+std::string with_switch(const std::string& value) {
+  return replaced("<IdentityCA>",
+                  "<IncludeOptionalFields>" + value + "</IncludeOptionalFields><IdentityCA>");
+}
+
 const std::string kIPv4 = "<General><UseIPv6>false</UseIPv6></General>";
 std::string with(const std::string& sections) { return document(domain(sections + security())); }
 
@@ -51,6 +62,26 @@ TEST(EffectiveSecurity, Complete_IsReadWithAllValues) {
   EXPECT_EQ(read.authentication->value("privatekey")->text, "file:/a/key");
   EXPECT_EQ(read.access_control->value("governance")->text, "file:/a/g");
   EXPECT_EQ(read.access_control->value("crl"), nullptr);
+}
+
+TEST(EffectiveSecurity, References_AreReadAsUtf8) {
+  const auto text = replaced("file:/a/g", "file:&amp;&#x2f;&#233;&#x20AC;&#x1F916;");
+  const auto read = effective_security(text, 0, Place::file);
+  ASSERT_TRUE(read.access_control);
+  EXPECT_EQ(read.access_control->value("governance")->text, "file:&/\u00e9\u20ac\U0001F916");
+}
+
+// Only in the variable itself end tags may be missing or have no name.
+TEST(EffectiveSecurity, FileThenVariable_EachIsReadByItsOwnRules) {
+  const std::string part = "<Tracing><Verbosity>none</>";
+  const auto read = [&](const std::string& file) {
+    return effective_security(file + part, 0, Place::variable, file.size());
+  };
+  EXPECT_TRUE(read(document(domain(security())) + "\n").problems.empty());
+  EXPECT_FALSE(read(replaced("</Governance>", "</>") + "\n").problems.empty());
+  EXPECT_FALSE(read("<CycloneDDS><Domain>" + security() + "\n").problems.empty());
+  const auto cut_off = "<CycloneDDS><Domain>" + security();
+  EXPECT_FALSE(effective_security(cut_off, 0, Place::variable, cut_off.size()).problems.empty());
 }
 
 struct Row {
@@ -103,7 +134,9 @@ INSTANTIATE_TEST_SUITE_P(
         Row{"OldIdsOfTwoDomains",
             document(domain("<Id>5</Id>" + security()) + domain("<Id>0</Id>" + security())), true},
         Row{"UnknownInOtherDomain",
-            document(domain("hello<Foo/>", " Id=\"5\" foo=\"1\"") + domain(security())), true},
+            document(domain("<Foo/>", " Id=\"5\" foo=\"1\"") + domain(security())), true},
+        Row{"TextInOtherDomain",
+            document(domain("hello", " Id=\"5\" foo=\"1\"") + domain(security())), true},
         Row{"EmptyValueTwice", with("<General><UseIPv6/><UseIPv6>false</UseIPv6></General>"), true},
         Row{"SectionTwiceWithOtherValues",
             with("<Discovery><Tag>a</Tag></Discovery><Discovery><SPDPInterval>1s</SPDPInterval>"
@@ -128,6 +161,22 @@ INSTANTIATE_TEST_SUITE_P(
         Row{"MovedSection", document(kGeneral + domain(security())), true},
         Row{"Commented", document(domain("<!--" + security() + "-->")), false},
         Row{"SmallLetters", "<cyclonedds><domain><security/></domain></cyclonedds>", true},
+        Row{"StartAndEndTagInOtherCase", replaced_both("Governance", "gOVERNANCE"), true},
+        Row{"InstructionAfterValue", replaced("</Governance>", "<?x y?></Governance>"), true},
+        Row{"DeclarationAfterValue", replaced("</Governance>", "<!DOCTYPE x></Governance>"), true},
+        Row{"CommentInValue", replaced("file:/a/g", "file:<!-- x -->/a/g"), true},
+        Row{"InstructionWithAngleBracket", replaced("<Security>", "<?x a>b?><Security>"), true},
+        Row{"InstructionHidesElement", replaced("<Cryptographic/>", "<?x <Foo/> ?>"), true},
+        Row{"InstructionWithoutEndAfterRoot", document(domain(security())) + "<?x", true},
+        Row{"InstructionAfterRoot", document(domain(security())) + "<?x?><!-- x --><!X>", true},
+        Row{"CommentInTag", replaced("<Domain>", "<Domain <!-- x --> <?x?> Id='0'>"), true},
+        Row{"VerticalTab", replaced("<Domain>", "<Domain\vId='0'>"), true},
+        Row{"CharacterData", replaced("file:/a/g", "<![CDATA[file:/a/g]]>"), true},
+        Row{"CharacterReferences", replaced("file:/a/g", "file:&#47;&#x61;/&#233;"), true},
+        Row{"SwitchInCapitals", with_switch("TRUE"), true},
+        Row{"SwitchEmpty", with_switch(""), true},
+        Row{"SwitchWithBlanks", with_switch(" false "), true},
+        Row{"SwitchByDefaultOfVariable", with_switch("${DDSSEC_NOT_SET:-true}"), true},
         Row{"OtherName",
             document(domain("<DDSSecurity>" + std::string(kAuthentication) + "</DDSSecurity>")),
             true},
@@ -153,6 +202,30 @@ TEST_P(NotStarted, HasAProblem) {
 INSTANTIATE_TEST_SUITE_P(
     Table, NotStarted,
     testing::Values(
+        Row{"ElementAfterTextInOtherDomain",
+            document(domain("hello<Foo/>", " Id=\"5\"") + domain(security())), false},
+        Row{"ElementAfterTextOfSection",
+            with("<General><MaxMessageSize>1400B<Foo/></MaxMessageSize></General>"), false},
+        Row{"EndTagInOtherCase", replaced("</Governance>", "</gOVERNANCE>"), false},
+        Row{"EndTagOfSecurityInOtherCase", replaced("</Security>", "</sECURITY>"), false},
+        Row{"StartTagInOtherCase", replaced("<Domain>", "<dOMAIN>"), false},
+        Row{"InlineEndTagInOtherCase", replaced("</Governance>", "</gOVERNANCE>"), false,
+            Place::variable},
+        Row{"InstructionBeforeValue", replaced("file:/a/g", "<?x y?>file:/a/g"), false},
+        Row{"InstructionInValue", replaced("file:/a/g", "file:<?x y?>/a/g"), false},
+        Row{"DeclarationBeforeValue", replaced("file:/a/g", "<!DOCTYPE x>file:/a/g"), false},
+        Row{"InstructionWithoutEnd", replaced("<Security>", "<?x a><Security>"), false},
+        Row{"ElementAfterValue", replaced("file:/a/g", "file:/a/g<x/>"), false},
+        Row{"UnknownReference", replaced("file:/a/g", "file:/a&nbsp;/g"), false},
+        Row{"LongReference", replaced("file:/a/g", "file:/a/&#x0000000000000067;"), false},
+        Row{"UnknownReferenceInAttribute", replaced("path=\"", "path=\"a&b"), false},
+        Row{"ReferenceTooLarge", replaced("path=\"", "path=\"&#x110000;"), false},
+        Row{"QuoteWithoutEnd", replaced("file:/a/p", "'file:/a/p"), false},
+        Row{"FormFeed", replaced("<Domain>", "<Domain\fId='0'>"), false},
+        Row{"NumberAsName", replaced("<Security>", "<Security><1x/>"), false},
+        Row{"SwitchAsNumber", with_switch("1"), false},
+        Row{"SwitchAsWord", with_switch("maybe"), false},
+        Row{"SwitchByWrongDefault", with_switch("${DDSSEC_NOT_SET:-x}"), false},
         Row{"TextAlone", "hello", false}, Row{"BeginningOfAName", with("<Gen/>"), false},
         Row{"ValueTwice",
             with("<General><UseIPv6>false</UseIPv6><UseIPv6>false</UseIPv6></General>"), false},
@@ -264,7 +337,6 @@ TEST(EffectiveSecurity, UnknownDeeper_IsADoubt) {
         "<Threads><Thread Name='recv'><Scheduling><Foo>1</Foo></Scheduling></Thread></Threads>",
         "<General><Interfaces><Foo/></Interfaces></General>",
         "<General><Interfaces><NetworkInterface name='lo' foo='1'/></Interfaces></General>",
-        "<General><MaxMessageSize>1400B<Foo/></MaxMessageSize></General>",
         "<General><MaxMessageSize foo='1'>1400B</MaxMessageSize></General>",
         "<Partitioning><NetworkPartitions><Foo/></NetworkPartitions></Partitioning>",
         "<Internal><Watermarks><Foo>1</Foo></Watermarks></Internal>",
