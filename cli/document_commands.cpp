@@ -116,7 +116,7 @@ Result<Beliefs> beliefs(const fs::path& file, const fs::path& ca, WallTime now) 
   const bool is_other_signer =
       !out.ours && out.ours.error().code() == Code::smime_signer_not_permissions_ca;
   const auto accepts = [&](doctor::Vendor vendor) {
-    return believes(vendor, octets, anchors, now) &&
+    return believes(vendor, octets, anchors, {}, now) &&
            !(is_other_signer && by_another.of(vendor) == doctor::Outcome::fail);
   };
   out.cyclonedds = accepts(doctor::Vendor::cyclonedds);

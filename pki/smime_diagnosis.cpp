@@ -192,13 +192,42 @@ DocumentWrapping wrapping_of(BytesView file, Parsed& parsed) {
   return DocumentWrapping::unknown;
 }
 
-StorePtr store_of(const std::vector<Certificate>& cas, WallTime now) {
+StorePtr empty_store(WallTime now) {
   StorePtr store(X509_STORE_new());
   if (!store) return nullptr;
-  for (const auto& ca : cas) X509_STORE_add_cert(store.get(), ca.impl().x509.get());
   X509_VERIFY_PARAM_set_time(X509_STORE_get0_param(store.get()),
                              static_cast<time_t>(now.time_since_epoch().count()));
   return store;
+}
+
+StorePtr store_of(const std::vector<Certificate>& cas, WallTime now) {
+  auto store = empty_store(now);
+  if (!store) return nullptr;
+  for (const auto& ca : cas) X509_STORE_add_cert(store.get(), ca.impl().x509.get());
+  return store;
+}
+
+// Null if the file has no certificate.
+StorePtr store_of(BytesView ca_file, std::size_t count, WallTime now) {
+  const BioPtr in = bio_over(ca_file);
+  auto store = empty_store(now);
+  std::size_t read = 0;
+  for (; in && store && read < count; ++read) {
+    const X509Ptr ca(PEM_read_bio_X509(in.get(), nullptr, nullptr, nullptr));
+    if (!ca) break;
+    X509_STORE_add_cert(store.get(), ca.get());
+  }
+  take_openssl_reason();  // of the end of the file
+  return read > 0 ? std::move(store) : nullptr;
+}
+
+Status is_believed(BytesView file, const StorePtr& store) {
+  if (file.size() > kMostDocumentOctets) return fail(Code::smime_too_large);
+  const auto parsed = parse_smime(file);
+  if (!parsed.pkcs7) return openssl_failure(Code::smime_malformed);
+  const BioPtr out(BIO_new(BIO_s_mem()));
+  if (!store || !out) return openssl_failure(Code::internal);
+  return verify_pkcs7(parsed.pkcs7.get(), store.get(), parsed.beside.get(), out.get(), PKCS7_TEXT);
 }
 
 }  // namespace
@@ -266,13 +295,13 @@ DocumentForm examine_document(BytesView file) {
 }
 
 Status stock_products_believe(BytesView file, const std::vector<Certificate>& cas, WallTime now) {
-  if (file.size() > kMostDocumentOctets) return fail(Code::smime_too_large);
-  const auto parsed = parse_smime(file);
-  if (!parsed.pkcs7) return openssl_failure(Code::smime_malformed);
-  const auto store = store_of(cas, now);
-  const BioPtr out(BIO_new(BIO_s_mem()));
-  if (!store || !out) return openssl_failure(Code::internal);
-  return verify_pkcs7(parsed.pkcs7.get(), store.get(), parsed.beside.get(), out.get(), PKCS7_TEXT);
+  return is_believed(file, store_of(cas, now));
+}
+
+Status stock_products_believe(BytesView file, BytesView ca_file, std::size_t count, WallTime now) {
+  if (ca_file.size() > kMostBundleOctets) return fail(Code::certificate_too_large);
+  const auto store = store_of(ca_file, count, now);
+  return store ? is_believed(file, store) : fail(Code::certificate_malformed);
 }
 
 }  // namespace ddssec::pki

@@ -77,4 +77,9 @@ Status check_same_reading(const UnverifiedDocument& ours, BytesView file);
 /// (pki/openssl_guards.hpp), internal.
 Status stock_products_believe(BytesView file, const std::vector<Certificate>& cas, WallTime now);
 
+/// The same with the first `count` certificates of a CA file in PEM, whatever their keys are: stock
+/// products also take keys of a permissions CA that DDS-Security does not allow (measured). Errors:
+/// as above; certificate_malformed, certificate_too_large.
+Status stock_products_believe(BytesView file, BytesView ca_file, std::size_t count, WallTime now);
+
 }  // namespace ddssec::pki

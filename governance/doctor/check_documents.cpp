@@ -195,13 +195,27 @@ void report_signature(const LoadedFolder& folder, const Subject& subject, const 
              subject.about);
 }
 
+// Where only the key of the permissions CA keeps ddssec from reading its file (DOC014), stock
+// products still check the signature with it.
+void check_stock_belief(const Subject& subject, Diagnosis& out) {
+  const Outcomes who{of(subject.cyclonedds_belief.has_value()),
+                     of(subject.fastdds_belief.has_value()), Outcome::ok};
+  if (who.all_ok()) return;
+  const auto& belief =
+      subject.cyclonedds_belief ? subject.fastdds_belief : subject.cyclonedds_belief;
+  report(Rule::DOC031, subject, belief.error(), who, out);
+}
+
 void check_belief(const LoadedFolder& folder, const Subject& subject, Diagnosis& out) {
   if (const auto odd = odd_form(subject); !odd.empty())
     return out.report(outcomes_of_form(subject),
                       {.rule = Rule::DOC030, .message = odd, .document = subject.path},
                       subject.about);
   out.pass(Rule::DOC030, subject.about);
-  if (!folder.permissions_cas) return;
+  if (!folder.permissions_cas) {
+    const bool is_key = folder.permissions_cas.error().code() == Code::key_not_allowed;
+    return is_key ? check_stock_belief(subject, out) : void();
+  }
   if (outcomes(subject).all_ok()) return out.pass(Rule::DOC031, subject.about);
   if (subject.our_belief) return report_ca_file(folder, subject, out);
   const auto& error = subject.our_belief.error();

@@ -58,10 +58,16 @@ bool begins_like_der(const fs::path& path) {
 
 using Certificates = Result<std::vector<pki::Certificate>>;
 
+/// The permissions CA file.
+struct Trust {
+  Certificates cas;
+  Bytes file;
+};
+
 // The text is read even if its signature is refused, for what else may be wrong with it; it is
 // only reported on.
 template <class Model>
-LoadedDocument<Model> load_document(const fs::path& path, const Certificates& cas,
+LoadedDocument<Model> load_document(const fs::path& path, const Trust& trust,
                                     Result<Model> (*read)(BytesView, int), WallTime now) {
   LoadedDocument<Model> out;
   auto file = pki::load(uri(path), path.string(), pki::kMostDocumentOctets);
@@ -72,9 +78,10 @@ LoadedDocument<Model> load_document(const fs::path& path, const Certificates& ca
   }
   out.file = *std::move(file);
   out.form = pki::examine_document(out.file);
-  out.cyclonedds_belief = believes(Vendor::cyclonedds, out.file, cas, now);
-  out.fastdds_belief = believes(Vendor::fastdds, out.file, cas, now);
-  out.our_belief = believes(Vendor::ours, out.file, cas, now);
+  const auto& [cas, ca_file] = trust;
+  out.cyclonedds_belief = believes(Vendor::cyclonedds, out.file, cas, ca_file, now);
+  out.fastdds_belief = believes(Vendor::fastdds, out.file, cas, ca_file, now);
+  out.our_belief = believes(Vendor::ours, out.file, cas, ca_file, now);
   auto model = read(out.form.unverified_text, out.form.first_line);
   if (!model) {
     out.parsed = about(model.error(), path);
@@ -91,7 +98,11 @@ LoadedDocument<Model> load_document(const fs::path& path, const Certificates& ca
 
 }  // namespace
 
-Status believes(Vendor judge, BytesView file, const Certificates& cas, WallTime now) {
+Status believes(Vendor judge, BytesView file, const Certificates& cas, BytesView ca_file,
+                WallTime now) {
+  if (!cas && cas.error().code() == Code::key_not_allowed && judge != Vendor::ours)
+    return pki::stock_products_believe(
+        file, ca_file, judge == Vendor::cyclonedds ? 1 : pki::kMostCertificatesInBundle, now);
   if (!cas) return std::unexpected(cas.error());
   if (judge == Vendor::cyclonedds) return pki::stock_products_believe(file, {cas->front()}, now);
   if (judge == Vendor::fastdds) return pki::stock_products_believe(file, *cas, now);
@@ -118,15 +129,18 @@ LoadedFolder load_folder(const pki::ParticipantFolder& paths, WallTime now) {
   const auto bundle = [](const fs::path& path) {
     return load_with(path, pki::kMostBundleOctets, &pki::Certificate::bundle_from_pem);
   };
-  auto permissions_cas = bundle(paths.permissions_ca);
-  auto governance = load_document(paths.governance, permissions_cas, &read_governance, now);
-  auto permissions = load_document(paths.permissions, permissions_cas, &read_permissions, now);
+  Trust trust{
+      bundle(paths.permissions_ca),
+      ddssec::load(uri(paths.permissions_ca), "", pki::kMostBundleOctets).value_or(Bytes())};
+  auto governance = load_document(paths.governance, trust, &read_governance, now);
+  auto permissions = load_document(paths.permissions, trust, &read_permissions, now);
   return {.paths = paths,
           .identity_cas = bundle(paths.identity_ca),
           .certificate = load_with(paths.certificate, pki::kMostCertificateOctets,
                                    &pki::Certificate::from_pem),
           .key = load_key(paths.key),
-          .permissions_cas = std::move(permissions_cas),
+          .permissions_cas = std::move(trust.cas),
+          .permissions_ca_file = std::move(trust.file),
           .crls = load_crls(paths.crl),
           .has_crl_file = is_there(paths.crl),
           .is_crl_der = begins_like_der(paths.crl),

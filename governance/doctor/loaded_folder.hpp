@@ -56,6 +56,7 @@ struct LoadedFolder {
   Result<pki::Certificate> certificate;
   Result<pki::PrivateKey> key;
   Result<std::vector<pki::Certificate>> permissions_cas;
+  Bytes permissions_ca_file;  ///< the content of that file; empty if it cannot be read
   /// Empty if there is no such file.
   Result<std::vector<pki::Crl>> crls;
   bool has_crl_file;
@@ -72,11 +73,12 @@ struct LoadedFolder {
   Result<pki::ChainVerifier> chain(Vendor judge = Vendor::ours) const;
 };
 
-/// Success if a product accepts the signed file with a permissions CA file. Cyclone DDS reads only
-/// the first certificate of that file. Errors: the reason why `cas` cannot be read; those of
+/// Success if a product accepts the signed file with a permissions CA file, whose content is
+/// `ca_file`. Cyclone DDS reads only the first certificate of that file. Stock products take keys
+/// that ddssec refuses. Errors: the reason why `cas` cannot be read; those of
 /// pki::stock_products_believe or DocumentVerifier::verify.
 Status believes(Vendor judge, BytesView file, const Result<std::vector<pki::Certificate>>& cas,
-                WallTime now);
+                BytesView ca_file, WallTime now);
 
 /// True for the error about a key on another 256-bit curve, such as secp256k1. Cyclone DDS checks
 /// only the size of an EC key: 0.10.2 accepts it (measured).

@@ -171,7 +171,8 @@ Status judge_permissions_of(const Party& judge, const Party& subject, WallTime n
     return fail(Code::permissions_too_large,
                 {.expected = fmt::format("at most {} octets", pki::kMostSentPermissionsOctets),
                  .found = fmt::format("{} octets", document.file.size())});
-  DDSSEC_RETURN_IF_ERROR(believes(judge.vendor, document.file, judge.folder.permissions_cas, now));
+  DDSSEC_RETURN_IF_ERROR(believes(judge.vendor, document.file, judge.folder.permissions_cas,
+                                  judge.folder.permissions_ca_file, now));
   DDSSEC_RETURN_IF_ERROR(document.read_by(judge.vendor));
   if (!subject.folder.certificate) return std::unexpected(subject.folder.certificate.error());
   const auto& certificate = *subject.folder.certificate;
