@@ -17,6 +17,7 @@
 #include "governance/doctor/ca_list.hpp"
 #include "governance/doctor/diagnosis.hpp"
 #include "governance/doctor/domains.hpp"
+#include "governance/doctor/vendor_decision.hpp"
 #include "governance/grant.hpp"
 #include "governance/read.hpp"
 #include "governance/refusal.hpp"
@@ -183,6 +184,36 @@ void note_stock_products(const doctor::LoadedFolder& folder, Report& report) {
        .severity = Severity::warning});
 }
 
+// A note if Cyclone DDS's own plugins do not even create the topic: measured with 0.10.2, where
+// both directions of the topic are controlled.
+void note_refused_topic(const Question& question, Report& report) {
+  const auto& [folder, action, request, domain, now] = question;
+  if (!folder.permissions.model || !folder.governance.model || !folder.certificate) return;
+  const auto cyclonedds = doctor::Vendor::cyclonedds;
+  const auto* const rules = doctor::domain_rule_as(cyclonedds, *folder.governance.model, domain);
+  const auto* const controlled =
+      rules != nullptr ? doctor::topic_rule_as(cyclonedds, *rules, request.topic) : nullptr;
+  if (controlled == nullptr || !controlled->enable_read_access_control ||
+      !controlled->enable_write_access_control)
+    return;
+  const auto& certificate = *folder.certificate;
+  const auto grant = governance::find_grant(
+      *folder.permissions.model, pki::SubjectName::of(certificate), certificate.subject(), now);
+  const auto* const first =
+      grant ? doctor::first_rule_naming(**grant, domain, request.topic) : nullptr;
+  if (first == nullptr || first->allow) return;
+  report.findings.push_back(
+      {.rule = Rule::DOC053,
+       .message = fmt::format("Cyclone DDS 0.10 on its own plugins refuses the whole topic \"{}\", "
+                              "in every direction and partition: the first rule that names it is a "
+                              "deny_rule",
+                              request.topic),
+       .document = folder.paths.permissions.string(),
+       .line = first->line,
+       .vendors = {"cyclonedds"},
+       .severity = Severity::warning});
+}
+
 // All steps as in check: identity, grant, joining, topic rule and rights.
 Result<Answer> answer_to(const Question& question) {
   if (auto answer = by_revocation(question.folder.paths)) return *std::move(answer);
@@ -245,9 +276,8 @@ Result<Report> can(const Arguments& arguments, const Context& context) {
   const auto topic = arguments.text("TOPIC");
   const auto& names = arguments.all("--partition");
   const std::vector<std::string_view> partitions(names.begin(), names.end());
-  DDSSEC_ASSIGN_OR_RETURN(
-      const auto answer,
-      answer_to({folder, action, {.topic = topic, .partitions = partitions}, domain, now}));
+  const Question question{folder, action, {.topic = topic, .partitions = partitions}, domain, now};
+  DDSSEC_ASSIGN_OR_RETURN(const auto answer, answer_to(question));
   Report report{.exit = answer.allowed ? Exit::done : Exit::no,
                 .text = fmt::format("{} in domain {} by ddssec's plugins: {} ({}{})\n",
                                     answer.allowed ? "allowed" : "denied", domain, answer.because,
@@ -265,6 +295,7 @@ Result<Report> can(const Arguments& arguments, const Context& context) {
                                                              .found = answer.because,
                                                              .hint = answer.hint});
   note_stock_products(folder, report);
+  if (answer.allowed) note_refused_topic(question, report);
   return report;
 }
 

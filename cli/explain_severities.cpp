@@ -13,6 +13,7 @@ constexpr OtherSeverity kOthers[] = {
     {"DOC037 DOC055", error, "where a product refuses the document, or a denial does not hold"},
     {"DOC043", error, "where Cyclone DDS takes the grant of another subject"},
     {"DOC050", warning, "for an enclave that is being made"},
+    {"DOC053", warning, "where can answers for ddssec and Cyclone DDS refuses the topic"},
     {"DOC068", warning, "where the application may run without ROS 2"},
     {"DOC083", note, "where --vendor does not name the products"},
     {"DOC086", warning, "where not every topic was looked at"},

@@ -35,6 +35,10 @@ void check_identity(const LoadedFolder& folder, const Settings& settings, Diagno
 void check_documents(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
 /// Checks the rights of this participant in the domain.
 void check_rights(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
+/// Checks what the deny_rules of a grant mean to stock products, topic by topic (a part of
+/// check_rights).
+void check_denials(const LoadedFolder& folder, const Settings& settings, const Grant& grant,
+                   Diagnosis& out);
 /// Checks what expires first.
 void check_ends(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
 

@@ -364,6 +364,26 @@ TEST(LintPermissions, DenialsAndPartitions) {
   EXPECT_EQ(open.vendors, std::vector<std::string>{"cyclonedds"});
 }
 
+// Measured with Cyclone DDS 0.10.2: the first rule that names the topic decides about all of it.
+TEST(LintPermissions, DenialInOnePartition_RefusesTheTopicInCyclone) {
+  auto deny = rule(false, {"a"}, {"a"});
+  for (auto* list : {&deny.publish, &deny.subscribe})
+    list->front().partitions = std::vector<Text>{{"x", 0}};
+  const auto found = lint_but_joining(with_rules({deny, rule(true, {"*"}, {"*"})}));
+  const auto is_cyclones = [](const Finding& finding) {
+    return finding.rule == ddssec::Rule::PERM021 &&
+           finding.vendors == std::vector<std::string>{"cyclonedds"};
+  };
+  const auto told = std::ranges::find_if(found, is_cyclones);
+  ASSERT_NE(told, found.end());
+  EXPECT_EQ(told->message,
+            "deny_rule 1 lists partitions: Cyclone DDS refuses the topic \"a\" altogether, also in "
+            "partitions that a later rule allows");
+  const auto named_before =
+      lint_but_joining(with_rules({rule(true, {"a"}), deny, rule(true, {"*"}, {"*"})}));
+  EXPECT_TRUE(std::ranges::none_of(named_before, is_cyclones));
+}
+
 TEST(LintPermissions, DefaultsAndGrantsThatAllowNothing) {
   EXPECT_EQ(only(changed([](Grant& g) { g.default_allow = true; })).rule, ddssec::Rule::PERM022);
   EXPECT_EQ(only(with_rules({rule(false, {"a"})})).rule, ddssec::Rule::PERM023);

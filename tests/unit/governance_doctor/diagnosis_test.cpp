@@ -7,6 +7,7 @@
 namespace ddssec::governance::doctor {
 namespace {
 
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -83,6 +84,21 @@ TEST_F(DiagnosisTest, DenyFirstMattersOnlyWhereOneDirectionIsAllowed) {
   const auto all = with_deny(false, true);
   EXPECT_THAT(finding_of(all, Rule::DOC053).message, HasSubstr("publish topic \"rt/cmd\""));
   EXPECT_EQ(all.outcomes(), (Outcomes{.cyclonedds = Outcome::late}));
+}
+
+// Measured with Cyclone DDS 0.10.2 and Fast DDS 2.9.1, by pairs in the partitions "", "p" and "q".
+TEST_F(DiagnosisTest, DenialInOnePartition_StockProductsRefuseTheTopicInAll) {
+  const auto with_deny = [&](bool is_first) {
+    auto grant = grant_for("CN=talker", "rt/*");
+    governance::Rule deny{.allow = false, .domains = {.ranges = {{0, 0}}}};
+    deny.publish.push_back({.topics = {{"rt/cmd"}}, .partitions = std::vector<Text>{{"p", 0}}});
+    grant.rules.insert(is_first ? grant.rules.begin() : grant.rules.end(), deny);
+    return diagnosis(participant("talker", strict_governance(), {.grants = {grant}}));
+  };
+  const auto all = with_deny(true);
+  EXPECT_EQ(all.outcomes(), (Outcomes{.cyclonedds = Outcome::late, .fastdds = Outcome::late}));
+  EXPECT_THAT(rules_of(all), Contains(Rule::DOC053));
+  EXPECT_TRUE(with_deny(false).outcomes().all_ok());
 }
 
 // DDS-Security 1.2 table 70.

@@ -1,0 +1,153 @@
+// Checks what a grant's deny_rules mean to stock products, topic by topic.
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "governance/decision.hpp"
+#include "governance/doctor/checks.hpp"
+#include "governance/doctor/measured.hpp"
+#include "governance/doctor/vendor_decision.hpp"
+#include "governance/topic_sets.hpp"
+
+namespace ddssec::governance::doctor {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The input of the checks in this file.
+struct DenialScene {
+  const LoadedFolder& folder;
+  const Settings& settings;
+  Diagnosis& out;
+
+  const fs::path& file() const { return folder.paths.permissions; }
+};
+
+// One name for each way in which the grant's expressions can match.
+std::vector<std::string> sample_topics(const Grant& grant) {
+  std::vector<RankedExpression> expressions;
+  const auto add = [&](const std::vector<Criteria>& list) {
+    for (const auto& criteria : list)
+      for (const auto& text : criteria.topics)
+        expressions.push_back({text.text, static_cast<std::uint32_t>(expressions.size()), 0});
+  };
+  for (const auto& rule : grant.rules) {
+    add(rule.publish);
+    add(rule.subscribe);
+  }
+  std::vector<std::string> out;
+  if (const auto atoms = name_atoms(expressions))
+    for (const auto& atom : *atoms) out.push_back(atom.witness);
+  return out;
+}
+
+constexpr std::string_view kHintOfPartitions =
+    "name the partitions that are allowed in an allow_rule, and leave the deny_rule out";
+
+void check_one_way(const DenialScene& scene, const Grant& grant) {
+  const auto is_deny = [](const governance::Rule& rule) { return !rule.allow; };
+  const auto outcomes = measured(Variant::grant_deny_one_way, scene.settings.lineup);
+  if (std::ranges::none_of(grant.rules, is_deny) || outcomes.all_ok())
+    return scene.out.pass(Rule::DOC053);
+  const CompiledGrant compiled(scene.folder.permissions.model, grant, scene.settings.domain);
+  for (const auto& topic : sample_topics(grant)) {
+    const bool publish = compiled.judge_topic(Action::publish, topic).allowed;
+    const bool subscribe = compiled.judge_topic(Action::subscribe, topic).allowed;
+    const auto* rule = first_rule_naming(grant, scene.settings.domain, topic);
+    if ((!publish && !subscribe) || rule == nullptr || rule->allow) continue;
+    const auto product = name(Vendor::cyclonedds, scene.settings.lineup);
+    return scene.out.report(
+        outcomes,
+        {.rule = Rule::DOC053,
+         .message =
+             publish && subscribe
+                 ? fmt::format("grant \"{}\" denies topic \"{}\" in some partitions first, and "
+                               "allows it in others: {} refuses the whole topic",
+                               grant.name, topic, product)
+                 : fmt::format("grant \"{}\" allows to {} topic \"{}\" and denies the other "
+                               "direction first: {} refuses the whole topic",
+                               grant.name, publish ? "publish" : "subscribe to", topic, product),
+         .document = scene.file(),
+         .line = rule->line,
+         .hint = std::string(publish && subscribe ? kHintOfPartitions : "")});
+  }
+  scene.out.pass(Rule::DOC053);
+}
+
+// Measured with Fast DDS 2.9.1.
+void check_denied_partitions(const DenialScene& scene, const Grant& grant) {
+  const auto domain = scene.settings.domain;
+  const CompiledGrant compiled(scene.folder.permissions.model, grant, domain);
+  for (const auto& topic : sample_topics(grant))
+    for (const auto action : {Action::publish, Action::subscribe}) {
+      const auto verdict = judge_as(Vendor::fastdds, compiled, domain, action, {.topic = topic});
+      const bool is_for_partitions = verdict.criteria != nullptr && verdict.criteria->partitions;
+      if (!is_for_partitions || verdict.rule->allow) continue;
+      if (!compiled.judge_topic(action, topic).allowed) continue;
+      return scene.out.report(
+          {.fastdds = Outcome::late},
+          {.rule = Rule::DOC053,
+           .message = fmt::format("grant \"{}\" denies to {} topic \"{}\" in some partitions and "
+                                  "allows it in others: {} denies it in all of them",
+                                  grant.name, to_string(action), topic,
+                                  name(Vendor::fastdds, scene.settings.lineup)),
+           .document = scene.file(),
+           .line = verdict.rule->line,
+           .hint = std::string(kHintOfPartitions)});
+    }
+}
+
+// A deny_rule for this domain that stock products read as one for another domain.
+const governance::Rule* denial_elsewhere(const Grant& grant, DomainId domain) {
+  const auto found = std::ranges::find_if(grant.rules, [&](const governance::Rule& rule) {
+    return !rule.allow && rule.domains.contains(domain) && !rule.domains.contains_for_stock(domain);
+  });
+  return found == grant.rules.end() ? nullptr : &*found;
+}
+
+// Rights that a denial with an open range removes, and that stock products still allow.
+void check_open_denials(const DenialScene& scene, const Grant& grant) {
+  const auto domain = scene.settings.domain;
+  const auto* rule = denial_elsewhere(grant, domain);
+  if (rule == nullptr) return;
+  const CompiledGrant compiled(scene.folder.permissions.model, grant, domain);
+  for (const auto& topic : sample_topics(grant))
+    for (const auto action : {Action::publish, Action::subscribe}) {
+      if (compiled.judge_topic(action, topic).allowed) continue;
+      const auto outcome = [&](Vendor vendor) {
+        return judge_as(vendor, compiled, domain, action, {.topic = topic}).allowed
+                   ? Outcome::unsafe
+                   : Outcome::ok;
+      };
+      const Outcomes outcomes{.cyclonedds = outcome(Vendor::cyclonedds),
+                              .fastdds = outcome(Vendor::fastdds)};
+      if (outcomes.all_ok()) continue;
+      return scene.out.report(
+          outcomes,
+          {.rule = Rule::DOC037,
+           .message = fmt::format(
+               "the deny_rule at line {} does not hold in domain {} with Cyclone DDS and Fast DDS, "
+               "which read an <id_range> without <max> as one domain: to {} topic \"{}\" is "
+               "allowed",
+               rule->line, domain, to_string(action), topic),
+           .document = scene.file(),
+           .line = rule->line,
+           .hint = "write both <min> and <max>, and sign the permissions again",
+           .severity = Severity::error},
+          "permissions");
+    }
+}
+
+}  // namespace
+
+void check_denials(const LoadedFolder& folder, const Settings& settings, const Grant& grant,
+                   Diagnosis& out) {
+  const DenialScene scene{folder, settings, out};
+  check_denied_partitions(scene, grant);
+  check_one_way(scene, grant);
+  check_open_denials(scene, grant);
+}
+
+}  // namespace ddssec::governance::doctor
