@@ -11,6 +11,20 @@ std::size_t price_of(const EndpointData& data) {
   return RemoteParticipants::kPricePerEndpoint + octets_of(data);
 }
 
+/// Returns kNever if the lease does not end.
+MonotonicTime lease_of(const ParticipantCore& core, const ParticipantData& data) {
+  const auto announced =
+      data.lease_duration.is_infinite() ? kNever : data.lease_duration.to_nanoseconds();
+  return core.security ? std::min<MonotonicTime>(announced, RemoteParticipants::kMaxLease)
+                       : announced;
+}
+
+/// Of a participant that is heard now.
+MonotonicTime lease_end(const ParticipantCore& core, const ParticipantData& data) {
+  const auto lease = lease_of(core, data);
+  return lease == kNever ? kNever : core.now + lease;
+}
+
 }  // namespace
 
 // An announcement may name any address. Only a few are used, and only those that can be sent to.
@@ -23,11 +37,6 @@ LocatorList usable_locators(const LocatorList& announced, const LocatorList& fal
   keep_nearest(out, own);
   if (out.size() > kMostUsed) out.resize(kMostUsed);
   return out.empty() ? fallback : out;
-}
-
-MonotonicTime lease_end(const ParticipantData& data, MonotonicTime now) {
-  const auto lease = data.lease_duration.to_nanoseconds();
-  return data.lease_duration.is_infinite() ? kNever : now + lease;
 }
 
 void RemoteParticipant::watch(EndpointListener& reader, const EndpointData& writer,
@@ -79,7 +88,7 @@ bool RemoteParticipants::is_full(std::size_t octets) const {
 RemoteParticipant& RemoteParticipants::add(ParticipantData data, LocatorList metatraffic,
                                            LocatorList user, std::size_t octets) {
   const auto prefix = data.guid.prefix;
-  const auto end = lease_end(data, core_.now);
+  const auto end = lease_end(core_, data);
   next_end_ = std::min(next_end_, end);
   auto& remote =
       remotes_[prefix] = {std::move(data), std::move(metatraffic), std::move(user), end, core_.now};
@@ -147,7 +156,7 @@ void RemoteParticipants::on_changed(const RemoteParticipant& remote) {
 
 // Until a peer has authenticated, its lease is long enough for the handshake.
 void RemoteParticipants::renew_lease(RemoteParticipant& remote, const ParticipantData& data) {
-  const auto end = lease_end(data, core_.now);
+  const auto end = lease_end(core_, data);
   const bool proven = !core_.security || !core_.security->is_authenticating(data.guid.prefix);
   remote.lease_end = proven ? end : std::max({remote.lease_end, end, core_.now + kLeastLease});
   next_end_ = std::min(next_end_, remote.lease_end);
@@ -157,8 +166,8 @@ void RemoteParticipants::renew_lease(RemoteParticipant& remote, const Participan
 }
 
 MonotonicTime RemoteParticipants::next_time(const ParticipantData& data, int share) const {
-  if (data.lease_duration.is_infinite()) return kNever;
-  return core_.now + std::max(data.lease_duration.to_nanoseconds() / share, kLeastPause);
+  const auto lease = lease_of(core_, data);
+  return lease == kNever ? kNever : core_.now + std::max<MonotonicTime>(lease / share, kLeastPause);
 }
 
 void RemoteParticipants::shorten_lease(RemoteParticipant& remote, MonotonicTime end) {

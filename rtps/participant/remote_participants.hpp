@@ -15,9 +15,6 @@ namespace ddssec::rtps {
 /// (keep_nearest), or `fallback` if there are none.
 LocatorList usable_locators(const LocatorList& announced, const LocatorList& fallback,
                             std::span<const NetworkInterface> own);
-/// The end of the lease of a participant that was heard at `now`.
-MonotonicTime lease_end(const ParticipantData& data, MonotonicTime now);
-
 struct RemoteEndpoint {
   EndpointData data;
   std::vector<StatefulReader*> readers = {};  ///< the local readers that this writer matched
@@ -73,6 +70,9 @@ class RemoteParticipants {
   static constexpr std::size_t kPricePerEndpoint = 1024;
   /// This much of each participant is kept whatever the others announce.
   static constexpr std::size_t kEndpointOctetsOfEach = std::size_t{256} << 10;
+  /// A secured participant gives no longer lease, whatever is announced: a peer that is alive
+  /// answers the queries, and one that is gone does not stay for good.
+  static constexpr MonotonicTime kMaxLease = std::chrono::minutes(5);
   /// The shortest lease of a peer that is authenticating, whatever is announced in its name.
   static constexpr MonotonicTime kLeastLease = std::chrono::seconds(10);
   /// An authenticated peer that is silent for a third of its lease is queried. The queries are so

@@ -1,0 +1,50 @@
+// A peer that announces an infinite lease and is gone (T60): it does not stay for good. One that is
+// alive stays, however silent it is.
+#include "tests/unit/rtps_security/attacker.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace testing;
+
+struct InfiniteLease : ::testing::Test {
+  const spi::PropertyList properties = properties_of("CN=bob,O=Example", {});
+  Node alice{1, properties_of("CN=alice,O=Example", {})};
+  Node bob{2, properties};
+  World world;
+
+  void SetUp() override {
+    auto own = OwnSecurity::create(
+        {{*bob.authentication, *bob.access_control, *bob.cryptography}, properties}, 0,
+        Node::candidate(2));
+    ASSERT_TRUE(own);
+    auto config = Node::config(2, (*own)->guid().prefix);
+    config.lease_duration = kDurationInfinite;
+    bob.participant = std::make_unique<Participant>(std::move(config), bob.post, bob.events);
+    ASSERT_TRUE(bob.participant->secure(std::move(*own)));
+    world.nodes = {&alice, &bob};
+    ASSERT_TRUE(world.run_until([&] { return alice.knows(bob) && bob.knows(alice); }));
+    world.run(100);
+  }
+  /// How long alice knows bob, at most this time.
+  MonotonicTime known(MonotonicTime most) {
+    const auto begin = world.now;
+    while (alice.knows(bob) && world.now - begin < most) world.run(100);
+    return world.now - begin;
+  }
+};
+
+constexpr auto kMax = RemoteParticipants::kMaxLease;
+
+TEST_F(InfiniteLease, OfAPeerThatIsGone_Ends) {
+  world.nodes = {&alice};
+  EXPECT_LE(known(2 * kMax), kMax + 2s);
+}
+
+TEST_F(InfiniteLease, OfAPeerThatIsAlive_IsRenewedByItsAnswers) {
+  EXPECT_GE(known(2 * kMax + 10s), 2 * kMax);
+  EXPECT_TRUE(alice.knows(bob));
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
