@@ -26,8 +26,11 @@ Result<std::unique_ptr<ParticipantSockets>> ParticipantSockets::open(
     if (!user && user.error().code() == Code::rtps_port_taken) continue;
     if (!user) return std::unexpected(user.error());
     DDSSEC_ASSIGN_OR_RETURN(auto event_loop, EventLoop::create());
-    std::unique_ptr<ParticipantSockets> out(
-        new ParticipantSockets(std::move(event_loop), std::move(interfaces), index));
+    auto open_more = [interfaces, receive_buffer] {
+      return socket_at(interfaces, 0, receive_buffer);
+    };
+    std::unique_ptr<ParticipantSockets> out(new ParticipantSockets(
+        std::move(event_loop), std::move(interfaces), index, std::move(open_more)));
     out->sockets_.push_back(std::move(*metatraffic));
     out->sockets_.push_back(std::move(*user));
     return out;
@@ -65,14 +68,19 @@ void ParticipantSockets::send(BytesView message, std::span<const Locator> to) {
 
 void ParticipantSockets::send_all(const Outgoing& out) {
   if (interfaces_.size() == 1 || std::ranges::none_of(out.to, &Locator::is_multicast))
-    return sockets_.front().send_all(out);
+    return send_first(out);
   for (const auto& to : out.to) {
     const Outgoing one{out.messages, {&to, 1}, out.dscp};
-    if (!to.is_multicast() || leaves_by(sockets_.front(), out.interface))
-      sockets_.front().send_all(one);
+    if (!to.is_multicast() || leaves_by(sockets_.front(), out.interface)) send_first(one);
     for (const auto& further : further_)
       if (to.is_multicast() && leaves_by(further, out.interface)) further.send_all(one);
   }
+}
+
+void ParticipantSockets::send_first(const Outgoing& out) {
+  sockets_.front().send_all(out, [this, &out](BytesView message, const Locator& to) {
+    overflow_.send(message, to, out.dscp);
+  });
 }
 
 bool ParticipantSockets::stays_here(const Locator& to) const {

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "rtps/transport/event_loop.hpp"
+#include "rtps/transport/host_sockets.hpp"
 #include "rtps/transport/interfaces.hpp"
 #include "rtps/transport/ports.hpp"
 #include "rtps/transport/transport.hpp"
@@ -12,7 +13,8 @@
 namespace ddssec::rtps {
 
 /// One socket for discovery, one for user data, one for a multicast group, and one for each further
-/// interface, through which messages to the group are sent.
+/// interface, through which messages to the group are sent. The discovery socket sends everything
+/// else, and HostSockets what its send buffer has no room for.
 class ParticipantSockets final : public Transport {
  public:
   /// Opens the ports of the first participant index for which both are free. With one interface,
@@ -50,8 +52,13 @@ class ParticipantSockets final : public Transport {
  private:
   static constexpr std::size_t kWithoutGroup = 2;
 
-  ParticipantSockets(EventLoop loop, std::vector<NetworkInterface> interfaces, int index)
-      : loop_(std::move(loop)), interfaces_(std::move(interfaces)), index_(index) {}
+  ParticipantSockets(EventLoop loop, std::vector<NetworkInterface> interfaces, int index,
+                     HostSockets::Open open_more)
+      : loop_(std::move(loop)),
+        interfaces_(std::move(interfaces)),
+        index_(index),
+        overflow_(std::move(open_more)) {}
+  void send_first(const Outgoing& out);
   bool leaves_by(const UdpSocket& socket, std::size_t interface) const;
   LocatorList everywhere(std::uint32_t port) const;
 
@@ -59,6 +66,7 @@ class ParticipantSockets final : public Transport {
   const std::vector<NetworkInterface> interfaces_;
   const int index_;
   std::vector<UdpSocket> sockets_, further_;
+  HostSockets overflow_;
   std::function<void(UdpSocket&)> receive_;
 };
 

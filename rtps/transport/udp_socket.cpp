@@ -103,8 +103,9 @@ struct UdpSocket::Batch {
 
 void UdpSocket::BatchDelete::operator()(Batch* batch) const noexcept { delete batch; }
 
-UdpSocket::UdpSocket(FileDescriptor fd, const Locator& local)
-    : fd_(std::move(fd)), local_(local), batch_(new Batch) {}
+UdpSocket::UdpSocket(FileDescriptor fd, const Locator& local) : fd_(std::move(fd)), local_(local) {}
+
+void UdpSocket::keep_no_input() const { set_option(fd(), SOL_SOCKET, SO_RCVBUF, 1); }
 
 Result<UdpSocket> UdpSocket::open(const Locator& at, bool shared, std::size_t buffer) {
   const auto octets = static_cast<int>(buffer);
@@ -173,6 +174,7 @@ Status UdpSocket::check_receive_buffer() const {
 }
 
 std::size_t UdpSocket::fetch() {
+  if (batch_ == nullptr) batch_.reset(new Batch);
   auto& batch = *batch_;
   for (std::size_t i = 0; i < kBatch; ++i) {
     batch.vectors[i] = {batch.octets[i].data(), batch.octets[i].size()};
@@ -196,9 +198,10 @@ Locator UdpSocket::source(std::size_t index) const { return locator_of(batch_->s
 /// The datagrams of one sendmmsg call.
 class UdpSocket::Sending {
  public:
-  Sending(int fd, LocatorKind kind, std::uint8_t dscp) : fd_(fd), has_class_(dscp != 0) {
+  Sending(const UdpSocket& socket, std::uint8_t dscp, const Unsent& unsent)
+      : fd_(socket.fd()), has_class_(dscp != 0), unsent_(unsent) {
     if (!has_class_) return;
-    const bool v6 = kind == LocatorKind::udp_v6;
+    const bool v6 = socket.local_.kind == LocatorKind::udp_v6;
     msghdr message{};
     message.msg_control = control_.data();
     message.msg_controllen = control_.size();
@@ -212,6 +215,7 @@ class UdpSocket::Sending {
   }
   void add(BytesView message, const Locator& to) {
     if (count_ == kBatch) flush();
+    locators_[count_] = &to;
     addresses_[count_] = address_of(to);
     vectors_[count_] = {const_cast<std::uint8_t*>(message.data()), message.size()};
     auto& header = headers_[count_].msg_hdr;
@@ -229,6 +233,8 @@ class UdpSocket::Sending {
   void flush() {
     for (unsigned sent = 0; sent < count_;) {
       const int done = ::sendmmsg(fd_, headers_.data() + sent, count_ - sent, 0);
+      const bool is_full = done < 0 && (errno == EAGAIN || errno == EWOULDBLOCK);
+      if (is_full && unsent_) unsent_(message(sent), *locators_[sent]);
       // One refused address must not prevent sending to the others.
       sent += done > 0 ? static_cast<unsigned>(done) : 1;
     }
@@ -236,17 +242,23 @@ class UdpSocket::Sending {
   }
 
  private:
+  BytesView message(unsigned index) const {
+    return {static_cast<const std::uint8_t*>(vectors_[index].iov_base), vectors_[index].iov_len};
+  }
+
   const int fd_;
   const bool has_class_;
+  const Unsent& unsent_;
   alignas(cmsghdr) std::array<std::uint8_t, CMSG_SPACE(sizeof(int))> control_{};
   unsigned count_ = 0;
+  std::array<const Locator*, kBatch> locators_;
   std::array<Address, kBatch> addresses_;
   std::array<iovec, kBatch> vectors_;
   std::array<mmsghdr, kBatch> headers_;
 };
 
-void UdpSocket::send_all(const Outgoing& out) const {
-  Sending sending(fd(), local_.kind, out.dscp);
+void UdpSocket::send_all(const Outgoing& out, const Unsent& unsent) const {
+  Sending sending(*this, out.dscp, unsent);
   for (const auto& message : out.messages)
     for (const auto& locator : out.to)
       if (locator.kind == local_.kind) sending.add(message, locator);

@@ -57,6 +57,9 @@ class UdpSocket {
   /// Also receives what arrives for `group` on another interface. Errors: rtps_no_multicast.
   Status join_also(const Locator& group, const Locator& interface);
 
+  /// From now on almost nothing that arrives is kept: for a socket that only sends.
+  void keep_no_input() const;
+
   int fd() const { return fd_.value(); }
   const Locator& local() const { return local_; }
   /// The buffer that the system granted, in octets.
@@ -80,8 +83,11 @@ class UdpSocket {
   /// The address that the datagram came from.
   Locator source(std::size_t index) const;
 
-  /// Sends to each locator of this socket's family, kBatch datagrams with each system call.
-  void send_all(const Outgoing& out) const;
+  /// Takes a datagram for which the send buffer had no room.
+  using Unsent = std::function<void(BytesView message, const Locator& to)>;
+  /// Sends to each locator of this socket's family, kBatch datagrams with each system call. Without
+  /// `unsent`, datagrams for which the send buffer has no room are lost.
+  void send_all(const Outgoing& out, const Unsent& unsent = nullptr) const;
   void send(BytesView message, std::span<const Locator> to) const { send_all({{&message, 1}, to}); }
 
  private:

@@ -1,6 +1,8 @@
 // The sockets of a participant, and what an entity contains.
 #include "rtps/transport/participant_sockets.hpp"
 
+#include <cstdlib>
+
 #include <gmock/gmock.h>
 
 #include "rtps/dcps/contained_entities.hpp"
@@ -51,6 +53,30 @@ TEST_F(ParticipantSocketsTest, StaysHere_LoopbackAndOwnAddresses) {
   EXPECT_TRUE(sockets->stays_here(*Locator::parse("127.0.0.1", 7400)));
   EXPECT_FALSE(sockets->stays_here(*Locator::parse("192.0.2.1", 7400)));
   EXPECT_FALSE(sockets->has_joined());
+}
+
+// The kernel keeps datagrams to an address where no machine is, and counts them for the socket.
+TEST_F(ParticipantSocketsTest, Send_ManyAddressesWithoutAMachine_OthersGetTheirs) {
+  if (std::system("ip link add dead0 type veth peer name dead1 2>/dev/null && "
+                  "ip addr add 10.77.0.1/24 dev dead0 && ip link set dead0 up && "
+                  "ip link set dead1 up") != 0)
+    GTEST_SKIP() << "SKIPPED: this system makes no network interfaces for a test";
+  const std::vector<std::string> ethernet{"10.77.0.1"};
+  const auto from = *ParticipantSockets::open(domain, *choose_interfaces(ethernet), kBuffer);
+  LocatorList dead;
+  for (int i = 100; i < 140; ++i)
+    dead.push_back(*Locator::parse("10.77.0." + std::to_string(i), 7411));
+  auto to = UdpSocket::bind(*Locator::parse("127.0.0.1", 0));
+  ASSERT_TRUE(to);
+  const std::vector<Locator> alive{to->local()};
+  std::size_t received = 0;
+  for (int round = 0; round < 50; ++round) {
+    from->send(Bytes(30'000), dead);
+    from->send(Bytes{1, 2, 3}, alive);
+    received += to->fetch();
+  }
+  EXPECT_EQ(received, 50u);  // before the fix: the first few
+  EXPECT_EQ(std::system("ip link del dead0"), 0);
 }
 
 struct Named final : Entity {

@@ -1,0 +1,36 @@
+// Sockets that send to one host each, for when the send buffer of a shared socket is full.
+#pragma once
+
+#include <list>
+
+#include "rtps/transport/udp_socket.hpp"
+
+namespace ddssec::rtps {
+
+/// Datagrams to an address where no machine is wait in the kernel for about three seconds and count
+/// for the send buffer of their socket. In a shared socket they leave no room for other hosts. Here
+/// each host has a send buffer of its own. Not thread-safe.
+class HostSockets {
+ public:
+  /// The host that was sent to longest ago loses its socket to a further one.
+  static constexpr std::size_t kMax = 32;
+  using Open = std::function<Result<UdpSocket>()>;
+  explicit HostSockets(Open open) : open_(std::move(open)) {}
+
+  /// Sends a datagram. It is lost if the host's own send buffer is full.
+  void send(BytesView message, const Locator& to, std::uint8_t dscp);
+  std::size_t size() const { return hosts_.size(); }
+
+ private:
+  struct Host {
+    Locator address;  ///< without a port
+    UdpSocket socket;
+  };
+  /// Returns nullptr if no socket can be opened.
+  UdpSocket* socket_of(Locator address);
+
+  Open open_;
+  std::list<Host> hosts_;  ///< the last one that was sent to is in front
+};
+
+}  // namespace ddssec::rtps
