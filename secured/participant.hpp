@@ -17,7 +17,7 @@ class StandardErrorEvents final : public EventSink {
 
 /// A domain participant with its clock, random source, security plugins, one publisher and one
 /// subscriber. Movable. Owns the writers and readers that its calls return; they are destroyed with
-/// it. Thread-safe.
+/// it. Thread-safe. Must not be destroyed within one of its listeners (~DomainParticipant).
 class Participant {
  public:
   /// Joins a domain with the identity, permissions and governance in `folder`, which `ddssec init`

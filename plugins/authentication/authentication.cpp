@@ -272,7 +272,8 @@ Result<HandshakeContext> PkiDh::context(const Pair& pair) const {
 
 /// The pair's lock is held.
 void PkiDh::take_up_request(const std::shared_ptr<Pair>& pair) {
-  auto request = kept_requests_.take(pair->local_handle, pair->remote_guid);
+  auto [request, reply_keys] = kept_requests_.take(pair->local_handle, pair->remote_guid);
+  pair->reply_keys = std::move(reply_keys);
   if (!request) return;
   pair->handshakes.reserve(pair->handshakes.size() + 1);
   request->handle = table_.add_handshake(pair);
@@ -385,7 +386,8 @@ Result<PkiDh::HandshakeStep> PkiDh::reply(const Token& request, IdentityHandle l
     return HandshakeStep{handshake.handle, ValidationResult::pending_handshake_message,
                          waiting->reply};
   }
-  DDSSEC_ASSIGN_OR_RETURN(const auto what, context(*pair));
+  DDSSEC_ASSIGN_OR_RETURN(auto what, context(*pair));
+  what.reply_keys = &pair->reply_keys;
   DDSSEC_RETURN_IF_ERROR(check_room(*pair));
   DDSSEC_ASSIGN_OR_RETURN(auto outcome, start_reply(what, request, participant_data));
   DDSSEC_ASSIGN_OR_RETURN(auto share, share_of(*pair, request, outcome));

@@ -88,6 +88,25 @@ bool same_request(const Transcript& known, const HandshakeRequest& request) {
          known.hash_c1 == request.credentials.hash();
 }
 
+/// The peer may have accepted a reply that was given up, which is still under way. So the same
+/// request gets the same values.
+Result<pki::EphemeralKey> key_of_reply(const HandshakeContext& context,
+                                       const HandshakeRequest& request,
+                                       pki::KeyAgreementKind kind) {
+  if (context.reply_keys != nullptr) {
+    auto& keys = *context.reply_keys;
+    const auto known = std::ranges::find_if(keys, [&](const ReplyKey& one) {
+      return one.key.kind() == kind && same_request(one.transcript, request);
+    });
+    if (known != keys.end()) {
+      auto key = std::move(known->key);
+      keys.erase(known);
+      return key;
+    }
+  }
+  return pki::EphemeralKey::generate(kind);
+}
+
 // AwaitReply --Reply--> Established
 Result<HandshakeOutcome> on(const AwaitReply& state, const HandshakeReply& reply,
                             const HandshakeContext& context) {
@@ -212,7 +231,7 @@ Result<HandshakeOutcome> start_reply(const HandshakeContext& context, const spi:
                                                        *context.local.peer_trust(), context.now));
   const auto kind = request.credentials.key_agreement;
   DDSSEC_ASSIGN_OR_RETURN(auto peer_key, pki::PeerPublicKey::parse(kind, request.dh1));
-  DDSSEC_ASSIGN_OR_RETURN(auto key, pki::EphemeralKey::generate(kind));
+  DDSSEC_ASSIGN_OR_RETURN(auto key, key_of_reply(context, request, kind));
   auto own = context.local.presented();
   // Fast DDS demands its own name back, octet for octet. Cyclone DDS accepts it without the NUL.
   const auto name = as_bytes(algorithm_text(request.credentials.key_agreement_algorithm));

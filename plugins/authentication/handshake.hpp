@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <variant>
+#include <vector>
 
 #include "pki/key_agreement.hpp"
 #include "pki/signature.hpp"
@@ -15,6 +16,12 @@
 
 namespace ddssec::authentication {
 
+/// The ephemeral key of a reply that was given up, and the request that it answered.
+struct ReplyKey {
+  pki::EphemeralKey key;
+  Transcript transcript;
+};
+
 /// The inputs of a step besides the message.
 struct HandshakeContext {
   const LocalIdentity& local;
@@ -23,6 +30,8 @@ struct HandshakeContext {
   /// The peer's challenge from its auth request, if one came.
   std::optional<spi::Challenge> announced_challenge;
   WallTime now;
+  /// The keys of former replies: if the same request comes, its key is taken.
+  std::vector<ReplyKey>* reply_keys = nullptr;
 };
 
 /// The request was sent. The ephemeral key is destroyed with the state.

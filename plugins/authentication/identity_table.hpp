@@ -43,6 +43,7 @@ struct Pair {
   std::mutex mutex;  ///< guards the members below
   std::optional<spi::Challenge> announced_challenge = {};
   std::vector<PairHandshake> handshakes = {};
+  std::vector<ReplyKey> reply_keys = {};  ///< of replies that the host gave up; see KeptRequests
 };
 
 /// The participant that an event is about, as far as known.

@@ -6,6 +6,16 @@
 
 namespace ddssec::authentication {
 
+/// Without the peer's credentials, whose size the peer chose. The pair's lock is held.
+std::vector<ReplyKey> KeptRequests::reply_keys(Pair& pair) {
+  auto out = std::move(pair.reply_keys);
+  for (auto& one : pair.handshakes)
+    if (auto* state = std::get_if<AwaitFinal>(&one.state))
+      out.push_back({std::move(state->key), std::move(state->transcript)});
+  if (out.size() > kMostReplyKeys) out.erase(out.begin(), out.end() - kMostReplyKeys);
+  return out;
+}
+
 void KeptRequests::keep(Pair& pair, MonotonicTime now) {
   const auto has_ended = [](const PairHandshake& one) {
     return std::holds_alternative<Established>(one.state);
@@ -19,8 +29,9 @@ void KeptRequests::keep(Pair& pair, MonotonicTime now) {
   const auto request = std::ranges::find_if(pair.handshakes, waits);
   if (request != pair.handshakes.end()) {
     kept.since = request->since;
-    kept.request = std::move(*request);
+    kept.held.request = std::move(*request);
   }
+  kept.held.reply_keys = reply_keys(pair);
   make_room(now);
   all_.insert_or_assign({pair.local_handle, pair.remote_guid}, std::move(kept));
 }
@@ -44,11 +55,11 @@ std::optional<spi::Challenge> KeptRequests::challenge(spi::IdentityHandle local,
   return std::nullopt;
 }
 
-std::optional<PairHandshake> KeptRequests::take(spi::IdentityHandle local, const Guid& remote) {
+KeptRequests::Taken KeptRequests::take(spi::IdentityHandle local, const Guid& remote) {
   const std::lock_guard lock(mutex_);
   auto node = all_.extract({local, remote});
-  if (node.empty()) return std::nullopt;
-  return std::move(node.mapped().request);
+  if (node.empty()) return {};
+  return std::move(node.mapped().held);
 }
 
 void KeptRequests::forget(spi::IdentityHandle local) {

@@ -3,8 +3,8 @@
 //
 // Stock plugins answer only the first request that they saw, as often as it comes. They accept only
 // a reply with the challenge that was announced first. So a peer that appears again is sent the
-// same request, and the answer to it counts. If no request is stored, it is sent the same challenge
-// with a new key.
+// same request, and the answer to it counts. A reply that was sent may still reach the peer, which
+// then keeps to it. So the same request is answered with the same challenge and the same key.
 #pragma once
 
 #include <chrono>
@@ -31,15 +31,22 @@ class KeptRequests {
 
   explicit KeptRequests(Random& random) : random_(random) {}
 
-  /// Stores the pair's challenge, and a request that waits for its answer, unless a handshake of
-  /// the pair was established. The pair must already be removed from all tables. `now`:
-  /// Clock::monotonic.
+  /// The largest number of reply keys of an entry; the newest count.
+  static constexpr std::size_t kMostReplyKeys = 4;
+
+  /// Stores the pair's challenge, a request that waits for its answer, and the keys of replies,
+  /// unless a handshake of the pair was established. The pair must already be removed from all
+  /// tables. `now`: Clock::monotonic.
   void keep(Pair& pair, MonotonicTime now);
   /// The stored challenge; empty if there is none or it is older than kLife.
   std::optional<spi::Challenge> challenge(spi::IdentityHandle local, const Guid& remote,
                                           MonotonicTime now);
-  /// Removes the pair's entry and returns its request, if there is one.
-  std::optional<PairHandshake> take(spi::IdentityHandle local, const Guid& remote);
+  struct Taken {
+    std::optional<PairHandshake> request = {};
+    std::vector<ReplyKey> reply_keys = {};
+  };
+  /// Removes the pair's entry and returns what it holds.
+  Taken take(spi::IdentityHandle local, const Guid& remote);
   /// Removes all entries of a local identity.
   void forget(spi::IdentityHandle local);
 
@@ -48,8 +55,9 @@ class KeptRequests {
   struct Kept {
     spi::Challenge challenge;
     MonotonicTime since;
-    std::optional<PairHandshake> request = {};
+    Taken held = {};
   };
+  static std::vector<ReplyKey> reply_keys(Pair& pair);
   void make_room(MonotonicTime now);
 
   Random& random_;

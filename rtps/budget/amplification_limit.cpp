@@ -68,14 +68,16 @@ void AmplificationLimit::set_addresses(const GuidPrefix& participant,
                                        std::span<const SourceAddress> sources) {
   auto* account = find(participant);
   if (account == nullptr) return;
-  account->addresses.clear();
+  // Without memory nothing has changed: each address has a source.
+  Account changed{.sources = account->sources, .turn = account->turn};
   for (std::size_t i = 0; i < std::min(addresses.size(), sources.size()); ++i) {
-    account->addresses.emplace_back(addresses[i], sources[i]);
-    account->add(sources[i]);
-    account->add(SourceAddress(addresses[i]));
+    changed.addresses.emplace_back(addresses[i], sources[i]);
+    changed.add(sources[i]);
+    changed.add(SourceAddress(addresses[i]));
   }
-  std::erase_if(account->sources,
-                [&](const auto& source) { return !account->has_use_for(source.address); });
+  std::erase_if(changed.sources,
+                [&](const auto& source) { return !changed.has_use_for(source.address); });
+  *account = std::move(changed);
 }
 
 // If a peer sends from none of its announced addresses, it is not known which of them is its own.

@@ -16,16 +16,15 @@ class ContainedEntities {
   /// `context` must outlive this object.
   explicit ContainedEntities(ParticipantContext& context) : context_(context) {}
 
-  // The caller holds the callback lock, but not the participant's lock:
+  // The caller holds the lock of members, but not the participant's lock:
   Child* add(std::unique_ptr<Child> child) {
     const std::lock_guard held(context_.mutex());
     children_.push_back(std::move(child));
     return children_.back().get();
   }
-  /// Deletes the entity. Errors: rtps_precondition_not_met (called from within a callback, the
-  /// entity is in another container, or `unused` is false).
+  /// Deletes the entity. No listener may be called meanwhile (NoCallbacks). Errors:
+  /// rtps_precondition_not_met (the entity is in another container, or `unused` is false).
   Status remove(const Child& child, bool unused) {
-    DDSSEC_RETURN_IF_ERROR(check_not_in_callback(context_));
     std::unique_ptr<Child> dying;
     const std::lock_guard held(context_.mutex());
     const auto at = std::ranges::find(children_, &child, &std::unique_ptr<Child>::get);
@@ -43,7 +42,7 @@ class ContainedEntities {
     return std::exchange(children_, {});
   }
 
-  // The caller holds the participant's lock or the callback lock:
+  // The caller holds the participant's lock or the lock of members:
   const All& all() const { return children_; }
   /// Returns any entity with that name, or nullptr if there is none.
   Child* named(std::string_view name) const requires requires(const Child& child) { child.name(); }

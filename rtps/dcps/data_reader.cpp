@@ -185,9 +185,7 @@ LivelinessChangedStatus AnyDataReader::liveliness_changed_status() {
 }
 
 void AnyDataReader::set_listener(DataReaderListener* listener, StatusMask mask) {
-  const std::lock_guard callbacks(context_.callbacks());
-  const auto held = lock();
-  listeners_.set(listener, mask);
+  replace_listener([&] { return listeners_.set(listener, mask); });
 }
 
 void AnyDataReader::tell_listeners() {

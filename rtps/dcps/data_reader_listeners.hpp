@@ -16,7 +16,8 @@ class DataReaderListeners {
       : of_subscriber_(of_subscriber), of_participant_(of_participant) {}
 
   // The caller holds the participant's lock:
-  void set(DataReaderListener* listener, StatusMask mask) { own_ = {listener, mask}; }
+  /// Returns true if there was one before.
+  bool set(DataReaderListener* listener, StatusMask mask) { return own_.set(listener, mask); }
   /// Returns nullptr if there is none.
   DataReaderListener* for_status(StatusKind kind) const;
   /// Returns the listener for DATA_ON_READERS, which is called instead of those for DATA_AVAILABLE

@@ -270,9 +270,7 @@ LivelinessLostStatus AnyDataWriter::liveliness_lost_status() {
 }
 
 void AnyDataWriter::set_listener(DataWriterListener* listener, StatusMask mask) {
-  const std::lock_guard callbacks(context_.callbacks());
-  const auto held = lock();
-  listeners_.set(listener, mask);
+  replace_listener([&] { return listeners_.set(listener, mask); });
 }
 
 }  // namespace ddssec::rtps

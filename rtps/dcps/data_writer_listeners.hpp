@@ -16,7 +16,8 @@ class DataWriterListeners {
       : of_publisher_(of_publisher), of_participant_(of_participant) {}
 
   // The caller holds the participant's lock:
-  void set(DataWriterListener* listener, StatusMask mask) { own_ = {listener, mask}; }
+  /// Returns true if there was one before.
+  bool set(DataWriterListener* listener, StatusMask mask) { return own_.set(listener, mask); }
   /// Returns nullptr if there is none.
   DataWriterListener* for_status(StatusKind kind) const;
 

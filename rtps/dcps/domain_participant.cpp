@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "rtps/dcps/no_callbacks.hpp"
+
 namespace ddssec::rtps {
 namespace {
 
@@ -134,7 +136,7 @@ Result<std::unique_ptr<DomainParticipant>> DomainParticipant::create(
 }
 
 Status DomainParticipant::enable() {
-  const std::lock_guard members(context_.callbacks());
+  const std::lock_guard members(context_.members());
   bool all = false;
   {
     const auto held = lock();
@@ -142,7 +144,7 @@ Status DomainParticipant::enable() {
     mark_enabled();
     all = qos_.autoenable_created_entities;
   }
-  service_.start();
+  DDSSEC_RETURN_IF_ERROR(service_.start());
   if (!all) return {};
   if (builtin_topics_) DDSSEC_RETURN_IF_ERROR(builtin_topics_->subscriber().enable());
   DDSSEC_RETURN_IF_ERROR(topics_.enable());
@@ -150,6 +152,7 @@ Status DomainParticipant::enable() {
 }
 
 DomainParticipant::~DomainParticipant() {
+  const auto quiet = NoCallbacks::begin_or_terminate(context_, guid_);
   if (context_.has_protocol()) groups_.conclude_writers();
   service_.stop();
   builtin_topics_.reset();
@@ -165,7 +168,7 @@ DomainParticipantCounters DomainParticipant::counters() const {
   const auto held = lock();
   const auto& protocol = context_.protocol();
   return {protocol.counters(), protocol.protection_counters(), protocol.authentication_counters(),
-          protocol.remote_participants().size()};
+          protocol.remote_participants().size(), service_.exceptions()};
 }
 
 DomainParticipantQos DomainParticipant::qos() const {
@@ -182,9 +185,7 @@ Status DomainParticipant::set_qos(const DomainParticipantQos& qos) {
 }
 
 void DomainParticipant::set_listener(DomainParticipantListener* listener, StatusMask mask) {
-  const std::lock_guard callbacks(context_.callbacks());
-  const auto held = lock();
-  listening_ = {listener, mask};
+  replace_listener([&] { return listening_.set(listener, mask); });
 }
 
 Qos DomainParticipant::default_topic_qos() const {
@@ -207,9 +208,9 @@ Result<Topic*> DomainParticipant::create_topic(std::string name, TypeSupport typ
 }
 
 Status DomainParticipant::delete_contained_entities() {
-  DDSSEC_RETURN_IF_ERROR(check_not_in_callback(context_));
+  DDSSEC_ASSIGN_OR_RETURN(const auto quiet, NoCallbacks::begin(context_));
   groups_.conclude_writers();
-  const std::lock_guard members(context_.callbacks());
+  const std::lock_guard members(context_.members());
   const auto topics = topics_.release();
   groups_.release();  // before the topics, to which their members refer
   return {};
@@ -221,7 +222,7 @@ bool DomainParticipant::contains_entities() const {
 }
 
 Subscriber& DomainParticipant::builtin_subscriber() {
-  const std::lock_guard members(context_.callbacks());
+  const std::lock_guard members(context_.members());
   auto& topics = BuiltinTopics::of(builtin_topics_, *this, context_);
   topics.make<ParticipantBuiltinTopicData>();
   topics.make<TopicBuiltinTopicData>();

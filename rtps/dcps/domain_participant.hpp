@@ -68,6 +68,8 @@ struct DomainParticipantCounters : ParticipantCounters {
   ProtectionCounters protection;          ///< what was dropped; all zero without security
   AuthenticationCounters authentication;  ///< all zero without security
   std::size_t remote_participants = 0;    ///< those that are known now
+  /// Datagrams, timers and listeners that an exception ended (rtps_exception).
+  std::uint64_t exceptions = 0;
 };
 
 namespace detail {
@@ -92,10 +94,13 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
   /// random source and event sink in `environment` must outlive the participant.
   /// Errors: invalid_property (invalid domain or peer address), rtps_address_not_here (no such
   /// interface), rtps_port_taken (all participant indexes are in use), rtps_no_multicast (multicast
-  /// fails and there are no peers), rtps_socket_failed, random_failed, rtps_store_unusable,
-  /// rtps_store_failed; with security also those of the plugins.
+  /// fails and there are no peers), rtps_socket_failed, random_failed, rtps_thread_failed,
+  /// rtps_store_unusable, rtps_store_failed; with security also those of the plugins.
   static Result<std::unique_ptr<DomainParticipant>> create(DomainParticipantOptions options,
                                                            const Environment& environment);
+  /// Waits until its listeners have returned. Must not be called from within one of them, nor from
+  /// a listener of another participant that is being destroyed in a listener of this one: raises
+  /// the event rtps_ended_in_listener and calls std::terminate.
   ~DomainParticipant() override;
 
   Guid guid() const { return guid_; }
@@ -149,7 +154,8 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
     return groups_.create_subscriber(std::move(qos), listener, mask);
   }
   // Errors: rtps_precondition_not_met (the entity belongs to another participant, is in use or is
-  // not empty, or the call is made from within a callback).
+  // not empty, or the call is made from within a callback of this participant, or of another one
+  // that a callback of this one waits for).
   Status delete_topic(Topic& topic) { return topics_.remove(topic); }
   Status delete_publisher(Publisher& publisher) { return groups_.remove(publisher); }
   Status delete_subscriber(Subscriber& subscriber) { return groups_.remove(subscriber); }
@@ -171,7 +177,7 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
   /// contained entities.
   template <class T>
   BuiltinDataReader<T>* builtin_datareader() {
-    const std::lock_guard members(context_.callbacks());
+    const std::lock_guard members(context_.members());
     auto& topics = BuiltinTopics::of(builtin_topics_, *this, context_);
     topics.template make<T>();
     return static_cast<BuiltinDataReader<T>*>(
@@ -219,6 +225,7 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
  private:
   friend class AnyDataReader;
   friend class AnyDataWriter;
+  friend class DomainParticipantFactory;
   friend class Keeper;
   friend class Topic;
 

@@ -18,6 +18,7 @@ Result<DomainParticipant*> DomainParticipantFactory::create_participant(
 }
 
 Status DomainParticipantFactory::delete_participant(DomainParticipant& participant) {
+  DDSSEC_RETURN_IF_ERROR(check_not_in_callback(participant.context_));
   std::unique_ptr<DomainParticipant> dying;
   const std::lock_guard lock(mutex_);
   const auto at =

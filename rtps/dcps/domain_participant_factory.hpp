@@ -22,7 +22,7 @@ class DomainParticipantFactory {
                                                 DomainParticipantListener* listener = nullptr,
                                                 StatusMask mask = kAnyStatus);
   /// Errors: rtps_precondition_not_met (the participant belongs to another factory or contains
-  /// entities).
+  /// entities, or the call is made from within one of its callbacks).
   Status delete_participant(DomainParticipant& participant);
   /// Returns any participant in that domain, or nullptr if there is none.
   DomainParticipant* lookup_participant(DomainId domain) const;

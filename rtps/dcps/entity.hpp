@@ -37,6 +37,18 @@ class Entity {
   /// Calls the listeners for the statuses that changed. The caller does not hold the lock.
   virtual void tell_listeners() {}
 
+  /// `replace` sets a listener, with the lock held, and returns true if there was one. Then waits
+  /// until no other thread is calling that one. The caller does not hold the lock.
+  template <class Replace>
+  void replace_listener(Replace replace) {
+    bool had_one = false;
+    {
+      const auto held = lock();
+      had_one = replace();
+    }
+    if (had_one) context_.await_callbacks();
+  }
+
   ParticipantContext& context_;
   StatusChanges changes_;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "rtps/dcps/domain_participant.hpp"
+#include "rtps/dcps/no_callbacks.hpp"
 
 namespace ddssec::rtps {
 namespace {
@@ -67,7 +68,7 @@ GroupQos Group::qos() const {
 }
 
 Status Group::set_qos(const GroupQos& qos) {
-  const std::lock_guard members(context_.callbacks());  // no member is added or removed meanwhile
+  const std::lock_guard members(context_.members());  // no member is added or removed meanwhile
   if (is_enabled()) DDSSEC_RETURN_IF_ERROR(check_mutable(this->qos(), qos));
   for (auto& member : members_)
     DDSSEC_RETURN_IF_ERROR(announced_qos(member->qos(), qos, member->topic()));
@@ -80,7 +81,7 @@ Status Group::set_qos(const GroupQos& qos) {
 Status Group::enable() {
   if (!participant_.is_enabled())
     return precondition_not_met(std::string(name_), "an enabled participant", "a disabled one");
-  const std::lock_guard members(context_.callbacks());
+  const std::lock_guard members(context_.members());
   bool all = false;
   {
     const auto held = lock();
@@ -117,7 +118,7 @@ Status Group::check_topic(const Topic& topic, std::string_view type) const {
 
 Status Group::adopt(std::unique_ptr<Endpoint> member) {
   DDSSEC_RETURN_IF_ERROR(announced_qos(member->qos(), qos(), member->topic()));
-  const std::lock_guard members(context_.callbacks());
+  const std::lock_guard members(context_.members());
   if (is_enabled() && qos().autoenable_created_entities) DDSSEC_RETURN_IF_ERROR(member->enable());
   const auto held = lock();
   members_.push_back(std::move(member));
@@ -125,17 +126,15 @@ Status Group::adopt(std::unique_ptr<Endpoint> member) {
 }
 
 Status Group::delete_member(Endpoint& member) {
-  DDSSEC_RETURN_IF_ERROR(check_not_in_callback(context_));
+  DDSSEC_ASSIGN_OR_RETURN(const auto quiet, NoCallbacks::begin(context_));
   std::unique_ptr<Endpoint> dying;
   DDSSEC_RETURN_IF_ERROR(take_out(member, dying));
   conclude({&dying, 1});
-  const std::lock_guard members(context_.callbacks());
-  dying.reset();
   return {};
 }
 
 Status Group::take_out(Endpoint& member, std::unique_ptr<Endpoint>& dying) {
-  const std::lock_guard members(context_.callbacks());
+  const std::lock_guard members(context_.members());
   const auto held = lock();
   const auto at = std::ranges::find(members_, &member, &std::unique_ptr<Endpoint>::get);
   if (at == members_.end())
@@ -154,15 +153,14 @@ void Group::conclude(std::span<const std::unique_ptr<Endpoint>> members) {
 }
 
 Status Group::delete_contained_entities() {
-  DDSSEC_RETURN_IF_ERROR(check_not_in_callback(context_));
+  DDSSEC_ASSIGN_OR_RETURN(const auto quiet, NoCallbacks::begin(context_));
   std::vector<std::unique_ptr<Endpoint>> dying;
   {
+    const std::lock_guard members(context_.members());
     const auto held = lock();
     dying.swap(members_);
   }
   conclude(dying);
-  const std::lock_guard members(context_.callbacks());
-  dying.clear();
   return {};
 }
 

@@ -1,6 +1,7 @@
 #include "rtps/dcps/groups.hpp"
 
 #include "rtps/dcps/domain_participant.hpp"
+#include "rtps/dcps/no_callbacks.hpp"
 
 namespace ddssec::rtps {
 
@@ -12,7 +13,7 @@ Result<Publisher*> Groups::create_publisher(GroupQos qos, PublisherListener* lis
                                             StatusMask mask) {
   std::unique_ptr<Publisher> publisher(new Publisher(participant_, context_, std::move(qos)));
   publisher->set_listener(listener, mask);
-  const std::lock_guard members(context_.callbacks());
+  const std::lock_guard members(context_.members());
   if (enables_new()) DDSSEC_RETURN_IF_ERROR(publisher->enable());
   return publishers_.add(std::move(publisher));
 }
@@ -21,18 +22,20 @@ Result<Subscriber*> Groups::create_subscriber(GroupQos qos, SubscriberListener* 
                                               StatusMask mask) {
   std::unique_ptr<Subscriber> subscriber(new Subscriber(participant_, context_, std::move(qos)));
   subscriber->set_listener(listener, mask);
-  const std::lock_guard members(context_.callbacks());
+  const std::lock_guard members(context_.members());
   if (enables_new()) DDSSEC_RETURN_IF_ERROR(subscriber->enable());
   return subscribers_.add(std::move(subscriber));
 }
 
 Status Groups::remove(Publisher& publisher) {
-  const std::lock_guard members(context_.callbacks());
+  DDSSEC_ASSIGN_OR_RETURN(const auto quiet, NoCallbacks::begin(context_));
+  const std::lock_guard members(context_.members());
   return publishers_.remove(publisher, publisher.members_.empty());
 }
 
 Status Groups::remove(Subscriber& subscriber) {
-  const std::lock_guard members(context_.callbacks());
+  DDSSEC_ASSIGN_OR_RETURN(const auto quiet, NoCallbacks::begin(context_));
+  const std::lock_guard members(context_.members());
   return subscribers_.remove(subscriber, subscriber.members_.empty());
 }
 
@@ -43,7 +46,7 @@ Status Groups::enable() {
 }
 
 Status Groups::announce_again(const Topic& topic) {
-  const std::lock_guard members(context_.callbacks());
+  const std::lock_guard members(context_.members());
   const auto each = [&](const auto& groups) -> Status {
     for (const auto& group : groups)
       for (auto& member : group->members_)
@@ -57,14 +60,12 @@ Status Groups::announce_again(const Topic& topic) {
 void Groups::conclude_writers() {
   std::vector<std::unique_ptr<Endpoint>> dying;
   {
-    const std::lock_guard members(context_.callbacks());
+    const std::lock_guard members(context_.members());
     const std::lock_guard held(context_.mutex());
     for (const auto& publisher : publishers_.all())
       std::ranges::move(std::exchange(publisher->members_, {}), std::back_inserter(dying));
   }
   Group::conclude(dying);
-  const std::lock_guard members(context_.callbacks());
-  dying.clear();
 }
 
 }  // namespace ddssec::rtps

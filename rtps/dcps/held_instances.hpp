@@ -65,6 +65,7 @@ struct HeldInstance {
   HeldShareOf share;               ///< the same; its key counts for it
   std::vector<Guid> writers;       ///< those that are alive and have not unregistered the instance
   std::optional<Guid> owner;       ///< only with OWNERSHIP EXCLUSIVE
+  Original latest;                 ///< the origin of the latest stored change; the same
   std::optional<Time> seen_until;  ///< source time of the newest sample that was read or taken
   MonotonicTime deadline = kNever;
   MonotonicTime quiet_until{};      ///< TIME_BASED_FILTER

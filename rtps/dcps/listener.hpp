@@ -1,11 +1,19 @@
 // Listeners of DDS 1.4 (2.2.2.1.5 and 2.2.4.3).
-// - They are called by the participant's thread, or by poll(), without any lock.
-// - They may read, take and write.
+// - They are called by the participant's thread, or by poll(), one at a time for each participant.
+// - They may read, take, write, and create and enable entities, also those of other participants.
 // - They must not wait: calls that would wait time out at once.
-// - They must not delete entities.
+// - They cannot delete entities of their own participant (rtps_precondition_not_met). A call that
+//   deletes an entity of another participant waits until the listeners of that one have returned.
+//   If one of these waits for the caller, the call is refused with rtps_precondition_not_met.
+// - They must not destroy their own participant: see ~DomainParticipant.
 // - A listener must outlive its entity, or be removed before with set_listener(nullptr).
-//   set_listener waits until running callbacks have returned, unless it is called from one.
+//   set_listener waits until running callbacks have returned, except those that wait for the
+//   caller: its own, and those of another participant that replace or delete something here.
+// - An exception that leaves a listener is counted and reported (rtps_exception), and the
+//   participant goes on.
 #pragma once
+
+#include <utility>
 
 #include "rtps/dcps/status.hpp"
 
@@ -62,6 +70,11 @@ template <class L>
 struct Listening {
   L* listener = nullptr;
   StatusMask mask;
+  /// Returns true if there was a listener before.
+  bool set(L* next, StatusMask statuses) {
+    mask = statuses;
+    return std::exchange(listener, next) != nullptr;
+  }
   L* for_status(StatusKind kind) const {
     return listener != nullptr && mask.contains(kind) ? listener : nullptr;
   }

@@ -4,7 +4,7 @@
 
 namespace ddssec::rtps {
 
-thread_local const ParticipantContext* ParticipantContext::dispatching_ = nullptr;
+thread_local const ParticipantContext::Calling* ParticipantContext::calling_ = nullptr;
 
 void ParticipantContext::adopt(std::unique_ptr<Participant> protocol) {
   protocol_ = std::move(protocol);
@@ -42,11 +42,36 @@ void ParticipantContext::wake_if(MonotonicTime other) {
   server_.wake();
 }
 
+ParticipantContext::Calling::Calling(const ParticipantContext& context, CallbackLock::Wait wait)
+    : context_(context), holds_(context.callbacks_.acquire(wait)), outer_(calling_) {
+  calling_ = this;
+}
+
+ParticipantContext::Calling::~Calling() {
+  calling_ = outer_;
+  if (holds_) context_.callbacks_.release();
+}
+
+bool ParticipantContext::in_callback() const {
+  for (const auto* one = calling_; one != nullptr; one = one->outer_)
+    if (one->holds_ && &one->context_ == this) return true;
+  return false;
+}
+
+void ParticipantContext::resume_callbacks() {
+  callbacks_.release();
+  const std::lock_guard lock(mutex_);
+  wake_if(kNever);
+}
+
 bool ParticipantContext::dispatch() {
   bool any = false;
-  const std::lock_guard callbacks(callbacks_);
-  const auto* before = std::exchange(dispatching_, this);
-  for (;;) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (pending_.empty()) return false;
+  }
+  const Calling calling(*this, CallbackLock::Wait::none);
+  while (calling) {
     Entity* entity = nullptr;
     {
       const std::lock_guard lock(mutex_);
@@ -57,7 +82,6 @@ bool ParticipantContext::dispatch() {
     entity->tell_listeners();
     any = true;
   }
-  dispatching_ = before;
   return any;
 }
 

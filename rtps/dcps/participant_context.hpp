@@ -6,6 +6,7 @@
 #include <mutex>
 #include <thread>
 
+#include "rtps/dcps/callback_lock.hpp"
 #include "rtps/dcps/link.hpp"
 #include "rtps/dcps/reader_cache.hpp"
 #include "rtps/participant/participant.hpp"
@@ -15,7 +16,8 @@ namespace ddssec::rtps {
 
 class Entity;
 
-/// The lock is never held while a listener is called.
+/// The lock is never held while a listener is called. Locks are taken in this order: the callback
+/// lock, the lock of members, the lock.
 class ParticipantContext {
  public:
   /// Serves sockets and timers.
@@ -82,21 +84,57 @@ class ParticipantContext {
     bool changed = false;
     {
       const std::lock_guard lock(mutex_);
-      serving_ = true;
+      const Serving serving(*this, changed);
       f();
-      serving_ = false;
-      changed = std::exchange(changed_while_serving_, false);
     }
     if (changed) changed_.notify_all();
   }
-  /// Calls the listeners of the enqueued entities. Returns true if there were any.
+  /// Calls the listeners of the enqueued entities. Returns true if there were any. While another
+  /// thread deletes entities it does nothing: that thread wakes the server afterwards.
   bool dispatch();
-  bool in_callback() const { return dispatching_ == this; }
-  /// The callback lock. Held while listeners are called, while entities are destroyed and while
-  /// listeners are replaced.
-  std::recursive_mutex& callbacks() const { return callbacks_; }
+  /// True if this thread is calling a listener of the participant.
+  bool in_callback() const;
+  /// Called by the thread that is about to call listeners, and for as long as it does.
+  class Calling {
+   public:
+    Calling(const ParticipantContext& context, CallbackLock::Wait wait);
+    ~Calling();
+    Calling(const Calling&) = delete;
+    Calling& operator=(const Calling&) = delete;
+    /// False: no listener may be called now.
+    explicit operator bool() const { return holds_; }
+
+   private:
+    friend class ParticipantContext;
+    const ParticipantContext& context_;
+    const bool holds_;
+    const Calling* const outer_;
+  };
+  /// See NoCallbacks, which calls both.
+  [[nodiscard]] bool hold_callbacks(CallbackLock::Wait wait) { return callbacks_.acquire(wait); }
+  void resume_callbacks();
+  /// Waits until the listeners that other threads are calling have returned, unless they wait for
+  /// the caller.
+  void await_callbacks() {
+    if (hold_callbacks(CallbackLock::Wait::while_it_ends)) resume_callbacks();
+  }
+  /// The lock of members. While it is held, no entity is added or removed. It is never held while a
+  /// listener is called, so that listeners of all participants may create entities.
+  std::recursive_mutex& members() const { return members_; }
 
  private:
+  /// While work is done with the lock held, which may end with an exception.
+  struct Serving {
+    Serving(ParticipantContext& of, bool& has_changed) : context(of), changed(has_changed) {
+      context.serving_ = true;
+    }
+    ~Serving() {
+      context.serving_ = false;
+      changed = std::exchange(context.changed_while_serving_, false);
+    }
+    ParticipantContext& context;
+    bool& changed;
+  };
   /// Wakes the server if listeners, timers or work at time `other` cannot wait, unless it has
   /// already been woken.
   void wake_if(MonotonicTime other);
@@ -114,9 +152,10 @@ class ParticipantContext {
   LinkedList<Entity> pending_;
   MonotonicTime waiting_until_ = kNever;
   bool woken_ = false;  ///< woken, but has not called tick() since
-  mutable std::recursive_mutex callbacks_;
-  /// The context whose listeners this thread is calling.
-  static thread_local const ParticipantContext* dispatching_;
+  mutable CallbackLock callbacks_;
+  mutable std::recursive_mutex members_;
+  /// What this thread is calling: the innermost of listeners that call poll().
+  static thread_local const Calling* calling_;
 };
 
 template <class Ready>

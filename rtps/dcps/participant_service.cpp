@@ -1,8 +1,16 @@
 #include "rtps/dcps/participant_service.hpp"
 
+#include <system_error>
+
 #include "base/background_thread.hpp"
 
 namespace ddssec::rtps {
+namespace {
+
+// After work that was due ended with an exception, it is due again after this time.
+constexpr MonotonicTime kRetry = std::chrono::milliseconds(100);
+
+}  // namespace
 
 Status ParticipantService::adopt(std::unique_ptr<Participant> protocol) {
   const std::lock_guard held(context_.mutex());
@@ -11,24 +19,35 @@ Status ParticipantService::adopt(std::unique_ptr<Participant> protocol) {
 }
 
 void ParticipantService::receive(UdpSocket& socket) {
-  const auto count = socket.fetch();
-  context_.serve([&] {
-    const auto now = context_.now();
-    const auto gathering = context_.protocol().gather();
-    for (std::size_t i = 0; i < count; ++i)
-      context_.protocol().receive(socket.datagram(i), now, socket.source(i));
-    context_.protocol().note_backlog(count == UdpSocket::kBatch);
+  caught_.run("received datagrams", [&] {
+    const auto count = socket.fetch();
+    context_.serve([&] { receive_batch(socket, count); });
   });
 }
 
-void ParticipantService::start() {
+void ParticipantService::receive_batch(UdpSocket& socket, std::size_t count) {
+  auto& protocol = context_.protocol();
+  const auto now = context_.now();
+  const auto gathering = protocol.gather();
+  for (std::size_t i = 0; i < count; ++i)
+    caught_.run("a received datagram",
+                [&] { protocol.receive(socket.datagram(i), now, socket.source(i)); });
+  protocol.note_backlog(count == UdpSocket::kBatch);
+}
+
+Status ParticipantService::start() {
   const std::lock_guard held(context_.mutex());
   started_ = true;
-  if (!own_thread_) return;
+  if (!own_thread_) return {};
   context_.protocol().allow_lingering();
-  thread_ = start_background_thread<std::thread>([this] {
-    while (!stopping_) serve(std::chrono::seconds(10));
-  });
+  try {
+    thread_ = start_background_thread<std::thread>([this] {
+      while (!stopping_) serve(std::chrono::seconds(10));
+    });
+  } catch (const std::system_error& error) {
+    return fail(Code::rtps_thread_failed, {.document = "participant", .found = error.what()});
+  }
+  return {};
 }
 
 void ParticipantService::stop() {
@@ -41,16 +60,23 @@ void ParticipantService::wake() { sockets_->loop().wake(); }
 
 void ParticipantService::serve(std::chrono::nanoseconds most) {
   std::optional<MonotonicTime> until;
-  context_.serve([&] {
-    if (started_) until = context_.tick(most);
+  const bool ticked = caught_.run("timers", [&] {
+    context_.serve([&] {
+      if (started_) until = context_.tick(most);
+    });
   });
+  if (!ticked) until = context_.now() + std::min<MonotonicTime>(most, kRetry);
   if (!until) return;
-  if (context_.dispatch()) {
+  const auto dispatch = [&] {
+    bool any = false;
+    return !caught_.run("a listener", [&] { any = context_.dispatch(); }) || any;
+  };
+  if (dispatch()) {
     const std::lock_guard held(context_.mutex());
-    until = context_.next();
+    until = std::min(*until, context_.next());
   }
   sockets_->loop().wait(std::max(*until - context_.now(), MonotonicTime::zero()));
-  context_.dispatch();
+  dispatch();
 }
 
 }  // namespace ddssec::rtps

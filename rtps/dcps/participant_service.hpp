@@ -4,19 +4,22 @@
 #include <atomic>
 #include <thread>
 
+#include "rtps/dcps/caught_exceptions.hpp"
 #include "rtps/dcps/participant_context.hpp"
 #include "rtps/transport/participant_sockets.hpp"
 
 namespace ddssec::rtps {
 
 /// Runs in a thread of its own, or whenever serve is called. Owns what the participant's entities
-/// share.
+/// share. No exception leaves it: the datagram, timer or listener is given up, counted and
+/// reported.
 class ParticipantService final : private ParticipantContext::Server {
  public:
   ParticipantService(const Environment& environment, bool own_thread,
                      std::shared_ptr<Neighbourhood> neighbourhood)
       : own_thread_(own_thread),
-        context_(environment, *this, own_thread, std::move(neighbourhood)) {}
+        context_(environment, *this, own_thread, std::move(neighbourhood)),
+        caught_(environment.events) {}
   ~ParticipantService() override { stop(); }
 
   ParticipantContext& context() { return context_; }
@@ -27,8 +30,11 @@ class ParticipantService final : private ParticipantContext::Server {
   /// From now on passes what the sockets receive to the protocol. Errors: those of
   /// ParticipantSockets::listen.
   Status adopt(std::unique_ptr<Participant> protocol);
-  /// From now on serves timers and listeners; starts the thread, if there is to be one.
-  void start();
+  /// From now on serves timers and listeners; starts the thread, if there is to be one. Errors:
+  /// rtps_thread_failed.
+  Status start();
+  /// Number of exceptions that were caught; never reset.
+  std::uint64_t exceptions() const { return caught_.count(); }
   /// Ends the thread. Work that is due after that is not done.
   void stop();
 
@@ -38,10 +44,12 @@ class ParticipantService final : private ParticipantContext::Server {
  private:
   void wake() override;
   void receive(UdpSocket& socket);
+  void receive_batch(UdpSocket& socket, std::size_t count);
 
   const bool own_thread_;
   std::unique_ptr<ParticipantSockets> sockets_;  // the protocol sends through them
   ParticipantContext context_;
+  CaughtExceptions caught_;
   bool started_ = false;  ///< protected by the lock
   std::atomic<bool> stopping_ = false;
   std::thread thread_;

@@ -11,9 +11,7 @@ Publisher::Publisher(DomainParticipant& participant, ParticipantContext& context
     : Group(participant, context, std::move(qos), default_writer_qos(), "publisher") {}
 
 void Publisher::set_listener(PublisherListener* listener, StatusMask mask) {
-  const std::lock_guard callbacks(context_.callbacks());
-  const auto held = lock();
-  listening_ = {listener, mask};
+  replace_listener([&] { return listening_.set(listener, mask); });
 }
 
 AnyDataWriter* Publisher::lookup_datawriter(std::string_view topic_name) const {
@@ -93,7 +91,7 @@ Status Publisher::begin_coherent_changes() {
 }
 
 Status Publisher::end_coherent_changes() {
-  const std::lock_guard members(context_.callbacks());
+  const std::lock_guard members(context_.members());
   const auto held = lock();
   DDSSEC_RETURN_IF_ERROR(check_enabled("publisher"));
   if (depth_ == 0)
@@ -117,7 +115,7 @@ Status Publisher::end_coherent_changes() {
 }
 
 Status Publisher::suspend_publications() {
-  const std::lock_guard members(context_.callbacks());
+  const std::lock_guard members(context_.members());
   const auto held = lock();
   DDSSEC_RETURN_IF_ERROR(check_enabled("publisher"));
   suspended_ = true;
@@ -127,7 +125,7 @@ Status Publisher::suspend_publications() {
 }
 
 Status Publisher::resume_publications() {
-  const std::lock_guard members(context_.callbacks());
+  const std::lock_guard members(context_.members());
   const auto held = lock();
   DDSSEC_RETURN_IF_ERROR(check_enabled("publisher"));
   if (!std::exchange(suspended_, false))

@@ -10,6 +10,16 @@ namespace {
 /// A sample that TIME_BASED_FILTER held back is offered to a full reader no more often than this.
 constexpr std::chrono::milliseconds kLeastPause{10};
 
+// With source order: true if the change is older than what was already read or taken. Also true if
+// it ends the instance but is older than a later sample, or if a full history would drop it first.
+bool is_too_old(const HeldInstances& all, const HeldInstance& instance, const Change& change) {
+  if (!change.source_time) return false;
+  if (instance.seen_until && *change.source_time < *instance.seen_until) return true;
+  if (instance.valid() == 0) return false;
+  if (!change.is_alive()) return change.source_time < instance.held.back().change.source_time;
+  return all.is_full(instance) && change.source_time < instance.oldest()->change.source_time;
+}
+
 }  // namespace
 
 ReaderCache::ReaderCache(const Qos& qos, KeyOf key_of)
@@ -52,21 +62,22 @@ bool ReaderCache::may_own(const Instance& instance, const Guid& writer) const {
   return ours > theirs || (ours == theirs && writer < *instance.owner);
 }
 
+bool ReaderCache::is_wanted_again(const Change& change) {
+  if (!exclusive_ || change.origin().writer != change.writer) return false;
+  auto* instance = held_.find(change.key_hash.value_or(KeyHash{}));
+  if (instance == nullptr || !may_own(*instance, change.writer)) return false;
+  const auto& latest = instance->latest;
+  if (latest.writer != change.writer || latest.number < change.sequence_number) return true;
+  held_.join(*instance, change.writer);
+  instance->owner = change.writer;
+  return false;
+}
+
 void ReaderCache::limit_source_time(Change& change, const Moment& at) {
   if (!by_source_ || !change.source_time) return;
   if (change.source_time->to_nanoseconds() - at.wall.to_nanoseconds() <= kMostAhead) return;
   change.source_time = at.wall;
   ++times_ahead_;
-}
-
-// True if the change is older than what was already read or taken. Also true if it ends the
-// instance but is older than a later sample, or if a full history would drop it first.
-bool ReaderCache::is_too_old(const Instance& instance, const Change& change) const {
-  if (!by_source_ || !change.source_time) return false;
-  if (instance.seen_until && *change.source_time < *instance.seen_until) return true;
-  if (instance.valid() == 0) return false;
-  if (!change.is_alive()) return change.source_time < instance.held.back().change.source_time;
-  return held_.is_full(instance) && change.source_time < instance.oldest()->change.source_time;
 }
 
 // LIFESPAN counts from the source time. If the writer's clock is ahead of the local one, its
@@ -100,7 +111,7 @@ ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at, const H
       held_.join(*instance, change.writer);
     return dropped;
   }
-  if (instance != nullptr && is_too_old(*instance, change)) return dropped;
+  if (by_source_ && instance != nullptr && is_too_old(held_, *instance, change)) return dropped;
   if (instance != nullptr && at.now < instance->quiet_until && change.is_alive()) {
     if (reliable_) held_.hold_back(*instance, std::move(change), share);
     return dropped;
@@ -129,6 +140,7 @@ void ReaderCache::store_alive(Instance& instance, HeldSample sample, MonotonicTi
   revive(instance);
   held_.join(instance, sample.change.writer);
   if (exclusive_) instance.owner = sample.change.writer;
+  if (exclusive_) instance.latest = sample.change.origin();
   // The sample that reports the instance's end is obsolete once it has been read.
   if (instance.invalid > 0 && instance.invalid_sample()->is_read)
     held_.erase(instance, instance.invalid_sample());
@@ -148,6 +160,7 @@ void ReaderCache::store_end(Instance& instance, const Change& change, MonotonicT
   held_.hold_back(instance, std::nullopt);
   if (change.status.disposed) {
     held_.join(instance, change.writer);
+    if (exclusive_) instance.latest = change.origin();
     if (instance.state != InstanceState::not_alive_disposed) {
       if (instance.state == InstanceState::not_alive_no_writers) revive(instance);
       end(instance, InstanceState::not_alive_disposed, now);

@@ -58,6 +58,10 @@ class ReaderCache {
   Room room_for(std::size_t samples, std::size_t octets, const Guid& writer) const {
     return held_.room_for(samples, octets, writer_of(writer).share);
   }
+  /// The change's own writer sends what another writer delivered before. With OWNERSHIP EXCLUSIVE
+  /// the writer gets its instance back, if it is stronger than the owner. Returns true if the
+  /// change must be stored again, because the owner replaced it in the meantime.
+  bool is_wanted_again(const Change& change);
   /// The largest number of samples that it can hold of one identity.
   std::size_t most_samples_of_one() const { return held_.most_samples_of_one(); }
   /// Appends the samples that match the query to `out`; samples of one instance are adjacent.
@@ -117,7 +121,6 @@ class ReaderCache {
   const Writer& writer_of(const Guid& guid) const;
   bool may_own(const Instance& instance, const Guid& writer) const;
   void limit_source_time(Change& change, const Moment& at);
-  bool is_too_old(const Instance& instance, const Change& change) const;
   MonotonicTime expiry_of(const Change& change, const Moment& at) const;
   void store_alive(Instance& instance, HeldSample sample, MonotonicTime now);
   void store_end(Instance& instance, const Change& change, MonotonicTime now);

@@ -34,7 +34,7 @@ ReceivedSamples::Received ReceivedSamples::take(Change& change, BoundFilter* fil
     count_malformed();
     return {change.is_alive() ? Outcome::unseen : Outcome::unreadable_key};
   }
-  if (seen_ && seen_->contains(change)) return {};
+  if (seen_ && seen_->contains(change) && !cache_->is_wanted_again(change)) return {};
   // The end of an instance is not reported if none of its samples passed the filter.
   const auto key = change.key_hash.value_or(KeyHash{});
   if (filter != nullptr && !change.is_alive() && cache_->lookup(key).is_nil()) return {};

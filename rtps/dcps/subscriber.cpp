@@ -10,9 +10,7 @@ Subscriber::Subscriber(DomainParticipant& participant, ParticipantContext& conte
     : Group(participant, context, std::move(qos), default_reader_qos(), "subscriber") {}
 
 void Subscriber::set_listener(SubscriberListener* listener, StatusMask mask) {
-  const std::lock_guard callbacks(context_.callbacks());
-  const auto held = lock();
-  listening_ = {listener, mask};
+  replace_listener([&] { return listening_.set(listener, mask); });
 }
 
 AnyDataReader* Subscriber::lookup_datareader(std::string_view topic_name) const {
@@ -80,10 +78,15 @@ void Subscriber::pause(bool paused) {
 }
 
 void Subscriber::notify_datareaders() {
-  const std::lock_guard members(context_.callbacks());
-  for (auto* reader : datareaders({.sample = SampleState::not_read}))
-    reader->listeners_.tell_of_data_available(*reader,
-                                              {reader->changes_, changes_, context_.mutex()});
+  {
+    const ParticipantContext::Calling calling(context_, CallbackLock::Wait::while_it_ends);
+    if (!calling) return;
+    for (auto* reader : datareaders({.sample = SampleState::not_read}))
+      reader->listeners_.tell_of_data_available(*reader,
+                                                {reader->changes_, changes_, context_.mutex()});
+  }
+  const auto held = lock();
+  context_.reschedule();
 }
 
 }  // namespace ddssec::rtps

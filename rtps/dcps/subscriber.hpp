@@ -64,7 +64,7 @@ class Subscriber final : public Group {
   /// one.
   std::vector<AnyDataReader*> datareaders(const States& states = {}) const;
   /// Calls on_data_available for the readers that have unread data, as if there were no listener
-  /// for DATA_ON_READERS.
+  /// for DATA_ON_READERS. Calls none if a callback of this participant waits for the caller.
   void notify_datareaders();
 
  private:

@@ -41,9 +41,7 @@ Status Topic::enable() {
 }
 
 void Topic::set_listener(TopicListener* listener, StatusMask mask) {
-  const std::lock_guard callbacks(context_.callbacks());
-  const auto held = lock();
-  listening_ = {listener, mask};
+  replace_listener([&] { return listening_.set(listener, mask); });
 }
 
 TopicListener* Topic::listener_for(StatusKind kind) const {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "rtps/dcps/domain_participant.hpp"
+#include "rtps/dcps/no_callbacks.hpp"
 
 namespace ddssec::rtps {
 
@@ -31,7 +32,7 @@ Result<Topic*> TopicDescriptions::create(std::string name, TypeSupport type, con
   DDSSEC_RETURN_IF_ERROR(check_name(name));
   DDSSEC_RETURN_IF_ERROR(check_name(type.name));
   DDSSEC_RETURN_IF_ERROR(check_consistency(qos));
-  const std::lock_guard members(context_.callbacks());
+  const std::lock_guard members(context_.members());
   DDSSEC_RETURN_IF_ERROR(check_new_name(name));
   if (!announce_types_) type.description = {};
   std::unique_ptr<Topic> topic(
@@ -51,7 +52,7 @@ Result<ContentFilteredTopic*> TopicDescriptions::create_filtered(std::string nam
     return precondition_not_met("topic " + related.name(), "one of the same participant",
                                 "another's");
   DDSSEC_RETURN_IF_ERROR(check_name(name));
-  const std::lock_guard members(context_.callbacks());
+  const std::lock_guard members(context_.members());
   DDSSEC_RETURN_IF_ERROR(check_new_name(name));
   std::unique_ptr<ContentFilteredTopic> topic(
       new ContentFilteredTopic(context_, std::move(name), related, std::move(filter)));
@@ -91,22 +92,27 @@ Result<Topic*> TopicDescriptions::find(const std::string& name, std::chrono::nan
                 participant_.default_topic_qos(), nullptr, kAnyStatus);
 }
 
+// A topic that was found as well is deleted with its last reference.
+bool TopicDescriptions::drop_reference(Topic& topic, bool& unused) const {
+  const std::lock_guard held(context_.mutex());
+  unused = topic.users_ == 0;
+  if (!unused || topic.references_ <= 1) return false;
+  --topic.references_;
+  return true;
+}
+
 Status TopicDescriptions::remove(Topic& topic) {
-  const std::lock_guard members(context_.callbacks());
   bool unused = false;
-  {
-    const std::lock_guard held(context_.mutex());
-    unused = topic.users_ == 0;
-    if (unused && topic.references_ > 1) {
-      --topic.references_;
-      return {};
-    }
-  }
+  if (drop_reference(topic, unused)) return {};
+  DDSSEC_ASSIGN_OR_RETURN(const auto quiet, NoCallbacks::begin(context_));
+  const std::lock_guard members(context_.members());
+  if (drop_reference(topic, unused)) return {};
   return topics_.remove(topic, unused);
 }
 
 Status TopicDescriptions::remove(ContentFilteredTopic& topic) {
-  const std::lock_guard members(context_.callbacks());
+  DDSSEC_ASSIGN_OR_RETURN(const auto quiet, NoCallbacks::begin(context_));
+  const std::lock_guard members(context_.members());
   bool unused = false;
   {
     const std::lock_guard held(context_.mutex());

@@ -49,6 +49,7 @@ class TopicDescriptions {
   Released release() { return {topics_.release(), filtered_.release()}; }
 
  private:
+  bool drop_reference(Topic& topic, bool& unused) const;
   static Status check_name(std::string_view name);
   Status check_new_name(std::string_view name) const;
 

@@ -1,6 +1,7 @@
 #include "rtps/durability/durable_store.hpp"
 
 #include <algorithm>
+#include <system_error>
 
 #include "base/background_thread.hpp"
 
@@ -17,13 +18,22 @@ constexpr std::uint32_t kMostAlike = 64;
 Result<std::unique_ptr<DurableStore>> DurableStore::open(const std::string& path, EventSink& events,
                                                          std::size_t most_octets) {
   DDSSEC_ASSIGN_OR_RETURN(auto store, SampleStore::open(path, most_octets));
-  return std::unique_ptr<DurableStore>(new DurableStore(std::move(store), events));
+  std::unique_ptr<DurableStore> out(new DurableStore(std::move(store), events));
+  DDSSEC_RETURN_IF_ERROR(out->start());
+  return out;
 }
 
 DurableStore::DurableStore(SampleStore store, EventSink& events)
-    : store_(std::move(store)),
-      events_(events),
-      thread_(start_background_thread<std::thread>([this] { run(); })) {}
+    : store_(std::move(store)), events_(events) {}
+
+Status DurableStore::start() {
+  try {
+    thread_ = start_background_thread<std::thread>([this] { run(); });
+  } catch (const std::system_error& error) {
+    return fail(Code::rtps_thread_failed, {.document = "store", .found = error.what()});
+  }
+  return {};
+}
 
 DurableStore::~DurableStore() {
   {
@@ -31,7 +41,7 @@ DurableStore::~DurableStore() {
     stopping_ = true;
   }
   work_.notify_all();
-  thread_.join();
+  if (thread_.joinable()) thread_.join();
 }
 
 Result<DurableStore::Opened> DurableStore::open_stream(StreamKey key,
@@ -68,9 +78,15 @@ std::vector<StoreEffect> DurableStore::take_effects(StreamId stream) {
   return out;
 }
 
-void DurableStore::note(const std::vector<StoreEffect>& effects) {
-  for (const auto& effect : effects)
-    if (open_.contains(effect.stream)) effects_[effect.stream].push_back(effect);
+// The thread must not end, and the owner of a stream must learn every effect.
+void DurableStore::note(std::unique_lock<std::mutex>& held,
+                        const std::vector<StoreEffect>& effects) {
+  for (auto at = effects.begin(); at != effects.end();) try {
+      if (open_.contains(at->stream)) effects_[at->stream].push_back(*at);
+      ++at;
+    } catch (const std::bad_alloc&) {
+      work_.wait_for(held, kRetry);
+    }
 }
 
 void DurableStore::close_stream(StreamId stream) {
@@ -101,8 +117,8 @@ std::uint64_t DurableStore::append(StreamId stream, const Change& change, Time n
   std::uint64_t number = 0;
   {
     const std::lock_guard held(mutex_);
-    octets_ += change.payload.size();
     pending_.push_back({stream, change, identity});
+    octets_ += change.payload.size();
     now_ = now;
     number = ++appended_;
   }
@@ -167,16 +183,19 @@ Status DurableStore::wait_for_room(std::chrono::nanoseconds most) {
 
 void DurableStore::run() {
   std::unique_lock held(mutex_);
+  const auto has_work = [&] { return !pending_.empty() || !failed_.empty(); };
   for (;;) {
-    work_.wait(held, [&] { return stopping_ || !pending_.empty(); });
-    if (!pending_.empty()) commit(held);
-    if (stopping_ && (pending_.empty() || !status_)) return;
+    work_.wait(held, [&] { return stopping_ || has_work(); });
+    if (has_work()) commit(held);
+    if (stopping_ && (!has_work() || !status_)) return;
     if (!status_) work_.wait_for(held, kRetry, [&] { return stopping_; });
   }
 }
 
-void DurableStore::report(std::uint64_t beyond_limits,
-                          const std::vector<StoreShares::Refusals>& refusals) {
+// An event that cannot be raised, for example without memory, must not end the thread.
+void DurableStore::report(const Error* failure, std::uint64_t beyond_limits,
+                          const std::vector<StoreShares::Refusals>& refusals) noexcept try {
+  if (failure != nullptr) events_.raise(Event(*failure));
   if (const auto more = beyond_limits - std::exchange(beyond_limits_, beyond_limits); more != 0)
     events_.raise(Event(Error(Code::rtps_store_failed, {.document = store_.path(),
                                                         .field = "DURABILITY_SERVICE",
@@ -192,35 +211,43 @@ void DurableStore::report(std::uint64_t beyond_limits,
                      "a topic as are free in it",
          .found = std::to_string(samples) + " samples more",
          .note = "they are not kept; another event follows when they are twice as many"})));
+} catch (...) {
+  return;
+}
+
+Status DurableStore::write(std::span<const StoredChange> group, Time now) {
+  try {
+    return store_.commit(group, now);
+  } catch (const std::exception&) {
+    return fail(Code::out_of_memory);
+  }
 }
 
 // A group that fails is kept and committed before later ones.
 void DurableStore::commit(std::unique_lock<std::mutex>& held) {
   std::vector<StoredChange> group;
-  group.swap(pending_);
-  const auto octets = std::exchange(octets_, 0);
+  const bool is_again = !failed_.empty();
+  group.swap(is_again ? failed_ : pending_);
+  const auto octets = std::exchange(is_again ? failed_octets_ : octets_, 0);
   const auto now = now_;
   held.unlock();
   std::unique_lock store(store_mutex_);
-  auto written = store_.commit(group, now);
+  auto written = write(group, now);
   const auto beyond_limits = store_.left_out(), left_out = beyond_limits + store_.over_share();
   const auto refusals = store_.take_refusals();
   const auto effects = store_.take_effects();
   store.unlock();
-  if (!written && status_) events_.raise(Event(written.error()));
-  report(beyond_limits, refusals);
+  report(!written && status_ ? &written.error() : nullptr, beyond_limits, refusals);
   held.lock();
   left_out_ = left_out;
   status_ = std::move(written);
   if (status_) {
+    note(held, effects);
     committed_ += group.size();
-    note(effects);
     ++groups_;
   } else {
-    group.insert(group.end(), std::make_move_iterator(pending_.begin()),
-                 std::make_move_iterator(pending_.end()));
-    pending_.swap(group);
-    octets_ += octets;
+    failed_.swap(group);
+    failed_octets_ = octets;
   }
   done_.notify_all();
 }

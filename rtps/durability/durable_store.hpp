@@ -21,7 +21,7 @@ class DurableStore {
   static constexpr std::size_t kMostPending = 65536;
   static constexpr std::size_t kMostPendingOctets = std::size_t{16} << 20;
 
-  /// `events` must outlive the store. Errors: those of SampleStore::open.
+  /// `events` must outlive the store. Errors: those of SampleStore::open, rtps_thread_failed.
   static Result<std::unique_ptr<DurableStore>> open(
       const std::string& path, EventSink& events,
       std::size_t most_octets = SampleStore::kDefaultOctets);
@@ -58,8 +58,8 @@ class DurableStore {
   bool is_behind() const;
   /// The result of the last group. An error lasts until a group is committed again.
   Status status() const;
-  /// Waits until everything that was appended before is committed. Errors: rtps_timeout, those of
-  /// SampleStore::commit.
+  /// Waits until everything that was appended before is committed. Errors: rtps_timeout,
+  /// out_of_memory, those of SampleStore::commit.
   Status flush(std::chrono::nanoseconds most);
   /// Waits until the queue is shorter. Errors: as for flush.
   Status wait_for_room(std::chrono::nanoseconds most);
@@ -69,13 +69,19 @@ class DurableStore {
 
  private:
   DurableStore(SampleStore store, EventSink& events);
+  Status start();
   void run();
+  Status write(std::span<const StoredChange> group, Time now);
   void commit(std::unique_lock<std::mutex>& held);
-  void note(const std::vector<StoreEffect>& effects);
-  void report(std::uint64_t beyond_limits, const std::vector<StoreShares::Refusals>& refusals);
+  void note(std::unique_lock<std::mutex>& held, const std::vector<StoreEffect>& effects);
+  void report(const Error* failure, std::uint64_t beyond_limits,
+              const std::vector<StoreShares::Refusals>& refusals) noexcept;
   /// The caller holds the store's mutex.
   void forget_closed();
-  bool over() const { return pending_.size() >= kMostPending || octets_ >= kMostPendingOctets; }
+  bool over() const {
+    return pending_.size() + failed_.size() >= kMostPending ||
+           octets_ + failed_octets_ >= kMostPendingOctets;
+  }
   template <class Ready>
   Status wait(std::chrono::nanoseconds most, Ready ready);
 
@@ -85,7 +91,8 @@ class DurableStore {
   SampleStore store_;
   EventSink& events_;
   std::vector<StoredChange> pending_;
-  std::size_t octets_ = 0;
+  std::vector<StoredChange> failed_;  ///< a group that is committed again, before later ones
+  std::size_t octets_ = 0, failed_octets_ = 0;
   Time now_{};
   std::uint64_t appended_ = 0, committed_ = 0, groups_ = 0;
   std::uint64_t beyond_limits_ = 0, left_out_ = 0;

@@ -397,8 +397,17 @@ Result<StoredHistory> SampleStore::load(StreamId stream) {
 }
 
 Status SampleStore::commit(std::span<const StoredChange> changes, Time now) {
-  const auto left_out = left_out_, over_share = over_share_;
-  std::vector<Stream*> inserted;
+  const auto reload = [&]() -> Status {
+    effects_.clear();
+    for (auto& [id, stream] : streams_) {
+      DDSSEC_ASSIGN_OR_RETURN(const auto row, row_of(stream.key));
+      stream.has_row = row.has_value();
+      DDSSEC_RETURN_IF_ERROR(read_index(id, stream));
+    }
+    DDSSEC_RETURN_IF_ERROR(read_shares());
+    is_stale_ = false;
+    return {};
+  };
   const auto write = [&]() -> Status {
     DDSSEC_ASSIGN_OR_RETURN(auto transaction, Database::Transaction::begin(database_));
     DDSSEC_RETURN_IF_ERROR(measure_room());
@@ -413,21 +422,21 @@ Status SampleStore::commit(std::span<const StoredChange> changes, Time now) {
       if (stream.has_row || stream.samples == 0) continue;
       DDSSEC_RETURN_IF_ERROR(insert_row(id, stream.key));
       stream.has_row = true;
-      inserted.push_back(&stream);
     }
     for (auto& [id, stream] : streams_)
       DDSSEC_RETURN_IF_ERROR(clean_up(id, stream, now.to_nanoseconds().count()));
     return transaction.commit();
   };
+  if (is_stale_) DDSSEC_RETURN_IF_ERROR(reload());
+  const auto left_out = left_out_, over_share = over_share_;
+  is_stale_ = true;  // also if an exception ends what follows
   auto written = write();
+  is_stale_ = !written;
   if (written) committed_ += changes.size();
   if (written) return written;
   left_out_ = left_out;
   over_share_ = over_share;
-  for (auto* stream : inserted) stream->has_row = false;
-  effects_.clear();
-  for (auto& [id, stream] : streams_) DDSSEC_RETURN_IF_ERROR(read_index(id, stream));
-  DDSSEC_RETURN_IF_ERROR(read_shares());
+  DDSSEC_RETURN_IF_ERROR(reload());
   return written;
 }
 

@@ -191,6 +191,7 @@ class SampleStore {
   std::size_t most_samples_ = kMostSamples;
   std::uint64_t committed_ = 0;  ///< number of changes, including those that were left out
   std::uint64_t place_ = 0;      ///< of the change that is being committed
+  bool is_stale_ = false;        ///< what is held in memory may differ from the database
   std::vector<StoreEffect> effects_;
 };
 

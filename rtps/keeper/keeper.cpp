@@ -241,6 +241,7 @@ std::uint64_t Keeper::sum(Count count) const {
 
 std::uint64_t Keeper::without_key() const { return sum(&KeptTopic::without_key); }
 std::uint64_t Keeper::dropped() const { return sum(&KeptTopic::dropped); }
+std::uint64_t Keeper::left_out() const { return store_->left_out() + sum(&KeptTopic::left_out); }
 std::uint64_t Keeper::served() const { return sum(&KeptTopic::served); }
 std::uint64_t Keeper::served_octets() const { return sum(&KeptTopic::served_octets); }
 

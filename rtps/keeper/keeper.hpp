@@ -19,6 +19,8 @@ struct KeeperOptions {
 /// - Each sample names its original writer (ORIGINAL_WRITER_INFO), so that readers of ddssec get no
 ///   sample twice. Readers of other vendors do not evaluate this. They get a sample twice if its
 ///   writer still exists and has kept it as well.
+/// - With OWNERSHIP EXCLUSIVE it keeps what a reader sees: the samples of the strongest living
+///   writer of each instance. What a weaker one writes meanwhile is not kept.
 /// - The first writer that access control permits to write to a topic determines how the topic is
 ///   kept; its DURABILITY_SERVICE determines how much.
 /// - A topic is remembered from its first sample on. Until then it can be replaced by others, and
@@ -44,7 +46,7 @@ class Keeper final : private DataReaderListener {
   /// Number of samples that were not kept: dropped() because they were larger than readers accept,
   /// left_out() because of the limits of DURABILITY_SERVICE or the share of their identity.
   std::uint64_t dropped() const;
-  std::uint64_t left_out() const { return store_->left_out(); }
+  std::uint64_t left_out() const;
   /// What late joiners get: the number of samples, and the octets of their payloads. At most what
   /// the store holds.
   std::uint64_t served() const;

@@ -12,6 +12,8 @@ namespace {
 constexpr MonotonicTime kLook = std::chrono::milliseconds(5);
 // How often samples are looked for that the store removes later.
 constexpr MonotonicTime kRareLook = std::chrono::seconds(1);
+// How often changes are offered again that wait for an owner to come back.
+constexpr MonotonicTime kDeferredLook = std::chrono::milliseconds(100);
 // What a late joiner is offered at least, because assertions go to all participants for as long as
 // the topic is kept.
 constexpr Duration kLeastLease{{1, 0}};
@@ -74,6 +76,7 @@ Status KeptTopic::open(DomainId domain) {
   stream_ = opened.id;
   const std::lock_guard held(context_.mutex());
   has_samples_ = !opened.history.empty();
+  if (like_.qos.ownership == OwnershipKind::exclusive) expect_owners(opened.history);
   for (const auto& change : opened.history) seen_.add(SeenOriginals::of(change));
   for (std::size_t i = 0; i < opened.rows.size(); ++i)
     rows_[opened.rows[i]] = {static_cast<std::int64_t>(i) + 1};
@@ -106,13 +109,40 @@ bool KeptTopic::is_made_for(const EndpointData& writer) const {
          reading_qos(writer.qos) == reading_qos(like_.qos);
 }
 
+void KeptTopic::expect_owners(const std::vector<Change>& history) {
+  owners_.emplace(context_.now() + kReturn);
+  for (const auto& change : history)
+    owners_->expect(change.key_hash.value_or(KeyHash{}), change.origin().writer);
+}
+
+InstanceOwners::Claim KeptTopic::claim(const Change& change) {
+  if (!owners_) return InstanceOwners::Claim::owned;
+  return owners_->claim(change.key_hash.value_or(KeyHash{}), change.writer, context_.now());
+}
+
 bool KeptTopic::on_change(Change& change) {
-  if (change.is_marker() || seen_.contains(change)) return true;
+  using Claim = InstanceOwners::Claim;
+  if (change.is_marker()) return true;
+  if (seen_.contains(change)) {
+    // The owner of a stored instance came back.
+    if (change.origin().writer == change.writer) claim(change);
+    return true;
+  }
   if (with_key_ && !change.key_hash) {
     ++without_key_;
     return true;
   }
   if (store_.is_behind()) return false;  // the writer offers it again
+  const auto claimed = claim(change);
+  if (claimed == Claim::no_room) ++left_out_;
+  if (claimed == Claim::owned) keep(change);
+  if (claimed != Claim::later) return true;
+  deferred_ = true;
+  look_again(context_.now());
+  return false;
+}
+
+void KeptTopic::keep(Change& change) {
   seen_.add(SeenOriginals::of(change));
   if (!std::exchange(has_samples_, true)) on_first_sample_();
   change.original = change.origin();
@@ -122,9 +152,10 @@ bool KeptTopic::on_change(Change& change) {
   const auto number = store_.append(*stream_, change, wall, identity_of(change.writer.prefix));
   const auto writer = change.writer;
   const auto original = change.sequence_number;
+  if (owners_ && change.status.unregistered)
+    owners_->release(change.key_hash.value_or(KeyHash{}), writer);
   unstored_.push_back({number, writer, original, server().write(change, now)});
   look_again(now);
-  return true;
 }
 
 /// Without security there are no identities. All participants that did not authenticate count as
@@ -136,7 +167,34 @@ std::optional<GuidPrefix> KeptTopic::identity_of(const GuidPrefix& sender) const
 }
 
 void KeptTopic::on_matched(const EndpointData& remote) {
-  if (is_writer(remote.guid.entity)) writers_.insert(remote.guid);
+  if (!is_writer(remote.guid.entity)) return;
+  writers_.insert(remote.guid);
+  if (!owners_) return;
+  owners_->set_writer(remote.guid, remote.qos.ownership_strength, identity_of(remote.guid.prefix));
+  const auto now = context_.now();
+  liveliness_.add(remote.guid, remote.qos.liveliness.lease_duration, now);
+  look_again(now);
+}
+
+void KeptTopic::on_unmatched(const Guid& remote) {
+  writers_.erase(remote);
+  if (!owners_) return;
+  owners_->remove_writer(remote);
+  liveliness_.remove(remote);
+}
+
+void KeptTopic::on_signal(const Guid& writer, std::shared_ptr<LivelinessSignal> signal) {
+  if (!owners_) return;
+  if (signal && !liveliness_.is_alive(writer)) signal->notify(*this, writer);
+  liveliness_.follow(writer, std::move(signal));
+  look_again(context_.now());
+}
+
+void KeptTopic::on_alive(const Guid& writer) {
+  if (!owners_) return;
+  const auto now = context_.now();
+  liveliness_.alive(writer, now);
+  look_again(now);
 }
 
 SequenceNumber KeptTopic::first_unstored(const Guid& writer, SequenceNumber next) {
@@ -168,13 +226,20 @@ void KeptTopic::serve(const std::vector<StoreEffect>& effects) {
 // What is disposed is removed from the store after service_cleanup_delay, by any later commit.
 void KeptTopic::look_again(MonotonicTime now) {
   const auto delay = like_.qos.durability_service.cleanup_delay;
+  auto next = liveliness_.next_tick();
+  if (deferred_) next = std::min(next, now + kDeferredLook);
   if (!unstored_.empty())
-    call_at(now + kLook);
+    next = std::min(next, now + kLook);
   else if (!rows_.empty() && delay != kDurationZero && !delay.is_infinite())
-    call_at(now + kRareLook);
+    next = std::min(next, now + kRareLook);
+  call_at(next);
 }
 
 void KeptTopic::on_time(MonotonicTime now) {
+  liveliness_.check(now, [&](const Guid& writer, LivelinessSignal* signal) {
+    if (signal != nullptr) signal->notify(*this, writer);
+    owners_->lose(writer);
+  });
   const auto stored = store_.committed();
   serve(store_.take_effects(*stream_));
   std::set<Guid> writers;
@@ -183,7 +248,8 @@ void KeptTopic::on_time(MonotonicTime now) {
     if (!unstored_.front().stored) server().discard(unstored_.front().served);
   }
   auto* reader = context_.protocol().local_endpoints().reader(reader_);
-  if (!writers.empty() && reader != nullptr) {
+  const bool deferred = std::exchange(deferred_, false);
+  if ((deferred || !writers.empty()) && reader != nullptr) {
     reader->offer_again();
     for (const auto& writer : writers) reader->acknowledge_again(writer);
   }

@@ -5,18 +5,25 @@
 #include <functional>
 #include <set>
 
+#include "rtps/dcps/liveliness.hpp"
 #include "rtps/dcps/participant_context.hpp"
 #include "rtps/dcps/seen_originals.hpp"
 #include "rtps/durability/durable_store.hpp"
+#include "rtps/keeper/instance_owners.hpp"
 
 namespace ddssec::rtps {
 
 /// A sample is acknowledged only when it is stored, because a writer may leave once its samples are
 /// acknowledged. Late joiners get what is stored, and what is being stored: the limits of the
-/// store, with the shares of all identities, are those of the memory as well. Called by the
-/// participant, with its lock held.
+/// store, with the shares of all identities, are those of the memory as well. With OWNERSHIP
+/// EXCLUSIVE it keeps what a reader would have seen: the samples of the owner of each instance.
+/// Called by the participant, with its lock held.
 class KeptTopic final : private EndpointListener, private Timed {
  public:
+  /// How long the writers that own stored instances have to come back, once the topic is opened.
+  /// Until then, samples of these instances by other writers wait.
+  static constexpr MonotonicTime kReturn = std::chrono::seconds(10);
+
   /// `writer`: the announcement of one of its writers. `on_first_sample` is called with the lock
   /// held when there is something to keep.
   KeptTopic(ParticipantContext& context, DurableStore& store, EndpointData writer,
@@ -29,6 +36,8 @@ class KeptTopic final : private EndpointListener, private Timed {
   /// The caller holds the lock:
   std::uint64_t without_key() const { return without_key_; }
   std::uint64_t dropped() const { return dropped_; }
+  /// Number of samples whose instances found no place among the owned ones.
+  std::uint64_t left_out() const { return left_out_; }
   /// What late joiners get: the number of samples, and the octets of their payloads.
   std::uint64_t served() const;
   std::uint64_t served_octets() const;
@@ -42,7 +51,7 @@ class KeptTopic final : private EndpointListener, private Timed {
  private:
   bool on_change(Change& change) override;
   void on_matched(const EndpointData& remote) override;
-  void on_unmatched(const Guid& remote) override { writers_.erase(remote); }
+  void on_unmatched(const Guid& remote) override;
   void on_incompatible_qos(const Guid&, const QosMismatch&) override {}
   void on_inconsistent_topic(const EndpointData&) override {}
   void on_sample_lost(std::int64_t) override {}
@@ -53,9 +62,13 @@ class KeptTopic final : private EndpointListener, private Timed {
   void serve(const std::vector<StoreEffect>& effects);
   void look_again(MonotonicTime now);
   SequenceNumber first_unstored(const Guid& writer, SequenceNumber next);
-  void on_alive(const Guid&) override {}
+  void on_signal(const Guid& writer, std::shared_ptr<LivelinessSignal> signal) override;
+  void on_alive(const Guid& writer) override;
   void on_acknowledged() override {}
   EndpointRequest request(Qos qos) const;
+  void expect_owners(const std::vector<Change>& history);
+  InstanceOwners::Claim claim(const Change& change);
+  void keep(Change& change);
   /// The identity whose share of the store a sample uses.
   std::optional<GuidPrefix> identity_of(const GuidPrefix& sender) const;
 
@@ -66,10 +79,13 @@ class KeptTopic final : private EndpointListener, private Timed {
   std::optional<StreamId> stream_;
   Guid reader_, writer_;
   SeenOriginals seen_;
-  std::uint64_t without_key_ = 0, dropped_ = 0;
+  std::uint64_t without_key_ = 0, dropped_ = 0, left_out_ = 0;
   std::function<void()> on_first_sample_;
   bool has_samples_ = false;
-  std::set<Guid> writers_;  ///< that matched the reader
+  std::set<Guid> writers_;                ///< that matched the reader
+  std::optional<InstanceOwners> owners_;  ///< only with OWNERSHIP EXCLUSIVE
+  LivelinessMonitor liveliness_;          ///< the same: owners that are not alive own nothing
+  bool deferred_ = false;                 ///< a change waits for an owner to come back
   /// Changes that are being stored.
   struct Unstored {
     std::uint64_t number;  ///< see DurableStore::append

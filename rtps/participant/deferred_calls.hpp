@@ -33,10 +33,15 @@ class DeferredCalls {
   }
 
  private:
-  /// Each function may defer further ones.
-  void run() {
+  /// Each function may defer further ones. An exception (no memory) ends that function alone: it
+  /// must not leave the destructor.
+  void run() noexcept {
     while (!later_.empty())
-      for (const auto& f : std::exchange(later_, {})) f();
+      for (const auto& f : std::exchange(later_, {})) try {
+          f();
+        } catch (...) {
+          continue;
+        }
   }
 
   int depth_ = 0;

@@ -141,6 +141,15 @@ void MessageSender::flush() {
     flush_wanted_ = true;
 }
 
+// Out of memory: the next flush tries again.
+void MessageSender::flush_at_end() noexcept {
+  try {
+    flush_now();
+  } catch (...) {
+    flush_wanted_ = true;
+  }
+}
+
 void MessageSender::flush_now() {
   finish_message();
   send_waiting();

@@ -84,12 +84,14 @@ class MessageSender {
   /// Sends at once: before keys that the messages need are removed, or if a message must not be
   /// shared.
   void flush_now();
+  /// The same in a destructor, from which no exception may come.
+  void flush_at_end() noexcept;
   /// While an instance exists, nothing is flushed, so that the results of one event share messages.
   class Gathering {
    public:
     explicit Gathering(MessageSender& sender) : sender_(sender) { ++sender_.gatherings_; }
     ~Gathering() {
-      if (--sender_.gatherings_ == 0 && sender_.flush_wanted_) sender_.flush_now();
+      if (--sender_.gatherings_ == 0 && sender_.flush_wanted_) sender_.flush_at_end();
     }
     Gathering(const Gathering&) = delete;
     Gathering& operator=(const Gathering&) = delete;

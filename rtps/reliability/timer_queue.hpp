@@ -47,12 +47,29 @@ class TimerQueue {
     while (next() <= now) {
       auto& timed = *heap_.front();
       timed.cancel();
+      Again again{timed, now + kRetry};
       timed.on_time(now);
+      again.is_needed = false;
     }
   }
 
  private:
   friend class Timed;
+  static constexpr MonotonicTime kRetry = std::chrono::milliseconds(100);
+  /// If an exception ends what was due, it is due again.
+  struct Again {
+    ~Again() {
+      if (!is_needed) return;
+      try {
+        timed.call_at(when);
+      } catch (...) {
+        return;  // even for that there is no memory
+      }
+    }
+    Timed& timed;
+    const MonotonicTime when;
+    bool is_needed = true;
+  };
   void put(std::size_t place, Timed* timed) {
     heap_[place] = timed;
     timed->place_ = place;
@@ -71,9 +88,10 @@ class TimerQueue {
     }
     put(place, timed);
   }
+  /// Its time is still kNever, so the heap stays one. Without memory nothing has changed.
   void add(Timed* timed) {
     heap_.push_back(timed);
-    raise(heap_.size() - 1, timed);
+    timed->place_ = heap_.size() - 1;
   }
   void remove(std::size_t place) {
     auto* last = heap_.back();
@@ -94,12 +112,9 @@ inline void Timed::cancel() {
 
 inline void Timed::call_at(MonotonicTime when) {
   if (when >= wanted_ || queue_ == nullptr) return;
-  const bool waits = wanted_ != kNever;
+  if (wanted_ == kNever) queue_->add(this);
   wanted_ = when;
-  if (waits)
-    queue_->raise(place_, this);
-  else
-    queue_->add(this);
+  queue_->raise(place_, this);
 }
 
 }  // namespace ddssec::rtps

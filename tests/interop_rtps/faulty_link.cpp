@@ -10,6 +10,7 @@
 //                   "keys" those of the key exchange, else those that hold this word;
 //                   lose WHAT 0 ends that
 //   hold WHAT N     the same, but they arrive when hold WHAT 0 ends it
+//   taken           answers how many messages were lost or held by these two so far
 // Ends at the end of its input and then prints what it did.
 #include <algorithm>
 #include <array>
@@ -65,6 +66,7 @@ struct Faults {
   std::string lost_kind = {};
   std::size_t loses_of = 0;  ///< a namespace, from 1 on
   bool holds = false;        ///< instead of losing
+  unsigned long taken = 0;   ///< messages of the kind
 };
 
 struct Counts {
@@ -174,7 +176,10 @@ bool read_commands(std::string& rest, Faults& faults) {
   for (std::size_t end; (end = rest.find('\n')) != std::string::npos; rest.erase(0, end + 1)) {
     const auto line = rest.substr(0, end);
     if (line == "quit") return false;
-    std::printf("%s\n", obey(std::istringstream(line), faults) ? "ok" : "unknown command");
+    if (line == "taken")
+      std::printf("%lu\n", faults.taken);
+    else
+      std::printf("%s\n", obey(std::istringstream(line), faults) ? "ok" : "unknown command");
     std::fflush(stdout);
   }
   return true;
@@ -208,7 +213,7 @@ bool is_of_kind(const Packet& packet, const std::string& kind) {
 }
 
 /// Takes what arrived at the device of the n-th namespace, a share of it at a time.
-void receive(int device, std::size_t n, std::vector<Direction>& ways, const Faults& faults) {
+void receive(int device, std::size_t n, std::vector<Direction>& ways, Faults& faults) {
   static std::array<char, kGreatestPacket> buffer;
   constexpr std::size_t kDestination = 16, kLeastPacket = 20;
   const auto now = Clock::now();
@@ -221,6 +226,7 @@ void receive(int device, std::size_t n, std::vector<Direction>& ways, const Faul
     const std::size_t last = static_cast<unsigned char>(packet[kDestination + 3]);
     const bool is_group = high >= 224;
     const bool is_lost = faults.loses_of == n + 1 && is_of_kind(packet, faults.lost_kind);
+    faults.taken += is_lost ? 1 : 0;
     for (std::size_t to = 0; to < ways.size(); ++to) {
       if (to == n || !(is_group || last == to + 1)) continue;
       if (!is_lost)

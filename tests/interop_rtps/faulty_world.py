@@ -45,6 +45,11 @@ class Link:
         if answer != "ok":
             raise RuntimeError(f"faulty_link answers {answer!r} to {command!r}")
 
+    def taken(self):
+        """How many messages it has lost or held by "lose" or "hold"."""
+        print("taken", file=self._process.stdin, flush=True)
+        return int(self._process.stdout.readline())
+
     def close(self):
         """What the link did, for a report."""
         did, _ = self._process.communicate()

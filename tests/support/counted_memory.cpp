@@ -10,6 +10,11 @@ namespace {
 
 std::atomic<std::int64_t> calls = 0, held = 0, ever = 0;
 
+thread_local std::int64_t until_failure = -1;
+
+/// Whether this call is to fail.
+bool fails() { return until_failure >= 0 && until_failure-- == 0; }
+
 void* counted(void* place) {
   if (place == nullptr) return nullptr;
   const auto size = static_cast<std::int64_t>(malloc_usable_size(place));
@@ -29,6 +34,8 @@ void release(void* place) noexcept {
 
 }  // namespace
 
+void fail_after(std::int64_t count) { until_failure = count; }
+bool has_failed() { return until_failure < 0; }
 std::int64_t allocations() { return calls; }
 std::int64_t octets() { return held; }
 std::int64_t octets_ever() { return ever; }
@@ -37,13 +44,16 @@ std::int64_t octets_ever() { return ever; }
 
 namespace memory = ddssec::counted_memory;
 
-void* operator new(std::size_t size) { return memory::counted_or_throw(std::malloc(size)); }
+void* operator new(std::size_t size) {
+  return memory::counted_or_throw(memory::fails() ? nullptr : std::malloc(size));
+}
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
-  return memory::counted(std::malloc(size));
+  return memory::counted(memory::fails() ? nullptr : std::malloc(size));
 }
 void* operator new(std::size_t size, std::align_val_t alignment) {
   const auto unit = static_cast<std::size_t>(alignment);
-  return memory::counted_or_throw(std::aligned_alloc(unit, (size + unit - 1) / unit * unit));
+  const auto whole = (size + unit - 1) / unit * unit;
+  return memory::counted_or_throw(memory::fails() ? nullptr : std::aligned_alloc(unit, whole));
 }
 void operator delete(void* place) noexcept { memory::release(place); }
 void operator delete(void* place, std::size_t) noexcept { memory::release(place); }

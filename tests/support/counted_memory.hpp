@@ -12,6 +12,12 @@ std::int64_t octets();
 /// What they have held so far, given back or not: how much was copied, at most.
 std::int64_t octets_ever();
 
+/// Makes the call of operator new in this thread fail that comes after `count` others, once. -1:
+/// none fails.
+void fail_after(std::int64_t count);
+/// False: the call that was to fail did not come yet.
+bool has_failed();
+
 /// Calls of operator new while `f` runs.
 template <class F>
 std::int64_t allocations_of(F&& f) {

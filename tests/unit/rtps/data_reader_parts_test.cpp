@@ -111,6 +111,50 @@ TEST_F(ReceivedSamplesTest, WithHistory_ASampleOfTwoWriters_IsTakenOnce) {
   }
 }
 
+// A durability service (3) gives what the strong writer (1) wrote, in its name.
+struct ExclusiveSamplesTest : ReceivedSamplesTest {
+  ExclusiveSamplesTest() {
+    qos.ownership = OwnershipKind::exclusive;
+    samples.emplace(qos, type);
+    samples->expect_history();
+    samples->cache().set_writer(guid_of(1), 10, kDurationInfinite, {});
+    samples->cache().set_writer(guid_of(2), 5, kDurationInfinite, {});
+    samples->cache().set_writer(guid_of(3), std::numeric_limits<std::int32_t>::min(),
+                                kDurationInfinite, {});
+  }
+  static Change kept(Change change) {
+    change.original = {change.writer, change.sequence_number};
+    change.writer = guid_of(3);
+    return change;
+  }
+  Change of_weak(std::int64_t value) {
+    auto out = change("kitchen", value);
+    out.writer = guid_of(2);
+    return out;
+  }
+  std::optional<ReceivedSamples> samples;
+};
+
+TEST_F(ExclusiveSamplesTest, OwnerOfAKeptSample_SendsItItself_OwnsItsInstance) {
+  const auto strong = change("kitchen", 1);
+  EXPECT_EQ(take(*samples, kept(strong)), Outcome::stored);
+  EXPECT_EQ(take(*samples, strong), Outcome::unseen) << "it is there already";
+  EXPECT_EQ(take(*samples, of_weak(2)), Outcome::unseen) << "a stronger writer owns the instance";
+  samples->cache().lose_writer(guid_of(1), true, now);
+  EXPECT_EQ(take(*samples, of_weak(3)), Outcome::stored) << "the owner is gone";
+}
+
+TEST_F(ExclusiveSamplesTest, KeptSamplesThatAWeakerWriterReplaced_ComeAgainFromTheirWriter) {
+  const auto first = change("kitchen", 1), second = change("kitchen", 2);
+  EXPECT_EQ(take(*samples, kept(first)), Outcome::stored);
+  EXPECT_EQ(take(*samples, kept(second)), Outcome::stored);
+  EXPECT_EQ(take(*samples, of_weak(3)), Outcome::stored) << "no stronger writer is known to live";
+  EXPECT_EQ(take(*samples, first), Outcome::stored);
+  EXPECT_EQ(take(*samples, second), Outcome::stored);
+  EXPECT_EQ(take(*samples, second), Outcome::unseen);
+  EXPECT_EQ(take(*samples, of_weak(4)), Outcome::unseen);
+}
+
 TEST_F(ReceivedSamplesTest, NoRoom_IsRejected_AndTakenWhenThereIsSome) {
   qos.resource_limits.max_samples = 1;
   ReceivedSamples samples(qos, type);

@@ -106,6 +106,27 @@ TEST_F(DurableStoreTest, LimitsThatAreReachedAreAnEvent) {
   EXPECT_EQ(events.seen[0].error.details().field, "DURABILITY_SERVICE");
 }
 
+// Before: an exception of the application's sink ended the process.
+TEST_F(DurableStoreTest, ASinkThatThrows_DoesNotEndTheThread) {
+  struct Throws final : EventSink {
+    std::atomic<int> calls = 0;
+    void raise(const Event&) override {
+      ++calls;
+      throw std::bad_alloc();
+    }
+  } throws;
+  auto store = *DurableStore::open(path, throws);
+  auto service = keep_all();
+  service.limits.max_samples = 1;
+  const auto stream = *store->open_stream(kMap, service);
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    store->append(stream.id, sample(i), seconds(0));
+    ASSERT_TRUE(store->flush(10s));
+  }
+  EXPECT_EQ(throws.calls, 2);
+  EXPECT_EQ(store->left_out(), 2u);
+}
+
 TEST_F(DurableStoreTest, InMemoryItLastsAsLongAsItself) {
   auto store = *DurableStore::open("", events);
   const auto stream = *store->open_stream(kMap, keep_all());

@@ -1,0 +1,96 @@
+#include "rtps/dcps/callback_lock.hpp"
+
+#include <condition_variable>
+#include <mutex>
+#include <utility>
+
+namespace ddssec::rtps {
+
+struct CallbackLock::Waiting {
+  const ThreadId thread;
+  const CallbackLock& lock;
+  const bool is_first;
+  Waiting* next = nullptr;
+};
+
+/// All waits of the process. A list in the stacks of the threads that wait, so that a wait
+/// allocates nothing.
+struct CallbackLock::Waits {
+  std::mutex mutex;  ///< protects the list and all locks
+  std::condition_variable changed;
+  Waiting* list = nullptr;
+  std::size_t count = 0;
+
+  void add(Waiting& one) {
+    one.next = std::exchange(list, &one);
+    ++count;
+    changed.notify_all();  // it may be one that others wait for
+  }
+  void remove(const Waiting& one) {
+    auto** at = &list;
+    while (*at != &one) at = &(*at)->next;
+    *at = one.next;
+    --count;
+  }
+};
+
+CallbackLock::Waits& CallbackLock::waits() {
+  static Waits all;
+  return all;
+}
+
+// The waits must be destroyed after the last lock.
+CallbackLock::CallbackLock() { waits(); }
+
+const CallbackLock::Waiting* CallbackLock::waiting(ThreadId thread) {
+  for (const auto* one = waits().list; one != nullptr; one = one->next)
+    if (one->thread == thread) return one;
+  return nullptr;
+}
+
+/// Follows the chain: who holds the lock, for what that thread waits, who holds that. A chain
+/// cannot be longer than there are waits, unless it is a circle of others, which they resolve.
+bool CallbackLock::never_ends(const Waiting& own) const {
+  const auto* lock = this;
+  for (std::size_t steps = 0; steps <= waits().count && lock->depth_ > 0; ++steps) {
+    if (lock->owner_ == own.thread) return true;
+    const auto* other = waiting(lock->owner_);
+    if (other == nullptr || (own.is_first && !other->is_first)) return false;
+    lock = &other->lock;
+  }
+  return false;
+}
+
+bool CallbackLock::wait_for(Waiting& own) {
+  auto& all = waits();
+  std::unique_lock held(all.mutex, std::adopt_lock);
+  all.add(own);
+  while (depth_ > 0 && !never_ends(own)) all.changed.wait(held);
+  all.remove(own);
+  held.release();
+  return depth_ == 0;
+}
+
+void CallbackLock::take(ThreadId thread) {
+  owner_ = thread;
+  ++depth_;
+}
+
+bool CallbackLock::acquire(Wait wait) {
+  thread_local const char self_object = 0;
+  const ThreadId self = &self_object;
+  const std::lock_guard held(waits().mutex);
+  const bool is_free = depth_ == 0 || owner_ == self;
+  Waiting own{self, *this, wait == Wait::first};
+  if (!is_free && (wait == Wait::none || !wait_for(own))) return false;
+  take(self);
+  return true;
+}
+
+void CallbackLock::release() {
+  auto& all = waits();
+  const std::lock_guard held(all.mutex);
+  if (--depth_ == 0 && all.list != nullptr) all.changed.notify_all();
+}
+
+}  // namespace ddssec::rtps

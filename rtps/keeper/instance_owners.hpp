@@ -1,0 +1,69 @@
+// OWNERSHIP EXCLUSIVE of a kept topic (DDS 1.4, 2.2.3.9): which writer owns each instance. No I/O,
+// clock or lock.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+
+#include "base/clock.hpp"
+#include "base/ids.hpp"
+
+namespace ddssec::rtps {
+
+/// Decides as a reader does: an instance belongs to its strongest living writer, and of equally
+/// strong ones to the one with the lower GUID. The owner keeps an instance that it disposes, until
+/// it unregisters it or is no longer alive.
+class InstanceOwners {
+ public:
+  /// No identity may own more of these instances than are free, so there is always room for
+  /// another identity.
+  static constexpr std::size_t kMaxInstances = 131072;
+
+  /// `expects_until`: until then the owners that are only expected count as alive.
+  explicit InstanceOwners(MonotonicTime expects_until) : expects_until_(expects_until) {}
+
+  /// Adds a matched writer, or changes its OWNERSHIP_STRENGTH. `identity`: whose share its
+  /// instances use; empty: no share applies.
+  void set_writer(const Guid& writer, std::int32_t strength,
+                  const std::optional<GuidPrefix>& identity);
+  void remove_writer(const Guid& writer);
+  /// The writer's lease ended: it owns nothing until it writes again.
+  void lose(const Guid& writer);
+  /// The stored instance was last written by this writer, which may still be alive. Must be called
+  /// before all others. Without room it is not expected.
+  void expect(const KeyHash& instance, const Guid& writer);
+
+  enum class Claim : std::uint8_t {
+    owned,    ///< it is the writer's now
+    refused,  ///< a stronger living writer owns it
+    later,    ///< the expected owner may still come back
+    no_room,  ///< the share of the writer's identity is used up
+  };
+  /// The writer has a sample of the instance.
+  Claim claim(const KeyHash& instance, const Guid& writer, MonotonicTime now);
+  /// The writer unregistered the instance.
+  void release(const KeyHash& instance, const Guid& writer);
+
+  std::size_t size() const { return owners_.size(); }
+
+ private:
+  struct Writer {
+    std::int32_t strength = 0;
+    std::optional<GuidPrefix> identity;
+  };
+  using Owners = std::map<KeyHash, Guid>;
+
+  bool is_stronger(const Guid& writer, const Guid& owner) const;
+  bool has_room(const Guid& writer) const;
+  void enter(const KeyHash& instance, const Guid& writer);
+  void leave(Owners::iterator at);
+
+  const MonotonicTime expects_until_;
+  std::map<Guid, Writer> writers_;
+  Owners owners_;
+  std::set<std::pair<Guid, KeyHash>> owned_;       ///< the same by owner
+  std::map<GuidPrefix, std::size_t> of_identity_;  ///< number of instances
+};
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,244 @@
+// Listeners that act on another participant of the process, destroy a participant, or throw.
+#include <barrier>
+#include <bit>
+#include <cstdlib>
+#include <future>
+
+#include "tests/unit/rtps/dcps_fixture.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace testing;
+
+/// Does something the first time that there is data, in the participant's thread.
+struct Once final : DataReaderListener {
+  std::function<void()> act;
+  std::promise<void> done;
+  bool has_acted = false;
+  void on_data_available(AnyDataReader& reader) override {
+    Samples<Reading> samples;
+    static_cast<void>(static_cast<DataReader<Reading>&>(reader).take(samples));
+    if (std::exchange(has_acted, true)) return;
+    act();
+    done.set_value();
+  }
+};
+
+struct PrintedEvents final : EventSink {
+  void raise(const Event& event) override { std::fprintf(stderr, "%s\n", event.to_line().c_str()); }
+};
+
+DomainParticipantOptions own_thread() {
+  return {.domain_id = static_cast<DomainId>(::getpid() % 200 + 30),
+          .domain_tag = "listeners " + std::to_string(::getpid()),
+          .interfaces = {"127.0.0.1"},
+          .multicast = false};
+}
+
+/// Two participants with threads of their own, each with a writer and a reader with a listener.
+struct TwoThreads : ::testing::Test {
+  const SystemClock clock;
+  SystemRandom random;
+  Events events;
+  Environment environment{clock, random, events};
+  struct Side {
+    explicit Side(const Environment& environment) : end(environment, own_thread()) {
+      reader->set_listener(&listener, StatusKind::data_available);
+    }
+    End end;
+    DataWriter<Reading>* writer = &end.writer();
+    DataReader<Reading>* reader = &end.reader(reliable());
+    Once listener;
+  };
+  std::unique_ptr<Side> a = std::make_unique<Side>(environment);
+  std::unique_ptr<Side> b = std::make_unique<Side>(environment);
+  std::barrier<> both{2};
+
+  /// Both listeners run at the same time. A deadlock cannot be undone: it ends the test program.
+  void run() {
+    auto first = a->listener.done.get_future(), second = b->listener.done.get_future();
+    ASSERT_TRUE(a->writer->write({"north", 1}));
+    ASSERT_TRUE(b->writer->write({"north", 1}));
+    for (auto* done : {&first, &second}) {
+      if (done->wait_for(20s) == std::future_status::ready) continue;
+      std::fprintf(stderr, "the listeners wait for each other for good\n");
+      std::_Exit(EXIT_FAILURE);
+    }
+  }
+};
+
+// Before: each listener held the lock that the other one's call needed.
+TEST_F(TwoThreads, ListenersThatCreateOnTheOtherParticipant_BothSucceed) {
+  std::atomic<int> created = 0;
+  for (auto [own, other] : {std::pair{a.get(), b.get()}, std::pair{b.get(), a.get()}})
+    own->listener.act = [&, other] {
+      both.arrive_and_wait();
+      auto& end = other->end;
+      const auto topic = end.participant->create_topic<Reading>("Further");
+      const auto publisher =
+          end.participant->create_publisher({.autoenable_created_entities = false});
+      if (!topic || !publisher) return;
+      const auto writer = (*publisher)->create_datawriter<Reading>(**topic);
+      Once ignored;
+      const auto reader = end.subscriber->create_datareader<Reading>(**topic, reliable(), &ignored);
+      if (!writer || !reader || !(*publisher)->enable() || !(*writer)->enable()) return;
+      (*reader)->set_listener(nullptr);
+      ++created;
+    };
+  run();
+  EXPECT_EQ(created, 2);
+}
+
+TEST_F(TwoThreads, ListenersThatDeleteOnTheOtherParticipant_OneIsRefused) {
+  std::atomic<int> deleted = 0, refused = 0;
+  for (auto [own, other] : {std::pair{a.get(), b.get()}, std::pair{b.get(), a.get()}})
+    own->listener.act = [&, other] {
+      both.arrive_and_wait();
+      const auto outcome = other->end.publisher->delete_datawriter(*other->writer);
+      if (outcome) ++deleted;
+      if (code_of(outcome) == Code::rtps_precondition_not_met) ++refused;
+    };
+  run();
+  EXPECT_EQ(deleted, 1);
+  EXPECT_EQ(refused, 1);
+  EXPECT_EQ((a->end.publisher->lookup_datawriter("Readings") == nullptr) +
+                (b->end.publisher->lookup_datawriter("Readings") == nullptr),
+            1)
+      << "what was refused changed nothing";
+}
+
+TEST_F(TwoThreads, ListenersThatReplaceEachOther_BothReturn) {
+  for (auto [own, other] : {std::pair{a.get(), b.get()}, std::pair{b.get(), a.get()}})
+    own->listener.act = [&, other] {
+      both.arrive_and_wait();
+      other->reader->set_listener(nullptr);
+    };
+  run();
+}
+
+TEST_F(TwoThreads, AParticipantDestroyedWhileItsListenerDeletesElsewhere_Ends) {
+  std::atomic<int> refused = 0;
+  b->listener.act = [&] {
+    both.arrive_and_wait();
+    if (code_of(a->end.publisher->delete_datawriter(*a->writer)) == Code::rtps_precondition_not_met)
+      ++refused;
+  };
+  a->listener.act = [&] {
+    both.arrive_and_wait();
+    b->end.participant.reset();
+  };
+  run();
+  EXPECT_EQ(refused, 1);
+}
+
+TEST_F(TwoThreads, TheFactory_DoesNotDeleteAParticipantInItsListener) {
+  DomainParticipantFactory factory(environment);
+  struct Deletes final : DomainParticipantListener {
+    DomainParticipantFactory* factory = nullptr;
+    std::promise<Code> outcome;
+    bool has_acted = false;
+    void on_publication_matched(AnyDataWriter& writer, const MatchedStatus&) override {
+      if (std::exchange(has_acted, true)) return;
+      outcome.set_value(code_of(factory->delete_participant(writer.publisher().participant())));
+    }
+  } deletes;
+  deletes.factory = &factory;
+  auto* participant = *factory.create_participant(own_thread(), &deletes);
+  auto* topic = *participant->create_topic<Reading>("Readings");
+  auto* publisher = *participant->create_publisher();
+  ASSERT_TRUE(publisher->create_datawriter<Reading>(*topic));
+  auto outcome = deletes.outcome.get_future();
+  ASSERT_EQ(outcome.wait_for(20s), std::future_status::ready);
+  EXPECT_EQ(outcome.get(), Code::rtps_precondition_not_met);
+  participant->set_listener(nullptr);
+}
+
+TEST_F(TwoThreads, AListenerThatThrows_IsReported_AndTheParticipantGoesOn) {
+  std::promise<void> further;
+  struct Throws final : DataReaderListener {
+    std::promise<void>* further = nullptr;
+    int calls = 0;
+    void on_data_available(AnyDataReader& reader) override {
+      Samples<Reading> samples;
+      static_cast<void>(static_cast<DataReader<Reading>&>(reader).take(samples));
+      if (++calls == 4) further->set_value();
+      if (calls == 1) throw std::bad_alloc();
+      if (calls == 2) throw std::runtime_error("no disk");
+      if (calls == 3) throw 42;
+    }
+  } throws;
+  throws.further = &further;
+  b->listener.act = [] {};  // it gets the samples, too
+  a->reader->set_listener(&throws);
+  auto reached = further.get_future();
+  for (int i = 0; i < 1000 && reached.wait_for(10ms) != std::future_status::ready; ++i)
+    ASSERT_TRUE(a->writer->write({"north", i}));
+  EXPECT_EQ(reached.wait_for(0s), std::future_status::ready);
+  EXPECT_EQ(a->end.participant->counters().exceptions, 3u);
+  a->reader->set_listener(nullptr);
+  const std::lock_guard held(events.mutex);
+  EXPECT_EQ(std::ranges::count(events.seen, Code::rtps_exception,
+                               [](const Event& event) { return event.error.code(); }),
+            2);
+}
+
+using PolledListeners = Polled;
+
+/// A sample of the participant's own writer makes the listener of its reader act.
+void act_in_listener(End& end, Once& listener, std::function<void()> act) {
+  listener.act = std::move(act);
+  auto& writer = end.writer();
+  end.reader(reliable()).set_listener(&listener);
+  for (int i = 0; i < 5 && end.participant; ++i) {
+    static_cast<void>(writer.write({"north", i}));
+    end.participant->poll(0ms);
+  }
+}
+
+TEST_P(PolledListeners, AListenerThatServesAnotherParticipant_IsStillProtected) {
+  Once outer, inner;
+  Code outcome = Code::internal;
+  act_in_listener(a, outer, [&] {
+    act_in_listener(b, inner, [&] { outcome = code_of(a.publisher->delete_contained_entities()); });
+  });
+  EXPECT_TRUE(inner.has_acted);
+  EXPECT_EQ(outcome, Code::rtps_precondition_not_met);
+  a.subscriber->lookup_datareader("Readings")->set_listener(nullptr);
+  b.subscriber->lookup_datareader("Readings")->set_listener(nullptr);
+}
+
+// Before: undefined. The listener and its participant were used after their end.
+TEST_P(PolledListeners, AParticipantDestroyedInItsOwnListener_EndsTheProcessWithAReason) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  PrintedEvents printed;
+  const Environment loud{clock, random, printed};
+  auto options = this->options();
+  EXPECT_DEATH(
+      {
+        End end(loud, options);
+        Once listener;
+        act_in_listener(end, listener, [&] { end.participant.reset(); });
+        std::_Exit(0);
+      },
+      "rtps_ended_in_listener 1746");
+  options.own_thread = true;
+  EXPECT_DEATH(
+      {
+        End end(loud, options);
+        Once listener;
+        listener.act = [&] { end.participant.reset(); };
+        auto& writer = end.writer();
+        end.reader(reliable()).set_listener(&listener);
+        static_cast<void>(writer.write({"north", 1}));
+        std::this_thread::sleep_for(20s);
+        std::_Exit(0);
+      },
+      "rtps_ended_in_listener 1746");
+}
+
+INSTANTIATE_TEST_SUITE_P(Over, PolledListeners, ::testing::Values(Way::network, Way::in_process),
+                         name_of);
+
+}  // namespace
+}  // namespace ddssec::rtps
