@@ -1,21 +1,17 @@
 #include "rtps/dcps/builtin_topics.hpp"
 
-#include <array>
-
 #include <fmt/format.h>
 
 #include "base/hash.hpp"
 #include "rtps/dcps/domain_participant.hpp"
+#include "rtps/discovery/serialized.hpp"
 
 namespace ddssec::rtps {
 namespace {
 
 template <class Data>
 Payload payload_of(const Data& data) {
-  std::array<std::uint8_t, MessageSender::kLargestMessage> buffer;
-  SpanWriter out(buffer);
-  write_payload(out, data);
-  return Payload::copy_of(out.view());
+  return Payload::copy_of(serialized(data));
 }
 
 KeyHash topic_key(const EndpointData& data) {

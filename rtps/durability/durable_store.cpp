@@ -44,29 +44,51 @@ DurableStore::~DurableStore() {
   if (thread_.joinable()) thread_.join();
 }
 
+template <class Ready>
+Status DurableStore::wait(std::chrono::nanoseconds most, Ready ready) {
+  // A time that does not fit the clock is shortened to the longest wait.
+  constexpr std::chrono::nanoseconds kLongest = std::chrono::hours(24 * 365);
+  std::unique_lock held(mutex_);
+  const bool done =
+      done_.wait_for(held, std::min(most, kLongest), [&] { return ready() || !status_; });
+  if (ready()) return {};
+  if (done) return status_;
+  return fail(Code::rtps_timeout, {.document = store_.path()});
+}
+
 Result<DurableStore::Opened> DurableStore::open_stream(StreamKey key,
                                                        const DurabilityService& service,
                                                        bool watch) {
-  DDSSEC_RETURN_IF_ERROR(flush(kLongestOpen));  // what an earlier writer appended
-  const std::lock_guard store(store_mutex_);
+  std::unique_lock store(store_mutex_, kLongestOpen);
+  if (!store) return fail(Code::rtps_timeout, {.document = store_.path()});
   forget_closed();
   for (key.ordinal = 0; key.ordinal < kMostAlike; ++key.ordinal) {
     DDSSEC_ASSIGN_OR_RETURN(const auto id, store_.stream(key, service));
+    std::uint64_t before = 0;  // what an earlier writer appended
     {
       const std::lock_guard held(mutex_);
       if (!open_.insert(id).second) continue;
       closed_.erase(id);
+      if (const auto last = last_.find(id); last != last_.end()) before = last->second;
     }
-    if (watch) store_.watch(id);
-    auto history = store_.load(id);
-    if (history) return Opened{id, std::move(history->changes), std::move(history->rows)};
-    close_stream(id);
-    return std::unexpected(history.error());
+    store.unlock();
+    auto opened = load(id, before, watch);
+    if (!opened) close_stream(id);
+    return opened;
   }
   return fail(Code::rtps_store_failed, {.document = store_.path(),
                                         .field = "writers of topic " + key.topic,
                                         .expected = "at most " + std::to_string(kMostAlike),
                                         .found = "one more"});
+}
+
+Result<DurableStore::Opened> DurableStore::load(StreamId id, std::uint64_t after, bool watch) {
+  DDSSEC_RETURN_IF_ERROR(wait(kLongestOpen, [&] { return committed_ >= after; }));
+  const std::unique_lock store(store_mutex_, kLongestOpen);
+  if (!store) return fail(Code::rtps_timeout, {.document = store_.path()});
+  if (watch) store_.watch(id);
+  DDSSEC_ASSIGN_OR_RETURN(auto history, store_.load(id));
+  return Opened{id, std::move(history.changes), std::move(history.rows)};
 }
 
 std::vector<StoreEffect> DurableStore::take_effects(StreamId stream) {
@@ -93,7 +115,7 @@ void DurableStore::close_stream(StreamId stream) {
   const std::lock_guard held(mutex_);
   open_.erase(stream);
   effects_.erase(stream);
-  closed_[stream] = appended_;
+  closed_.insert(stream);
 }
 
 // If a row cannot be deleted now, it is deleted when the store is opened again.
@@ -101,9 +123,11 @@ void DurableStore::forget_closed() {
   std::vector<StreamId> gone;
   {
     const std::lock_guard held(mutex_);
-    std::erase_if(closed_, [&](const auto& entry) {
-      const bool is_over = entry.second <= committed_;
-      if (is_over) gone.push_back(entry.first);
+    std::erase_if(closed_, [&](const auto stream) {
+      const auto last = last_.find(stream);
+      const bool is_over = last == last_.end() || last->second <= committed_;
+      if (is_over) gone.push_back(stream);
+      if (is_over && last != last_.end()) last_.erase(last);
       return is_over;
     });
   }
@@ -121,6 +145,7 @@ std::uint64_t DurableStore::append(StreamId stream, const Change& change, Time n
     octets_ += change.payload.size();
     now_ = now;
     number = ++appended_;
+    last_[stream] = number;
   }
   work_.notify_one();
   return number;
@@ -154,18 +179,6 @@ Status DurableStore::status() const {
 std::uint64_t DurableStore::groups() const {
   const std::lock_guard held(mutex_);
   return groups_;
-}
-
-template <class Ready>
-Status DurableStore::wait(std::chrono::nanoseconds most, Ready ready) {
-  // A time that does not fit the clock is shortened to the longest wait.
-  constexpr std::chrono::nanoseconds kLongest = std::chrono::hours(24 * 365);
-  std::unique_lock held(mutex_);
-  const bool done =
-      done_.wait_for(held, std::min(most, kLongest), [&] { return ready() || !status_; });
-  if (ready()) return {};
-  if (done) return status_;
-  return fail(Code::rtps_timeout, {.document = store_.path()});
 }
 
 Status DurableStore::flush(std::chrono::nanoseconds most) {

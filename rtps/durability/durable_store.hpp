@@ -35,6 +35,7 @@ class DurableStore {
   };
   /// Opens the first stream of `key` that no other writer has open; its ordinal is chosen here.
   /// `watch`: what commits do to the stream is noted, and the caller must take it again and again.
+  /// A stream to which nothing is appended that is not committed can be opened on a full disk.
   /// Errors: those of SampleStore, and those of flush.
   Result<Opened> open_stream(StreamKey key, const DurabilityService& service, bool watch = false);
   /// In the order in which it happened. `stored` in an effect is the number that append returned.
@@ -76,6 +77,8 @@ class DurableStore {
   void note(std::unique_lock<std::mutex>& held, const std::vector<StoreEffect>& effects);
   void report(const Error* failure, std::uint64_t beyond_limits,
               const std::vector<StoreShares::Refusals>& refusals) noexcept;
+  /// `after`: the change that must be committed before.
+  Result<Opened> load(StreamId id, std::uint64_t after, bool watch);
   /// The caller holds the store's mutex.
   void forget_closed();
   bool over() const {
@@ -85,8 +88,8 @@ class DurableStore {
   template <class Ready>
   Status wait(std::chrono::nanoseconds most, Ready ready);
 
-  mutable std::mutex mutex_;  ///< protects everything but the store
-  std::mutex store_mutex_;    ///< protects the store; locked first
+  mutable std::mutex mutex_;      ///< protects everything but the store
+  std::timed_mutex store_mutex_;  ///< protects the store; locked first
   std::condition_variable work_, done_;
   SampleStore store_;
   EventSink& events_;
@@ -99,8 +102,8 @@ class DurableStore {
   Status status_;
   std::set<StreamId> open_;
   std::map<StreamId, std::vector<StoreEffect>> effects_;  ///< of open streams
-  /// With the number of the change that must be committed before.
-  std::map<StreamId, std::uint64_t> closed_;
+  std::map<StreamId, std::uint64_t> last_;  ///< the number of the last change appended to each
+  std::set<StreamId> closed_;               ///< not open any more, and not forgotten yet
   bool stopping_ = false;
   std::thread thread_;
 };

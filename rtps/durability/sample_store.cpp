@@ -1,12 +1,9 @@
 #include "rtps/durability/sample_store.hpp"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <fcntl.h>
-#include <unistd.h>
 
 #include "base/hash.hpp"
+#include "rtps/durability/store_file.hpp"
 
 namespace ddssec::rtps {
 namespace {
@@ -52,6 +49,16 @@ Bytes partition_octets(const std::vector<std::string>& names) {
   return out;
 }
 
+/// The same for partitions and scope. Without a scope it is what earlier versions stored.
+Bytes partition_octets(const StreamKey& key) {
+  constexpr std::array<std::uint8_t, 2> kLengthOfNoName{0xff, 0xff};
+  auto out = partition_octets(key.partition);
+  if (key.scope.empty()) return out;
+  std::ranges::copy(kLengthOfNoName, std::back_inserter(out));
+  std::ranges::copy(partition_octets(key.scope), std::back_inserter(out));
+  return out;
+}
+
 SqlStatement& bind_key(SqlStatement& statement, const StreamKey& key, BytesView partition) {
   return statement.bind(1, std::int64_t{key.domain})
       .bind(2, std::string_view(key.topic))
@@ -84,25 +91,10 @@ std::unexpected<Error> unusable(const std::string& path, std::string expected, s
               {.document = path, .expected = std::move(expected), .found = std::move(found)});
 }
 
-/// SQLite would create a file that everyone can read. It would also accept a file of a few octets
-/// as an empty database.
-Status make_file(const std::string& path) {
-  constexpr std::string_view kMagic("SQLite format 3\0", 16);
-  const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
-  if (file < 0) return unusable(path, "a file that can be written", std::strerror(errno));
-  std::array<char, 512> head{};
-  const auto size = ::read(file, head.data(), head.size());
-  ::close(file);
-  const bool ours = size == static_cast<ssize_t>(head.size()) &&
-                    std::string_view(head.data(), kMagic.size()) == kMagic;
-  if (size == 0 || ours) return {};
-  return unusable(path, "a store of samples, or an empty file", "neither");
-}
-
 }  // namespace
 
 Result<SampleStore> SampleStore::open(const std::string& path, std::size_t most_octets) {
-  if (!path.empty()) DDSSEC_RETURN_IF_ERROR(make_file(path));
+  if (!path.empty()) DDSSEC_RETURN_IF_ERROR(make_store_file(path));
   DDSSEC_ASSIGN_OR_RETURN(auto database, Database::open(path));
   SampleStore store(std::move(database), path);
   DDSSEC_RETURN_IF_ERROR(store.prepare(most_octets));
@@ -214,7 +206,7 @@ Result<std::optional<StreamId>> SampleStore::row_of(const StreamKey& key) {
       auto find,
       database_.prepare("SELECT id FROM stream WHERE domain = ? AND topic = ? AND type = ? AND "
                         "partition = ? AND ordinal = ?"));
-  const auto partition = partition_octets(key.partition);
+  const auto partition = partition_octets(key);
   DDSSEC_ASSIGN_OR_RETURN(const auto has_row, bind_key(find, key, partition).step());
   if (has_row) return StreamId{find.number(0)};
   return std::nullopt;
@@ -235,7 +227,7 @@ Status SampleStore::insert_row(StreamId id, const StreamKey& key) {
       auto insert,
       database_.prepare("INSERT INTO stream(domain, topic, type, partition, ordinal, id) "
                         "VALUES(?, ?, ?, ?, ?, ?)"));
-  const auto partition = partition_octets(key.partition);
+  const auto partition = partition_octets(key);
   return bind_key(insert, key, partition).bind(6, id.value).run();
 }
 

@@ -22,6 +22,8 @@ struct StreamKey {
   std::uint32_t domain = 0;
   std::string topic, type;
   std::vector<std::string> partition = {};
+  /// Whatever else determines which readers may get the samples, such as the domain tag.
+  std::vector<std::string> scope = {};
   /// Distinguishes writers of the participant for which all other members are equal.
   std::uint32_t ordinal = 0;
   bool operator==(const StreamKey&) const = default;
@@ -67,7 +69,8 @@ class SampleStore {
 
   /// An empty path opens a store in memory. A file that is missing or empty becomes a store that
   /// only its owner can read. Any other file is checked: it must be a store of this version,
-  /// undamaged, and not in use by another process. A file that fails the check is not changed.
+  /// undamaged, not in use by another process, and readable only by the user of this one, as must
+  /// be SQLite's files next to it. A file that fails the check is not changed.
   /// Errors: rtps_store_unusable, rtps_store_failed.
   static Result<SampleStore> open(const std::string& path,
                                   std::size_t most_octets = kDefaultOctets);

@@ -4,35 +4,66 @@
 #include <functional>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/hash.hpp"
+#include "rtps/discovery/serialized.hpp"
 #include "rtps/keeper/kept_topic.hpp"
+#include "rtps/keeper/refused_writers.hpp"
 
 namespace ddssec::rtps {
 namespace {
 
-constexpr std::size_t kMostAnnouncement = 64 << 10;
-
-/// Digest of topic, type and partitions; names never contain a NUL.
+/// Digest of topic, type, partitions and data tags. Names never contain a NUL, and topic names are
+/// not empty.
 KeyHash key_of(const EndpointData& writer) {
-  auto text = writer.topic_name + '\0' + writer.type_name;
+  std::string text;
+  const auto& tags = writer.qos.data_tags;
+  if (!tags.empty()) text += '\0' + std::to_string(tags.size()) + '\0';
+  for (const auto& tag : tags) text += tag.name + '\0' + tag.value + '\0';
+  text += writer.topic_name + '\0' + writer.type_name;
   for (const auto& name : writer.qos.partition) text += '\0' + name;
   return md5(as_bytes(text));
 }
 
 /// A stream that no writer can have, because topic names are not empty.
-StreamKey stream_of_announcements(DomainId domain) {
-  return {.domain = static_cast<std::uint32_t>(domain), .topic = "", .type = "kept"};
+StreamKey stream_of_announcements(DomainId domain, const std::string& domain_tag) {
+  StreamKey key{.domain = static_cast<std::uint32_t>(domain), .topic = "", .type = "kept"};
+  if (!domain_tag.empty()) key.scope.push_back(domain_tag);
+  return key;
+}
+
+/// A stream whose one sample says whether the others were kept with security.
+StreamKey stream_of_security(DomainId domain, const std::string& domain_tag) {
+  auto key = stream_of_announcements(domain, domain_tag);
+  key.type = "security";
+  return key;
+}
+
+/// A reader with these partitions would not match the writer: a name with wildcards matches only
+/// names without.
+Status check_partition(const EndpointData& writer) {
+  const auto& names = writer.qos.partition;
+  if (partitions_match(names, names)) return {};
+  return fail(Code::rtps_qos_incompatible,
+              {.document = "topic " + writer.topic_name,
+               .field = "PARTITION",
+               .expected = "a name without wildcards, so that the keeper's reader matches",
+               .found = fmt::format("\"{}\"", fmt::join(names, "\", \"")),
+               .hint = "give its publisher a partition without wildcards as well"});
 }
 
 Change announcement(const EndpointData& writer, const KeyHash& key) {
-  Bytes octets(kMostAnnouncement);
-  SpanWriter out(octets);
-  write_payload(out, writer);
   Change change;
   change.key_hash = key;
-  change.payload = Payload::copy_of(out.view());
+  change.payload = Payload::copy_of(serialized(writer));
   return change;
+}
+
+/// True if the same may succeed later.
+bool lacks_room(const Error& error) {
+  return error.code() == Code::rtps_store_failed || error.code() == Code::rtps_timeout ||
+         error.code() == Code::out_of_memory;
 }
 
 /// Removes what was remembered of the topic.
@@ -51,10 +82,12 @@ Result<std::unique_ptr<Keeper>> Keeper::create(DomainParticipantOptions options,
                                                const Environment& environment) {
   DDSSEC_ASSIGN_OR_RETURN(auto store,
                           DurableStore::open(keeps.store, environment.events, keeps.store_octets));
+  auto domain_tag = options.domain_tag;
   DDSSEC_ASSIGN_OR_RETURN(auto participant,
                           DomainParticipant::create(std::move(options), environment));
   std::unique_ptr<Keeper> out(
       new Keeper(std::move(participant), std::move(store), std::move(keeps.topics)));
+  out->domain_tag_ = std::move(domain_tag);
   DDSSEC_RETURN_IF_ERROR(out->start());
   return out;
 }
@@ -70,27 +103,61 @@ Keeper::~Keeper() {
     reader->set_listener(nullptr);
 }
 
+Status Keeper::check_security() {
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto opened,
+      store_->open_stream(stream_of_security(participant_->domain_id(), domain_tag_), {}));
+  auto& context = participant_->context_;
+  bool is_secured = false;
+  {
+    const std::lock_guard lock(context.mutex());
+    is_secured = context.protocol().remote_participants().core().security != nullptr;
+  }
+  const auto text = [](bool secured) { return secured ? "with security" : "without security"; };
+  if (opened.history.empty()) {
+    Change change;
+    change.payload = Payload::copy_of(as_bytes(std::string_view(text(is_secured))));
+    store_->append(opened.id, change, context.moment().wall);
+    return {};
+  }
+  const auto found = as_text(opened.history.back().payload.view());
+  if (found == text(is_secured)) return {};
+  return fail(Code::rtps_store_unusable,
+              {.document = "store of the keeper",
+               .field = "domain " + std::to_string(participant_->domain_id()),
+               .expected = fmt::format("samples that were kept {}", text(is_secured)),
+               .found = fmt::format("samples that were kept {}", found),
+               .hint = "start the keeper as before (--security FOLDER, or not), or name another "
+                       "store"});
+}
+
 Status Keeper::start() {
   DDSSEC_RETURN_IF_ERROR(participant_->ignore_participant(participant_->guid()));
+  DDSSEC_RETURN_IF_ERROR(check_security());
   DDSSEC_ASSIGN_OR_RETURN(
       auto known,
-      store_->open_stream(stream_of_announcements(participant_->domain_id()), DurabilityService{}));
+      store_->open_stream(stream_of_announcements(participant_->domain_id(), domain_tag_),
+                          DurabilityService{}));
   known_ = known.id;
-  for (const auto& change : known.history) DDSSEC_RETURN_IF_ERROR(keep_known(change));
+  for (const auto& change : known.history) keep_known(change);
+  refused_ = std::make_unique<RefusedWriters>([this](const Guid& writer) { return retry(writer); });
   auto* reader = participant_->builtin_datareader<PublicationBuiltinTopicData>();
   reader->set_listener(this, StatusKind::data_available);
   on_data_available(*reader);
   return {};
 }
 
-Status Keeper::keep_known(const Change& announced) {
+void Keeper::keep_known(const Change& announced) {
   const auto writer = read_publication_data(announced.payload.view());
-  if (!writer) return {};
-  const auto kept = keep(*writer, std::nullopt);
-  // A topic without a place must not prevent others from being served.
-  if (kept || kept.error().code() != Code::rtps_store_failed) return kept;
-  participant_->context_.environment().events.raise(Event(kept.error()));
-  return {};
+  if (!writer || !wants(*writer)) return;
+  if (const auto kept = keep(*writer, std::nullopt); !kept) report(kept.error(), *writer);
+}
+
+void Keeper::report(const Error& error, const EndpointData& writer) const {
+  auto details = error.details();
+  if (!details.note.empty()) details.note += "; ";
+  details.note += "topic " + writer.topic_name + " is not kept now";
+  participant_->context_.environment().events.raise(Event(Error(error.code(), std::move(details))));
 }
 
 void Keeper::on_data_available(AnyDataReader& any) {
@@ -128,8 +195,17 @@ std::optional<EndpointData> Keeper::admitted(const Guid& writer) const {
 void Keeper::consider(const Guid& writer) {
   const auto announced = admitted(writer);
   if (!announced) return;
-  if (const auto kept = keep(*announced, writer); !kept)
-    participant_->context_.environment().events.raise(Event(kept.error()));
+  const auto kept = keep(*announced, writer);
+  if (kept) return;
+  if (lacks_room(kept.error()) && !refused_->add(writer, announced->guid.prefix)) return;
+  report(kept.error(), *announced);
+}
+
+bool Keeper::retry(const Guid& writer) {
+  const auto announced = admitted(writer);
+  if (!announced) return true;
+  const auto kept = keep(*announced, writer);
+  return kept || !lacks_room(kept.error());
 }
 
 // A writer matches only if it may write. Until then, a writer of another identity that may also
@@ -144,6 +220,7 @@ bool Keeper::is_settled(const KeyHash& key, const EndpointData& writer) const {
 }
 
 Status Keeper::keep(const EndpointData& writer, const std::optional<Guid>& announcer) {
+  DDSSEC_RETURN_IF_ERROR(check_partition(writer));
   const auto key = key_of(writer);
   const auto& identity = writer.guid.prefix;
   const std::lock_guard held(mutex_);
@@ -162,7 +239,7 @@ Status Keeper::keep(const EndpointData& writer, const std::optional<Guid>& annou
       store_->append(known_, announcement(writer, key), participant_->context_.moment().wall);
   };
   auto topic = std::make_unique<KeptTopic>(context, *store_, writer, remember);
-  DDSSEC_RETURN_IF_ERROR(topic->open(participant_->domain_id()));
+  DDSSEC_RETURN_IF_ERROR(topic->open(participant_->domain_id(), domain_tag_));
   if (!announcer && !has_samples(*topic)) {
     store_->append(known_, end_of_announcement(key), context.moment().wall);
     return {};

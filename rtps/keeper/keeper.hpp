@@ -7,6 +7,7 @@
 namespace ddssec::rtps {
 
 class KeptTopic;
+class RefusedWriters;
 
 struct KeeperOptions {
   std::string store = {};  ///< path of a file that outlives the keeper; empty: memory
@@ -19,21 +20,27 @@ struct KeeperOptions {
 /// - Each sample names its original writer (ORIGINAL_WRITER_INFO), so that readers of ddssec get no
 ///   sample twice. Readers of other vendors do not evaluate this. They get a sample twice if its
 ///   writer still exists and has kept it as well.
+/// - Writers with different partitions or data tags are kept apart, each with its own reader and
+///   writer, as are domain tags in a store. A writer that has only partitions with wildcards is not
+///   kept.
 /// - With OWNERSHIP EXCLUSIVE it keeps what a reader sees: the samples of the strongest living
 ///   writer of each instance. What a weaker one writes meanwhile is not kept.
 /// - The first writer that access control permits to write to a topic determines how the topic is
 ///   kept; its DURABILITY_SERVICE determines how much.
 /// - A topic is remembered from its first sample on. Until then it can be replaced by others, and
 ///   is removed when the writer that announced it is removed.
-/// - Only one keeper can use a file.
+/// - A topic that cannot be kept is named in an event, and the others are kept. If only room is
+///   missing, it is kept as soon as there is some.
+/// - Only one keeper can use a file. What was kept with security is not served without, and vice
+///   versa.
 class Keeper final : private DataReaderListener {
  public:
   /// Topics that one identity announced first take no more places than are free, so at most half of
   /// all, and there is always room for another identity.
   static constexpr std::size_t kMostTopics = 512;
 
-  /// Samples that are already in the store are served at once. Errors: those of
-  /// DomainParticipant::create and of DurableStore::open.
+  /// Samples of the wanted topics that are already in the store are served at once. Errors: those
+  /// of DomainParticipant::create and of DurableStore::open, rtps_store_unusable.
   static Result<std::unique_ptr<Keeper>> create(DomainParticipantOptions options,
                                                 KeeperOptions keeps,
                                                 const Environment& environment);
@@ -61,6 +68,10 @@ class Keeper final : private DataReaderListener {
  private:
   Keeper(std::unique_ptr<DomainParticipant> participant, std::unique_ptr<DurableStore> store,
          std::vector<std::string> topics);
+  /// Refuses samples that another kind of participant kept: readers without security would get
+  /// those of secured writers, or secured readers those of any writer. Errors: rtps_store_unusable,
+  /// those of DurableStore::open_stream.
+  Status check_security();
   /// Serves what is in the store, and listens for new writers.
   Status start();
   void on_data_available(AnyDataReader& reader) override;
@@ -70,8 +81,12 @@ class Keeper final : private DataReaderListener {
   /// Returns the writer's announcement, with the prefix of its identity. Empty: the writer is gone,
   /// is not wanted or may not write.
   std::optional<EndpointData> admitted(const Guid& writer) const;
-  /// Keeps a topic that is already in the store. Errors: those of keep.
-  Status keep_known(const Change& announced);
+  /// Keeps a topic that is already in the store. If it cannot be kept, the others still are.
+  void keep_known(const Change& announced);
+  /// Raises the event that the writer's topic is not kept.
+  void report(const Error& error, const EndpointData& writer) const;
+  /// Considers a refused writer again. Returns false if there is still no room.
+  bool retry(const Guid& writer);
   /// Keeps the topic from now on, if it is not kept yet. `announcer`: empty if the topic is already
   /// in the store. Errors: rtps_store_failed, those of KeptTopic::open.
   Status keep(const EndpointData& writer, const std::optional<Guid>& announcer);
@@ -91,6 +106,7 @@ class Keeper final : private DataReaderListener {
   std::unique_ptr<DomainParticipant> participant_;
   std::unique_ptr<DurableStore> store_;
   const std::vector<std::string> patterns_;
+  std::string domain_tag_;
   StreamId known_;  ///< stream of the announcements of the kept topics
   struct Entry {
     std::unique_ptr<KeptTopic> topic;
@@ -99,6 +115,7 @@ class Keeper final : private DataReaderListener {
   };
   mutable std::mutex mutex_;  ///< protects topics_
   std::map<KeyHash, Entry> topics_;
+  std::unique_ptr<RefusedWriters> refused_;  ///< its thread uses all of the above
 };
 
 }  // namespace ddssec::rtps

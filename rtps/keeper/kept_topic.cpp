@@ -46,6 +46,14 @@ Qos reading_qos(const Qos& original) {
   return qos;
 }
 
+/// What separates streams besides their partitions. Empty: nothing.
+std::vector<std::string> scope_of(const std::string& domain_tag, const spi::PropertyList& tags) {
+  if (domain_tag.empty() && tags.empty()) return {};
+  std::vector<std::string> out{domain_tag};
+  for (const auto& tag : tags) out.insert(out.end(), {tag.name, tag.value});
+  return out;
+}
+
 }  // namespace
 
 KeptTopic::KeptTopic(ParticipantContext& context, DurableStore& store, EndpointData writer,
@@ -66,11 +74,12 @@ KeptTopic::~KeptTopic() {
   if (stream_) store_.close_stream(*stream_);
 }
 
-Status KeptTopic::open(DomainId domain) {
+Status KeptTopic::open(DomainId domain, const std::string& domain_tag) {
   StreamKey key{.domain = static_cast<std::uint32_t>(domain),
                 .topic = like_.topic_name,
                 .type = like_.type_name,
-                .partition = like_.qos.partition};
+                .partition = like_.qos.partition,
+                .scope = scope_of(domain_tag, like_.qos.data_tags)};
   DDSSEC_ASSIGN_OR_RETURN(auto opened,
                           store_.open_stream(std::move(key), like_.qos.durability_service, true));
   stream_ = opened.id;
@@ -120,9 +129,15 @@ InstanceOwners::Claim KeptTopic::claim(const Change& change) {
   return owners_->claim(change.key_hash.value_or(KeyHash{}), change.writer, context_.now());
 }
 
+bool KeptTopic::has_scope_of(const EndpointData& writer) const {
+  return writer.qos.partition == like_.qos.partition && writer.qos.data_tags == like_.qos.data_tags;
+}
+
+// The reader matches every writer with a partition in common. What such a writer sends is
+// acknowledged here and not kept.
 bool KeptTopic::on_change(Change& change) {
   using Claim = InstanceOwners::Claim;
-  if (change.is_marker()) return true;
+  if (change.is_marker() || !writers_.contains(change.writer)) return true;
   if (seen_.contains(change)) {
     // The owner of a stored instance came back.
     if (change.origin().writer == change.writer) claim(change);
@@ -168,6 +183,7 @@ std::optional<GuidPrefix> KeptTopic::identity_of(const GuidPrefix& sender) const
 
 void KeptTopic::on_matched(const EndpointData& remote) {
   if (!is_writer(remote.guid.entity)) return;
+  if (!has_scope_of(remote)) return on_unmatched(remote.guid);
   writers_.insert(remote.guid);
   if (!owners_) return;
   owners_->set_writer(remote.guid, remote.qos.ownership_strength, identity_of(remote.guid.prefix));
@@ -184,14 +200,14 @@ void KeptTopic::on_unmatched(const Guid& remote) {
 }
 
 void KeptTopic::on_signal(const Guid& writer, std::shared_ptr<LivelinessSignal> signal) {
-  if (!owners_) return;
+  if (!owners_ || !writers_.contains(writer)) return;
   if (signal && !liveliness_.is_alive(writer)) signal->notify(*this, writer);
   liveliness_.follow(writer, std::move(signal));
   look_again(context_.now());
 }
 
 void KeptTopic::on_alive(const Guid& writer) {
-  if (!owners_) return;
+  if (!owners_ || !writers_.contains(writer)) return;
   const auto now = context_.now();
   liveliness_.alive(writer, now);
   look_again(now);
@@ -257,6 +273,7 @@ void KeptTopic::on_time(MonotonicTime now) {
 }
 
 void KeptTopic::on_sample_dropped(const Guid& writer, std::uint32_t octets) {
+  if (!writers_.contains(writer)) return;
   ++dropped_;
   context_.protocol().remote_participants().raise_about(
       Error(Code::rtps_sample_dropped,

@@ -13,6 +13,8 @@
 
 namespace ddssec::rtps {
 
+/// Keeps the samples of the writers with exactly the same partitions and data tags: what is served
+/// reaches no reader that the original writer does not match.
 /// A sample is acknowledged only when it is stored, because a writer may leave once its samples are
 /// acknowledged. Late joiners get what is stored, and what is being stored: the limits of the
 /// store, with the shares of all identities, are those of the memory as well. With OWNERSHIP
@@ -32,7 +34,7 @@ class KeptTopic final : private EndpointListener, private Timed {
 
   /// The caller does not hold the lock. Errors: those of DurableStore::open_stream,
   /// Participant::create_writer and create_reader.
-  Status open(DomainId domain);
+  Status open(DomainId domain, const std::string& domain_tag);
   /// The caller holds the lock:
   std::uint64_t without_key() const { return without_key_; }
   std::uint64_t dropped() const { return dropped_; }
@@ -43,7 +45,7 @@ class KeptTopic final : private EndpointListener, private Timed {
   std::uint64_t served_octets() const;
   bool has_samples() const { return has_samples_; }
   const std::string& name() const { return like_.topic_name; }
-  /// True if a writer that may write to it matched, or if it has samples.
+  /// True if a writer whose samples are kept matched, or if it has samples.
   bool is_in_use() const { return has_samples_ || !writers_.empty(); }
   /// True if a topic that was created for that writer would be kept in the same way.
   bool is_made_for(const EndpointData& writer) const;
@@ -69,6 +71,8 @@ class KeptTopic final : private EndpointListener, private Timed {
   void expect_owners(const std::vector<Change>& history);
   InstanceOwners::Claim claim(const Change& change);
   void keep(Change& change);
+  /// False: the writer reaches other readers, or needs other permissions.
+  bool has_scope_of(const EndpointData& writer) const;
   /// The identity whose share of the store a sample uses.
   std::optional<GuidPrefix> identity_of(const GuidPrefix& sender) const;
 
@@ -82,7 +86,7 @@ class KeptTopic final : private EndpointListener, private Timed {
   std::uint64_t without_key_ = 0, dropped_ = 0, left_out_ = 0;
   std::function<void()> on_first_sample_;
   bool has_samples_ = false;
-  std::set<Guid> writers_;                ///< that matched the reader
+  std::set<Guid> writers_;                ///< that matched the reader, and whose samples are kept
   std::optional<InstanceOwners> owners_;  ///< only with OWNERSHIP EXCLUSIVE
   LivelinessMonitor liveliness_;          ///< the same: owners that are not alive own nothing
   bool deferred_ = false;                 ///< a change waits for an owner to come back

@@ -1,12 +1,8 @@
 #include "rtps/participant/local_endpoints.hpp"
 
+#include "rtps/discovery/serialized.hpp"
+
 namespace ddssec::rtps {
-namespace {
-
-// Larger than any announcement whose parameters are within their limits.
-constexpr std::size_t kLargestAnnouncement = 128 << 10;
-
-}  // namespace
 
 LocalEndpoints::LocalEndpoints(ParticipantCore& core, BuiltinEndpoints::Deliver deliver)
     : core_(core),
@@ -96,19 +92,15 @@ void LocalEndpoints::remove(const Guid& endpoint) {
 }
 
 void LocalEndpoints::publish(const EndpointData& data) {
-  // Not initialized, because an announcement uses only a few of these octets.
-  const auto buffer = std::make_unique_for_overwrite<std::uint8_t[]>(kLargestAnnouncement);
-  SpanWriter payload({buffer.get(), kLargestAnnouncement});
+  Change change;
+  change.key_hash = data.guid.octets();
   if (data.qos.data_tags.empty() || is_announced_securely(data.guid.entity)) {
-    write_payload(payload, data);
+    change.payload = Payload::copy_of(serialized(data));
   } else {
     auto untagged = data;
     untagged.qos.data_tags.clear();
-    write_payload(payload, untagged);
+    change.payload = Payload::copy_of(serialized(untagged));
   }
-  Change change;
-  change.key_hash = data.guid.octets();
-  change.payload = Payload::copy_of(payload.view());
   sedp_writer(data.guid.entity).write(std::move(change), core_.now);
 }
 

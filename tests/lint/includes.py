@@ -31,7 +31,7 @@ ARROWS = {
     "rtps/durability": ["base", "rtps/qos", "rtps/reliability"],
     "rtps/dcps": ["base", "wire", "rtps/cdr", "rtps/discovery", "rtps/durability", "rtps/filter", "rtps/participant",
                   "rtps/qos", "rtps/reliability", "rtps/transport", "rtps/types"],
-    "rtps/keeper": ["base", "rtps/dcps", "rtps/durability"],
+    "rtps/keeper": ["base", "rtps/dcps", "rtps/discovery", "rtps/durability"],
     "rtps/observer": ["base", "wire", "rtps/discovery", "rtps/security", "rtps/transport"],
     "secured": ["base", "pki", "wire", "rtps", "plugins/spi", "plugins/authentication",
                 "plugins/access_control", "plugins/cryptography"],

@@ -52,6 +52,30 @@ TEST_P(Builtin, ParticipantsComeChangeAndGo) {
   EXPECT_EQ(code_of(b.participant->discovered_participant_data(guid)), Code::rtps_bad_parameter);
 }
 
+// Before: an endpoint with a longer announcement than 14,720 octets was not shown, though it
+// matched and was heard.
+TEST_P(Builtin, Endpoints_WithLongAnnouncements_AreShownWhole) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < kMostPartitions; ++i)
+    names.push_back(std::to_string(i) + std::string(kMostNameLength - 8, 'x'));
+  auto* publisher = *a.participant->create_publisher({.partition = names});
+  auto* subscriber = *a.participant->create_subscriber({.partition = names});
+  auto qos = reliable();
+  qos.user_data.assign(4000, 7);
+  ASSERT_TRUE(publisher->create_datawriter<Reading>(*a.topic, qos));
+  ASSERT_TRUE(subscriber->create_datareader<Reading>(*a.topic, qos));
+  ASSERT_TRUE(eventually([&] { return b.participant->discovered_topics().size() == 1; }));
+  run(50ms);
+  const auto publications = take<PublicationBuiltinTopicData>();
+  ASSERT_EQ(publications.size(), 1u);
+  EXPECT_EQ(publications[0].data.qos.partition, names);
+  EXPECT_EQ(publications[0].data.qos.user_data, qos.user_data);
+  const auto subscriptions = take<SubscriptionBuiltinTopicData>();
+  ASSERT_EQ(subscriptions.size(), 1u);
+  EXPECT_EQ(subscriptions[0].data.qos.partition, names);
+  EXPECT_EQ(take<TopicBuiltinTopicData>().size(), 1u);
+}
+
 TEST_P(Builtin, EndpointsAndTheirTopicsComeAndGo) {
   EXPECT_EQ(b.participant->builtin_subscriber().lookup_datareader("DCPSPublication"),
             b.participant->builtin_datareader<PublicationBuiltinTopicData>());

@@ -78,6 +78,36 @@ TEST_F(DurableStoreTest, WithoutRoomItSaysSoAndGoesOnWhenThereIsSome) {
   for (std::uint32_t i = 0; i < 5000; ++i) ASSERT_EQ(number_of(history[i]), i);
 }
 
+// Before: a topic that appeared while the disk was full was refused.
+TEST_F(DurableStoreTest, AStream_OpenedWithoutRoom_IsStoredWhenThereIsSome) {
+  std::signal(SIGXFSZ, SIG_IGN);
+  auto store = open();
+  auto other = kMap;
+  other.topic = "Other";
+  const auto first = *store->open_stream(kMap, keep_all());
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const rlimit none{0, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &none), 0);
+  store->append(first.id, sample(1), seconds(0));
+  EXPECT_EQ(code_of(store->flush(10s)), Code::rtps_store_failed);
+  const auto second = store->open_stream(other, keep_all());
+  store->close_stream(first.id);
+  const auto again = store->open_stream(kMap, keep_all());
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+  ASSERT_TRUE(second) << second.error().to_sentence();
+  EXPECT_EQ(code_of(again), Code::rtps_store_failed) << "its history is not complete yet";
+  store->append(second->id, sample(2), seconds(0));
+  for (int i = 0; i < 500 && !store->flush(10s); ++i) ::usleep(10'000);
+  const auto complete = store->open_stream(kMap, keep_all());
+  ASSERT_TRUE(complete);
+  EXPECT_EQ(complete->id, first.id);
+  EXPECT_EQ(numbers(complete->history), std::vector<std::uint32_t>{1});
+  store.reset();
+  EXPECT_EQ(numbers(open()->open_stream(other, keep_all())->history),
+            std::vector<std::uint32_t>{2});
+}
+
 TEST_F(DurableStoreTest, IsBehindWhenItsQueueIsFull) {
   auto store = open();
   const auto stream = *store->open_stream(kMap, keep_last(1));

@@ -135,6 +135,57 @@ TEST_P(KeeperTest, WhatIsNotStoredIsNotAcknowledged) {
   EXPECT_EQ(late_joiner(*service, b, 30).size(), 30u);
 }
 
+// Before: its first announcement was refused, no event named it, and nothing considered it again.
+TEST_P(KeeperTest, ATopic_ThatAppearsWithoutRoom_IsKeptWhenThereIsSome) {
+  const auto service = keeper();
+  auto& first = a.writer(durable(DurabilityKind::transient));
+  ASSERT_TRUE(keeps(*service, 1));
+  auto* topic = *b.participant->create_topic<Reading>("Later");
+  {
+    const NoRoom full;
+    ASSERT_TRUE(first.write({"north", 1}));
+    both(*service);
+    EXPECT_EQ(code_of(service->flush(1s)), Code::rtps_store_failed);
+    auto& later =
+        **b.publisher->create_datawriter<Reading>(*topic, durable(DurabilityKind::transient));
+    both(*service, 50);
+    EXPECT_EQ(service->topics(), 2u);
+    ASSERT_FALSE(later.matched_subscriptions().empty());
+    ASSERT_TRUE(later.write({"north", 2}));
+    both(*service);
+    EXPECT_EQ(service->unstored(), 4u) << "with what is remembered of the topics";
+  }
+  for (int i = 0; i < 500 && service->unstored() > 0; ++i) ::usleep(10'000);
+  EXPECT_EQ(service->unstored(), 0u);
+  both(*service);
+  ASSERT_TRUE(b.publisher->delete_contained_entities());
+  both(*service);
+  auto& reader = **a.subscriber->create_datareader<Reading>(
+      **a.participant->create_topic<Reading>("Later"), late(DurabilityKind::transient));
+  both(*service, 50);
+  EXPECT_EQ(taken(reader), (Values{2}));
+}
+
+// Before: `topics` counted only for writers that appeared later.
+TEST_P(KeeperTest, AStoredTopic_ThatIsNotWanted_IsNotServedAndStays) {
+  {
+    const auto service = keeper();
+    auto& writer = a.writer(durable(DurabilityKind::transient));
+    ASSERT_TRUE(keeps(*service, 1));
+    ASSERT_TRUE(writer.write({"north", 1}));
+    both(*service);
+    ASSERT_TRUE(a.publisher->delete_contained_entities());
+  }
+  {
+    const auto service = keeper({"Other*"});
+    EXPECT_EQ(service->topics(), 0u);
+    EXPECT_EQ(late_joiner(*service, b, 0), Values{});
+  }
+  const auto service = keeper();
+  EXPECT_EQ(service->topics(), 1u);
+  EXPECT_EQ(late_joiner(*service, b, 1), (Values{1}));
+}
+
 TEST_P(KeeperTest, ItStartsAndServesWithoutRoom) {
   {
     const auto service = keeper();
@@ -435,6 +486,134 @@ TEST_P(ExclusiveKeeperTest, ARestartedKeeper_DoesNotWaitForGood) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Over, ExclusiveKeeperTest,
+
+/// Writers and late joiners that differ in their partitions.
+struct KeeperPartitionTest : KeeperTest {
+  using Names = std::vector<std::string>;
+  DataWriter<Reading>& writer_in(Names names) {
+    auto* publisher = *a.participant->create_publisher({.partition = std::move(names)});
+    return **publisher->create_datawriter<Reading>(*a.topic, durable(DurabilityKind::transient));
+  }
+  Values late_joiner_in(Keeper& keeper, Names names) {
+    auto* before =
+        std::exchange(b.subscriber, *b.participant->create_subscriber({.partition = names}));
+    auto out = late_joiner(keeper, b, 0);
+    EXPECT_TRUE(b.participant->delete_subscriber(*std::exchange(b.subscriber, before)));
+    return out;
+  }
+  void all_leave(Keeper& keeper) {
+    both(keeper);
+    ASSERT_TRUE(keeper.flush(10s));
+    ASSERT_TRUE(a.participant->delete_contained_entities());
+    both(keeper);
+  }
+};
+
+// Before: whoever could read B got what was written in A alone, once another writer had announced
+// both.
+TEST_P(KeeperPartitionTest, ASample_OfOnePartition_IsNotServedInAnother) {
+  auto service = keeper();
+  auto& gateway = writer_in({"A", "B"});
+  ASSERT_TRUE(keeps(*service, 1));
+  auto& narrow = writer_in({"A"});
+  ASSERT_TRUE(keeps(*service, 2));
+  ASSERT_TRUE(gateway.write({"north", 1}));
+  ASSERT_TRUE(narrow.write({"north", 2}));
+  all_leave(*service);
+  EXPECT_EQ(late_joiner_in(*service, {"B"}), (Values{1}));
+  EXPECT_THAT(late_joiner_in(*service, {"A"}), ::testing::UnorderedElementsAre(1, 2));
+  service.reset();
+  service = keeper();
+  EXPECT_EQ(service->topics(), 2u);
+  EXPECT_EQ(late_joiner_in(*service, {"B"}), (Values{1}));
+  EXPECT_THAT(late_joiner_in(*service, {"A"}), ::testing::UnorderedElementsAre(1, 2));
+}
+
+TEST_P(KeeperPartitionTest, AWildcard_BesideAName_IsNoBridge) {
+  const auto service = keeper();
+  auto& wide = writer_in({"A", "*"});
+  ASSERT_TRUE(keeps(*service, 1));
+  auto& narrow = writer_in({"A"});
+  ASSERT_TRUE(keeps(*service, 2));
+  ASSERT_TRUE(wide.write({"north", 1}));
+  ASSERT_TRUE(narrow.write({"north", 2}));
+  all_leave(*service);
+  EXPECT_EQ(late_joiner_in(*service, {"B"}), (Values{1}));
+  EXPECT_THAT(late_joiner_in(*service, {"A"}), ::testing::UnorderedElementsAre(1, 2));
+}
+
+TEST_P(KeeperPartitionTest, AWriter_WithWildcardsOnly_IsNotKeptAndNamed) {
+  const auto service = keeper();
+  auto& wide = writer_in({"*"});
+  both(*service, 60);
+  EXPECT_EQ(service->topics(), 0u);
+  EXPECT_TRUE(std::ranges::any_of(events.seen, [](const auto& event) {
+    return event.error.code() == Code::rtps_qos_incompatible &&
+           event.error.details().document == "topic Readings" &&
+           event.error.details().found == "\"*\"";
+  }));
+  auto& narrow = writer_in({"A"});
+  ASSERT_TRUE(keeps(*service, 1));
+  ASSERT_TRUE(wide.write({"north", 1}));
+  ASSERT_TRUE(narrow.write({"north", 2}));
+  all_leave(*service);
+  EXPECT_EQ(late_joiner_in(*service, {"B"}), Values{});
+  EXPECT_EQ(late_joiner_in(*service, {"A"}), (Values{2}));
+}
+
+TEST_P(KeeperPartitionTest, AWriter_ThatChangesItsPartitions_IsKeptInTheNewOnes) {
+  const auto service = keeper();
+  auto* publisher = *a.participant->create_publisher({.partition = {"A", "B"}});
+  auto& writer =
+      **publisher->create_datawriter<Reading>(*a.topic, durable(DurabilityKind::transient, 1));
+  ASSERT_TRUE(keeps(*service, 1));
+  ASSERT_TRUE(writer.write({"north", 1}));
+  both(*service);
+  auto qos = publisher->qos();
+  qos.partition = {"A"};
+  ASSERT_TRUE(publisher->set_qos(qos));
+  ASSERT_TRUE(keeps(*service, 2));
+  ASSERT_TRUE(writer.write({"north", 2}));
+  all_leave(*service);
+  EXPECT_EQ(late_joiner_in(*service, {"B"}), (Values{1}));
+}
+
+// Before: the keeper saw no announcement of more than 14,720 octets, so the writer was not kept.
+TEST_P(KeeperPartitionTest, AWriter_WithALongAnnouncement_IsKeptAndRemembered) {
+  Names names;
+  for (std::size_t i = 0; i < kMostPartitions; ++i)
+    names.push_back(std::to_string(i) + std::string(kMostNameLength - 8, 'x'));
+  auto service = keeper();
+  auto& writer = writer_in(names);
+  ASSERT_TRUE(keeps(*service, 1));
+  ASSERT_TRUE(writer.write({"north", 1}));
+  all_leave(*service);
+  service.reset();
+  service = keeper();
+  EXPECT_EQ(service->topics(), 1u);
+  EXPECT_EQ(late_joiner_in(*service, {names.back()}), (Values{1}));
+}
+
+// Before: the same file served one domain tag what was kept in another.
+TEST_P(KeeperTest, ADomainTag_IsNotServedWhatAnotherWrote) {
+  {
+    const auto service = keeper();
+    auto& writer = a.writer(durable(DurabilityKind::persistent));
+    ASSERT_TRUE(keeps(*service, 1));
+    ASSERT_TRUE(writer.write({"north", 1}));
+    both(*service);
+  }
+  auto tagged = options();
+  tagged.domain_tag = "other";
+  {
+    const auto other = Keeper::create(tagged, {.store = folder / "kept"}, environment).value();
+    EXPECT_EQ(other->topics(), 0u);
+  }
+  const auto service = keeper();
+  EXPECT_EQ(service->topics(), 1u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Over, KeeperPartitionTest,
                          ::testing::Values(Way::network, Way::in_process), name_of);
 INSTANTIATE_TEST_SUITE_P(Over, KeeperTest, ::testing::Values(Way::network, Way::in_process),
                          name_of);

@@ -42,6 +42,10 @@ struct SampleStoreTest : StoreTest {
     std::ofstream out(path, std::ios::binary | std::ios::trunc);
     const auto text = as_text(octets);
     out.write(text.data(), static_cast<std::streamsize>(text.size()));
+    set_mode(path, 0600);
+  }
+  static void set_mode(const std::string& file, unsigned mode) {
+    std::filesystem::permissions(file, static_cast<std::filesystem::perms>(mode));
   }
 };
 
@@ -60,6 +64,52 @@ TEST_F(SampleStoreTest, IsReadableByItsOwnerAlone) {
   EXPECT_EQ(status.st_mode & 0777, 0600u);
 }
 
+// Before: such a file was used without a word, with samples of secured topics in it.
+TEST_F(SampleStoreTest, AFile_ThatOthersMayRead_IsRefusedAndNamed) {
+  const auto expect_refused = [&](const std::string& file, const char* mode) {
+    const auto opened = SampleStore::open(path);
+    ASSERT_EQ(code_of(opened), Code::rtps_store_unusable) << file << " " << mode;
+    EXPECT_EQ(opened.error().details().document, file);
+    EXPECT_EQ(opened.error().details().field, "mode");
+    EXPECT_EQ(opened.error().details().expected, "0600");
+    EXPECT_EQ(opened.error().details().found, mode);
+    EXPECT_THAT(opened.error().hint(), ::testing::HasSubstr("chmod 600"));
+  };
+  write_octets({});
+  set_mode(path, 0644);
+  expect_refused(path, "0644");
+  set_mode(path, 0600);
+  store(0, 3);
+  set_mode(path, 0620);
+  expect_refused(path, "0620");
+  set_mode(path, 0600);
+  for (const auto* suffix : {"-wal", "-shm", "-journal"}) {
+    const auto companion = path + suffix;
+    std::ofstream{companion};
+    set_mode(companion, 0604);
+    expect_refused(companion, "0604");
+    std::filesystem::remove(companion);
+  }
+  EXPECT_EQ(stored(), (Numbers{0, 1, 2}));
+}
+
+TEST_F(SampleStoreTest, AFile_OfAnotherUser_IsRefusedAndNamed) {
+  if (::geteuid() != 0) GTEST_SKIP() << "only root can give a file away";
+  store(0, 1);
+  ASSERT_EQ(::chown(path.c_str(), 1, 1), 0);
+  const auto opened = SampleStore::open(path);
+  ASSERT_EQ(code_of(opened), Code::rtps_store_unusable);
+  EXPECT_EQ(opened.error().details().field, "owner");
+  EXPECT_EQ(opened.error().details().found, "user 1");
+}
+
+TEST_F(SampleStoreTest, APipe_InPlaceOfAFile_IsRefusedAtOnce) {
+  ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);
+  const auto opened = SampleStore::open(path);
+  ASSERT_EQ(code_of(opened), Code::rtps_store_unusable);
+  EXPECT_EQ(opened.error().details().expected, "a regular file");
+}
+
 TEST_F(SampleStoreTest, KeepLastKeepsTheLastOfEachInstance) {
   store(0, 10, keep_last(2), 3);
   EXPECT_EQ(stored(3, keep_last(2)), (Numbers{4, 5, 6, 7, 8, 9}));
@@ -70,16 +120,19 @@ TEST_F(SampleStoreTest, KeepLastKeepsTheLastOfEachInstance) {
 TEST_F(SampleStoreTest, StreamsDoNotMix) {
   auto opened = SampleStore::open("");
   ASSERT_TRUE(opened);
-  std::vector<StreamKey> keys(5, kMap);
+  std::vector<StreamKey> keys(8, kMap);
   keys[1].topic = "Other";
   keys[2].partition = {"a", "bc"};
   keys[3].partition = {"ab", "c"};
   keys[4].ordinal = 1;
+  keys[5].scope = {"a", "bc"};
+  keys[6].scope = {"ab", "c"};
+  keys[7].scope = {""};
   std::vector<StreamId> ids;
   for (const auto& key : keys) ids.push_back(*opened->stream(key, keep_all()));
-  for (std::uint32_t i = 0; i < 5; ++i)
+  for (std::uint32_t i = 0; i < keys.size(); ++i)
     ASSERT_TRUE(opened->commit({{StoredChange{ids[i], sample(i)}}}, seconds(0)));
-  for (std::uint32_t i = 0; i < 5; ++i)
+  for (std::uint32_t i = 0; i < keys.size(); ++i)
     EXPECT_EQ(numbers(opened->load(*opened->stream(keys[i], keep_all()))->changes), Numbers{i});
 }
 

@@ -2,6 +2,8 @@
 // how it is kept.
 #include "rtps/keeper/keeper.hpp"
 
+#include <filesystem>
+
 #include "tests/unit/rtps_security/lax_access_control.hpp"
 #include "tests/unit/rtps_security/secured_dcps.hpp"
 
@@ -87,6 +89,123 @@ TEST_F(SecuredKeeper, AWriterThatIsNotAllowedSaysNothingOfHowATopicIsKept) {
   run(50);
   ASSERT_TRUE(publisher->delete_contained_entities());
   EXPECT_EQ(late_joiner(3), (std::vector<std::int32_t>{1, 2, 3})) << process.events.text();
+}
+
+// Before: one keeper's writer served the samples of both, with the tags of the first.
+TEST_F(SecuredKeeper, DataTags_OfTwoWriters_KeepTheirSamplesApart) {
+  using Tags = std::vector<governance::DataTag>;
+  const auto allow = [&](DomainParticipantOptions options, const std::string& subject, Tags tags) {
+    options.security->properties = properties_of(subject, rules, {"*"}, 24h, std::move(tags));
+    return options;
+  };
+  mallory.reset();
+  keeper.reset();
+  const Tags both{{"level", "open"}, {"level", "secret"}};
+  const auto in_keeper = process.options("CN=keeper,O=Example", rules);
+  const auto store =
+      std::filesystem::temp_directory_path() / ("ddssec-tagged-" + std::to_string(::getpid()));
+  const auto start = [&](const Tags& tags) {
+    return Keeper::create(allow(in_keeper, "CN=keeper,O=Example", tags), {.store = store},
+                          process.environment)
+        .value();
+  };
+  keeper = start(both);
+  alice.participant = DomainParticipant::create(allow(alice.options("CN=alice,O=Example", rules),
+                                                      "CN=alice,O=Example", both),
+                                                alice.environment)
+                          .value();
+  alice.topic = alice.participant->create_topic<Sensor>("Sensors").value();
+  const auto tagged = [&](const std::string& level) -> DataWriter<Sensor>& {
+    auto qos = durable(DurabilityKind::transient);
+    qos.data_tags = {{"level", level}};
+    return alice.writer(qos);
+  };
+  auto& open = tagged("open");
+  ASSERT_TRUE(eventually([&] { return keeper->topics() == 1; })) << process.events.text();
+  auto& secret = tagged("secret");
+  ASSERT_TRUE(eventually([&] { return keeper->topics() == 2; })) << process.events.text();
+  run(50);
+  ASSERT_TRUE(secret.write({1, 7}));  // remembered first, unlike its topic
+  run(50);
+  ASSERT_TRUE(open.write({1, 3}));
+  run(50);
+  ASSERT_TRUE(keeper->flush(5s));
+  ASSERT_TRUE(alice.participant->delete_contained_entities());
+  alice.topic = alice.participant->create_topic<Sensor>("Sensors").value();
+  run(50);
+  keeper.reset();
+  keeper = start(both);
+  EXPECT_EQ(keeper->topics(), 2u);
+  EXPECT_THAT(late_joiner(2), ::testing::UnorderedElementsAre(3, 7));
+  ASSERT_TRUE(alice.participant->delete_contained_entities());
+  alice.topic = alice.participant->create_topic<Sensor>("Sensors").value();
+  keeper.reset();
+  keeper = start({{"level", "open"}});
+  EXPECT_EQ(late_joiner(1), (std::vector<std::int32_t>{3}));
+  run(50);
+  std::filesystem::remove(store);
+}
+
+// Before: a keeper that was started without --security served what it had decrypted to all readers
+// of the domain.
+TEST_F(SecuredKeeper, AStore_KeptWithSecurity_IsRefusedWithout) {
+  mallory.reset();
+  keeper.reset();
+  const auto store =
+      std::filesystem::temp_directory_path() / ("ddssec-security-" + std::to_string(::getpid()));
+  const auto secured = process.options("CN=keeper,O=Example", rules);
+  auto open = secured;
+  open.security.reset();
+  const auto start = [&](const DomainParticipantOptions& options) {
+    return Keeper::create(options, {.store = store}, process.environment);
+  };
+  for (const bool is_secured : {true, false}) {
+    ASSERT_TRUE(start(is_secured ? secured : open));
+    const auto refused = start(is_secured ? open : secured);
+    ASSERT_EQ(code_of(refused), Code::rtps_store_unusable);
+    EXPECT_THAT(refused.error().to_sentence(),
+                ::testing::AllOf(::testing::HasSubstr("samples that were kept with security"),
+                                 ::testing::HasSubstr("samples that were kept without security")));
+    ASSERT_TRUE(start(is_secured ? secured : open));
+    std::filesystem::remove(store);
+  }
+}
+
+// Before: the keeper did not start, and served nothing.
+TEST_F(SecuredKeeper, AStoredTopic_ThatIsNoLongerAllowed_IsNamedAndTheOthersAreServed) {
+  mallory.reset();
+  keeper.reset();
+  const auto store =
+      std::filesystem::temp_directory_path() / ("ddssec-allowed-" + std::to_string(::getpid()));
+  const auto start = [&](std::vector<std::string> topics) {
+    return Keeper::create(process.options("CN=keeper,O=Example", rules, "", std::move(topics)),
+                          {.store = store}, process.environment);
+  };
+  keeper = start({"*"}).value();
+  auto* other = *alice.participant->create_topic<Sensor>("Other");
+  auto* publisher = *alice.participant->create_publisher();
+  for (auto* topic : {other, alice.topic}) {
+    auto& writer =
+        **publisher->create_datawriter<Sensor>(*topic, durable(DurabilityKind::transient));
+    ASSERT_TRUE(eventually([&] { return !writer.matched_subscriptions().empty(); }));
+    run(50);
+    ASSERT_TRUE(writer.write({1, 7}));
+    run(50);
+  }
+  ASSERT_TRUE(keeper->flush(5s));
+  ASSERT_TRUE(publisher->delete_contained_entities());
+  keeper.reset();
+  auto started = start({"Sensors"});
+  ASSERT_TRUE(started) << started.error().to_sentence();
+  keeper = *std::move(started);
+  EXPECT_EQ(keeper->topics(), 1u);
+  EXPECT_THAT(process.events.text(), ::testing::HasSubstr("topic Other is not kept now"));
+  EXPECT_EQ(late_joiner(1), (std::vector<std::int32_t>{7}));
+  keeper.reset();
+  keeper = start({"*"}).value();
+  EXPECT_EQ(keeper->topics(), 2u) << "it is still in the store";
+  keeper.reset();
+  std::filesystem::remove(store);
 }
 
 // Any participant could fill a keeper with announcements, and leave.

@@ -1,0 +1,73 @@
+#include "rtps/durability/store_file.hpp"
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+namespace ddssec::rtps {
+namespace {
+
+std::unexpected<Error> refuse_file(const std::string& path, std::string expected,
+                                   std::string found) {
+  return fail(Code::rtps_store_unusable,
+              {.document = path, .expected = std::move(expected), .found = std::move(found)});
+}
+
+/// The file has samples of secured topics in the clear, so only the process's user may read it. It
+/// is not repaired here, because other users may already have read or opened it.
+Status check_private(const std::string& path, const struct stat& status) {
+  if (!S_ISREG(status.st_mode)) return refuse_file(path, "a regular file", "another kind of file");
+  if (status.st_uid != ::geteuid())
+    return fail(Code::rtps_store_unusable,
+                {.document = path,
+                 .field = "owner",
+                 .expected = "user " + std::to_string(::geteuid()) + ", who runs this process",
+                 .found = "user " + std::to_string(status.st_uid),
+                 .hint = "name another file, or let its owner give it to that user"});
+  if ((status.st_mode & 077) == 0) return {};
+  return fail(Code::rtps_store_unusable,
+              {.document = path,
+               .field = "mode",
+               .expected = "0600",
+               .found = fmt::format("{:04o}", status.st_mode & 07777),
+               .hint = "chmod 600 the file; other users may already have read what is in it"});
+}
+
+/// SQLite takes over what stands in these files, and keeps their modes.
+Status check_companions(const std::string& path) {
+  for (const auto* suffix : {"-wal", "-shm", "-journal"}) {
+    struct stat status {};
+    const auto companion = path + suffix;
+    if (::lstat(companion.c_str(), &status) != 0) continue;
+    DDSSEC_RETURN_IF_ERROR(check_private(companion, status));
+  }
+  return {};
+}
+
+}  // namespace
+
+Status make_store_file(const std::string& path) {
+  constexpr std::string_view kMagic("SQLite format 3\0", 16);
+  const int file =
+      ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0600);
+  if (file < 0) return refuse_file(path, "a file that can be written", std::strerror(errno));
+  struct stat status {};
+  std::array<char, 512> head{};
+  const bool is_known = ::fstat(file, &status) == 0;
+  const auto size = ::read(file, head.data(), head.size());
+  ::close(file);
+  if (!is_known) return refuse_file(path, "a file with a mode", "none");
+  DDSSEC_RETURN_IF_ERROR(check_private(path, status));
+  DDSSEC_RETURN_IF_ERROR(check_companions(path));
+  const bool ours = size == static_cast<ssize_t>(head.size()) &&
+                    std::string_view(head.data(), kMagic.size()) == kMagic;
+  if (size == 0 || ours) return {};
+  return refuse_file(path, "a store of samples, or an empty file", "neither");
+}
+
+}  // namespace ddssec::rtps
