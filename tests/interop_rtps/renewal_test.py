@@ -236,7 +236,7 @@ def main():
     build, wanted = pathlib.Path(sys.argv[1]).resolve(), (sys.argv[2:] or [""])[0]
     chosen = [case for case in cases() if wanted in case[0] and (wanted or not case[0].startswith("measure"))]
     failed = 0
-    with concurrent.futures.ThreadPoolExecutor(max_workers=6) as pool:
+    with concurrent.futures.ThreadPoolExecutor(max_workers=9) as pool:
         for name, fault, note in pool.map(lambda case: attempt(build, case), chosen):
             print(f"{'FAILED' if fault else 'ok':8}{name}: {fault or note}", flush=True)
             failed += fault is not None
