@@ -104,7 +104,7 @@ Status OwnDocuments::take_authorities(const Renewal& now,
     DDSSEC_ASSIGN_OR_RETURN(basis, judge_governance(now, basis, file));
     return {};
   };
-  DDSSEC_ASSIGN_OR_RETURN(auto governance,
+  DDSSEC_ASSIGN_OR_RETURN(auto&& governance,
                           one_that_fits(governance_in_force_, governance_, fits_governance));
   const auto fits_permissions = [&](BytesView file) -> Status {
     DDSSEC_RETURN_IF_ERROR(now.documents.permissions(*basis.ca, file, time));

@@ -50,10 +50,12 @@ Result<std::optional<Cipher>> cipher_asked(const spi::PropertyList& properties) 
   DDSSEC_ASSIGN_OR_RETURN(const auto by_name,
                           cipher_by_name(properties, spi::property::kSymmetricCipher));
   if (!by_name) return by_size;
-  if (by_size && *by_name != Cipher::chacha20_poly1305 && by_name != by_size)
-    return invalid(spi::property::kSymmetricCipher,
-                   "what " + std::string(spi::property::kKeySize) + " says",
+  if (by_size && *by_name != Cipher::chacha20_poly1305 && by_name != by_size) {
+    std::string expected("what ");
+    expected.append(spi::property::kKeySize).append(" says");
+    return invalid(spi::property::kSymmetricCipher, std::move(expected),
                    spi::names_of(bit_of(*by_name)));
+  }
   return by_name;
 }
 
