@@ -177,6 +177,8 @@ void Agent::look_at_all_now() {
     folder.next = {};
     folder.is_paused = false;
   }
+  ca_refusal_.reset();
+  owners_with_wrong_pin_.clear();
 }
 
 void Agent::tend(Folder& folder) {
@@ -192,6 +194,8 @@ Result<Json> Agent::try_to_tend(Folder& folder) {
   if (!folder.lock && !folder.task.is_dry_run) {
     DDSSEC_ASSIGN_OR_RETURN(folder.lock, FolderLock::take(path));
   }
+  if (folder.lock)
+    folder.task.uses_no_token = owners_with_wrong_pin_.contains(folder.lock->owner().user);
   DDSSEC_ASSIGN_OR_RETURN(
       auto worker,
       ChildProcess::start(
@@ -250,21 +254,24 @@ Result<Json> Agent::from_process(const std::function<Result<Json>()>& work) {
 
 // The key of the CA is in that process alone.
 Result<RenewalAnswer> Agent::ask_own_ca(const Folder& folder, const RenewalRequest& request) {
-  DDSSEC_ASSIGN_OR_RETURN(auto process, from_process([&]() -> Result<Json> {
-                            DDSSEC_ASSIGN_OR_RETURN(
-                                const auto renew,
-                                renew_by_ca(request, folder.task.folder, arguments_, context_));
-                            return to_json(renew);
-                          }));
-  return answer_from(std::move(process));
+  if (ca_refusal_) return std::unexpected(*ca_refusal_);
+  const auto json = from_process([&]() -> Result<Json> {
+    const auto answer = renew_by_ca(request, folder.task.folder, arguments_, context_);
+    if (!answer) return std::unexpected(answer.error());
+    return to_json(*answer);
+  });
+  if (json) return answer_from(*json);
+  if (must_not_be_tried_again(json.error().code())) ca_refusal_ = json.error();
+  return std::unexpected(json.error());
 }
 
 Status Agent::check_request(const RenewalRequest& request) {
-  DDSSEC_RETURN_IF_ERROR(from_process([&]() -> Result<Json> {
-    DDSSEC_RETURN_IF_ERROR(
-        check_asker(request, arguments_.text("--trust"), arguments_.has("--rekey")));
+  const auto json = from_process([&]() -> Result<Json> {
+    const auto status = check_asker(request, arguments_.text("--trust"), arguments_.has("--rekey"));
+    if (!status) return std::unexpected(status.error());
     return Json::object();
-  }));
+  });
+  if (!json) return std::unexpected(json.error());
   return {};
 }
 
@@ -294,6 +301,8 @@ void Agent::note_success(Folder& folder, Json event) {
 void Agent::note_failure(Folder& folder, const Error& error) {
   ++folder.failures;
   folder.is_paused = must_not_be_tried_again(error.code());
+  if (folder.is_paused && !ca_refusal_ && folder.lock)
+    owners_with_wrong_pin_.insert(folder.lock->owner().user);
   std::array<std::uint8_t, 1> jitter{};
   static_cast<void>(context_.random.fill(jitter));
   const auto wait = retry_after(folder.failures, folder.lifetime, jitter[0]);

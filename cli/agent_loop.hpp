@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -59,6 +60,8 @@ class Agent {
   HeldSignals signals_;
   AgentEvents events_;
   std::vector<Folder> folders_;
+  std::optional<Error> ca_refusal_ = {};        ///< the CA's key did not take its PIN or passphrase
+  std::set<uid_t> owners_with_wrong_pin_ = {};  ///< so said a token that a folder of theirs names
   std::vector<Error> errors_ = {};
   std::vector<WrittenFile> written_ = {};
 };

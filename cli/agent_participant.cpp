@@ -133,6 +133,9 @@ Result<pki::PrivateKey> key_for_request(const Participant& self) {
     const auto kind = self.certificate.key_algorithm();
     return pki::PrivateKey::generate(kind.kind, kind.bits);
   }
+  if (self.task.uses_no_token && files.key.extension() == ".p11")
+    return fail(Code::pkcs11_pin_wrong,
+                {.document = files.key, .note = "not tried: a token has refused a PIN before"});
   DDSSEC_ASSIGN_OR_RETURN(auto key, read_key(files.key, nullptr));
   DDSSEC_RETURN_IF_ERROR(named(key.matches(self.certificate), files.key));
   return key;

@@ -18,6 +18,7 @@ struct AgentTask {
   bool is_rekeying = false;
   bool takes_permissions = false;  ///< they are to be extended, too
   bool is_dry_run = false;
+  bool uses_no_token = false;  ///< a token has refused a PIN before: a key in a token is refused
   /// A certificate (SHA-256, hexadecimal) that the agent has put there, and when it is renewed: one
   /// whose validity began long before it was issued would be renewed again at once.
   std::string known = {};

@@ -12,7 +12,7 @@ from agent_folders import AgentTest, Running, ShortLived
 from transcript import PROGRAM, library_path, main
 
 LIBRARY = PROGRAM.parent.parent / "lib/kill_at.so"
-KILLS = 25
+KILLS = 15
 
 
 class Interrupted(AgentTest):

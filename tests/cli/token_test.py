@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Keys in a PKCS#11 token (SoftHSM's): of participants and of CAs, from the request to a signed document."""
 
+import json
 import os
 import pathlib
 import re
@@ -136,6 +137,44 @@ class Token(Transcript):
                            env={**os.environ, "PKCS11_MODULE_PATH": str(SPY), "PKCS11SPY": str(SOFTHSM),
                                 "PKCS11SPY_OUTPUT": str(log)})
             self.assertEqual(len(re.findall(r"(?m)^\d+: C_Login$", log.read_text())), 1, words)
+
+    def test_the_agent_renews_with_keys_in_tokens_and_tries_a_wrong_pin_once(self):
+        self.make_cas()
+        self.make_talker()
+        (self.at / "talker/identity_ca.pem").write_bytes((self.at / "ca/identity/ca.pem").read_bytes())
+        later = ("--ca", "ca", "--once", "--now", "2027-09-01")
+        before = (self.at / "talker/cert.pem").read_text()
+        told = self.json("agent", "talker", *later, "--rekey", exit=1)
+        self.assertEqual(told["result"]["events"][0]["code"], "key_in_token")
+        told = self.json("agent", "talker", *later)
+        self.assertEqual(told["result"]["events"][0]["event"], "renewed")
+        self.assertNotEqual((self.at / "talker/cert.pem").read_text(), before)
+        (self.at / "pin").write_text("9999\n")
+        told = self.json("agent", "talker", "--ca", "ca", "--once", "--now", "2028-06-30", exit=1)
+        event, = told["result"]["events"]
+        self.assertEqual((event["code"], event["again_in"]), ("pkcs11_pin_wrong", None))
+        self.assertNotIn("9999", json.dumps(told))
+
+    @unittest.skipUnless(SPY.exists(), "no pkcs11-spy (opensc-pkcs11)")
+    def test_the_agent_tries_one_wrong_pin_for_all_folders(self):
+        """Of the CA, and of folders that belong to one user."""
+        self.make_cas()
+        folders = [f"p{number}" for number in range(3)]
+        for folder in folders:
+            self.json("identity", "issue", folder, "--ca", "ca", "-o", folder, *NOW)
+        for name in ("ca", "folder"):
+            log = self.at / f"{name}.log"
+            (self.at / "pin").write_text("9999\n")
+            if name == "folder":
+                for folder in folders:
+                    (self.at / folder / "key.pem").unlink()
+                    (self.at / folder / "key.p11").write_text(f"pkcs11:token=robot;object=identity{self.pin}\n")
+            done = subprocess.run([PROGRAM, "agent", *folders, "--ca", "ca", "--once", "--now", "2027-09-01"], cwd=self.at,
+                                  text=True, capture_output=True, timeout=60, check=False, stdin=subprocess.DEVNULL,
+                                  env={**os.environ, "PKCS11_MODULE_PATH": str(SPY), "PKCS11SPY": str(SOFTHSM),
+                                       "PKCS11SPY_OUTPUT": str(log)})
+            self.assertEqual(done.stdout.count('"code":"pkcs11_pin_wrong"'), 3, done.stdout)
+            self.assertEqual(len(re.findall(r"(?m)^\d+: C_Login$", log.read_text())), 1, name)
 
     def test_doctor_says_why_a_token_cannot_be_used(self):
         self.run_program("init", "demo", "--participant", "talker", *NOW)
