@@ -62,7 +62,9 @@ TEST_F(TimelinessTest, ReaderThatAcknowledgesSampleBySample_HoldsUpForABoundedTi
                       true};
     pair.writer.on_acknack(kSilent.prefix, one, pair.now);
     ahead = is_ahead_during(milliseconds(100));
-    if (count == 1) EXPECT_TRUE(ahead);
+    if (count == 1) {
+      EXPECT_TRUE(ahead);
+    }
   }
   EXPECT_FALSE(ahead);
 }

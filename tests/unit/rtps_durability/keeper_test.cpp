@@ -486,6 +486,7 @@ TEST_P(ExclusiveKeeperTest, ARestartedKeeper_DoesNotWaitForGood) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Over, ExclusiveKeeperTest,
+                         ::testing::Values(Way::network, Way::in_process), name_of);
 
 /// Writers and late joiners that differ in their partitions.
 struct KeeperPartitionTest : KeeperTest {
