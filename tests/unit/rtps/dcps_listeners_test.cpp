@@ -132,26 +132,27 @@ TEST_F(TwoThreads, AParticipantDestroyedWhileItsListenerDeletesElsewhere_Ends) {
   EXPECT_EQ(refused, 1);
 }
 
+// Without entities of its own, nothing else prevents it: the listener is one of a builtin reader.
 TEST_F(TwoThreads, TheFactory_DoesNotDeleteAParticipantInItsListener) {
   DomainParticipantFactory factory(environment);
-  struct Deletes final : DomainParticipantListener {
-    DomainParticipantFactory* factory = nullptr;
+  auto* participant = *factory.create_participant(own_thread());
+  struct Deletes final : DataReaderListener {
+    std::function<Code()> act;
     std::promise<Code> outcome;
     bool has_acted = false;
-    void on_publication_matched(AnyDataWriter& writer, const MatchedStatus&) override {
-      if (std::exchange(has_acted, true)) return;
-      outcome.set_value(code_of(factory->delete_participant(writer.publisher().participant())));
+    void on_data_available(AnyDataReader&) override {
+      if (!std::exchange(has_acted, true)) outcome.set_value(act());
     }
   } deletes;
-  deletes.factory = &factory;
-  auto* participant = *factory.create_participant(own_thread(), &deletes);
-  auto* topic = *participant->create_topic<Reading>("Readings");
-  auto* publisher = *participant->create_publisher();
-  ASSERT_TRUE(publisher->create_datawriter<Reading>(*topic));
+  deletes.act = [&] { return code_of(factory.delete_participant(*participant)); };
   auto outcome = deletes.outcome.get_future();
+  auto* reader = participant->builtin_datareader<PublicationBuiltinTopicData>();
+  reader->set_listener(&deletes, StatusKind::data_available);
+  a->end.writer();
   ASSERT_EQ(outcome.wait_for(20s), std::future_status::ready);
   EXPECT_EQ(outcome.get(), Code::rtps_precondition_not_met);
-  participant->set_listener(nullptr);
+  reader->set_listener(nullptr);
+  EXPECT_TRUE(factory.delete_participant(*participant));
 }
 
 TEST_F(TwoThreads, AListenerThatThrows_IsReported_AndTheParticipantGoesOn) {
