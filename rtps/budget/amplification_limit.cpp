@@ -112,6 +112,11 @@ bool AmplificationLimit::prove(const GuidPrefix& participant, BytesView repeated
   return true;
 }
 
+bool AmplificationLimit::is_proven(const GuidPrefix& participant, const Locator& address) {
+  auto* account = find(participant);
+  return account != nullptr && account->is_proven(address);
+}
+
 std::size_t AmplificationLimit::left(const GuidPrefix& participant, std::span<const Locator> to) {
   auto* account = find(participant);
   if (account == nullptr) return kUnlimited;

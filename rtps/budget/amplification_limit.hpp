@@ -53,6 +53,8 @@ class AmplificationLimit {
   /// be reached there, whatever the source of the datagram, which can be forged. Returns true if it
   /// is one.
   bool prove(const GuidPrefix& participant, BytesView repeated);
+  /// The participant is limited and proved this address.
+  bool is_proven(const GuidPrefix& participant, const Locator& address);
 
   /// The number of octets that may be sent to at least one of the addresses.
   std::size_t left(const GuidPrefix& participant, std::span<const Locator> to);

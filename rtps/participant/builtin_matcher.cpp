@@ -42,6 +42,13 @@ void BuiltinMatcher::unmatch(const RemoteParticipant& remote) {
   });
 }
 
+void BuiltinMatcher::readdress(const RemoteParticipant& remote, MonotonicTime now) {
+  builtin_.each([&](const auto& info, auto& writer, auto& reader) {
+    writer.readdress({remote.prefix(), info.reader}, remote.metatraffic, now);
+    reader.readdress({remote.prefix(), info.writer}, remote.metatraffic);
+  });
+}
+
 // Fast DDS announces DCPSParticipantsSecure in all versions. Up to 2.9 it does not implement it.
 // Later versions do, and take part in nothing else until they have received the peer's data on it.
 // So it is matched when the first message from it arrives.

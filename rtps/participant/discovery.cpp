@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "rtps/participant/remote_addresses.hpp"
+
 namespace ddssec::rtps {
 namespace {
 
@@ -84,6 +86,15 @@ void raise_unreadable(ParticipantCore& core, const Error& error, const GuidPrefi
   const Guid some{source, publications ? kPublicationsWriter : kPublicationsReader};
   core.raise(error.in("SEDP"), source, source.to_string(),
              core.origin_of_announcement(some, secure));
+}
+
+/// Another host of the participant is proven, so that other addresses may be used.
+void readdress(ParticipantCore& core, EndpointMatcher& matcher, BuiltinMatcher& builtin,
+               RemoteParticipant& remote) {
+  if (has_proven_address(core, remote)) core.sender.limit().lift(remote.prefix());
+  if (core.security) core.security->readdress(remote.prefix(), remote.metatraffic);
+  builtin.readdress(remote, core.now);
+  matcher.readdress(remote);
 }
 
 /// A datagram arrived in this participant's name. If sending to it is limited, more may now be
@@ -213,7 +224,10 @@ void Discovery::on_message(const GuidPrefix& source, const SignsOfLife& signs) {
   auto* remote = parts_.remotes.find(source);
   if (remote == nullptr) return;
   note_earned(core_, source);
-  if (signs.is_directed && remote->accepted) core_.sender.limit().lift(source);
+  if (signs.is_proof && prove_host(core_, *remote, core_.source_host))
+    readdress(core_, parts_.matcher, builtin_, *remote);
+  if (signs.is_directed && remote->accepted && has_proven_address(core_, *remote))
+    core_.sender.limit().lift(source);
   const bool anything_counts = !core_.is_authenticated(source);
   const auto& attributes = core_.attributes();
   const bool may_be_clear =
@@ -371,7 +385,12 @@ void Discovery::on_early_keys(const Guid& remote) {
 }
 
 void Discovery::on_authenticated(const GuidPrefix& peer) {
-  if (auto* remote = parts_.remotes.find(peer)) accept(*remote);
+  auto* remote = parts_.remotes.find(peer);
+  if (remote == nullptr) return;
+  if (remote->signed_metatraffic.empty()) adopt_signed_addresses(core_, *remote, {}, {});
+  if (!has_proven_address(core_, *remote))
+    core_.sender.limit().limit(peer, remote->metatraffic, remote->metatraffic_sources);
+  accept(*remote);
 }
 
 // DDS-Security 1.2, clause 9.8.3.1: the participant may then be admitted without authentication.
@@ -381,19 +400,18 @@ void Discovery::on_refused(const GuidPrefix& peer) {
 }
 
 LocatorList Discovery::on_proven(const GuidPrefix& peer, const ParticipantData& proven) {
-  auto metatraffic = usable(proven.metatraffic_unicast);
   auto* remote = parts_.remotes.find(peer);
-  if (remote == nullptr) return metatraffic;
+  if (remote == nullptr) return usable(proven.metatraffic_unicast);
   adopt_names(remote->data, proven);
   remote->data.builtin_endpoints = proven.builtin_endpoints;
-  remote->user = usable(proven.default_unicast, remote->user);
-  remote->user_sources.assign(remote->user.size(), remote->source);
   // Cyclone DDS announces the lease duration only by DCPSParticipantsSecure.
   if (proven.vendor != kVendorCyclone) remote->data.lease_duration = proven.lease_duration;
-  if (!metatraffic.empty()) remote->metatraffic = metatraffic;
-  remote->has_signed_addresses = !metatraffic.empty();
-  remote->metatraffic_sources.assign(remote->metatraffic.size(), remote->source);
-  return metatraffic;
+  auto metatraffic = proven.metatraffic_unicast, user = proven.default_unicast;
+  leave_out_loopback(metatraffic);
+  leave_out_loopback(user);
+  remote->has_signed_addresses =
+      adopt_signed_addresses(core_, *remote, std::move(metatraffic), std::move(user));
+  return remote->metatraffic;
 }
 
 void Discovery::on_replaced(const GuidPrefix& peer) {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "rtps/participant/endpoint_compatibility.hpp"
+#include "rtps/participant/remote_addresses.hpp"
 #include "wire/vendor_name.hpp"
 
 namespace ddssec::rtps {
@@ -139,6 +140,16 @@ void EndpointMatcher::remove_all(RemoteParticipant& remote) {
   while (!remote.endpoints.empty()) remove(remote, remote.endpoints.begin()->first);
 }
 
+void EndpointMatcher::readdress(RemoteParticipant& remote) {
+  for (const auto& [id, endpoint] : remote.endpoints) {
+    const auto& data = endpoint.data;
+    const auto addresses = addresses_of(core_, remote, data);
+    for (auto* writer : topics_[data.topic_name].writers)
+      writer->protocol->readdress(data.guid, addresses, core_.now);
+    for (auto* reader : endpoint.readers) reader->readdress(data.guid, addresses);
+  }
+}
+
 void EndpointMatcher::remove_topic(const std::string& name) {
   const auto at = topics_.find(name);
   if (at == topics_.end()) return;
@@ -222,9 +233,7 @@ void EndpointMatcher::match(LocalWriter& writer, RemoteParticipant& remote,
     readiness_.add(writer.data.guid, data.guid, core_.now);
   }
   const bool history = data.qos.durability >= DurabilityKind::transient_local;
-  const auto locators = in_process
-                            ? LocatorList{}
-                            : usable_locators(data.unicast, remote.user, core_.config.interfaces);
+  const auto locators = in_process ? LocatorList{} : addresses_of(core_, remote, data);
   writer.protocol->match({data.guid, data.qos.is_reliable(), history, locators, in_process,
                           std::move(filter), key_reading_of(remote.data)},
                          core_.now);
@@ -254,9 +263,7 @@ void EndpointMatcher::match(LocalReader& reader, RemoteParticipant& remote,
   const bool in_process = near != nullptr;
   const bool history =
       std::min(data.qos.durability, reader.data.qos.durability) >= DurabilityKind::transient_local;
-  const auto locators = in_process
-                            ? LocatorList{}
-                            : usable_locators(data.unicast, remote.user, core_.config.interfaces);
+  const auto locators = in_process ? LocatorList{} : addresses_of(core_, remote, data);
   reader.protocol->match({data.guid, data.qos.is_reliable(), locators, in_process,
                           core_.keys_of(own.entity, data.guid), identity},
                          core_.now, history);

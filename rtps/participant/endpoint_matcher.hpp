@@ -31,6 +31,8 @@ class EndpointMatcher {
   /// Stores what was announced, if there is room, and matches it.
   void add(RemoteParticipant& remote, EndpointData data);
   void remove(RemoteParticipant& remote, const EntityId& id);
+  /// The addresses that are used for the participant may have changed.
+  void readdress(RemoteParticipant& remote);
   /// Removes all endpoints of the participant.
   void remove_all(RemoteParticipant& remote);
   /// Removes all endpoints on the topic, which is ignored from now on.

@@ -57,6 +57,7 @@ void Participant::receive(BytesView datagram, MonotonicTime now, const Locator& 
   const auto call = calls_.enter();
   core_.now = now;
   core_.source = SourceAddress(source);
+  core_.source_host = core_.host_of(source);
   core_.sender.limit().begin_datagram(core_.source, datagram.size());
   core_.is_from_elsewhere = is_from_elsewhere(source, core_.config.interfaces);
   const auto gathering = gather();
@@ -67,6 +68,7 @@ void Participant::receive(BytesView datagram, MonotonicTime now, const Locator& 
 void Participant::tick(MonotonicTime now) {
   const auto call = calls_.enter();
   core_.now = now;
+  core_.source_host = {};
   if (now >= core_.sender.flush_by()) core_.sender.flush();
   const auto gathering = gather();
   if (std::exchange(reads_first_, false)) return;

@@ -60,6 +60,8 @@ struct ParticipantCore {
     if (is_authenticated(peer)) std::ranges::fill(std::span(out.octets).subspan(6), 0);
     return out;
   }
+  /// The address without its port. All addresses of this machine are one host.
+  Locator host_of(const Locator& address) const;
   /// See Keyring. Empty without security.
   std::optional<Sha256Digest> keys_of(const EntityId& local, const Guid& remote) const {
     return security ? security->keyring().keys_of(local, remote) : std::nullopt;
@@ -100,10 +102,19 @@ struct ParticipantCore {
   TimerQueue timers;
   ParticipantCounters counters;
   IgnoredEntities ignored;
-  MonotonicTime now{};                 ///< time of the current call
-  SourceAddress source{};              ///< of the datagram that is being received
+  MonotonicTime now{};          ///< time of the current call
+  SourceAddress source{};       ///< of the datagram that is being received
+  LocatorList own_addresses{};  ///< of this machine, when a peer last authenticated; without ports
+  Locator source_host{};        ///< the same (host_of); invalid while none is received
   bool is_from_elsewhere = false;      ///< the datagram came from an address of another machine
   std::unique_ptr<Security> security;  ///< nullptr: not secured
 };
+
+inline Locator ParticipantCore::host_of(const Locator& address) const {
+  const Locator host{address.kind, 0, address.address};
+  const bool is_here =
+      address.is_loopback() || std::ranges::find(own_addresses, host) != own_addresses.end();
+  return is_here ? Locator::udp_v4({127, 0, 0, 1}, 0) : host;
+}
 
 }  // namespace ddssec::rtps

@@ -7,6 +7,7 @@
 #include "rtps/discovery/discovery_listener.hpp"
 #include "rtps/participant/endpoint_listener.hpp"
 #include "rtps/participant/participant_core.hpp"
+#include "rtps/participant/proven_hosts.hpp"
 #include "rtps/participant/unproven_participants.hpp"
 
 namespace ddssec::rtps {
@@ -23,7 +24,7 @@ struct RemoteEndpoint {
 
 struct RemoteParticipant {
   ParticipantData data;
-  LocatorList metatraffic, user;
+  LocatorList metatraffic, user;  ///< the addresses that are used
   MonotonicTime lease_end{};
   MonotonicTime since{};
   MonotonicTime next_question = kNever;  ///< when it is next queried whether it is alive
@@ -34,6 +35,9 @@ struct RemoteParticipant {
   std::map<EntityId, std::vector<EndpointListener*>> watches = {};
   bool accepted = false;              ///< authenticated, or admitted without authentication
   bool has_signed_addresses = false;  ///< its addresses come from its latest handshake
+  /// After a handshake: the addresses that it has there, and those of its hosts that are proven.
+  LocatorList signed_metatraffic = {}, signed_user = {};
+  ProvenHosts hosts = {};
   bool heard_participants_secure = false;
   std::size_t endpoint_octets = 0;  ///< sum of their prices
   bool exceeds = false;             ///< it announced more than the limit, and the event was raised
@@ -43,6 +47,8 @@ struct RemoteParticipant {
   std::optional<std::size_t> unproven = {};  ///< octets it counts for while nothing is proven
   /// It exceeded the limit of matches with one endpoint, and the event was raised.
   bool exceeds_matches = false;
+  /// It announced an endpoint at hosts that are not proven, and the event was raised.
+  bool has_unproven_endpoints = false;
 
   const GuidPrefix& prefix() const { return data.guid.prefix; }
   /// nullptr: none of its writers of this kind with a finite lease is matched. Not for

@@ -23,6 +23,12 @@ void MatchedReaders::set_filter(ReaderProxy& proxy, std::shared_ptr<ChangeFilter
   filtered_ += proxy.is_filtered() ? 1 : 0;
 }
 
+void MatchedReaders::readdress(ReaderProxy& proxy, LocatorList locators) {
+  locators_.remove(proxy.reader().locators);
+  locators_.add(locators);
+  proxy.set_locators(std::move(locators));
+}
+
 void MatchedReaders::acknowledge(ReaderProxy& proxy, SequenceNumber through) {
   proxy.set_acknowledged(through);
   if (!proxy.acknowledges()) return;

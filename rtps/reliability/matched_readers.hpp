@@ -37,6 +37,7 @@ class MatchedReaders {
   /// A form of keys that all readers can read.
   KeyReading key_reading() const { return {bare_only_ > 0, short_is_hash_ > 0}; }
 
+  void readdress(ReaderProxy& proxy, LocatorList locators);
   void acknowledge(ReaderProxy& proxy, SequenceNumber through);
   const AcknowledgedNumbers& acknowledged() const { return acknowledged_; }
   /// Finds out which readers acknowledge in time (Timeliness). Costs time for each reader, so it

@@ -83,6 +83,8 @@ class ReaderProxy {
   ReaderProxy& operator=(const ReaderProxy&) = delete;
 
   const MatchedReader& reader() const { return reader_; }
+  /// See MatchedReaders::readdress.
+  void set_locators(LocatorList locators) { reader_.locators = std::move(locators); }
   /// True if both sides are reliable.
   bool acknowledges() const { return acknowledges_; }
   SequenceNumber first_relevant() const { return range_.first; }

@@ -45,6 +45,13 @@ void StatefulReader::match(MatchedWriter writer, MonotonicTime now, bool wants_h
   if (proxy.is_reliable() && !proxy.writer().in_process) ask(proxy, now);
 }
 
+void StatefulReader::readdress(const Guid& writer, const LocatorList& locators) {
+  auto* proxy = find(writer);
+  if (proxy == nullptr || proxy->writer().in_process) return;
+  sender_.flush();
+  proxy->set_locators(locators);
+}
+
 void StatefulReader::unmatch(const Guid& writer, const std::optional<Sha256Digest>& keys) {
   const auto at = writers_.find(writer);
   if (at == writers_.end()) return;

@@ -66,6 +66,9 @@ class StatefulReader final : private Timed {
   /// `keys`: the keys with which the writer is remembered; empty: it is not.
   void unmatch(const Guid& writer, const std::optional<Sha256Digest>& keys = {});
 
+  /// From now on a matched writer of another process is sent to at these locators.
+  void readdress(const Guid& writer, const LocatorList& locators);
+
   // All return whether the message was new. Only a new message is a sign of life, because old
   // messages can be repeated.
   bool on_data(const GuidPrefix& from, const Data& data, const std::optional<Time>& time);

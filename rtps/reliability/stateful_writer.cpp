@@ -94,6 +94,17 @@ void StatefulWriter::unmatch(const Guid& reader) {
   release_acknowledged();
 }
 
+void StatefulWriter::readdress(const Guid& reader, const LocatorList& locators, MonotonicTime now) {
+  auto* proxy = readers_.find(reader);
+  if (proxy == nullptr || proxy->reader().in_process || proxy->reader().locators == locators)
+    return;
+  sender_.flush();
+  readers_.readdress(*proxy, locators);
+  if (!proxy->acknowledges() || proxy->acknowledged() >= history_.last()) return;
+  schedule_.note_request(now);
+  call_at(schedule_.due());
+}
+
 void StatefulWriter::set_filter(const Guid& reader, std::shared_ptr<ChangeFilter> filter) {
   auto* proxy = readers_.find(reader);
   if (proxy == nullptr) return;
@@ -146,10 +157,6 @@ PiggybackHeartbeats::Kind StatefulWriter::heartbeat_for(const Change& written, M
 void StatefulWriter::send_question(const Receiver& receiver, SequenceNumber first) {
   piggyback_.note_question();
   messages_.heartbeat(receiver, first, false);
-}
-
-void StatefulWriter::send_question(const ReaderProxy& proxy) {
-  send_question(readers_.one(proxy), retransmissions_.lowest_for(proxy));
 }
 
 void StatefulWriter::ask_for_acknowledgments(bool even_if_none_is_missing) {
@@ -208,7 +215,7 @@ bool StatefulWriter::on_acknack(const GuidPrefix& from, const AckNack& acknack, 
       answered = retransmissions_.answer(*proxy, readers_.one(*proxy), acknack.missing, now);
   }
   if (answered || pre_emptive)
-    send_question(*proxy);
+    send_question(readers_.one(*proxy), retransmissions_.lowest_for(*proxy));
   else if (!acknack.is_final && acknack.missing.empty())
     messages_.heartbeat(readers_.one(*proxy), retransmissions_.lowest_for(*proxy), true);
   sender_.flush();
@@ -237,7 +244,7 @@ void StatefulWriter::note_request(MonotonicTime now) {
 // With the HEARTBEAT the reader can request the next portion at once.
 void StatefulWriter::continue_repair(ReaderProxy& proxy, MonotonicTime now) {
   if (!retransmissions_.send_portion(proxy, readers_.one(proxy), now)) return;
-  send_question(proxy);
+  send_question(readers_.one(proxy), retransmissions_.lowest_for(proxy));
   call_at(proxy.repair.due());
 }
 
@@ -258,7 +265,7 @@ void StatefulWriter::tick(MonotonicTime now) {
   for (const auto& [guid, proxy] : readers_.all()) {
     const auto& reader = proxy.reader();
     if (reader.reliable && !reader.in_process && proxy.acknowledged() < history_.last())
-      send_question(proxy);
+      send_question(readers_.one(proxy), retransmissions_.lowest_for(proxy));
   }
   sender_.flush();
   schedule_.note_sent(now, all_acknowledged());

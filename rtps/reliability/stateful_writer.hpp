@@ -38,6 +38,8 @@ class StatefulWriter final : private Timed {
   /// Readers that match from now on get what is held at that time, and nothing later.
   void serve_history_only() { history_only_ = true; }
   void unmatch(const Guid& reader);
+  /// From now on a matched reader of another process is sent to at these locators.
+  void readdress(const Guid& reader, const LocatorList& locators, MonotonicTime now);
   /// For readers that can read keys of its type only in one layout.
   void rewrite_keys_with(KeyRewriter to_bare) { messages_.rewrite_keys_with(std::move(to_bare)); }
   /// Changes the filter of a matched reader, for what is sent from now on.
@@ -101,7 +103,6 @@ class StatefulWriter final : private Timed {
   PiggybackHeartbeats::Kind heartbeat_for(const Change& written, MonotonicTime now);
   /// Sends a HEARTBEAT that requires an answer.
   void send_question(const Receiver& receiver, SequenceNumber first);
-  void send_question(const ReaderProxy& proxy);
   void note_request(MonotonicTime now);
   void continue_repair(ReaderProxy& proxy, MonotonicTime now);
   void release_acknowledged();

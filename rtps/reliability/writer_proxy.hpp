@@ -53,6 +53,7 @@ class WriterProxy {
   WriterProxy& operator=(const WriterProxy&) = delete;
 
   const MatchedWriter& writer() const { return writer_; }
+  void set_locators(LocatorList locators) { writer_.locators = std::move(locators); }
   /// True if missing changes are requested.
   bool is_reliable() const { return reliable_; }
   /// Everything below was delivered or given up.
@@ -114,7 +115,7 @@ class WriterProxy {
   void advance();
   void note_lost(SequenceNumber until);
 
-  const MatchedWriter writer_;
+  MatchedWriter writer_;
   Common& common_;
   const bool reliable_;
   bool heard_ = false;

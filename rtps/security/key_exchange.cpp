@@ -33,6 +33,15 @@ Status KeyExchange::open(Peer& peer) {
   return {};
 }
 
+void KeyExchange::readdress(Peer& peer, const LocatorList& addresses) {
+  peer.metatraffic = addresses;
+  auto* association = peer.state.association();
+  if (association == nullptr || !association->volatile_writer) return;
+  association->volatile_writer->readdress({peer.prefix(), kVolatileMessageReader}, addresses,
+                                          core_.now);
+  association->volatile_reader->readdress({peer.prefix(), kVolatileMessageWriter}, addresses);
+}
+
 StatefulWriter* KeyExchange::volatile_writer(const GuidPrefix& prefix) {
   auto* peer = core_.find(prefix);
   auto* association = peer == nullptr ? nullptr : peer->state.association();

@@ -24,6 +24,7 @@ class KeyExchange {
   Status open(Peer& peer);
   /// The endpoints for a peer; nullptr before it has authenticated.
   StatefulWriter* volatile_writer(const GuidPrefix& prefix);
+  void readdress(Peer& peer, const LocatorList& addresses);
   StatefulReader* volatile_reader(const GuidPrefix& prefix);
   /// Both sides have all keys that they need of the other.
   void join(Peer& peer);

@@ -93,6 +93,10 @@ class Security {
     if (auto* peer = core_.find(prefix)) exchange_.ask_for_sign_of_life(*peer);
   }
 
+  /// From now on the peer is sent to at these addresses.
+  void readdress(const GuidPrefix& prefix, const LocatorList& addresses) {
+    if (auto* peer = core_.find(prefix)) exchange_.readdress(*peer, addresses);
+  }
   /// See KeyExchange.
   StatefulWriter* volatile_writer(const GuidPrefix& prefix) {
     return exchange_.volatile_writer(prefix);

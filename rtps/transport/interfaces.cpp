@@ -120,6 +120,12 @@ std::vector<NetworkInterface> interfaces_of_this_machine() {
   return out;
 }
 
+LocatorList addresses_of_this_machine() {
+  LocatorList out;
+  for (const auto& interface : addresses()) out.push_back(interface.address);
+  return out;
+}
+
 Result<std::vector<NetworkInterface>> choose_interfaces(std::span<const std::string> wanted) {
   if (wanted.empty()) return default_interfaces();
   auto known = interfaces_of_this_machine();

@@ -27,6 +27,9 @@ inline constexpr std::size_t kMaxInterfaces = 16;
 /// address.
 std::vector<NetworkInterface> interfaces_of_this_machine();
 
+/// All addresses of this machine, without ports.
+LocatorList addresses_of_this_machine();
+
 /// Returns the interfaces in `wanted`, given by name or address. If it is empty: the IPv4
 /// interfaces that are up, support multicast and are not the loopback, as other vendors choose
 /// theirs. If there are none: the loopback. Errors: rtps_address_not_here, invalid_property (more

@@ -1,0 +1,130 @@
+#include "rtps/participant/remote_addresses.hpp"
+
+#include <fmt/format.h>
+
+namespace ddssec::rtps {
+namespace {
+
+bool cannot_be_sent_to(const Locator& locator) {
+  return !locator.is_usable() || locator.is_multicast();
+}
+
+bool has_signed(const RemoteParticipant& remote) { return !remote.signed_metatraffic.empty(); }
+
+LocatorList only_proven(const ParticipantCore& core, const RemoteParticipant& remote,
+                        const LocatorList& announced) {
+  LocatorList out;
+  for (const auto& locator : announced)
+    if (remote.hosts.contains(core.host_of(locator))) out.push_back(locator);
+  return out;
+}
+
+void settle(const ParticipantCore& core, RemoteParticipant& remote) {
+  const auto& own = core.config.interfaces;
+  const auto proven =
+      usable_locators(only_proven(core, remote, remote.signed_metatraffic), {}, own);
+  remote.user = usable_locators(only_proven(core, remote, remote.signed_user), proven, own);
+  remote.metatraffic =
+      proven.empty() ? usable_locators(remote.signed_metatraffic, {}, own) : proven;
+  remote.user_sources.assign(remote.user.size(), remote.source);
+  remote.metatraffic_sources.assign(remote.metatraffic.size(), remote.source);
+}
+
+/// The host of all these addresses; invalid if they have several.
+Locator only_host(const ParticipantCore& core, const LocatorList& addresses) {
+  if (addresses.empty()) return {};
+  const auto host = core.host_of(addresses.front());
+  const auto same = [&](const Locator& address) { return core.host_of(address) == host; };
+  return std::ranges::all_of(addresses, same) ? host : Locator{};
+}
+
+// A participant that signed nothing is limited by other means, so that its addresses are believed.
+bool is_at_its_hosts(const ParticipantCore& core, const RemoteParticipant& remote,
+                     const Locator& address) {
+  const auto host = core.host_of(address);
+  if (has_signed(remote)) return remote.hosts.contains(host);
+  const auto same = [&](const Locator& other) { return core.host_of(other) == host; };
+  return std::ranges::any_of(remote.user, same) || std::ranges::any_of(remote.metatraffic, same);
+}
+
+std::string text_of(const LocatorList& locators) {
+  std::string out;
+  for (const auto& locator : locators) out += (out.empty() ? "" : ", ") + to_string(locator);
+  return out.empty() ? "none" : out;
+}
+
+/// Without their ports.
+std::string text_of_hosts(const ParticipantCore& core, const RemoteParticipant& remote) {
+  std::string out;
+  for (const auto& host : has_signed(remote) ? remote.hosts.all() : remote.metatraffic) {
+    const auto text = to_string(core.host_of(host));
+    out += (out.empty() ? "" : ", ") + text.substr(0, text.rfind(':'));
+  }
+  return out.empty() ? "none" : out;
+}
+
+void report_unproven(ParticipantCore& core, RemoteParticipant& remote,
+                     const EndpointData& endpoint) {
+  if (std::exchange(remote.has_unproven_endpoints, true)) return;
+  core.raise_about(
+      Error(Code::rtps_address_unproven,
+            {.document = "topic " + endpoint.topic_name,
+             .field = "unicast locator of " + endpoint.guid.to_string(),
+             .expected = "an address at the hosts where its participant was heard or answered: " +
+                         text_of_hosts(core, remote),
+             .found = text_of(endpoint.unicast),
+             .note = "messages to it go to " + text_of(remote.user) +
+                     "; no further event about endpoints of this participant follows"}),
+      endpoint);
+}
+
+}  // namespace
+
+bool adopt_signed_addresses(ParticipantCore& core, RemoteParticipant& remote,
+                            LocatorList metatraffic, LocatorList user) {
+  std::erase_if(metatraffic, cannot_be_sent_to);
+  std::erase_if(user, cannot_be_sent_to);
+  const bool any = !metatraffic.empty();
+  if (!core.config.interfaces.empty()) core.own_addresses = addresses_of_this_machine();
+  // What was sent during the handshake went to these addresses, and the peer answered it.
+  remote.hosts.clear();
+  remote.hosts.add(only_host(core, remote.metatraffic));
+  remote.signed_metatraffic = metatraffic.empty() ? remote.metatraffic : std::move(metatraffic);
+  remote.signed_user = user.empty() ? remote.user : std::move(user);
+  for (const auto& address : remote.signed_metatraffic)
+    if (core.sender.limit().is_proven(remote.prefix(), address))
+      remote.hosts.add(core.host_of(address));
+  remote.hosts.add(core.host_of(core.source_host));  // the addresses of this machine are new
+  settle(core, remote);
+  return any;
+}
+
+bool prove_host(const ParticipantCore& core, RemoteParticipant& remote, const Locator& host) {
+  if (!has_signed(remote) || !remote.hosts.add(host)) return false;
+  settle(core, remote);
+  return true;
+}
+
+bool has_proven_address(const ParticipantCore& core, const RemoteParticipant& remote) {
+  return !has_signed(remote) || std::ranges::any_of(remote.metatraffic, [&](const auto& address) {
+    return remote.hosts.contains(core.host_of(address));
+  });
+}
+
+LocatorList addresses_of(ParticipantCore& core, RemoteParticipant& remote,
+                         const EndpointData& endpoint) {
+  const auto& own = core.config.interfaces;
+  if (remote.prefix() == core.config.prefix)
+    return usable_locators(endpoint.unicast, remote.user, own);
+  LocatorList out;
+  bool any = false;
+  for (const auto& locator : endpoint.unicast) {
+    if (cannot_be_sent_to(locator)) continue;
+    any = true;
+    if (is_at_its_hosts(core, remote, locator)) out.push_back(locator);
+  }
+  if (any && out.empty()) report_unproven(core, remote, endpoint);
+  return usable_locators(out, remote.user, own);
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,27 @@
+// Which of a remote participant's addresses are used. See ProvenHosts.
+#pragma once
+
+#include "rtps/participant/remote_participants.hpp"
+
+namespace ddssec::rtps {
+
+/// The participant finished a handshake in which it signed these addresses; the announced ones
+/// count if a list is empty. From now on only those at proven hosts are used. If there are none,
+/// its builtin endpoints can still be reached at the signed addresses, within AmplificationLimit.
+/// Returns true if it signed any that can be sent to.
+bool adopt_signed_addresses(ParticipantCore& core, RemoteParticipant& remote,
+                            LocatorList metatraffic, LocatorList user);
+
+/// A new message under the participant's keys came from the host. Returns true if it was not proven
+/// before; the participant's addresses may then be others.
+bool prove_host(const ParticipantCore& core, RemoteParticipant& remote, const Locator& host);
+
+/// False if the participant signed its addresses and none of them is proven.
+bool has_proven_address(const ParticipantCore& core, const RemoteParticipant& remote);
+
+/// Returns the addresses that are used for an endpoint: its own ones at hosts of its participant,
+/// or else those of its participant. Raises an event once if none of its own ones is.
+LocatorList addresses_of(ParticipantCore& core, RemoteParticipant& remote,
+                         const EndpointData& endpoint);
+
+}  // namespace ddssec::rtps

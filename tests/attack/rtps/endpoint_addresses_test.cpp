@@ -1,0 +1,179 @@
+// An authorized participant announces addresses of other hosts, for its endpoints or for itself:
+// nothing is sent there before the participant shows that it is there (T60).
+#include "tests/unit/rtps_security/attacker.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace testing;
+
+Locator at(const char* address, std::uint16_t port) { return *Locator::parse(address, port); }
+/// The addresses of the victim. The participants of the tests are at 127.0.0.1.
+LocatorList victim() {
+  return {at("192.0.2.1", 7990), at("192.0.2.1", 7991), at("192.0.2.2", 7990),
+          at("192.0.2.3", 7990)};
+}
+
+/// A writer, and an insider with a reader.
+struct InsiderAddresses : ::testing::Test {
+  const spi::PropertyList properties =
+      properties_of("CN=mallory,O=Example", everything(ProtectionKind::encrypt));
+  Node alice{1, properties_of("CN=alice,O=Example", everything(ProtectionKind::encrypt))};
+  Node mallory{2, properties};
+  World world;
+  Guid writer, reader;
+  std::size_t to_victim = 0;  ///< octets
+
+  void SetUp() override {
+    world.nodes = {&alice, &mallory};
+    world.attack = [this](World::Traffic& traffic) {
+      for (const auto& [port, octets] : traffic)
+        to_victim += port >= 7990 && port < 8000 ? octets.size() : 0;
+    };
+  }
+  /// Mallory is replaced by a participant with these addresses.
+  void announce_participant_at(const LocatorList& addresses) {
+    auto own = OwnSecurity::create(
+        {{*mallory.authentication, *mallory.access_control, *mallory.cryptography}, properties}, 0,
+        Node::candidate(2));
+    ASSERT_TRUE(own);
+    auto config = Node::config(2, (*own)->guid().prefix);
+    config.metatraffic_unicast = config.default_unicast = addresses;
+    mallory.participant =
+        std::make_unique<Participant>(std::move(config), mallory.post, mallory.events);
+    ASSERT_TRUE(mallory.participant->secure(std::move(*own)));
+  }
+  void create_writer() {
+    writer = alice->create_writer(square(default_writer_qos()), alice.listener, world.now).value();
+  }
+  void create_reader_at(const LocatorList& addresses) {
+    auto qos = default_reader_qos();
+    qos.reliability.kind = ReliabilityKind::reliable;
+    reader = mallory->create_reader(square(qos), mallory.listener, world.now).value();
+    auto& local = const_cast<LocalEndpoints&>(mallory->local_endpoints());
+    auto& data = local.find_reader(reader.entity)->data;
+    data.unicast = addresses;
+    local.publish(data);
+  }
+  bool match() {
+    return world.run_until(
+        [&] { return alice.listener.matched == 1 && mallory.listener.matched == 1; });
+  }
+  void write(int samples) {
+    for (int i = 0; i < samples; ++i) {
+      Change change;
+      change.payload = payload(1000);
+      alice->local_endpoints().writer(writer)->write(std::move(change), world.now);
+      world.run(1);
+    }
+  }
+};
+
+TEST_F(InsiderAddresses, OfAnEndpoint_AtOtherHosts_AreNotUsed) {
+  create_writer();
+  create_reader_at(victim());
+  ASSERT_TRUE(match());
+  write(50);
+  world.run(100);
+  EXPECT_EQ(to_victim, 0u);  // before the fix: 20 times what mallory sends
+  EXPECT_EQ(mallory.listener.changes.size(), 50u);
+  EXPECT_EQ(alice.events.count(Code::rtps_address_unproven), 1) << alice.events.text();
+}
+
+TEST_F(InsiderAddresses, OfManyEndpoints_AtOtherHosts_AreReportedOnce) {
+  create_writer();
+  for (int i = 0; i < 5; ++i) create_reader_at(victim());
+  ASSERT_TRUE(world.run_until([&] { return alice.listener.matched == 5; }));
+  write(5);
+  EXPECT_EQ(to_victim, 0u);
+  EXPECT_EQ(alice.events.count(Code::rtps_address_unproven), 1);
+}
+
+TEST_F(InsiderAddresses, OfAWriter_AtOtherHosts_GetNoAcknacks) {
+  auto qos = default_reader_qos();
+  qos.reliability.kind = ReliabilityKind::reliable;
+  alice->create_reader(square(qos), alice.listener, world.now).value();
+  const auto hostile =
+      mallory->create_writer(square(default_writer_qos()), mallory.listener, world.now).value();
+  auto& local = const_cast<LocalEndpoints&>(mallory->local_endpoints());
+  auto& data = local.find_writer(hostile.entity)->data;
+  data.unicast = victim();
+  local.publish(data);
+  ASSERT_TRUE(match());
+  Change change;
+  change.payload = payload(1000);
+  local.writer(hostile)->write(std::move(change), world.now);
+  world.run(100);
+  EXPECT_EQ(alice.listener.changes.size(), 1u);
+  EXPECT_TRUE(local.writer(hostile)->all_acknowledged());
+  EXPECT_EQ(to_victim, 0u);
+}
+
+TEST_F(InsiderAddresses, OfAnEndpoint_AtAnotherPortOfItsHost_AreUsed) {
+  create_writer();
+  create_reader_at({at("127.0.0.1", 7995)});
+  ASSERT_TRUE(match());
+  to_victim = 0;
+  write(10);
+  EXPECT_GT(to_victim, 10'000u);
+  EXPECT_TRUE(alice.events.is_quiet()) << alice.events.text();
+}
+
+TEST_F(InsiderAddresses, OfTheParticipant_BesideItsOwn_AreNotUsedOnceItHasAuthenticated) {
+  auto addresses = victim();
+  addresses.insert(addresses.begin(), at("127.0.0.1", 7002));
+  announce_participant_at(addresses);
+  create_writer();
+  create_reader_at({});
+  ASSERT_TRUE(match());
+  world.run(100);
+  to_victim = 0;
+  write(50);
+  world.run(1000);
+  EXPECT_EQ(to_victim, 0u);
+  EXPECT_EQ(mallory.listener.changes.size(), 50u);
+}
+
+// As of a host with two networks: each address is used from the first message on that comes from
+// it.
+TEST_F(InsiderAddresses, OfTheParticipant_ThatItSendsFrom_AreUsed) {
+  announce_participant_at({at("127.0.0.1", 7002), at("192.0.2.1", 7990)});
+  create_writer();
+  create_reader_at({at("127.0.0.1", 7002), at("192.0.2.1", 7991)});
+  ASSERT_TRUE(match());
+  world.run(100);
+  to_victim = 0;
+  write(5);
+  ASSERT_EQ(to_victim, 0u);
+  world.filter = [&](const Node& from, Bytes datagram) {
+    if (&from != &mallory) return one(std::move(datagram));
+    alice->receive(datagram, world.now, at("192.0.2.1", 40000));
+    return std::vector<Bytes>{};
+  };
+  write(20);
+  EXPECT_GT(to_victim, 10'000u);
+  EXPECT_EQ(mallory.listener.changes.size(), 25u);
+  EXPECT_TRUE(alice.events.is_quiet()) << alice.events.text();
+}
+
+// What a stranger repeats from another address is not new.
+TEST_F(InsiderAddresses, FromWhichOldMessagesAreRepeated_AreNotProven) {
+  announce_participant_at({at("127.0.0.1", 7002), at("192.0.2.1", 7990)});
+  std::vector<Bytes> heard;
+  world.filter = [&](const Node& from, Bytes datagram) {
+    if (&from == &mallory) heard.push_back(datagram);
+    return one(std::move(datagram));
+  };
+  create_writer();
+  create_reader_at({});
+  ASSERT_TRUE(match());
+  world.run(200);
+  for (const auto& datagram : std::exchange(heard, {}))
+    alice->receive(datagram, world.now, at("192.0.2.1", 40000));
+  to_victim = 0;
+  write(20);
+  EXPECT_EQ(to_victim, 0u);
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
