@@ -76,8 +76,17 @@ void check_one_way(const DenialScene& scene, const Grant& grant) {
   scene.out.pass(Rule::DOC053);
 }
 
+bool denies_partitions(const governance::Rule& rule) {
+  const auto has_partitions = [](const Criteria& criteria) {
+    return criteria.partitions.has_value();
+  };
+  return !rule.allow && (std::ranges::any_of(rule.publish, has_partitions) ||
+                         std::ranges::any_of(rule.subscribe, has_partitions));
+}
+
 // Measured with Fast DDS 2.9.1.
 void check_denied_partitions(const DenialScene& scene, const Grant& grant) {
+  if (std::ranges::none_of(grant.rules, denies_partitions)) return;
   const auto domain = scene.settings.domain;
   const CompiledGrant compiled(scene.folder.permissions.model, grant, domain);
   for (const auto& topic : sample_topics(grant))

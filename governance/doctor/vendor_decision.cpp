@@ -11,6 +11,7 @@ namespace {
 using Partitions = std::span<const std::string_view>;
 
 bool reads_as_match(Vendor vendor, std::string_view expression, std::string_view name) {
+  if (expression.find_first_of("*?[\\") == expression.npos) return expression == name;
   const bool is_plain = expression.find_first_of("[\\") == expression.npos;
   if (vendor == Vendor::ours || is_plain) return Pattern(expression).matches(name);
   return Pattern(vendor == Vendor::cyclonedds ? as_cyclone_reads_it(expression)

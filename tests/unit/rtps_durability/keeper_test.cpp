@@ -319,7 +319,7 @@ TEST_P(KeeperTest, TopicsWithoutSamplesGiveWay) {
     both(*service);
     ASSERT_TRUE(a.publisher->delete_contained_entities());
   }
-  EXPECT_EQ(rows(), 2u) << "what is remembered of topics, and the one with samples";
+  EXPECT_EQ(rows(), 3u) << "what is remembered of security and of topics, and the one with samples";
   const auto service = keeper();
   EXPECT_EQ(service->topics(), 1u) << "only topics with samples are remembered";
   EXPECT_EQ(late_joiner(*service, b, 3), (Values{0, 1, 2}));
