@@ -47,7 +47,8 @@ class Search {
     const auto before = hits_ + unreadable_.size();
     std::error_code error;
     const auto type = fs::status(path, error).type();
-    if (type == fs::file_type::directory)
+    is_folder_ = type == fs::file_type::directory;
+    if (is_folder_)
       collect(path, 0);
     else if (type == fs::file_type::none)
       leave_out(path, error.message());
@@ -86,12 +87,28 @@ class Search {
     std::error_code error, ignored;
     fs::directory_iterator at(folder, error);
     for (; !error && at != fs::directory_iterator() && !is_full_; at.increment(error)) {
-      if (at->is_directory(ignored) && !at->is_symlink(ignored))
+      if (at->is_directory(ignored) && !at->is_symlink(ignored)) {
+        if (is_of_participant(at->path())) leave_out(at->path(), "it is a folder");
         collect(at->path(), depth + 1);
-      else if (may_have_an_end(at->path()))
+      } else if (may_have_an_end(at->path())) {
         add_file(*at);
+      }
     }
     if (error) leave_out(folder, error.message());
+    check_certificate_in(folder);
+  }
+
+  void check_certificate_in(const fs::path& folder) {
+    const auto has = [&](const char* name) {
+      std::error_code ignored;
+      return fs::exists(fs::symlink_status(folder / name, ignored));
+    };
+    if (has("cert.pem") || (!has("key.pem") && !has("key.p11"))) return;
+    if (has("cert.p11"))
+      leave_out(folder / "cert.p11",
+                "certificates in tokens are not read; put it there as cert.pem");
+    else
+      leave_out(folder / "cert.pem", "it is missing in the folder of a participant");
   }
 
   void add_file(const fs::directory_entry& file) {
@@ -101,6 +118,8 @@ class Search {
       paths_.insert(file.path());
     else if (type == fs::file_type::not_found || type == fs::file_type::none)
       leave_out(file.path(), error ? error.message() : "a link to a file that is not there");
+    else
+      leave_out(file.path(), "it is no regular file");
     if (paths_.size() < kMostFiles) return;
     is_full_ = true;
     leave_out(file.path(), fmt::format("it is file number {}; no more are read", kMostFiles));
@@ -114,7 +133,23 @@ class Search {
   static bool may_have_an_end(const fs::path& file) {
     const auto ending = file.extension();
     return ending == ".pem" || ending == ".crt" || ending == ".cer" || ending == ".crl" ||
-           ending == ".p7s" || ending == ".smime";
+           is_document(file);
+  }
+  static bool is_document(const fs::path& file) {
+    return file.extension() == ".p7s" || file.extension() == ".smime";
+  }
+  static bool is_permissions(const fs::path& file) {
+    return is_document(file) && file.stem() == "permissions";
+  }
+  static bool is_of_participant(const fs::path& file) {
+    return file.filename() == "cert.pem" || is_permissions(file);
+  }
+
+  // Keys and requests have no end. A file of another kind that yields nothing was not read.
+  static bool has_no_end(const fs::path& file, std::string_view text) {
+    const auto name = file.stem().string();
+    return name.ends_with("key") || (name != "cert" && name != "crl" && !name.ends_with("ca") &&
+                                     text.contains("-----BEGIN "));
   }
 
   // Links to one file count once.
@@ -125,12 +160,18 @@ class Search {
       return;
     }
     const auto octets = read_file(file, pki::kMostDocumentOctets);
-    const auto status = !octets ? Status(std::unexpected(octets.error()))
-                        : file.extension() == ".p7s" || file.extension() == ".smime"
-                            ? look_into_document(file, *octets)
-                            : look_into_pem(file, *octets);
-    if (!status && !is_closed_key(file, status.error().code()))
-      unreadable_.push_back(status.error().in(file));
+    const auto before = hits_;
+    const auto status = !octets             ? Status(std::unexpected(octets.error()))
+                        : is_document(file) ? look_into_document(file, *octets)
+                                            : look_into_pem(file, *octets);
+    if (!status) {
+      if (!is_closed_key(file, status.error().code()))
+        unreadable_.push_back(status.error().in(file));
+    } else if (is_folder_ && hits_ == before &&
+               (is_document(file) || !has_no_end(file, as_text(*octets)))) {
+      leave_out(file, fmt::format("it has no {} that can be read",
+                                  is_document(file) ? "signer" : "certificate or revocation list"));
+    }
   }
 
   // OpenSSL, and so stock products, accept certificates with each of these labels. The label for
@@ -176,8 +217,10 @@ class Search {
     const auto form = pki::examine_document(octets);
     if (form.ambiguous) return std::unexpected(*form.ambiguous);
     const auto signers = add_signers(form, file);
-    if (as_text(form.unverified_text).find("<permissions") == std::string_view::npos)
+    if (as_text(form.unverified_text).find("<permissions") == std::string_view::npos) {
+      if (is_permissions(file)) leave_out(file, "it has no <permissions> that can be read");
       return signers;
+    }
     DDSSEC_ASSIGN_OR_RETURN(const auto document,
                             governance::read_permissions(form.unverified_text, form.first_line));
     for (const auto& grant : document.grants)
@@ -209,6 +252,7 @@ class Search {
   std::vector<Error> unreadable_;
   std::size_t hits_ = 0;
   bool is_full_ = false;
+  bool is_folder_ = false;  ///< a whole folder is searched
 };
 
 std::string_view state_of(const Ending& ending, WallTime now, WallTime horizon) {

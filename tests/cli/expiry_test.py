@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """expiry: one table of everything that ends."""
 
+import os
 import subprocess
 
 from transcript import Transcript, main
@@ -60,6 +61,36 @@ class Expiry(Transcript):
             huge.truncate(100 * 1024 * 1024)
         out = self.json("expiry", "demo", *NOW, exit=3)
         self.assertEqual([d["id"] for d in out["diagnostics"]], ["certificate_malformed", "file_too_large"])
+
+    def test_a_participant_whose_documents_are_not_read_is_an_error(self):
+        folder = self.at / "demo/talker"
+        certificate, permissions = folder / "cert.pem", folder / "permissions.p7s"
+        right, signed = certificate.read_bytes(), permissions.read_bytes()
+
+        def refused(file, *more):
+            for words in ((), ("-q",), ("--now", "2027-01-01T00:00:00Z")):
+                told = self.json("expiry", "demo/talker", *words, *(() if "--now" in words else NOW), exit=3)["diagnostics"]
+                self.assertIn(str(file), {one["file"] for one in told})
+
+        der = subprocess.run(["openssl", "x509", "-outform", "DER"], input=right, capture_output=True, check=True).stdout
+        for text in (b"garbage", b"", der, (folder / "key.pem").read_bytes()):
+            with self.subTest(text=text[:20]):
+                certificate.write_bytes(text)
+                refused("demo/talker/cert.pem")
+        certificate.unlink()
+        refused("demo/talker/cert.pem")
+        for make in (lambda: os.mkfifo(certificate), certificate.mkdir, lambda: certificate.symlink_to("/dev/zero"),
+                     lambda: certificate.symlink_to(self.at)):
+            make()
+            refused("demo/talker/cert.pem")
+            certificate.rmdir() if certificate.is_dir() and not certificate.is_symlink() else certificate.unlink()
+        certificate.write_bytes(right)
+        for text in (b"garbage", signed[:200], (folder / "governance.p7s").read_bytes()):
+            with self.subTest(text=text[:20]):
+                permissions.write_bytes(text)
+                refused("demo/talker/permissions.p7s")
+        permissions.write_bytes(signed)
+        self.entries("demo/talker", *NOW)
 
     def test_odd_times_and_missing_paths(self):
         for time in ("", "30", "soon", "-1d", "30m", "1000000d"):
