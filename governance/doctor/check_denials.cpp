@@ -1,4 +1,5 @@
-// Checks what a grant's deny_rules mean to stock products, topic by topic.
+// Checks what a grant's deny_rules, and its rules for other domains, mean to stock products, topic
+// by topic.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -149,6 +150,45 @@ void check_open_denials(const DenialScene& scene, const Grant& grant) {
     }
 }
 
+bool is_controlled(const DomainRule* domain, Action action, std::string_view topic) {
+  const auto* const rule =
+      domain != nullptr ? topic_rule_as(Vendor::fastdds, *domain, topic) : nullptr;
+  return rule != nullptr && (action == Action::publish ? rule->enable_write_access_control
+                                                       : rule->enable_read_access_control);
+}
+
+// Topics that the grant allows, and of which Fast DDS makes no endpoint because it ignores the
+// domains of a rule there.
+void check_rules_of_other_domains(const DenialScene& scene, const Grant& grant) {
+  scene.out.pass(Rule::DOC109);
+  const auto domain = scene.settings.domain;
+  const auto is_for_others = [&](const governance::Rule& rule) {
+    return !rule.domains.contains_for_stock(domain);
+  };
+  if (!scene.folder.governance.model || std::ranges::none_of(grant.rules, is_for_others)) return;
+  const auto* const governance =
+      domain_rule_as(Vendor::fastdds, *scene.folder.governance.model, domain);
+  const CompiledGrant compiled(scene.folder.permissions.model, grant, domain);
+  for (const auto& topic : sample_topics(grant))
+    for (const auto action : {Action::publish, Action::subscribe}) {
+      if (!is_controlled(governance, action, topic)) continue;
+      const auto judged = [&](const auto& judge) {
+        return judge(Vendor::fastdds, compiled, domain, action, Request{.topic = topic});
+      };
+      const auto local = judged(judge_local_as);
+      if (local.allowed || local.rule == nullptr || !judged(judge_as).allowed) continue;
+      return scene.out.report(
+          {.fastdds = Outcome::late},
+          {.rule = Rule::DOC109,
+           .message = fmt::format("grant \"{}\" allows to {} topic \"{}\" in domain {}, and {} "
+                                  "refuses it by the rule at line {}, which is for other domains",
+                                  grant.name, to_string(action), topic, domain,
+                                  name(Vendor::fastdds, scene.settings.lineup), local.rule->line),
+           .document = scene.file(),
+           .line = local.rule->line});
+    }
+}
+
 }  // namespace
 
 void check_denials(const LoadedFolder& folder, const Settings& settings, const Grant& grant,
@@ -157,6 +197,7 @@ void check_denials(const LoadedFolder& folder, const Settings& settings, const G
   check_denied_partitions(scene, grant);
   check_one_way(scene, grant);
   check_open_denials(scene, grant);
+  check_rules_of_other_domains(scene, grant);
 }
 
 }  // namespace ddssec::governance::doctor

@@ -377,6 +377,19 @@ void check_one(const LoadedFolder& folder, const Subject& subject, Diagnosis& ou
   check_plain_text(subject, out);
 }
 
+void check_size_for_fastdds(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
+  const auto size = folder.permissions.file.size();
+  if (size <= kMostFastDdsPermissionsOctets) return out.pass(Rule::DOC110);
+  out.report(
+      {.fastdds = Outcome::late},
+      {.rule = Rule::DOC110,
+       .message = fmt::format(
+           "the signed permissions have {} octets: participants of {} do not authenticate one "
+           "whose permissions have more than about {} octets",
+           size, name(Vendor::fastdds, settings.lineup), kMostFastDdsPermissionsOctets),
+       .document = folder.paths.permissions});
+}
+
 }  // namespace
 
 void check_documents(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
@@ -389,6 +402,7 @@ void check_documents(const LoadedFolder& folder, const Settings& settings, Diagn
             subject("permissions", folder.paths.permissions, folder.permissions, settings.lineup),
             out);
   const auto size = folder.permissions.file.size();
+  check_size_for_fastdds(folder, settings, out);
   if (size <= pki::kMostSentPermissionsOctets) return;
   auto finding = too_long_for_peers(size);
   finding.document = folder.paths.permissions;

@@ -35,8 +35,8 @@ void check_identity(const LoadedFolder& folder, const Settings& settings, Diagno
 void check_documents(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
 /// Checks the rights of this participant in the domain.
 void check_rights(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
-/// Checks what the deny_rules of a grant mean to stock products, topic by topic (a part of
-/// check_rights).
+/// Checks what the deny_rules of a grant, and its rules for other domains, mean to stock products,
+/// topic by topic (a part of check_rights).
 void check_denials(const LoadedFolder& folder, const Settings& settings, const Grant& grant,
                    Diagnosis& out);
 /// Checks what expires first.

@@ -33,17 +33,18 @@ std::string files_missing(const LoadedFolder& folder) {
                      folder.paths.folder.string());
 }
 
-// True if the check concerns single topics: the participant starts and uses the others.
-bool is_about_topics(const Check& check, Vendor vendor) {
+// True if the check concerns single topics or peers: the participant starts and uses the others.
+bool is_about_some(const Check& check, Vendor vendor) {
   return check.outcomes.of(vendor) == Outcome::late &&
-         (check.rule == Rule::DOC052 || check.rule == Rule::DOC053);
+         (check.rule == Rule::DOC052 || check.rule == Rule::DOC053 || check.rule == Rule::DOC109 ||
+          check.rule == Rule::DOC110);
 }
 
 // A finding of the party's own diagnosis that prevents its start.
 const Finding* first_obstacle(const Diagnosis& diagnosis, Vendor vendor) {
   for (const auto& check : diagnosis.checks())
     if (check.outcomes.of(vendor) >= Outcome::late && !check.findings.empty() &&
-        !is_about_topics(check, vendor))
+        !is_about_some(check, vendor))
       return &check.findings.front();
   return nullptr;
 }
@@ -171,6 +172,12 @@ Status judge_permissions_of(const Party& judge, const Party& subject, WallTime n
     return fail(Code::permissions_too_large,
                 {.expected = fmt::format("at most {} octets", pki::kMostSentPermissionsOctets),
                  .found = fmt::format("{} octets", document.file.size())});
+  const bool is_fastdds = judge.vendor == Vendor::fastdds && subject.vendor == Vendor::fastdds;
+  if (is_fastdds && document.file.size() > kMostFastDdsPermissionsOctets)
+    return fail(Code::permissions_too_large,
+                {.expected = fmt::format("at most {} octets", kMostFastDdsPermissionsOctets),
+                 .found = fmt::format("{} octets", document.file.size()),
+                 .note = "Fast DDS does not authenticate a Fast DDS participant with more"});
   DDSSEC_RETURN_IF_ERROR(believes(judge.vendor, document.file, judge.folder.permissions_cas,
                                   judge.folder.permissions_ca_file, now));
   DDSSEC_RETURN_IF_ERROR(document.read_by(judge.vendor));

@@ -83,8 +83,9 @@ Judgement by_grant(const MeetingScene& scene, const Question& question) {
   const auto& asked = scene.settings.partitions;
   const std::vector<std::string_view> partitions(asked.begin(), asked.end());
   const Request request{.topic = question.topic, .partitions = partitions};
-  const auto verdict = judge_as(scene.party(question.judge).vendor, *compiled,
-                                scene.settings.domain, question.action, request);
+  const auto judge = question.judge == question.about ? judge_local_as : judge_as;
+  const auto verdict = judge(scene.party(question.judge).vendor, *compiled, scene.settings.domain,
+                             question.action, request);
   const auto advice =
       scene.named ? advice_on(*compiled, question.action, request, verdict) : RefusalAdvice();
   out.hint = advice.hint;

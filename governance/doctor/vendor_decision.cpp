@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include "governance/dialect.hpp"
 
@@ -46,6 +47,28 @@ bool fits_fastdds(const std::vector<Criteria>& list, Partitions partitions) {
   });
 }
 
+// Without a domain: each rule counts, whatever its domains are.
+Verdict judge_by_rules(Vendor vendor, const CompiledGrant& grant, std::optional<DomainId> domain,
+                       Action action, const Request& request) {
+  constexpr std::array<std::string_view, 1> kDefaultPartition{""};
+  const auto partitions =
+      request.partitions.empty() ? Partitions(kDefaultPartition) : request.partitions;
+  for (const auto& rule : grant.grant().rules) {
+    if (domain && !rule.domains.contains_for_stock(*domain)) continue;
+    const auto& list = action == Action::publish ? rule.publish : rule.subscribe;
+    if (vendor == Vendor::fastdds) {
+      if (const auto* criteria = naming(vendor, list, request.topic))
+        return {rule.allow && fits_fastdds(list, partitions), &rule, criteria};
+      continue;
+    }
+    for (const auto& criteria : list)
+      if (any_matches(vendor, criteria.topics, request.topic) &&
+          fits_cyclonedds(rule.allow, criteria, partitions))
+        return {rule.allow, &rule, &criteria};
+  }
+  return {.allowed = grant.grant().default_allow && vendor != Vendor::fastdds};
+}
+
 }  // namespace
 
 // No name has blanks around it (measured: Fast DDS 2.9.1, topics of both documents).
@@ -81,26 +104,17 @@ const governance::Rule* first_rule_naming(const Grant& grant, DomainId domain,
   return found == grant.rules.end() ? nullptr : &*found;
 }
 
+Verdict judge_local_as(Vendor vendor, const CompiledGrant& grant, DomainId domain, Action action,
+                       const Request& request) {
+  if (vendor == Vendor::fastdds)
+    return judge_by_rules(vendor, grant, std::nullopt, action, request);
+  return judge_as(vendor, grant, domain, action, request);
+}
+
 Verdict judge_as(Vendor vendor, const CompiledGrant& grant, DomainId domain, Action action,
                  const Request& request) {
   if (vendor == Vendor::ours) return grant.judge(action, request);
-  constexpr std::array<std::string_view, 1> kDefaultPartition{""};
-  const auto partitions =
-      request.partitions.empty() ? Partitions(kDefaultPartition) : request.partitions;
-  for (const auto& rule : grant.grant().rules) {
-    if (!rule.domains.contains_for_stock(domain)) continue;
-    const auto& list = action == Action::publish ? rule.publish : rule.subscribe;
-    if (vendor == Vendor::fastdds) {
-      if (const auto* criteria = naming(vendor, list, request.topic))
-        return {rule.allow && fits_fastdds(list, partitions), &rule, criteria};
-      continue;
-    }
-    for (const auto& criteria : list)
-      if (any_matches(vendor, criteria.topics, request.topic) &&
-          fits_cyclonedds(rule.allow, criteria, partitions))
-        return {rule.allow, &rule, &criteria};
-  }
-  return {.allowed = grant.grant().default_allow && vendor != Vendor::fastdds};
+  return judge_by_rules(vendor, grant, domain, action, request);
 }
 
 Verdict judge_participant_as(Vendor vendor, const CompiledGrant& grant, DomainId domain) {

@@ -35,6 +35,11 @@ const governance::Rule* first_rule_naming(const Grant& grant, DomainId domain,
 Verdict judge_as(Vendor vendor, const CompiledGrant& grant, DomainId domain, Action action,
                  const Request& request);
 
+/// The same for the process that makes the endpoint. Measured with Fast DDS 2.9.1: it ignores the
+/// <domains> of a rule there, and only there.
+Verdict judge_local_as(Vendor vendor, const CompiledGrant& grant, DomainId domain, Action action,
+                       const Request& request);
+
 /// As CompiledGrant::judge_participant. Cyclone DDS and Fast DDS admit a participant by any
 /// allow_rule for the domain, wherever it is; Fast DDS reads <default> as DENY.
 Verdict judge_participant_as(Vendor vendor, const CompiledGrant& grant, DomainId domain);

@@ -44,6 +44,24 @@ TEST_F(VendorDecision, TheyAgreeAboutTopicsDomainsAndTheDefaultPartition) {
   EXPECT_EQ(allowed("Square", {"yard"}), "nnn");
 }
 
+TEST_F(VendorDecision, OnlyFastDdsIgnoresTheDomainsOfARuleWhereItMakesAnEndpoint) {
+  add(false, {criteria("Secret")}, 1);
+  add(true, {criteria("Circle")}, 7);
+  add(true, {criteria("Square")});
+  add(true, {criteria("*")});
+  const auto document = std::make_shared<const Permissions>(Permissions{.grants = {grant_}});
+  const CompiledGrant compiled(document, document->grants[0], 0);
+  const auto local = [&](Vendor vendor, std::string_view topic) {
+    return judge_local_as(vendor, compiled, 0, Action::publish, {.topic = topic});
+  };
+  EXPECT_EQ(allowed("Secret"), "yyy") << "as peers judge it";
+  EXPECT_TRUE(local(Vendor::cyclonedds, "Secret").allowed);
+  EXPECT_TRUE(local(Vendor::ours, "Secret").allowed);
+  EXPECT_FALSE(local(Vendor::fastdds, "Secret").allowed);
+  EXPECT_TRUE(local(Vendor::fastdds, "Square").allowed);
+  EXPECT_EQ(local(Vendor::fastdds, "Circle").rule, &document->grants[0].rules[1]);
+}
+
 TEST_F(VendorDecision, EachReadsExpressionsInItsOwnWay) {
   add(false, {criteria("rt/[^b]")});
   add(true, {criteria("rt/*")});
