@@ -14,6 +14,7 @@ import tempfile
 SOURCE, BUILD = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
 sys.path.insert(0, str(SOURCE / "tests/cli"))
 
+import fastdds_permissions  # noqa: E402
 import forecast  # noqa: E402
 import golden_folders  # noqa: E402
 from pair import Namespace  # noqa: E402
@@ -26,6 +27,7 @@ CHOSEN = ("correct", "sros2-keystore", "key-of-another", "p384", "permissions-by
           "identity-sha512", "form-crcrlf", "governance-bom", "governance-doctype", "governance-escaped-quotes")
 # Of ours only embedded participants take them.
 EMBEDDED_ONLY = ("governance-key-revision",)
+MEASURED_FASTDDS = "fastdds@2.9.1"
 EMBEDDED = forecast.Product("embedded", [BUILD / "bin/embedded_peer"])
 
 
@@ -89,6 +91,22 @@ def together(namespace, where, products):
     return wrong + (seen != {True, False})
 
 
+def limits_of_fastdds(namespace, where, product):
+    """Pairs of Fast DDS with permissions that it does not use as they say."""
+    tool, wrong = str(BUILD / "bin/ddssec"), 0
+    subprocess.run([tool, "init", "limits", "-q"], cwd=where, check=True)
+    folders = [where / "limits" / name for name in ("talker", "listener")]
+    for text, rules, is_heard in fastdds_permissions.ROWS:
+        for folder in folders:
+            (where / "limits.xml").write_text(fastdds_permissions.DOCUMENT.format(folder.name, rules))
+            subprocess.run([tool, "permissions", "sign", "limits.xml", "--ca", "limits", "-o", folder / "permissions.p7s",
+                            "--replace", "--no-lint", "-q"], cwd=where, check=True)
+        did = forecast.exchange(namespace, [product, product], folders, topic=fastdds_permissions.TOPIC)
+        print(f"Fast DDS, permissions {text}: foretold {is_heard}, happened {did}")
+        wrong += did != is_heard
+    return wrong
+
+
 def main():
     only_ours = sys.argv[3:] == ["--ours"]
     products = forecast.installed(BUILD)
@@ -101,6 +119,8 @@ def main():
                 wrong = alone(namespace, paths, products)
             else:
                 wrong = alone(namespace, paths, products) + together(namespace, pathlib.Path(where), products)
+                if MEASURED_FASTDDS in products:
+                    wrong += limits_of_fastdds(namespace, pathlib.Path(where), products[MEASURED_FASTDDS])
         finally:
             namespace.close()
     print(f"{len(paths)} folders with {', '.join(products)}: {wrong} not as foretold")

@@ -74,14 +74,14 @@ def comes_up(namespace, product, name, folder):
     return "refused participant" not in done.stdout, done.stdout + done.stderr
 
 
-def exchange(namespace, products, folders, limit=10):
+def exchange(namespace, products, folders, limit=10, topic="Square"):
     """Whether a publisher and a subscriber exchanged all samples. Fast DDS starts first: one in ten
     times it and a Cyclone DDS that runs already, stock or with ours, miss each other's handshake.
     README.md of this folder says what else takes some pairs beyond four seconds."""
     running = []
     for product, folder, role in sorted(zip(products, folders, ("--publish", "--subscribe")),
                                         key=lambda one: not one[0].name.startswith("fastdds")):
-        one = subprocess.Popen(namespace.enter(product.start_words(folder, role, "Square", limit)), text=True,
+        one = subprocess.Popen(namespace.enter(product.start_words(folder, role, topic, limit)), text=True,
                                stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, env=product.variables())
         running.append((one, one.stdout.readline()))  # it says that it was created
     for one, _ in running:
