@@ -11,6 +11,7 @@ constexpr OtherSeverity kOthers[] = {
     {"DOC011", warning, "where the other product would take the grant"},
     {"DOC023", warning, "where the list is missing or the CA has a newer one"},
     {"DOC037 DOC055", error, "where a product refuses the document, or a denial does not hold"},
+    {"DOC042", error, "where Fast DDS and the others disagree now"},
     {"DOC043", error, "where Cyclone DDS takes the grant of another subject"},
     {"DOC050", warning, "for an enclave that is being made"},
     {"DOC053", warning, "where can answers for ddssec and Cyclone DDS refuses the topic"},

@@ -175,6 +175,17 @@ std::string_view to_string(StockProduct product) {
   return product == StockProduct::cyclonedds ? "Cyclone DDS" : "Fast DDS";
 }
 
+Validity as_stock_reads(const Validity& validity, StockProduct product) {
+  auto out = validity;
+  if (product == StockProduct::cyclonedds) {
+    if (!std::exchange(out.is_for_cyclone, true)) out.not_after = out.not_before;
+  } else {
+    out.not_before += std::exchange(out.offset_of_not_before, {});
+    out.not_after += std::exchange(out.offset_of_not_after, {});
+  }
+  return out;
+}
+
 std::optional<Governance> as_stock_reads(const Governance& document, StockProduct product) {
   auto out = document;
   bool any = false;
@@ -189,6 +200,8 @@ std::optional<Permissions> as_stock_reads(const Permissions& document, StockProd
   auto out = document;
   bool any = false;
   for (auto& grant : out.grants) {
+    const auto written = std::exchange(grant.validity, as_stock_reads(grant.validity, product));
+    if (grant.validity != written) any = true;
     for (auto& rule : grant.rules)
       if (change_rule(rule, product)) any = true;
     if (product != StockProduct::fastdds) continue;

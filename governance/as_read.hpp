@@ -20,8 +20,12 @@ std::string_view to_string(StockProduct product);
 /// matches the same names (dialect.hpp), and one between blanks matches none with Fast DDS.
 std::optional<Governance> as_stock_reads(const Governance& document, StockProduct product);
 
-/// A permissions document as the product reads it; empty if nothing changes. Ranges and expressions
-/// as above.
+/// The validity as the product reads it. Cyclone DDS reads some ends as times long past. Fast DDS
+/// ignores zones; its local time is taken to be UTC here.
+Validity as_stock_reads(const Validity& validity, StockProduct product);
+
+/// A permissions document as the product reads it; empty if nothing changes. Ranges, expressions
+/// and validities as above.
 /// - Cyclone DDS applies a deny_rule without partitions to the partition "" only, and ignores
 ///   <tag>.
 /// - Fast DDS denies in all partitions, and reads every <default> as DENY. A topic and its

@@ -120,7 +120,11 @@ std::optional<DateTime> parse_date_time(std::string_view text, Round round) {
   const bool is_for_cyclone = *time_of_day != hours(24) &&
                               std::chrono::abs(zone->east) <= hours(12) &&
                               time + zone->east < kEndOfNanoseconds && time < kEndOfNanoseconds;
-  return DateTime{time, zone->given, *fraction, is_for_cyclone};
+  return DateTime{.time = time,
+                  .has_zone = zone->given,
+                  .east = zone->east,
+                  .has_fraction = *fraction,
+                  .is_for_cyclone = is_for_cyclone};
 }
 
 }  // namespace ddssec::governance

@@ -53,7 +53,7 @@ void add_notes(Findings& out, const Permissions& document) {
 }
 
 void check_dates(Findings& out, const GrantPlace& place, const PermissionsUse& use) {
-  const auto& [from, to, ignored] = place.grant().validity;
+  const auto from = place.grant().validity.not_before, to = place.grant().validity.not_after;
   const auto add = [&](Severity severity, std::string message) {
     auto finding = place.about(PERM002, std::move(message));
     finding.severity = severity;

@@ -22,7 +22,7 @@ enum class NoteKind : std::uint8_t {
   kind_spelling,     ///< a protection kind not in capitals
   padding,           ///< blanks around a value
   open_range,        ///< an id_range without <min> or <max>
-  no_zone,           ///< a time without a zone
+  no_zone,           ///< a time without a zone, or with one other than UTC
   fraction,          ///< a time with a fraction of a second
   no_name,           ///< a grant without a name
   no_default,        ///< a grant without <default>
@@ -165,6 +165,8 @@ struct Validity {
   WallTime not_after = {};
   /// False if Cyclone DDS reads not_after as the distant past (DateTime::is_for_cyclone).
   bool is_for_cyclone = true;
+  /// The offsets from UTC that the text has. Fast DDS ignores them (measured with 2.9.1).
+  std::chrono::minutes offset_of_not_before = {}, offset_of_not_after = {};
   bool contains(WallTime time) const { return not_before <= time && time < not_after; }
   bool operator==(const Validity&) const = default;
 };

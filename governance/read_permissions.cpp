@@ -22,6 +22,9 @@ Result<DateTime> read_time(ReadContext& context, XmlElement element, Round round
     context.note(NoteKind::no_zone, element,
                  "names no zone: read as UTC here, as local time by Fast DDS");
   }
+  if (moment->east != std::chrono::minutes(0))
+    context.note(NoteKind::no_zone, element,
+                 "names an offset from UTC: Fast DDS ignores it, and reads the rest as local time");
   if (text.contains("T24:"))
     context.note(NoteKind::refused_spelling, element,
                  "is a midnight written as 24:00:00: Fast DDS refuses the document");
@@ -39,7 +42,11 @@ Result<Validity> read_validity(ReadContext& context, XmlElement element) {
   // A fraction of a second makes the validity shorter, never longer.
   DDSSEC_ASSIGN_OR_RETURN(const auto begin, read_time(context, child.one(0), Round::up));
   DDSSEC_ASSIGN_OR_RETURN(const auto end, read_time(context, child.one(1), Round::down));
-  const Validity validity{begin.time, end.time, end.is_for_cyclone};
+  const Validity validity{.not_before = begin.time,
+                          .not_after = end.time,
+                          .is_for_cyclone = end.is_for_cyclone,
+                          .offset_of_not_before = begin.east,
+                          .offset_of_not_after = end.east};
   if (validity.not_before > validity.not_after) {
     const bool is_within_a_second = validity.not_before - validity.not_after == seconds(1);
     return fail(

@@ -309,8 +309,7 @@ void report_notes(const Subject& subject, Diagnosis& out) {
   std::map<std::string_view, std::size_t> counts;
   for (const auto& note : *subject.notes) ++counts[note.text];
   for (const auto& note : *subject.notes) {
-    const bool is_time = note.kind == NoteKind::no_zone || note.kind == NoteKind::fraction;
-    if (is_time || note.text.find("names no zone") != note.text.npos)
+    if (note.kind == NoteKind::no_zone || note.kind == NoteKind::fraction)
       continue;  // has a rule of its own
     const auto count = std::exchange(counts[note.text], 0);
     if (count == 0) continue;

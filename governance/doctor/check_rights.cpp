@@ -103,6 +103,31 @@ void check_form(const Scene& scene, const std::vector<Candidate>& all) {
              .line = grant->line});
 }
 
+constexpr std::string_view kHintOfZones = "write both dates of the grant in UTC, with a Z";
+
+// Whether Fast DDS takes a grant now that others do not, or the reverse.
+void check_fastdds_zones(const Scene& scene, const std::vector<Candidate>& all) {
+  const auto now = scene.settings.now;
+  const auto is_valid = [&](Vendor vendor) {
+    return std::ranges::any_of(all, [&](const Candidate& one) {
+      return validity_as(vendor, one.grant->validity).contains(now);
+    });
+  };
+  const bool is_valid_for_fastdds = is_valid(Vendor::fastdds);
+  if (is_valid_for_fastdds == is_valid(Vendor::ours)) return;
+  const auto& grant = *all.front().grant;
+  scene.out.report(
+      {.fastdds = is_valid_for_fastdds ? Outcome::unsafe : Outcome::fail},
+      {.rule = Rule::DOC042,
+       .message = fmt::format("grant \"{}\": {} ignores the zones of the dates, and so {} it now, {}",
+                              grant.name, name(Vendor::fastdds, scene.settings.lineup),
+                              is_valid_for_fastdds ? "takes" : "does not take", to_string(now)),
+       .document = scene.file(),
+       .line = grant.line,
+       .hint = std::string(kHintOfZones),
+       .severity = Severity::error});
+}
+
 void check_cyclones_end(const Scene& scene, const Grant& grant) {
   if (grant.validity.is_for_cyclone) return scene.out.pass(Rule::DOC040);
   scene.out.report(
@@ -123,8 +148,10 @@ void check_grant_dates(const Scene& scene, const std::vector<Candidate>& all) {
   const auto* first = all.front().grant;
   if (first->validity.contains(now)) return check_cyclones_end(scene, *first);
   const bool early = now < first->validity.not_before;
+  auto outcomes = any ? measured(Variant::grant_second, scene.settings.lineup) : kNobody;
+  if (validity_as(Vendor::fastdds, first->validity).contains(now)) outcomes.fastdds = Outcome::ok;
   scene.out.report(
-      any ? measured(Variant::grant_second, scene.settings.lineup) : kNobody,
+      outcomes,
       {.rule = Rule::DOC040,
        .message =
            fmt::format("grant \"{}\" of {}: <{}> is {}, now it is {}{}", first->name,
@@ -142,8 +169,9 @@ void check_local_time(const Scene& scene, const Grant& grant) {
   const auto is_near = [&](WallTime time) {
     return time - kFarthestZone < now && now < time + kFarthestZone;
   };
-  const bool starts = is_near(grant.validity.not_before);
-  if (!starts && !is_near(grant.validity.not_after)) return scene.out.pass(Rule::DOC042);
+  const auto read = validity_as(Vendor::fastdds, grant.validity);
+  const bool starts = is_near(read.not_before);
+  if (!starts && !is_near(read.not_after)) return scene.out.pass(Rule::DOC042);
   scene.out.report(
       {}, {.rule = Rule::DOC042,
            .message =
@@ -348,6 +376,7 @@ void check_permissions(const Scene& scene, const DomainRule* governance) {
   const auto* grant = grant_of(scene.folder, scene.settings.now);
   if (grant == nullptr) grant = all.front().grant;
   check_local_time(scene, *grant);
+  check_fastdds_zones(scene, all);
   check_join(scene, *grant, governance);
   check_default(scene, *grant);
   check_denials(scene.folder, scene.settings, *grant, scene.out);

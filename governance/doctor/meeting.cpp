@@ -184,17 +184,36 @@ Status judge_permissions_of(const Party& judge, const Party& subject, WallTime n
   if (!subject.folder.certificate) return std::unexpected(subject.folder.certificate.error());
   const auto& certificate = *subject.folder.certificate;
   for (const auto& grant : document.model->grants)
-    if (reads_remote_subject(grant, certificate, judge) && grant.validity.contains(now)) {
-      if (judge.vendor != Vendor::cyclonedds || grant.validity.is_for_cyclone) return {};
-      return fail(
-          Code::grant_expired,
-          {.line = grant.line, .note = "Cyclone DDS reads <not_after> as a time that has passed"});
+    if (reads_remote_subject(grant, certificate, judge)) {
+      if (validity_as(judge.vendor, grant.validity).contains(now)) return {};
+      if (!grant.validity.contains(now)) continue;
+      return fail(Code::grant_expired,
+                  {.line = grant.line,
+                   .note = judge.vendor == Vendor::cyclonedds
+                               ? "Cyclone DDS reads <not_after> as a time that has passed"
+                               : "Fast DDS ignores the zones of the validity"});
     }
   const auto found =
       find_grant(*document.model, pki::SubjectName::of(certificate), certificate.subject(), now);
   if (!found) return std::unexpected(found.error());
   return fail(Code::no_grant_for_subject,
               {.expected = certificate.subject(), .found = (*found)->subject_name});
+}
+
+// The grant that ddssec would apply, or one that a product of the meeting takes for valid.
+const Grant* applied_grant(const MeetingScene& scene, int about) {
+  const auto& folder = scene.folder(about);
+  if (const auto* grant = grant_of(folder, scene.settings.now)) return grant;
+  if (!folder.permissions.model || !folder.certificate) return nullptr;
+  const auto& grants = folder.permissions.model->grants;
+  const auto found = std::ranges::find_if(grants, [&](const Grant& grant) {
+    return std::ranges::any_of(kBoth, [&](int judge) {
+      const auto& party = scene.party(judge);
+      return reads_remote_subject(grant, *folder.certificate, party) &&
+             validity_as(party.vendor, grant.validity).contains(scene.settings.now);
+    });
+  });
+  return found == grants.end() ? nullptr : &*found;
 }
 
 // If this product refuses a grant of another subject, Cyclone DDS may still apply it.
@@ -425,7 +444,7 @@ Meeting meet(const Party& a, const Party& b, const Settings& settings,
   Meeting out;
   MeetingScene scene{{&a, &b}, settings, out, !topics.empty()};
   for (const int i : kBoth)
-    if (const auto* grant = grant_of(scene.folder(i), settings.now))
+    if (const auto* grant = applied_grant(scene, i))
       scene.grants[i] = std::make_unique<const CompiledGrant>(scene.folder(i).permissions.model,
                                                               *grant, settings.domain);
   for (const int i : kBoth) judge_start(scene, i);

@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 
+#include "governance/as_read.hpp"
 #include "governance/dialect.hpp"
 
 namespace ddssec::governance::doctor {
@@ -115,6 +116,12 @@ Verdict judge_as(Vendor vendor, const CompiledGrant& grant, DomainId domain, Act
                  const Request& request) {
   if (vendor == Vendor::ours) return grant.judge(action, request);
   return judge_by_rules(vendor, grant, domain, action, request);
+}
+
+Validity validity_as(Vendor vendor, const Validity& validity) {
+  if (vendor == Vendor::ours) return validity;
+  return as_stock_reads(validity, vendor == Vendor::cyclonedds ? StockProduct::cyclonedds
+                                                               : StockProduct::fastdds);
 }
 
 Verdict judge_participant_as(Vendor vendor, const CompiledGrant& grant, DomainId domain) {

@@ -40,6 +40,9 @@ Verdict judge_as(Vendor vendor, const CompiledGrant& grant, DomainId domain, Act
 Verdict judge_local_as(Vendor vendor, const CompiledGrant& grant, DomainId domain, Action action,
                        const Request& request);
 
+/// The validity as the product reads it (as_read.hpp).
+Validity validity_as(Vendor vendor, const Validity& validity);
+
 /// As CompiledGrant::judge_participant. Cyclone DDS and Fast DDS admit a participant by any
 /// allow_rule for the domain, wherever it is; Fast DDS reads <default> as DENY.
 Verdict judge_participant_as(Vendor vendor, const CompiledGrant& grant, DomainId domain);

@@ -1,10 +1,13 @@
-"""Permissions that Fast DDS does not use as they say: rows of a name, the rules, whether Fast DDS talks about FOO."""
+"""Permissions that Fast DDS does not use as they say."""
+
+import datetime
 
 DOCUMENT = """<?xml version="1.0" encoding="UTF-8"?>
-<dds><permissions><grant name="g"><subject_name>CN={}</subject_name>
-<validity><not_before>2026-01-01T00:00:00Z</not_before><not_after>2056-11-01T00:00:00Z</not_after></validity>
-{}<default>DENY</default></grant></permissions></dds>
+<dds><permissions><grant name="g"><subject_name>CN={name}</subject_name>
+<validity><not_before>2026-01-01T00:00:00Z</not_before><not_after>{end}</not_after></validity>
+{rules}<default>DENY</default></grant></permissions></dds>
 """
+END = "2056-11-01T00:00:00Z"
 TOPIC = "Foo"
 
 
@@ -18,10 +21,24 @@ def long_names(count):
     return [f"{'t' * 200}{number}" for number in range(count)]
 
 
+def in_zone(now, hours, zone):
+    """The time that many hours from now, as a clock in the zone shows it."""
+    moment = now + datetime.timedelta(hours=hours)
+    return moment.astimezone(datetime.timezone(datetime.timedelta(hours=zone))).isoformat(timespec="seconds")
+
+
 DENIED_ELSEWHERE = rule("deny", 1, TOPIC) + rule("allow", 0, "*")
 DENIED_ELSEWHERE_LATER = rule("allow", 0, "*") + rule("deny", 1, TOPIC)
 SHORT = rule("allow", 0, TOPIC, *long_names(100))
 LONG = rule("allow", 0, TOPIC, *long_names(300))
-ROWS = [("denied in another domain first", DENIED_ELSEWHERE, False),
-        ("denied in another domain later", DENIED_ELSEWHERE_LATER, True),
-        ("short enough", SHORT, True), ("too long", LONG, False)]
+
+
+def rows(now):
+    """Rows of a name, the end of the validity, the rules, and whether Fast DDS and whether others talk about TOPIC."""
+    everything = rule("allow", 0, "*")
+    return [("denied in another domain first", END, DENIED_ELSEWHERE, False, True),
+            ("denied in another domain later", END, DENIED_ELSEWHERE_LATER, True, True),
+            ("short enough", END, SHORT, True, True),
+            ("too long", END, LONG, False, True),
+            ("ended, by a clock far in the east not yet", in_zone(now, -1, 12), everything, True, False),
+            ("not ended, by a clock far in the west long ago", in_zone(now, 1, -12), everything, False, True)]

@@ -6,6 +6,7 @@ Usage: doctor_test.py SOURCE BUILD [--ours | FOLDER...]
 --ours: our plugins alone on every folder; measure.py starts the stock products on them.
 """
 
+import datetime
 import pathlib
 import subprocess
 import sys
@@ -96,9 +97,10 @@ def limits_of_fastdds(namespace, where, product):
     tool, wrong = str(BUILD / "bin/ddssec"), 0
     subprocess.run([tool, "init", "limits", "-q"], cwd=where, check=True)
     folders = [where / "limits" / name for name in ("talker", "listener")]
-    for text, rules, is_heard in fastdds_permissions.ROWS:
+    for text, end, rules, is_heard, _ in fastdds_permissions.rows(datetime.datetime.now(datetime.timezone.utc)):
         for folder in folders:
-            (where / "limits.xml").write_text(fastdds_permissions.DOCUMENT.format(folder.name, rules))
+            document = fastdds_permissions.DOCUMENT.format(name=folder.name, end=end, rules=rules)
+            (where / "limits.xml").write_text(document)
             subprocess.run([tool, "permissions", "sign", "limits.xml", "--ca", "limits", "-o", folder / "permissions.p7s",
                             "--replace", "--no-lint", "-q"], cwd=where, check=True)
         did = forecast.exchange(namespace, [product, product], folders, topic=fastdds_permissions.TOPIC)
