@@ -15,6 +15,7 @@ enum class Live : std::uint8_t {
   same,
   live,
   live_unless_in_use,  ///< a rule comes before others: its topics may be in use
+  live_if_believed,    ///< another CA signed it
   restart,
 };
 
@@ -26,6 +27,8 @@ std::string_view live_word(Live live) {
       return "live";
     case Live::live_unless_in_use:
       return "live unless in use";
+    case Live::live_if_believed:
+      return "live if the signer is believed";
     case Live::restart:
       return "restart";
   }
@@ -85,6 +88,8 @@ std::string_view in_words(Live live) {
       return "taken while they run";
     case Live::live_unless_in_use:
       return "taken while they run; restart those that use one of its topics";
+    case Live::live_if_believed:
+      return "refused, unless the new signer is one of their permissions CAs";
     case Live::restart:
       return "restart";
   }
@@ -95,7 +100,10 @@ std::string_view in_words(Live live) {
 
 void add_forecast(const governance::Governance& before, const governance::Governance& after,
                   const DiffSides& sides, Report& report) {
-  const auto ours = forecast(before, after);
+  auto ours = forecast(before, after);
+  const auto &before_signer = sides.before.signer, &after_signer = sides.after.signer;
+  if (!before_signer.empty() && !after_signer.empty() && before_signer != after_signer)
+    ours.add(Live::live_if_believed, "another CA signed the new document", 0);
   const auto& result = report.result;
   const bool is_same =
       ours.outcome == Live::same && result["changes"].empty() && result["rewritten"].empty();

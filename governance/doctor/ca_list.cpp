@@ -88,4 +88,11 @@ bool names(const pki::Crl& list, const pki::Certificate& certificate) {
              entries->end();
 }
 
+bool is_of_its_ca(const pki::Crl& list, const pki::Certificate& certificate,
+                  const std::vector<pki::Certificate>& cas) {
+  return std::ranges::any_of(cas, [&](const pki::Certificate& ca) {
+    return certificate.is_issued_by(ca) && list.is_signed_by(ca);
+  });
+}
+
 }  // namespace ddssec::governance::doctor

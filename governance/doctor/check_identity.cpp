@@ -265,25 +265,37 @@ std::string own_list(const LoadedFolder& folder) {
                      to_string(folder.crls->front().number().value_or(0)));
 }
 
+// A revocation by the list of another key of the CA counts once that key is the only one.
+void report_revoked(const LoadedFolder& folder, const CaList& newer, Diagnosis& out) {
+  const auto& certificate = *folder.certificate;
+  const bool counts = is_of_its_ca(newer.list, certificate, *folder.identity_cas);
+  Finding finding{
+      .rule = Rule::DOC024,
+      .message = fmt::format("{} of {} (serial {}) is revoked by list {} of the CA{}, {}; {}",
+                             name_of(folder.paths.certificate), certificate.subject(),
+                             certificate.serial(), to_string(newer.list.number().value_or(0)),
+                             counts ? "" : "'s successor", newer.file.string(),
+                             counts ? own_list(folder)
+                                    : "participants accept it while the former CA is in their files"),
+      .document = newer.file};
+  if (!counts) {
+    finding.hint = "if the overlap has not ended, end it now: ddssec ca rotate CA --role identity --end";
+    finding.severity = Severity::warning;
+  }
+  out.report(counts ? kNobody : Outcomes(), std::move(finding));
+}
+
 // The CA's own list, if it lies beside the participant and is newer than the participant's.
 void check_ca_list(const LoadedFolder& folder, Diagnosis& out) {
   if (!folder.crls || !folder.certificate || !folder.identity_cas) return;
   const auto newer = newer_ca_list(folder.paths, *folder.identity_cas, *folder.crls);
   if (!newer) return;
-  const auto number = to_string(newer->list.number().value_or(0));
-  if (names(newer->list, *folder.certificate))
-    return out.report(
-        kNobody, {.rule = Rule::DOC024,
-                  .message = fmt::format(
-                      "{} of {} (serial {}) is revoked by list {} of the CA, {}; "
-                      "{}",
-                      name_of(folder.paths.certificate), folder.certificate->subject(),
-                      folder.certificate->serial(), number, newer->file.string(), own_list(folder)),
-                  .document = newer->file});
+  if (names(newer->list, *folder.certificate)) return report_revoked(folder, *newer, out);
   if (!folder.has_crl_file) return;  // said by check_revocation
   out.report({}, {.rule = Rule::DOC023,
-                  .message = fmt::format("the CA has list {}, {}; {}", number, newer->file.string(),
-                                         own_list(folder)),
+                  .message = fmt::format("the CA has list {}, {}; {}",
+                                         to_string(newer->list.number().value_or(0)),
+                                         newer->file.string(), own_list(folder)),
                   .document = folder.paths.crl,
                   .hint = "put the CA's list into the participants' folders: ddssec crl distribute",
                   .severity = Severity::warning});

@@ -141,15 +141,23 @@ class Overlap(Transcript):
         self.assertTrue(self.talks("demo/talker", "demo/listener"))
 
     def test_a_revocation_during_the_overlap_ends_with_it(self):
+        self.run_program("identity", "issue", "radar", "--ca", "demo", "-o", "demo/radar", "--publish", "x",
+                         "--governance", "demo/governance.p7s", *NOW)
         self.both("--overlap", "30d")
         out = self.json("identity", "revoke", "demo/talker", "--ca", "demo", *NOW, exit=1)
         self.assertEqual([d["id"] for d in out["diagnostics"]], ["revoked_after_overlap"])
         self.json("crl", "distribute", "--ca", "demo", *NOW)
+        answer = self.json("doctor", "demo/talker", "--vendor", "cyclonedds", *NOW)
+        (told,) = [one for one in answer["diagnostics"] if one["id"] == "DOC024"]
+        self.assertEqual(told["severity"], "warning")
+        self.assertIn("accept it while the former CA is in their files", told["message"])
+        self.assertTrue(self.talks("demo/talker", "demo/listener"), "as it is (interop_rtps.overlap)")
         told = self.run_program("identity", "revoke", "demo/listener", "--ca", "demo", *NOW, exit=1).stderr
         self.assertIn("warning[revoked_after_overlap]", told)
         out = self.rotate("identity", "--end")
         self.assertEqual(out["revoked"], [str(self.at / "demo" / name) for name in ("talker", "listener")])
-        self.assertFalse(self.talks("demo/talker", "demo/listener"))
+        for name in ("talker", "listener"):
+            self.assertFalse(self.talks(f"demo/{name}", "demo/radar"))
 
     def test_dry_run_writes_nothing(self):
         before = {path: self.text(path) for path in self.files()}

@@ -117,6 +117,17 @@ class GovernanceDifferences(Differences):
         self.assertEqual(self.diff()["live"]["ddssec"], "live")
         self.assertIn("running participants: on ddssec's plugins:  taken while they run", self.text())
 
+    def test_a_document_that_another_ca_signed_is_refused_while_they_run(self):
+        now = ("--now", "2026-11-21T00:00:00Z")
+        for name in ("one", "other"):
+            self.run_program("ca", "create", name, "--role", "permissions", "--subject", f"CN={name}", "--no-passphrase", *now)
+        self.write(governance(topic("rt/x")), governance(topic("rt/x"), topic("rt/y")))
+        for document, ca in (("old.xml", "one"), ("new.xml", "other"), ("new.xml", "one")):
+            self.run_program("governance", "sign", document, "--ca", ca, "-o", f"{ca}-{document}.p7s", "--no-lint", *now)
+        for new, expected in (("one", "live"), ("other", "live if the signer is believed")):
+            out = self.json("governance", "diff", "one-old.xml.p7s", f"{new}-new.xml.p7s", exit=None)["result"]
+            self.assertEqual(out["live"]["ddssec"], expected)
+
     def test_fail_on_says_what_is_too_much(self):
         self.write(governance(topic("*"), unauthenticated="true"), governance(topic("*")))
         for threshold, exit in (("weaker", 0), ("breaking", 0), ("any", 1)):
