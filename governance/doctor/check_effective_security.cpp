@@ -137,6 +137,10 @@ class Checks {
     const bool is_name =
         path == nullptr || path->text == expected.stock || path->text == expected.ours;
     if (is_name) return check_functions(expected, plugin);
+    if (const auto* other = named_function_of_another(expected, plugin))
+      return refuse(path->line,
+                    fmt::format("names the library of <{}> in <{}>: Cyclone DDS does not start",
+                                other->element, expected.element));
     auto places = LoaderPlaces::here();
     const auto file = library_file(path->text, places);
     if (file.empty()) return report_missing_library(expected, *path);
@@ -149,6 +153,16 @@ class Checks {
     }
     places.library_path.clear();
     if (library_file(path->text, places).empty()) report_without_library_path(expected, *path);
+  }
+
+  // Libraries of one's own have names of their own for their functions.
+  static const Expected* named_function_of_another(const Expected& expected,
+                                                   const ConfiguredPlugin& plugin) {
+    const auto* named = plugin.attribute("initfunction");
+    const auto other = std::ranges::find_if(kExpected, [&](const Expected& one) {
+      return one.element != expected.element && named != nullptr && named->text == one.init;
+    });
+    return other == std::end(kExpected) ? nullptr : &*other;
   }
 
   // As the application reads it if it has the environment of this process.

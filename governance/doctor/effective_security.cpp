@@ -45,10 +45,11 @@ constexpr Kind kKinds[] = {
 
 // Directly below <CycloneDDS> and <Domain>: measured with 0.10.2 and 0.10.5, which do not differ.
 constexpr std::string_view kSections[] = {
-    "compatibility", "ddssecurity", "discovery", "general", "id",      "internal", "partitioning",
-    "sharedmemory",  "sizing",      "ssl",       "tcp",     "threads", "tracing",  "unsupported"};
+    "compatibility", "ddssecurity",  "discovery",  "general", "internal",
+    "partitioning",  "sharedmemory", "sizing",     "ssl",     "tcp",
+    "threads",       "tracing",      "unsupported"};
 constexpr std::string_view kOfRoot[] = {"domain", "ddsi2e", "ddsi2eservice"};
-constexpr std::string_view kOfDomain[] = {"security"};
+constexpr std::string_view kOfDomain[] = {"id", "security"};
 constexpr std::string_view kRootAttributes[] = {"xmlns", "xmlns:xsi", "xsi:schemalocation",
                                                 "xsi:nonamespaceschemalocation"};
 

@@ -136,6 +136,10 @@ class JudgedFiles(Transcript):
                 (f"<PrivateKey>file:{self.talker}/key.pem</PrivateKey>", "", ("names no <PrivateKey>",)),
                 ('Id="any"', 'Id="all"', ("all",)),
                 ("</Domain>", "<Genral/></Domain>", ("<genral> inside <Domain>", "does not know")),
+                ('"dds_security_crypto" initFunction="init_crypto" finalizeFunction="finalize_crypto"',
+                 '"dds_security_ac" initFunction="init_access_control" finalizeFunction="finalize_access_control"',
+                 ("the library of <AccessControl> in <Cryptographic>",)),
+                ("<Domain", "<Id>0</Id><Domain", ("<id> inside <CycloneDDS>",)),
                 ("<Domain", "<Security/><Domain", ("<security> inside <CycloneDDS>",)),
                 ("</CycloneDDS>", "</CycloneDDS>\n<CycloneDDS/>", ("goes on after </CycloneDDS>",)),
                 ("</CycloneDDS>", "</CycloneDDS>\nend", ("text outside of <CycloneDDS>",))):
