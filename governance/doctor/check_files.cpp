@@ -29,14 +29,27 @@ std::string absence(const fs::path& path) {
 }
 
 // A key that DDS-Security does not allow. Measured with Cyclone DDS 0.10.2 and Fast DDS 2.9.1: of a
-// permissions CA both take every key that OpenSSL takes (RSA-1024, P-224, P-521, secp256k1).
-void report_key(const fs::path& path, const Error& error, bool is_of_permissions_ca,
+// permissions CA both take every key that OpenSSL takes (RSA-1024, P-224, P-521, secp256k1), but
+// for RSASSA-PSS with Fast DDS, which also starts with no Ed25519 or Ed448 key of an identity CA.
+Outcomes outcomes_of_key(const pki::ParticipantFolder& paths, const fs::path& path,
+                         const Error& error, const Lineup& lineup) {
+  const bool is_of_permissions_ca = path == paths.permissions_ca;
+  const bool is_explicit = is_key_of_explicit_curve(error);
+  const std::string_view key = error.details().found;
+  auto out = kNobody;
+  out.fastdds = measured(Variant::ed25519, lineup).fastdds;
+  if (is_key_of_another_curve(error) || is_explicit) out.cyclonedds = Outcome::unsafe;
+  if (is_of_permissions_ca && !is_explicit) out.cyclonedds = Outcome::ok;
+  const bool is_refused = is_of_permissions_ca
+                              ? key.contains("RSA-PSS")
+                              : is_explicit || (path == paths.identity_ca && key.contains("ED"));
+  if (is_refused) out.fastdds = Outcome::fail;
+  return out;
+}
+
+void report_key(const LoadedFolder& folder, const fs::path& path, const Error& error,
                 const Settings& settings, Diagnosis& out) {
-  auto outcomes = kNobody;
-  outcomes.fastdds = measured(Variant::ed25519, settings.lineup).fastdds;
-  if (is_key_of_another_curve(error) || is_key_of_explicit_curve(error))
-    outcomes.cyclonedds = Outcome::unsafe;
-  if (is_of_permissions_ca && !is_key_of_explicit_curve(error)) outcomes.cyclonedds = Outcome::ok;
+  const auto outcomes = outcomes_of_key(folder.paths, path, error, settings.lineup);
   std::string who = "ddssec's plugins";
   for (const auto vendor : {Vendor::cyclonedds, Vendor::fastdds})
     if (outcomes.of(vendor) == Outcome::fail) who += " and " + name(vendor, settings.lineup);
@@ -79,7 +92,7 @@ void check_loaded(const LoadedFolder& folder, const Settings& settings, Diagnosi
   const auto look = [&](const auto& piece, const fs::path& path) {
     if (piece) return;
     if (piece.error().code() == Code::key_not_allowed)
-      return report_key(path, piece.error(), path == folder.paths.permissions_ca, settings, out);
+      return report_key(folder, path, piece.error(), settings, out);
     report_unloaded(path, piece.error(), out);
   };
   look(folder.identity_cas, folder.paths.identity_ca);
