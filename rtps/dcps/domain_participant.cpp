@@ -108,8 +108,9 @@ Result<std::unique_ptr<DomainParticipant>> DomainParticipant::create(
   std::unique_ptr<DomainParticipant> out(new DomainParticipant(std::move(wanted), environment));
   const auto& options = out->options_;
   if (!options.durability_store.empty())
-    DDSSEC_RETURN_IF_ERROR(
-        out->stores_.open_file(options.durability_store, options.durability_store_octets));
+    DDSSEC_RETURN_IF_ERROR(out->stores_.open_file(
+        options.durability_store, options.durability_store_octets, options.security.has_value(),
+        out->context_.moment().wall));
   auto& service = out->service_;
   DDSSEC_ASSIGN_OR_RETURN(
       auto participant_sockets,

@@ -82,6 +82,13 @@ Result<DurableStore::Opened> DurableStore::open_stream(StreamKey key,
                                         .found = "one more"});
 }
 
+Result<bool> DurableStore::is_empty() {
+  const std::unique_lock store(store_mutex_, kLongestOpen);
+  if (!store) return fail(Code::rtps_timeout, {.document = store_.path()});
+  DDSSEC_ASSIGN_OR_RETURN(const auto count, store_.streams());
+  return count == 0;
+}
+
 Result<DurableStore::Opened> DurableStore::load(StreamId id, std::uint64_t after, bool watch) {
   DDSSEC_RETURN_IF_ERROR(wait(kLongestOpen, [&] { return committed_ >= after; }));
   const std::unique_lock store(store_mutex_, kLongestOpen);

@@ -65,6 +65,10 @@ class DurableStore {
   /// Waits until the queue is shorter. Errors: as for flush.
   Status wait_for_room(std::chrono::nanoseconds most);
 
+  /// True if it holds no stream. Errors: those of SampleStore, rtps_timeout.
+  Result<bool> is_empty();
+  const std::string& path() const { return store_.path(); }
+
   /// The number of groups that were committed; never reset.
   std::uint64_t groups() const;
 

@@ -1,10 +1,13 @@
 #include "rtps/durability/durable_stores.hpp"
 
+#include "rtps/durability/store_security.hpp"
+
 namespace ddssec::rtps {
 
-Status DurableStores::open_file(const std::string& path, std::size_t most_octets) {
+Status DurableStores::open_file(const std::string& path, std::size_t most_octets, bool is_secured,
+                                Time now) {
   DDSSEC_ASSIGN_OR_RETURN(persistent_, DurableStore::open(path, events_, most_octets));
-  return {};
+  return check_store_security(*persistent_, is_secured, now);
 }
 
 Result<DurableStore*> DurableStores::of(DurabilityKind kind) {

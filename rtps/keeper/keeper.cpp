@@ -8,6 +8,7 @@
 
 #include "base/hash.hpp"
 #include "rtps/discovery/serialized.hpp"
+#include "rtps/durability/store_security.hpp"
 #include "rtps/keeper/kept_topic.hpp"
 #include "rtps/keeper/refused_writers.hpp"
 
@@ -30,13 +31,6 @@ KeyHash key_of(const EndpointData& writer) {
 StreamKey stream_of_announcements(DomainId domain, const std::string& domain_tag) {
   StreamKey key{.domain = static_cast<std::uint32_t>(domain), .topic = "", .type = "kept"};
   if (!domain_tag.empty()) key.scope.push_back(domain_tag);
-  return key;
-}
-
-/// A stream whose one sample says whether the others were kept with security.
-StreamKey stream_of_security(DomainId domain, const std::string& domain_tag) {
-  auto key = stream_of_announcements(domain, domain_tag);
-  key.type = "security";
   return key;
 }
 
@@ -82,6 +76,8 @@ Result<std::unique_ptr<Keeper>> Keeper::create(DomainParticipantOptions options,
                                                const Environment& environment) {
   DDSSEC_ASSIGN_OR_RETURN(auto store,
                           DurableStore::open(keeps.store, environment.events, keeps.store_octets));
+  DDSSEC_RETURN_IF_ERROR(check_store_security(*store, options.security.has_value(),
+                                              Time::from(environment.clock.wall())));
   auto domain_tag = options.domain_tag;
   DDSSEC_ASSIGN_OR_RETURN(auto participant,
                           DomainParticipant::create(std::move(options), environment));
@@ -103,37 +99,8 @@ Keeper::~Keeper() {
     reader->set_listener(nullptr);
 }
 
-Status Keeper::check_security() {
-  DDSSEC_ASSIGN_OR_RETURN(
-      const auto opened,
-      store_->open_stream(stream_of_security(participant_->domain_id(), domain_tag_), {}));
-  auto& context = participant_->context_;
-  bool is_secured = false;
-  {
-    const std::lock_guard lock(context.mutex());
-    is_secured = context.protocol().remote_participants().core().security != nullptr;
-  }
-  const auto text = [](bool secured) { return secured ? "with security" : "without security"; };
-  if (opened.history.empty()) {
-    Change change;
-    change.payload = Payload::copy_of(as_bytes(std::string_view(text(is_secured))));
-    store_->append(opened.id, change, context.moment().wall);
-    return {};
-  }
-  const auto found = as_text(opened.history.back().payload.view());
-  if (found == text(is_secured)) return {};
-  return fail(Code::rtps_store_unusable,
-              {.document = "store of the keeper",
-               .field = "domain " + std::to_string(participant_->domain_id()),
-               .expected = fmt::format("samples that were kept {}", text(is_secured)),
-               .found = fmt::format("samples that were kept {}", found),
-               .hint = "start the keeper as before (--security FOLDER, or not), or name another "
-                       "store"});
-}
-
 Status Keeper::start() {
   DDSSEC_RETURN_IF_ERROR(participant_->ignore_participant(participant_->guid()));
-  DDSSEC_RETURN_IF_ERROR(check_security());
   DDSSEC_ASSIGN_OR_RETURN(
       auto known,
       store_->open_stream(stream_of_announcements(participant_->domain_id(), domain_tag_),

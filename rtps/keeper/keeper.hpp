@@ -68,10 +68,6 @@ class Keeper final : private DataReaderListener {
  private:
   Keeper(std::unique_ptr<DomainParticipant> participant, std::unique_ptr<DurableStore> store,
          std::vector<std::string> topics);
-  /// Refuses samples that another kind of participant kept: readers without security would get
-  /// those of secured writers, or secured readers those of any writer. Errors: rtps_store_unusable,
-  /// those of DurableStore::open_stream.
-  Status check_security();
   /// Serves what is in the store, and listens for new writers.
   Status start();
   void on_data_available(AnyDataReader& reader) override;

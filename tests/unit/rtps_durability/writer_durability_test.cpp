@@ -31,7 +31,7 @@ TEST_F(WriterDurabilityTest, NotOpened_NothingHappens) {
 }
 
 TEST_F(WriterDurabilityTest, NextWriter_GetsWhatTheOneBeforeLeft_WithItsName) {
-  ASSERT_TRUE(stores.open_file(path, kMebibyte));
+  ASSERT_TRUE(stores.open_file(path, kMebibyte, false, {}));
   auto& store = **stores.of(DurabilityKind::persistent);
   {
     WriterDurability first;
@@ -60,7 +60,7 @@ TEST_F(WriterDurabilityTest, StoreWithRoom_IsNotWaitedFor) {
 }
 
 TEST_F(WriterDurabilityTest, StoresOf_KindsWithAFile_AreTwo) {
-  ASSERT_TRUE(stores.open_file(path, kMebibyte));
+  ASSERT_TRUE(stores.open_file(path, kMebibyte, false, {}));
   auto* persistent = *stores.of(DurabilityKind::persistent);
   auto* transient = *stores.of(DurabilityKind::transient);
   EXPECT_NE(persistent, transient);

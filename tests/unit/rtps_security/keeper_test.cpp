@@ -171,6 +171,43 @@ TEST_F(SecuredKeeper, AStore_KeptWithSecurity_IsRefusedWithout) {
   }
 }
 
+// Before: only the keeper's own stores said how they were kept, and only if no other stream did.
+TEST_F(SecuredKeeper, AStore_OfASecuredParticipantOrOfUnknownOrigin_IsRefusedWithout) {
+  mallory.reset();
+  keeper.reset();
+  const auto store =
+      std::filesystem::temp_directory_path() / ("ddssec-origin-" + std::to_string(::getpid()));
+  auto secured = process.options("CN=keeper,O=Example", rules);
+  secured.durability_store = store;
+  auto open = secured;
+  open.security.reset();
+  const auto participant = [&](const DomainParticipantOptions& options) {
+    return code_of(DomainParticipant::create(options, process.environment));
+  };
+  const auto keeps = [&](DomainParticipantOptions options) {
+    options.durability_store.clear();
+    return code_of(Keeper::create(std::move(options), {.store = store}, process.environment));
+  };
+  const auto is_for_secured_only = [&] {
+    EXPECT_EQ(participant(open), Code::rtps_store_unusable);
+    EXPECT_EQ(keeps(open), Code::rtps_store_unusable);
+    EXPECT_EQ(participant(secured), Code{});
+    EXPECT_EQ(keeps(secured), Code{});
+    std::filesystem::remove(store);
+  };
+  EXPECT_EQ(participant(secured), Code{});
+  is_for_secured_only();
+  {
+    const auto unknown = DurableStore::open(store, process.events).value();
+    const auto stream = unknown->open_stream({.topic = "Sensors", .type = "Sensor"}, {}).value();
+    Change change;
+    change.payload = Payload::copy_of(as_bytes(std::string_view("sample")));
+    unknown->append(stream.id, change, {});
+    ASSERT_TRUE(unknown->flush(5s));
+  }
+  is_for_secured_only();
+}
+
 // Before: the keeper did not start, and served nothing.
 TEST_F(SecuredKeeper, AStoredTopic_ThatIsNoLongerAllowed_IsNamedAndTheOthersAreServed) {
   mallory.reset();
