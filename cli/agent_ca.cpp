@@ -4,6 +4,7 @@
 
 #include "base/tool_code.hpp"
 #include "cli/agent_schedule.hpp"
+#include "cli/ca_overlap.hpp"
 #include "cli/documents.hpp"
 #include "cli/extended_permissions.hpp"
 #include "cli/logged_certificate.hpp"
@@ -32,8 +33,8 @@ Result<pki::Validity> next_validity(const Arguments& arguments, const pki::Certi
 
 // Later in any case: a CA that ends soon would be asked again and again.
 Status check_later(const pki::Certificate& renewed, const pki::Certificate& old,
-                   const pki::Certificate& ca) {
-  if (renewed.not_after() > old.not_after()) return {};
+                   const pki::Certificate& ca, WallTime now) {
+  if (renewed.not_after() > old.not_after() || is_from_the_future(old, now)) return {};
   return fail(Code::outlives_ca,
               {.expected = "an end after " + to_string(old.not_after()),
                .found = to_string(ca.not_after()) + ", the end of " + ca.subject(),
@@ -48,7 +49,7 @@ Result<pki::Certificate> issue(const RenewalRequest& request, const pki::Certifi
   DDSSEC_ASSIGN_OR_RETURN(const auto life, within_ca(wanted, ca.certificate(), true));
   DDSSEC_ASSIGN_OR_RETURN(const auto renewed, ca.authority.sign_request(as_bytes(request.request),
                                                                         life, context.random));
-  DDSSEC_RETURN_IF_ERROR(check_later(renewed, old, ca.certificate()));
+  DDSSEC_RETURN_IF_ERROR(check_later(renewed, old, ca.certificate(), now));
   return renewed;
 }
 
@@ -90,6 +91,7 @@ Result<Bytes> extended_by_ca(const Bytes& old_octets, const pki::Certificate& re
   DDSSEC_ASSIGN_OR_RETURN(const auto verifier,
                           pki::DocumentVerifier::make(std::move(certificates)));
   DDSSEC_ASSIGN_OR_RETURN(const auto document, named(verifier.verify(old_octets, now), file));
+  DDSSEC_RETURN_IF_ERROR(check_moved(ca.paths, document.signer(), file));
   DDSSEC_ASSIGN_OR_RETURN(const auto old, named(own_permissions(document, renewed, now), file));
   DDSSEC_RETURN_IF_ERROR(check_current(document, file, ca));
   if (old.grant.validity.not_after >= renewed.not_after()) return Bytes();

@@ -55,14 +55,35 @@ Result<std::vector<std::string>> variables_of(const Arguments& arguments) {
   return out;
 }
 
-// A user who can change the program has the rights of the agent.
+bool is_trusted(const struct stat& status) {
+  return status.st_uid == 0 || status.st_uid == ::geteuid();
+}
+
+// In a folder with the sticky bit only the owner of a file can replace it.
+Status check_place(const fs::path& program) {
+  for (auto folder = program.parent_path();; folder = folder.parent_path()) {
+    struct stat status {};
+    const bool is_known = ::stat(folder.c_str(), &status) == 0;
+    const bool is_open = (status.st_mode & 022) != 0 && (status.st_mode & S_ISVTX) == 0;
+    if (!is_known || !is_trusted(status) || is_open)
+      return fail(
+          tool_code::hook_unsafe,
+          {.document = folder,
+           .expected = "a folder of root or of this user that no other user can write, "
+                       "since the hook is in it",
+           .found = fmt::format("user {}, mode {:04o}", status.st_uid, status.st_mode & 07777)});
+    if (folder == folder.root_path()) return {};
+  }
+}
+
+// A user who can change the program has the rights of the agent. `program` has no links.
 Status check_program(const fs::path& program) {
   struct stat status {};
   if (::stat(program.c_str(), &status) != 0)
     return fail(tool_code::hook_failed,
                 {.document = program, .note = std::generic_category().message(errno)});
-  const bool is_trusted = status.st_uid == 0 || status.st_uid == ::geteuid();
-  if (S_ISREG(status.st_mode) && is_trusted && (status.st_mode & 022) == 0) return {};
+  if (S_ISREG(status.st_mode) && is_trusted(status) && (status.st_mode & 022) == 0)
+    return check_place(program);
   return fail(tool_code::hook_unsafe, {.document = program,
                                        .expected = "a file of root or of this user, mode 0755",
                                        .found = fmt::format("user {}, mode {:04o}", status.st_uid,
@@ -76,7 +97,7 @@ std::vector<char*> pointers_to(std::vector<std::string>& texts) {
   return out;
 }
 
-int become_hook(Hook hook, const HookRequest& request, int in, int out) {
+int become_hook(Hook hook, const fs::path& program, const HookRequest& request, int in, int out) {
   constexpr rlimit kNoCore = {.rlim_cur = 0, .rlim_max = 0};
   auto variables = std::move(hook.variables);
   variables.emplace_back("PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin");
@@ -89,8 +110,7 @@ int become_hook(Hook hook, const HookRequest& request, int in, int out) {
     return kNotStarted;
   ::close(in);
   ::close(out);
-  ::execve(hook.words.front().c_str(), pointers_to(hook.words).data(),
-           pointers_to(variables).data());
+  ::execve(program.c_str(), pointers_to(hook.words).data(), pointers_to(variables).data());
   return kNotStarted;
 }
 
@@ -118,10 +138,14 @@ Result<Hook> hook_of(const Arguments& arguments) {
 
 // A hook need not read the request, so an end of its input is no failure.
 Result<std::string> run_hook(const Hook& hook, const HookRequest& request, HeldSignals& signals) {
-  DDSSEC_RETURN_IF_ERROR(check_program(hook.words.front()));
+  std::error_code error;
+  const auto program = fs::canonical(hook.words.front(), error);
+  if (error)
+    return fail(tool_code::hook_failed, {.document = hook.words.front(), .note = error.message()});
+  DDSSEC_RETURN_IF_ERROR(check_program(program));
   const auto deadline = std::chrono::steady_clock::now() + hook.timeout;
   DDSSEC_ASSIGN_OR_RETURN(auto child, ChildProcess::start(signals, [&](int in, int out) {
-                            return become_hook(hook, request, in, out);
+                            return become_hook(hook, program, request, in, out);
                           }));
   const auto sent = child.write(request.pem, deadline);
   if (sent != End::done && sent != End::closed) return ended(sent, hook);

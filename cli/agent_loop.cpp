@@ -95,15 +95,16 @@ Result<Json> event_from(const Json& json) {
   return known_members(json);
 }
 
-// Another user could ask for any name, with a certificate of their own in the folder.
-Status check_has_trust(const FolderOwner& owner, const Arguments& arguments,
-                       const std::filesystem::path& folder) {
+// Another user could ask for any name: with a certificate of their own in the folder, or with a
+// copy of another participant's. Only a request with the present key shows whose it is.
+Status check_owner(const FolderOwner& owner, const Arguments& arguments,
+                   const std::filesystem::path& folder) {
   const bool is_foreign = owner.user != ::geteuid();
   ErrorDetails details{.document = folder, .found = fmt::format("a folder of user {}", owner.user)};
   if (is_foreign && arguments.has("--rekey")) {
-    details.expected = "a folder of the agent's own user, with --rekey and a hook";
+    details.expected = "a folder of the agent's own user, with --rekey";
     details.hint = "leave out --rekey: then a request shows that it comes from the present key";
-  } else if (is_foreign && !arguments.has("--trust")) {
+  } else if (is_foreign && arguments.has("--hook") && !arguments.has("--trust")) {
     details.expected = "--trust FILE, with a hook for folders of other users";
     details.hint = "name the identity CA's certificate, in a file that only you can write";
   } else {
@@ -226,8 +227,8 @@ Result<Json> Agent::converse(Folder& folder, ChildProcess& worker) {
 }
 
 Result<RenewalAnswer> Agent::ask_ca(const Folder& folder, const RenewalRequest& request) {
+  DDSSEC_RETURN_IF_ERROR(check_owner(folder.lock->owner(), arguments_, folder.task.folder));
   if (!hook_) return ask_own_ca(folder, request);
-  DDSSEC_RETURN_IF_ERROR(check_has_trust(folder.lock->owner(), arguments_, folder.task.folder));
   DDSSEC_RETURN_IF_ERROR(check_request(request));
   DDSSEC_ASSIGN_OR_RETURN(const auto old,
                           pki::Certificate::from_pem(as_bytes(request.certificate)));

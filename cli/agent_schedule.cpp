@@ -26,4 +26,8 @@ seconds retry_after(unsigned failures, seconds lifetime, std::uint8_t jitter) {
   return wait + wait * jitter / (8 * 256);
 }
 
+bool is_from_the_future(const pki::Certificate& certificate, WallTime now) {
+  return certificate.not_before() > now;
+}
+
 }  // namespace ddssec::cli

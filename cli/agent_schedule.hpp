@@ -22,4 +22,8 @@ std::chrono::seconds lifetime(const pki::Certificate& certificate);
 std::chrono::seconds retry_after(unsigned failures, std::chrono::seconds lifetime,
                                  std::uint8_t jitter);
 
+/// True for a certificate that begins after `now`: it was issued by a clock that was ahead. It is
+/// renewed at once, although the next one ends earlier.
+bool is_from_the_future(const pki::Certificate& certificate, WallTime now);
+
 }  // namespace ddssec::cli

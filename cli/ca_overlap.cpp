@@ -91,4 +91,13 @@ Status check_moved(const CaPaths& ca, const fs::path& document, WallTime now) {
   return fail(tool_code::not_moved_yet, {.document = document});
 }
 
+Status check_moved(const CaPaths& ca, const pki::Certificate& signer, const fs::path& document) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto overlap, read_overlap(ca));
+  if (!overlap) return {};
+  const bool is_of_successor = std::ranges::any_of(
+      overlap->next, [&](const auto& one) { return one == signer || signer.is_issued_by(one); });
+  if (is_of_successor) return {};
+  return fail(tool_code::not_moved_yet, {.document = document});
+}
+
 }  // namespace ddssec::cli

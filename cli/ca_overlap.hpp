@@ -46,4 +46,8 @@ Result<std::string> file_of_lists(const CaPaths& ca, const pki::Crl& next);
 /// participant must move first, with all its documents. Error: not_moved_yet.
 Status check_moved(const CaPaths& ca, const std::filesystem::path& document, WallTime now);
 
+/// The same for a document that has been verified, with its signer.
+Status check_moved(const CaPaths& ca, const pki::Certificate& signer,
+                   const std::filesystem::path& document);
+
 }  // namespace ddssec::cli

@@ -35,6 +35,7 @@ struct Ending {
   fs::path file;
   std::size_t places = 1;  ///< how many files hold the same
   std::string id = {};     ///< of a certificate: issuer and serial number
+  WallTime begin = {};     ///< of a participant's certificate
 };
 
 /// Finds everything that expires below some paths; the same object in several files is one row. A
@@ -190,7 +191,8 @@ class Search {
             certificate.not_after(),
             file,
             1,
-            certificate.issuer() + ' ' + certificate.serial()};
+            certificate.issuer() + ' ' + certificate.serial(),
+            certificate.is_ca() ? WallTime() : certificate.not_before()};
   }
 
   Status look_into_pem(const fs::path& file, BytesView octets) {
@@ -257,6 +259,7 @@ class Search {
 
 std::string_view state_of(const Ending& ending, WallTime now, WallTime horizon) {
   if (ending.end <= now) return "expired";
+  if (ending.begin > now) return "not yet";
   return ending.end <= horizon ? "soon" : "ok";
 }
 

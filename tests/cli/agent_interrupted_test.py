@@ -58,7 +58,7 @@ class Interrupted(AgentTest):
         self.at.chmod(0o755)
         for path in (self.talker, *self.talker.iterdir()):
             os.chown(path, 65534, 65534)
-        self.everywhere("--ca", "demo", "--rekey", "--permissions", owner=65534)
+        self.everywhere("--ca", "demo", "--permissions", owner=65534)
 
     def test_all_at_once_at_any_moment(self):
         short = ShortLived(self.at, self.ca)

@@ -275,10 +275,45 @@ class Folders(AgentTest):
         self.at.chmod(0o755)
         for path in (self.talker, *self.talker.iterdir()):
             os.chown(path, OTHER, OTHER)
-        self.once("--ca", "demo", "--rekey", "--permissions", *self.LATER)
+        self.once("--ca", "demo", "--permissions", *self.LATER)
         self.assertEqual({(p.stat().st_uid, p.stat().st_gid) for p in self.talker.iterdir()}, {(OTHER, OTHER)})
         self.assertEqual((self.talker / "key.pem").stat().st_mode & 0o777, 0o600)
         self.run_program("doctor", "demo/talker", "--now", "+301d")
+
+    @NEEDS_ROOT
+    def test_a_user_gets_no_new_key_for_a_name(self):
+        """The owner puts another participant's certificate into the folder, which is no secret."""
+        self.at.chmod(0o755)
+        self.run_program("identity", "issue", "admin", "--ca", "demo", "-o", "demo/admin")
+        (self.talker / "cert.pem").write_bytes((self.at / "demo/admin/cert.pem").read_bytes())
+        for path in (self.talker, *self.talker.iterdir()):
+            os.chown(path, OTHER, OTHER)
+        event = self.refused("folder_untrusted", "--ca", "demo", "--rekey", *self.LATER, exit=4)
+        self.assertIn("with --rekey", event["message"])
+
+    def test_a_certificate_that_a_fast_clock_made_is_replaced(self):
+        self.assertEqual(self.once("--ca", "demo", *self.LATER)[0]["event"], "renewed")
+        self.assertEqual(self.once("--ca", "demo")[0]["event"], "renewed")
+        self.run_program("doctor", "demo/talker")
+        self.assertEqual(self.once("--ca", "demo")[0]["event"], "current")
+
+    def test_permissions_move_to_a_successor_of_their_ca_first(self):
+        before = (self.talker / "permissions.p7s").read_bytes()
+        self.run_program("ca", "rotate", "demo", "--role", "permissions", "--overlap", "30d")
+        event, = self.once("--ca", "demo", "--permissions", *self.LATER, exit=None)
+        self.assertEqual(event["problem"]["code"], "not_moved_yet")
+        self.assertEqual((self.talker / "permissions.p7s").read_bytes(), before)
+
+    def test_a_revoked_certificate_gets_no_next_one_by_a_hook(self):
+        self.run_program("identity", "revoke", "demo/talker", "--ca", "demo", exit=None)
+        (self.talker / "crl.pem").write_bytes((self.ca / "crl.pem").read_bytes())
+        self.refused("certificate_revoked", "--hook", self.signing_hook(), *self.LATER)
+
+    def test_a_hook_in_a_folder_that_others_can_change_is_not_run(self):
+        hook = self.signing_hook()
+        self.at.chmod(0o777)
+        event = self.refused("hook_unsafe", "--hook", hook, *self.LATER, exit=4)
+        self.assertIn("the hook is in it", event["message"])
 
     @NEEDS_ROOT
     def test_files_are_read_with_the_rights_of_the_folders_owner(self):

@@ -39,6 +39,10 @@ class Expiry(Transcript):
         self.entries("demo/talker/cert.pem", "--within", "0d", *NOW)
         self.entries("demo/talker/cert.pem", "--within", "24h", "--now", "2027-11-20T00:00:01Z", exit=1)
 
+    def test_a_certificate_that_begins_later_is_not_well(self):
+        early = self.entries("demo/talker/cert.pem", "--now", "2026-11-19T00:00:00Z", exit=1)
+        self.assertEqual([e["state"] for e in early], ["not yet"])
+
     def test_quiet_shows_only_what_ends(self):
         self.assertEqual(self.run_program("expiry", "-q", "demo", *NOW).stdout, "")
         told = self.run_program("expiry", "-q", "demo", "--now", "2027-05-01T00:00:00Z", exit=1).stdout
