@@ -9,6 +9,8 @@ namespace {
 
 constexpr auto kUnlimited = std::numeric_limits<std::size_t>::max();
 
+Locator without_port(const Locator& address) { return {address.kind, 0, address.address}; }
+
 }  // namespace
 
 AmplificationLimit::Source* AmplificationLimit::Account::find(const SourceAddress& address) {
@@ -69,7 +71,7 @@ void AmplificationLimit::set_addresses(const GuidPrefix& participant,
   auto* account = find(participant);
   if (account == nullptr) return;
   // Without memory nothing has changed: each address has a source.
-  Account changed{.sources = account->sources, .turn = account->turn};
+  Account changed{.sources = account->sources, .proven = account->proven, .turn = account->turn};
   for (std::size_t i = 0; i < std::min(addresses.size(), sources.size()); ++i) {
     changed.addresses.emplace_back(addresses[i], sources[i]);
     changed.add(sources[i]);
@@ -77,6 +79,10 @@ void AmplificationLimit::set_addresses(const GuidPrefix& participant,
   }
   std::erase_if(changed.sources,
                 [&](const auto& source) { return !changed.has_use_for(source.address); });
+  std::erase_if(changed.proven, [&](const auto& host) {
+    return std::ranges::none_of(changed.addresses,
+                                [&](const auto& one) { return without_port(one.first) == host; });
+  });
   *account = std::move(changed);
 }
 
@@ -93,28 +99,31 @@ std::size_t AmplificationLimit::credit(const GuidPrefix& participant) {
   return source.saved - before;
 }
 
-Bytes AmplificationLimit::challenge(const GuidPrefix& participant,
-                                    const SourceAddress& host) const {
+Bytes AmplificationLimit::challenge(const GuidPrefix& participant, const Locator& host) const {
   constexpr std::size_t kSize = 16;
   if (!secret_) return {};
-  const auto digest = hmac_sha256(*secret_, {participant.octets, host.octets()});
+  const auto digest = hmac_sha256(*secret_, {participant.octets, host.address});
   return {digest.begin(), digest.begin() + kSize};
 }
 
 bool AmplificationLimit::prove(const GuidPrefix& participant, BytesView repeated) {
   auto* account = repeated.empty() ? nullptr : find(participant);
   if (account == nullptr) return false;
-  const auto at = std::ranges::find_if(account->sources, [&](const auto& source) {
-    return constant_time_equal(repeated, challenge(participant, source.address));
+  const auto at = std::ranges::find_if(account->addresses, [&](const auto& one) {
+    return constant_time_equal(repeated, challenge(participant, one.first));
   });
-  if (at == account->sources.end()) return false;
-  at->is_proven = true;
+  if (at == account->addresses.end()) return false;
+  const auto host = without_port(at->first);
+  if (std::ranges::find(account->proven, host) == account->proven.end())
+    account->proven.push_back(host);
+  account->find(SourceAddress(host))->is_proven = true;
   return true;
 }
 
 bool AmplificationLimit::is_proven(const GuidPrefix& participant, const Locator& address) {
   auto* account = find(participant);
-  return account != nullptr && account->is_proven(address);
+  return account != nullptr &&
+         std::ranges::find(account->proven, without_port(address)) != account->proven.end();
 }
 
 std::size_t AmplificationLimit::left(const GuidPrefix& participant, std::span<const Locator> to) {

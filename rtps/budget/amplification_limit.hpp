@@ -46,14 +46,15 @@ class AmplificationLimit {
   /// The datagram arrived in the name of this participant. It counts once, for the first
   /// participant. Returns how many more octets may be sent.
   std::size_t credit(const GuidPrefix& participant);
-  /// The challenge in a message to that participant at that host. Only a receiver there can repeat
-  /// it. Empty: there is no secret.
-  Bytes challenge(const GuidPrefix& participant, const SourceAddress& host) const;
-  /// The participant repeated a challenge. If it is that of one of its hosts, the participant can
-  /// be reached there, whatever the source of the datagram, which can be forged. Returns true if it
+  /// The challenge in a message to that participant at that address, whatever its port. Only a
+  /// receiver there can repeat it. Empty: there is no secret.
+  Bytes challenge(const GuidPrefix& participant, const Locator& host) const;
+  /// The participant repeated a challenge. If it is that of one of its addresses, the participant
+  /// can be reached there, whatever the source of the datagram, which can be forged. Returns true if it
   /// is one.
   bool prove(const GuidPrefix& participant, BytesView repeated);
-  /// The participant is limited and proved this address.
+  /// The participant is limited and proved this very address, whatever its port. An IPv6 address
+  /// proves no other one, although both pay for what is sent to either.
   bool is_proven(const GuidPrefix& participant, const Locator& address);
 
   /// The number of octets that may be sent to at least one of the addresses.
@@ -72,6 +73,7 @@ class AmplificationLimit {
     std::vector<std::pair<Locator, SourceAddress>> addresses = {};
     /// The sources that announced an address, and the addresses themselves.
     std::vector<Source> sources = {};
+    LocatorList proven = {};  ///< of the addresses, without ports
     std::size_t turn = 0;  ///< of the addresses that other sources pay for
 
     Source* find(const SourceAddress& address);

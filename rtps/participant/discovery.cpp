@@ -21,16 +21,21 @@ std::size_t superfluous(const std::vector<SourceAddress>& sources, const SourceA
   return at;
 }
 
+struct AddedLocators {
+  bool any = false;        ///< any of them is new
+  bool displaced = false;  ///< others had to go
+};
+
 /// The locators that one source announces do not displace those that other sources announced.
-/// Returns true if any of them is new.
-bool add_locators(LocatorList& known, std::vector<SourceAddress>& sources, const LocatorList& more,
-                  const SourceAddress& source) {
+AddedLocators add_locators(LocatorList& known, std::vector<SourceAddress>& sources,
+                           const LocatorList& more, const SourceAddress& source) {
   constexpr std::size_t kMax = 8;
-  bool any = false;
+  AddedLocators out;
   for (const auto& locator : more) {
     if (std::ranges::find(known, locator) != known.end()) continue;
-    any = true;
+    out.any = true;
     if (known.size() >= kMax) {
+      out.displaced = true;
       const auto at = static_cast<std::ptrdiff_t>(superfluous(sources, source));
       known.erase(known.begin() + at);
       sources.erase(sources.begin() + at);
@@ -38,7 +43,7 @@ bool add_locators(LocatorList& known, std::vector<SourceAddress>& sources, const
     known.push_back(locator);
     sources.push_back(source);
   }
-  return any;
+  return out;
 }
 
 /// A peer that has not proven its identity may announce addresses of other hosts. So the answer
@@ -200,11 +205,12 @@ void Discovery::on_announced_again(RemoteParticipant& remote, ParticipantData da
     ++core_.counters.refused_discovery;
     return;
   }
-  const bool has_moved = add_locators(remote.metatraffic, remote.metatraffic_sources,
-                                      usable(data.metatraffic_unicast), core_.source);
+  const auto added = add_locators(remote.metatraffic, remote.metatraffic_sources,
+                                  usable(data.metatraffic_unicast), core_.source);
+  if (added.displaced) remote.has_displaced_addresses = true;
   add_locators(remote.user, remote.user_sources, usable(data.default_unicast), core_.source);
   core_.sender.limit().set_addresses(prefix, remote.metatraffic, remote.metatraffic_sources);
-  if (!differs && !has_moved) return;
+  if (!differs && !added.any) return;
   security->announced_again(data, {remote.metatraffic, remote.metatraffic_sources, core_.source},
                             core_.now);
 }

@@ -10,7 +10,7 @@ namespace ddssec::rtps {
 /// An authorized participant may announce the address of any other host, and endpoints at any
 /// address. Only its addresses at these hosts are used. A host is proven if the participant
 /// answered a challenge or a handshake message that was sent to it alone, or if new messages under
-/// the participant's keys came from it. Hosts are addresses without a port
+/// the participant's keys, or of its handshake, came from it. Hosts are addresses without a port
 /// (ParticipantCore::host_of).
 class ProvenHosts {
  public:

@@ -19,23 +19,43 @@ LocatorList only_proven(const ParticipantCore& core, const RemoteParticipant& re
   return out;
 }
 
+/// The participant's ports at the hosts from which it was heard. A participant behind a router, or
+/// with a second address that it never sends from, signs none of them.
+LocatorList at_hosts(const RemoteParticipant& remote, const LocatorList& announced) {
+  LocatorList out;
+  for (const auto& host : remote.hosts.all())
+    for (const auto& locator : announced) {
+      if (locator.kind != host.kind) continue;
+      const Locator address{host.kind, locator.port, host.address};
+      if (std::ranges::find(out, address) == out.end()) out.push_back(address);
+    }
+  return out;
+}
+
+/// Those at proven hosts; without any, the same ports at these hosts.
+LocatorList proven_of(const ParticipantCore& core, const RemoteParticipant& remote,
+                      const LocatorList& announced) {
+  auto out = only_proven(core, remote, announced);
+  return out.empty() ? at_hosts(remote, announced) : out;
+}
+
+/// The host of all addresses to which anything was sent; invalid if it was not one host.
+Locator only_host(const ParticipantCore& core, const RemoteParticipant& remote) {
+  const auto& addresses = remote.metatraffic;
+  if (addresses.empty() || remote.has_displaced_addresses) return {};
+  const auto host = core.host_of(addresses.front());
+  const auto same = [&](const Locator& address) { return core.host_of(address) == host; };
+  return std::ranges::all_of(addresses, same) ? host : Locator{};
+}
+
 void settle(const ParticipantCore& core, RemoteParticipant& remote) {
   const auto& own = core.config.interfaces;
-  const auto proven =
-      usable_locators(only_proven(core, remote, remote.signed_metatraffic), {}, own);
-  remote.user = usable_locators(only_proven(core, remote, remote.signed_user), proven, own);
+  const auto proven = usable_locators(proven_of(core, remote, remote.signed_metatraffic), {}, own);
+  remote.user = usable_locators(proven_of(core, remote, remote.signed_user), proven, own);
   remote.metatraffic =
       proven.empty() ? usable_locators(remote.signed_metatraffic, {}, own) : proven;
   remote.user_sources.assign(remote.user.size(), remote.source);
   remote.metatraffic_sources.assign(remote.metatraffic.size(), remote.source);
-}
-
-/// The host of all these addresses; invalid if they have several.
-Locator only_host(const ParticipantCore& core, const LocatorList& addresses) {
-  if (addresses.empty()) return {};
-  const auto host = core.host_of(addresses.front());
-  const auto same = [&](const Locator& address) { return core.host_of(address) == host; };
-  return std::ranges::all_of(addresses, same) ? host : Locator{};
 }
 
 // A participant that signed nothing is limited by other means, so that its addresses are believed.
@@ -88,7 +108,7 @@ bool adopt_signed_addresses(ParticipantCore& core, RemoteParticipant& remote,
   if (!core.config.interfaces.empty()) core.own_addresses = addresses_of_this_machine();
   // What was sent during the handshake went to these addresses, and the peer answered it.
   remote.hosts.clear();
-  remote.hosts.add(only_host(core, remote.metatraffic));
+  remote.hosts.add(only_host(core, remote));
   remote.signed_metatraffic = metatraffic.empty() ? remote.metatraffic : std::move(metatraffic);
   remote.signed_user = user.empty() ? remote.user : std::move(user);
   for (const auto& address : remote.signed_metatraffic)

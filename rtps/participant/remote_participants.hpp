@@ -38,6 +38,7 @@ struct RemoteParticipant {
   /// After a handshake: the addresses that it has there, and those of its hosts that are proven.
   LocatorList signed_metatraffic = {}, signed_user = {};
   ProvenHosts hosts = {};
+  bool has_displaced_addresses = false;  ///< messages also went to addresses that are not known now
   bool heard_participants_secure = false;
   std::size_t endpoint_octets = 0;  ///< sum of their prices
   bool exceeds = false;             ///< it announced more than the limit, and the event was raised

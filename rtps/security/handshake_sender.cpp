@@ -33,9 +33,10 @@ std::size_t HandshakeSender::send_auth_request(const Peer& peer, const GenericMe
                                                LocatorList addresses) {
   std::size_t held_back = 0;
   while (!addresses.empty()) {
-    const SourceAddress host(addresses.front());
-    const auto here = std::ranges::stable_partition(
-        addresses, [&](const auto& locator) { return SourceAddress(locator) != host; });
+    const auto host = addresses.front();
+    const auto here = std::ranges::stable_partition(addresses, [&](const auto& locator) {
+      return locator.kind != host.kind || locator.address != host.address;
+    });
     const LocatorList there(here.begin(), here.end());
     addresses.erase(here.begin(), here.end());
     if (sender_.limit().left(peer.prefix(), there) < kHeaders) {

@@ -156,6 +156,30 @@ TEST_F(InsiderAddresses, OfTheParticipant_ThatItSendsFrom_AreUsed) {
   EXPECT_TRUE(alice.events.is_quiet()) << alice.events.text();
 }
 
+/// The datagram with other octets of the same number.
+Bytes with(Bytes datagram, BytesView old, BytesView replacement) {
+  const auto found = std::ranges::search(datagram, old);
+  if (!found.empty()) std::ranges::copy(replacement, found.begin());
+  return datagram;
+}
+
+// As of a stock peer behind a router, which repeats no challenge, while a stranger announces its
+// own address in the peer's name.
+TEST_F(InsiderAddresses, OfAParticipant_ThatSendsFromAnother_AreReplacedByThatOne) {
+  announce_participant_at({at("192.0.2.1", 7002), at("192.0.2.2", 7002)});
+  world.filter = [&](const Node& from, Bytes datagram) {
+    if (&from != &mallory) return one(std::move(datagram));
+    return one(with(std::move(datagram), as_bytes(PeerHandshake::kHeardChallenge),
+                    as_bytes(std::string_view("org.ddssec.heard_xxxxxxxxx"))));
+  };
+  create_writer();
+  create_reader_at({});
+  ASSERT_TRUE(match());
+  write(50);
+  world.run(100);
+  EXPECT_EQ(mallory.listener.changes.size(), 50u);
+}
+
 // What a stranger repeats from another address is not new.
 TEST_F(InsiderAddresses, FromWhichOldMessagesAreRepeated_AreNotProven) {
   announce_participant_at({at("127.0.0.1", 7002), at("192.0.2.1", 7990)});

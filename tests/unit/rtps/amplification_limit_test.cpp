@@ -28,9 +28,7 @@ class AmplificationLimitTest : public ::testing::Test {
 
   AmplificationLimitTest() { limit_.set_secret(sha256(as_bytes("secret"))); }
   /// The participant repeats what it was sent at that host.
-  bool prove(std::uint8_t host) {
-    return limit_.prove(name_, limit_.challenge(name_, SourceAddress(at(host))));
-  }
+  bool prove(std::uint8_t host) { return limit_.prove(name_, limit_.challenge(name_, at(host))); }
 
   AmplificationLimit limit_;
   const GuidPrefix name_ = GuidPrefix::from(Bytes(12, 1));
@@ -131,6 +129,14 @@ TEST_F(AmplificationLimitTest, WhatWasSentToOneHost_ProvesNoOther) {
   EXPECT_EQ(limit_.take(name_, 50'000, LocatorList{at(66), at(1)}), LocatorList{at(66)});
 }
 
+TEST_F(AmplificationLimitTest, OneIpv6Address_ProvesNoOtherOfItsNetwork) {
+  const auto own = *Locator::parse("fd77::1", 7410), other = *Locator::parse("fd77::3", 7410);
+  limit_.limit(name_, LocatorList{own, other}, std::vector(2, SourceAddress(own)));
+  EXPECT_TRUE(limit_.prove(name_, limit_.challenge(name_, own)));
+  EXPECT_TRUE(limit_.is_proven(name_, own));
+  EXPECT_FALSE(limit_.is_proven(name_, other));
+}
+
 TEST_F(AmplificationLimitTest, AHostThatWasNotAnnounced_ProvesNone) {
   announce(66, {at(1)}, 400);
   EXPECT_FALSE(prove(5));
@@ -139,7 +145,7 @@ TEST_F(AmplificationLimitTest, AHostThatWasNotAnnounced_ProvesNone) {
 
 TEST_F(AmplificationLimitTest, TheChallengeOfAnotherParticipantOrSecret_ProvesNothing) {
   announce(1, {at(1)}, 400);
-  const SourceAddress host(at(1));
+  const auto host = at(1);
   EXPECT_FALSE(limit_.prove(name_, limit_.challenge(GuidPrefix::from(Bytes(12, 2)), host)));
   AmplificationLimit other;
   other.set_secret(sha256(as_bytes("another secret")));
@@ -149,7 +155,7 @@ TEST_F(AmplificationLimitTest, TheChallengeOfAnotherParticipantOrSecret_ProvesNo
 TEST_F(AmplificationLimitTest, WithoutASecret_NothingIsProven) {
   AmplificationLimit limit;
   limit.limit(name_, LocatorList{at(1)}, std::vector{SourceAddress(at(1))});
-  EXPECT_TRUE(limit.challenge(name_, SourceAddress(at(1))).empty());
+  EXPECT_TRUE(limit.challenge(name_, at(1)).empty());
   EXPECT_FALSE(limit.prove(name_, {}));
 }
 
