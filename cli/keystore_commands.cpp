@@ -280,8 +280,9 @@ Result<Report> keystore_permission(const Arguments& arguments, const Context& co
   DDSSEC_RETURN_IF_ERROR(out.put_public(files.folder / "permissions.xml", xml));
   DDSSEC_RETURN_IF_ERROR(out.put(files.permissions, document, 0644));
   DDSSEC_RETURN_IF_ERROR(log_signed(ca, as_bytes(xml), files.permissions, now));
-  report.text = fmt::format("{}  signed by {}; it counts when the participant starts again\n",
-                            files.permissions.string(), ca.certificate().subject());
+  report.text = fmt::format(
+      "{}  signed by {}; ddssec's plugins take it while they run, others when they start again\n",
+      files.permissions.string(), ca.certificate().subject());
   report.result = {
       {"name", name}, {"file", files.permissions.string()}, {"subject", certificate.subject()}};
   DDSSEC_ASSIGN_OR_RETURN(report.files_written, out.commit());
