@@ -42,15 +42,11 @@ int open_folder(const fs::path& folder) {
   return ::open(name_of(folder).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
 }
 
-bool is_same(int descriptor, const struct stat& other) {
-  struct stat status {};
-  return ::fstat(descriptor, &status) == 0 && status.st_ino == other.st_ino &&
-         status.st_dev == other.st_dev;
-}
-
 bool is_at(int folder, int file) {
-  struct stat status {};
-  return ::fstatat(folder, kLockName, &status, AT_SYMLINK_NOFOLLOW) == 0 && is_same(file, status);
+  struct stat by_name {}, open {};
+  return ::fstatat(folder, kLockName, &by_name, AT_SYMLINK_NOFOLLOW) == 0 &&
+         ::fstat(file, &open) == 0 && open.st_ino == by_name.st_ino &&
+         open.st_dev == by_name.st_dev;
 }
 
 // The folder's owner can put anything in its place: another user's file is neither locked nor
@@ -120,6 +116,10 @@ Result<FolderLock> FolderLock::take(const fs::path& path) {
   if (folder < 0) return unreadable(path, errno);
   FolderLock out(folder, -1, {});
   DDSSEC_ASSIGN_OR_RETURN(out.owner_, check_folder(folder, path));
+  struct stat status {};
+  if (::fstat(folder, &status) != 0) return unreadable(path, errno);
+  out.device_ = status.st_dev;
+  out.inode_ = status.st_ino;
   constexpr int kFlags = O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC;
   const int file = ::openat(folder, kLockName, kFlags, 0600);
   if (file < 0) return unwritable(path / kLockName, errno);
@@ -140,10 +140,24 @@ Result<FolderLock> FolderLock::take(const fs::path& path) {
   return fail(tool_code::agent_is_running, {.document = path});
 }
 
+bool FolderLock::is_same(const struct stat& other) const {
+  return other.st_dev == device_ && other.st_ino == inode_ && other.st_uid == owner_.user;
+}
+
 bool FolderLock::is_in_place(const fs::path& path) const {
   struct stat status {};
-  return ::lstat(name_of(path).c_str(), &status) == 0 && is_same(folder_, status) &&
-         is_at(folder_, file_);
+  return ::lstat(name_of(path).c_str(), &status) == 0 && is_same(status) && is_at(folder_, file_);
+}
+
+Status FolderLock::check_same(int descriptor, const fs::path& folder) const {
+  struct stat status {};
+  if (::fstat(descriptor, &status) != 0) return unreadable(folder, errno);
+  if (is_same(status)) return {};
+  return fail(tool_code::folder_untrusted,
+              {.document = folder,
+               .expected = fmt::format("the folder of user {} that the agent locked", owner_.user),
+               .found = fmt::format("a folder of user {} in its place", status.st_uid),
+               .hint = "let no other user write in the folders above it"});
 }
 
 FolderLock::~FolderLock() {
@@ -155,12 +169,16 @@ FolderLock::~FolderLock() {
 FolderLock::FolderLock(FolderLock&& other) noexcept
     : folder_(std::exchange(other.folder_, -1)),
       file_(std::exchange(other.file_, -1)),
-      owner_(other.owner_) {}
+      owner_(other.owner_),
+      device_(other.device_),
+      inode_(other.inode_) {}
 
 FolderLock& FolderLock::operator=(FolderLock&& other) noexcept {
   std::swap(folder_, other.folder_);
   std::swap(file_, other.file_);
   std::swap(owner_, other.owner_);
+  std::swap(device_, other.device_);
+  std::swap(inode_, other.inode_);
   return *this;
 }
 

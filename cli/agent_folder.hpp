@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <sys/stat.h>
 #include <sys/types.h>
 
 #include "base/result.hpp"
@@ -31,8 +32,11 @@ class FolderLock {
   /// Errors: those of check_folder; file_unreadable, file_unwritable; agent_is_running.
   static Result<FolderLock> take(const std::filesystem::path& folder);
 
-  /// False after the folder or the file in it was removed or replaced.
+  /// False after the folder or the file in it was removed or replaced, or the owner was changed.
   bool is_in_place(const std::filesystem::path& folder) const;
+  /// Success if this open folder is the locked one, under its owner. A process that opens the folder
+  /// by its path may get another one. Error: folder_untrusted.
+  Status check_same(int descriptor, const std::filesystem::path& folder) const;
   /// The open file: a process that has it keeps the lock.
   int descriptor() const { return file_; }
   const FolderOwner& owner() const { return owner_; }
@@ -44,9 +48,12 @@ class FolderLock {
  private:
   FolderLock(int folder, int file, FolderOwner owner)
       : folder_(folder), file_(file), owner_(owner) {}
+  bool is_same(const struct stat& other) const;
   int folder_;
   int file_;
   FolderOwner owner_;
+  dev_t device_ = 0;  ///< of the folder: a child process does not have it open
+  ino_t inode_ = 0;
 };
 
 }  // namespace ddssec::cli

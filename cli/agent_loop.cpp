@@ -10,6 +10,7 @@
 #include "base/tool_code.hpp"
 #include "cli/agent_ca.hpp"
 #include "cli/agent_schedule.hpp"
+#include "cli/held_folder.hpp"
 #include "cli/inputs.hpp"
 #include "cli/transaction.hpp"
 
@@ -55,14 +56,15 @@ Result<std::string> receive(int in) {
   return out;
 }
 
-int work_in_folder(const AgentTask& task, const Context& context, int in, int out) {
+int work_in_folder(const AgentTask& task, const FolderLock* lock, const Context& context, int in,
+                   int out) {
   const AskCa ask = [&](const RenewalRequest& request) -> Result<RenewalAnswer> {
     if (send(out, to_json(request)) != 0) return worker_ended(End::closed);
     DDSSEC_ASSIGN_OR_RETURN(const auto receive_value, receive(in));
     DDSSEC_ASSIGN_OR_RETURN(auto json, json_from(receive_value));
     return answer_from(std::move(json));
   };
-  const auto event = tend_folder(task, ask, context);
+  const auto event = tend_folder(task, lock, ask, context);
   return send(out, event ? *event : error_line(event.error()));
 }
 
@@ -200,7 +202,11 @@ Result<Json> Agent::try_to_tend(Folder& folder) {
   DDSSEC_ASSIGN_OR_RETURN(
       auto worker,
       ChildProcess::start(
-          signals_, [&](int in, int out) { return work_in_folder(folder.task, context_, in, out); },
+          signals_,
+          [&](int in, int out) {
+            return work_in_folder(folder.task, folder.lock ? &*folder.lock : nullptr, context_, in,
+                                  out);
+          },
           folder.lock ? folder.lock->descriptor() : -1));
   return converse(folder, worker);
 }
@@ -227,6 +233,7 @@ Result<Json> Agent::converse(Folder& folder, ChildProcess& worker) {
 }
 
 Result<RenewalAnswer> Agent::ask_ca(const Folder& folder, const RenewalRequest& request) {
+  if (!folder.lock) return worker_ended(End::closed);  // with --dry-run nothing is asked
   DDSSEC_RETURN_IF_ERROR(check_owner(folder.lock->owner(), arguments_, folder.task.folder));
   if (!hook_) return ask_own_ca(folder, request);
   DDSSEC_RETURN_IF_ERROR(check_request(request));
@@ -253,11 +260,15 @@ Result<Json> Agent::from_process(const std::function<Result<Json>()>& work) {
   return json;
 }
 
-// The key of the CA is in that process alone.
+// The key of the CA is in that process alone. It judges the locked folder, to which the path may no
+// longer lead.
 Result<RenewalAnswer> Agent::ask_own_ca(const Folder& folder, const RenewalRequest& request) {
   if (ca_refusal_) return std::unexpected(*ca_refusal_);
   const auto json = from_process([&]() -> Result<Json> {
-    const auto answer = renew_by_ca(request, folder.task.folder, arguments_, context_);
+    const auto& path = folder.task.folder;
+    DDSSEC_RETURN_IF_ERROR(hold_folder(path));
+    DDSSEC_RETURN_IF_ERROR(folder.lock->check_same(folder_descriptor(path), path));
+    const auto answer = renew_by_ca(request, path, arguments_, context_);
     if (!answer) return std::unexpected(answer.error());
     return to_json(*answer);
   });

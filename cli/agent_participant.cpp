@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "base/tool_code.hpp"
-#include "cli/agent_folder.hpp"
 #include "cli/agent_schedule.hpp"
 #include "cli/ca_folder.hpp"
 #include "cli/documents.hpp"
@@ -88,8 +87,11 @@ void read_permissions_of(Participant& self) {
   self.permissions_end = found->grant.validity.not_after;
 }
 
-Result<Participant> read_participant(const AgentTask& task, const Context& context) {
+Result<Participant> read_participant(const AgentTask& task, const FolderLock* lock,
+                                     const Context& context) {
   DDSSEC_RETURN_IF_ERROR(hold_folder(task.folder));
+  if (lock != nullptr)
+    DDSSEC_RETURN_IF_ERROR(lock->check_same(folder_descriptor(task.folder), task.folder));
   DDSSEC_ASSIGN_OR_RETURN(const auto owner,
                           check_folder(folder_descriptor(task.folder), task.folder));
   DDSSEC_RETURN_IF_ERROR(become(owner));
@@ -272,9 +274,10 @@ Result<Json> renew(const Participant& self, const AskCa& ask) {
 
 }  // namespace
 
-Result<Json> tend_folder(const AgentTask& task, const AskCa& ask, const Context& context) {
+Result<Json> tend_folder(const AgentTask& task, const FolderLock* lock, const AskCa& ask,
+                         const Context& context) {
   ::umask(022);
-  DDSSEC_ASSIGN_OR_RETURN(const auto self, read_participant(task, context));
+  DDSSEC_ASSIGN_OR_RETURN(const auto self, read_participant(task, lock, context));
   const auto due = due_time(self);
   if (due > self.now()) return event_of("current", self.certificate, due);
   if (task.is_dry_run) return event_of("due", self.certificate, due);

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "cli/agent_folder.hpp"
 #include "cli/agent_messages.hpp"
 #include "cli/command.hpp"
 
@@ -36,6 +37,8 @@ using AskCa = std::function<Result<RenewalAnswer>(const RenewalRequest&)>;
 ///   {"event": "current" | "due" | "renewed", "subject", "not_after", "next", ...}
 /// Errors: folder_untrusted, key_in_token, key_mismatch, renewal_unfit, renewal_goes_back, those of
 /// `ask`, of ChainVerifier::verify and of Replacement.
-Result<Json> tend_folder(const AgentTask& task, const AskCa& ask, const Context& context);
+/// With a lock, the folder must be the locked one.
+Result<Json> tend_folder(const AgentTask& task, const FolderLock* lock, const AskCa& ask,
+                         const Context& context);
 
 }  // namespace ddssec::cli

@@ -2,7 +2,8 @@
 // that changes files (KILL_AT=n; 0: never), so that a test can stop a command between any two
 // writes. From the n-th write on, every one finds the disk full (FULL_AT=n). At the first rename,
 // a participant's owner removes the drafts in its folder (REMOVE_DRAFTS=pattern) or runs a command
-// (AT_RENAME=command). A command runs just before the n-th call (AT_CALL=command, CALL=n).
+// (AT_RENAME=command). A command runs just before the n-th call (AT_CALL=command, CALL=n), or after
+// the n-th lock (AT_LOCK=command, LOCK=n).
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -13,6 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <sys/types.h>
 #include <unistd.h>
@@ -57,6 +59,16 @@ static void remove_drafts(void) {
 }
 
 #define SEEN __attribute__((visibility("default")))
+
+SEEN int flock(int file, int operation) {
+  static int (*real)(int, int);
+  static long left = -1;
+  if (real == NULL) real = (int (*)(int, int))dlsym(RTLD_NEXT, "flock");
+  if (left == -1) left = number_of("LOCK");
+  const int done = real(file, operation);
+  if (done == 0 && left > 0 && --left == 0) run("AT_LOCK");
+  return done;
+}
 
 #define CHANGE(type, name, parameters, arguments)                         \
   SEEN type name parameters {                                             \

@@ -1,0 +1,75 @@
+#!/usr/bin/env python3
+"""Another user owns the folder above a participant's, and exchanges it while the agent works."""
+
+import os
+import subprocess
+import unittest
+
+from agent_folders import AgentTest, checked_events
+from transcript import PROGRAM, library_path, main
+
+LIBRARY = PROGRAM.parent.parent / "lib/kill_at.so"
+OTHER = 65534
+OWN_LOCK, LATER_LOCKS = 1, 2  # the agent's, on the folder; then the first of each of its processes
+
+
+@unittest.skipUnless(os.geteuid() == 0, "only root can make files of another user")
+class Exchanged(AgentTest):
+    def setUp(self):
+        super().setUp()
+        self.at.chmod(0o755)
+        self.home = self.at / "home"
+        self.home.mkdir()
+        self.run_program("identity", "issue", "robot", "--ca", "demo", "-o", "home/robot")
+        self.mine = self.home / "mine"
+
+    def make_own(self, key=None):
+        """A folder of the other user, with the certificate of the robot, which is no secret."""
+        self.mine.mkdir(exist_ok=True)
+        for name in ("cert.pem", "identity_ca.pem"):
+            (self.mine / name).write_bytes((self.home / "robot" / name).read_bytes())
+        if key:
+            (self.mine / "key.pem").write_bytes(key.read_bytes())
+        else:
+            self.openssl("genpkey", "-algorithm", "EC", "-pkeyopt", "ec_paramgen_curve:P-256", "-out", self.mine / "key.pem")
+        for path in (self.home, self.mine, *self.mine.iterdir()):
+            os.chown(path, OTHER, OTHER)
+
+    def once(self, folder, command, lock, *words):
+        script = self.at / "exchange.sh"
+        script.write_text(f"#!/bin/sh\n[ -e home/aside ] || {{ {command}; }}\n")
+        script.chmod(0o755)
+        done = subprocess.run([PROGRAM, "agent", folder, "--once", *words, *self.LATER], cwd=self.at, text=True,
+                              capture_output=True, timeout=60, check=False, stdin=subprocess.DEVNULL,
+                              env={**os.environ, "LD_LIBRARY_PATH": library_path(), "LD_PRELOAD": str(LIBRARY),
+                                   "AT_LOCK": str(script), "LOCK": str(lock)})
+        self.assertTrue((self.home / "aside").exists(), done.stderr)
+        return checked_events(done.stdout)[0]
+
+    def exchange_locked(self, *words):
+        event = self.once("home/robot", "mv home/robot home/aside && mv home/mine home/robot", OWN_LOCK, *words)
+        self.assertEqual((event["event"], event["code"]), ("failed", "folder_untrusted"), event)
+        self.assertIn("in its place", event["message"])
+
+    def test_a_locked_folder_of_root_no_new_key_for_its_name(self):
+        self.make_own()
+        self.exchange_locked("--ca", "demo", "--rekey")
+
+    def test_a_locked_folder_of_root_no_question_to_a_hook(self):
+        """Folders of root need no --trust; those of other users do."""
+        self.make_own()
+        self.openssl("req", "-x509", "-new", "-key", self.mine / "key.pem", "-subj", "/CN=admin", "-days", "30",
+                     "-out", self.mine / "cert.pem")
+        self.exchange_locked("--hook", self.signing_hook(before=f"echo >{self.at}/asked"))
+        self.assertFalse((self.at / "asked").exists())
+
+    def test_a_link_to_the_folder_of_a_copied_key_no_renewal_elsewhere(self):
+        self.make_own(self.home / "robot/key.pem")
+        event = self.once("home/mine", "mv home/mine home/aside && ln -s robot home/mine", LATER_LOCKS, "--ca", "demo")
+        self.assertEqual(event["event"], "failed", event)
+        self.assertIn(event["code"], ("folder_untrusted", "file_unwritable", "certificate_of_another_folder",
+                                      "would_overwrite"))
+
+
+if __name__ == "__main__":
+    main()
