@@ -59,11 +59,12 @@ bool is_trusted(const struct stat& status) {
   return status.st_uid == 0 || status.st_uid == ::geteuid();
 }
 
-// In a folder with the sticky bit only the owner of a file can replace it.
+// In a folder with the sticky bit only the owner of a file can replace it. A link is one that was
+// put there after the path was resolved.
 Status check_place(const fs::path& program) {
   for (auto folder = program.parent_path();; folder = folder.parent_path()) {
     struct stat status {};
-    const bool is_known = ::stat(folder.c_str(), &status) == 0;
+    const bool is_known = ::lstat(folder.c_str(), &status) == 0 && S_ISDIR(status.st_mode);
     const bool is_open = (status.st_mode & 022) != 0 && (status.st_mode & S_ISVTX) == 0;
     if (!is_known || !is_trusted(status) || is_open)
       return fail(
@@ -79,7 +80,7 @@ Status check_place(const fs::path& program) {
 // A user who can change the program has the rights of the agent. `program` has no links.
 Status check_program(const fs::path& program) {
   struct stat status {};
-  if (::stat(program.c_str(), &status) != 0)
+  if (::lstat(program.c_str(), &status) != 0)
     return fail(tool_code::hook_failed,
                 {.document = program, .note = std::generic_category().message(errno)});
   if (S_ISREG(status.st_mode) && is_trusted(status) && (status.st_mode & 022) == 0)

@@ -10,7 +10,10 @@ from transcript import PROGRAM, library_path, main
 
 LIBRARY = PROGRAM.parent.parent / "lib/kill_at.so"
 OTHER = 65534
-OWN_LOCK, LATER_LOCKS = 1, 2  # the agent's, on the folder; then the first of each of its processes
+SCRIPT = "./exchange.sh"
+OWN_LOCK = {"AT_LOCK": SCRIPT, "LOCK": "1"}  # on the folder
+LATER_LOCKS = {"AT_LOCK": SCRIPT, "LOCK": "2"}  # the first of each process of the agent
+RESOLVED = {"AT_RESOLVED": SCRIPT}  # the links in the path of a hook
 
 
 @unittest.skipUnless(os.geteuid() == 0, "only root can make files of another user")
@@ -35,14 +38,14 @@ class Exchanged(AgentTest):
         for path in (self.home, self.mine, *self.mine.iterdir()):
             os.chown(path, OTHER, OTHER)
 
-    def once(self, folder, command, lock, *words):
+    def once(self, folder, command, moment, *words):
         script = self.at / "exchange.sh"
         script.write_text(f"#!/bin/sh\n[ -e home/aside ] || {{ {command}; }}\n")
         script.chmod(0o755)
         done = subprocess.run([PROGRAM, "agent", folder, "--once", *words, *self.LATER], cwd=self.at, text=True,
                               capture_output=True, timeout=60, check=False, stdin=subprocess.DEVNULL,
                               env={**os.environ, "LD_LIBRARY_PATH": library_path(), "LD_PRELOAD": str(LIBRARY),
-                                   "AT_LOCK": str(script), "LOCK": str(lock)})
+                                   **moment})
         self.assertTrue((self.home / "aside").exists(), done.stderr)
         return checked_events(done.stdout)[0]
 
@@ -69,6 +72,19 @@ class Exchanged(AgentTest):
         self.assertEqual(event["event"], "failed", event)
         self.assertIn(event["code"], ("folder_untrusted", "file_unwritable", "certificate_of_another_folder",
                                       "would_overwrite"))
+
+    def test_a_folder_that_becomes_a_link_to_one_of_root_no_hook_is_run(self):
+        """In a folder with the sticky bit, as /tmp."""
+        self.make_own()
+        os.chown(self.home, 0, 0)
+        self.home.chmod(0o1777)
+        for folder in (self.mine, self.home / "robot"):
+            (folder / "ask").write_text(f"#!/bin/sh\necho >{self.at}/asked\n")
+            (folder / "ask").chmod(0o755)
+        event = self.once("demo/talker", "mv home/mine home/aside && ln -s robot home/mine", RESOLVED,
+                          "--hook", self.mine / "ask")
+        self.assertEqual(event["code"], "hook_unsafe", event)
+        self.assertFalse((self.at / "asked").exists())
 
 
 if __name__ == "__main__":

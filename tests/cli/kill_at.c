@@ -3,7 +3,7 @@
 // writes. From the n-th write on, every one finds the disk full (FULL_AT=n). At the first rename,
 // a participant's owner removes the drafts in its folder (REMOVE_DRAFTS=pattern) or runs a command
 // (AT_RENAME=command). A command runs just before the n-th call (AT_CALL=command, CALL=n), or after
-// the n-th lock (AT_LOCK=command, LOCK=n).
+// the n-th lock (AT_LOCK=command, LOCK=n), or after the links of a path were resolved (AT_RESOLVED).
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -67,6 +67,14 @@ SEEN int flock(int file, int operation) {
   if (left == -1) left = number_of("LOCK");
   const int done = real(file, operation);
   if (done == 0 && left > 0 && --left == 0) run("AT_LOCK");
+  return done;
+}
+
+SEEN char* realpath(const char* path, char* out) {
+  static char* (*real)(const char*, char*);
+  if (real == NULL) real = (char* (*)(const char*, char*))dlsym(RTLD_NEXT, "realpath");
+  char* done = real(path, out);
+  run("AT_RESOLVED");
   return done;
 }
 
