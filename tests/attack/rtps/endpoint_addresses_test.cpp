@@ -180,6 +180,62 @@ TEST_F(InsiderAddresses, OfAParticipant_ThatSendsFromAnother_AreReplacedByThatOn
   EXPECT_EQ(mallory.listener.changes.size(), 50u);
 }
 
+/// What a datagram announces of its participant in the clear.
+std::optional<ParticipantData> announced_in(BytesView datagram) {
+  auto reader = MessageReader::open(datagram);
+  while (reader) {
+    const auto view = reader->next();
+    if (!view || !*view) break;
+    const auto data = (*view)->id == SubmessageId::data ? read_data(**view) : Result<Data>{};
+    if (!data || data->writer != kSpdpWriter) continue;
+    if (auto out = read_participant_data(data->payload)) return std::move(*out);
+  }
+  return std::nullopt;
+}
+
+bool contains(BytesView datagram, std::string_view text) {
+  return !std::ranges::search(datagram, as_bytes(text)).empty();
+}
+
+// Of eight announced addresses the fifth is its own, where it hears the request. One more displaces
+// it before the reply, so that the victim is the only host in the list.
+TEST_F(InsiderAddresses, OfTheParticipant_ThatRemainWhenItsOwnIsDisplaced_AreNotProven) {
+  announce_participant_at({at("192.0.2.1", 7990), at("127.0.0.1", 7002)});
+  bool replies = false;
+  std::optional<ParticipantData> own;
+  world.filter = [&](const Node& from, Bytes datagram) {
+    if (&from != &mallory) return one(std::move(datagram));
+    std::vector<Bytes> out;
+    const auto announce = [&](ParticipantData data, LocatorList addresses) {
+      data.metatraffic_unicast = std::move(addresses);
+      out.push_back(announcement(data));
+    };
+    if (auto data = announced_in(datagram)) {
+      own = std::move(data);
+      if (replies) return out;
+      announce(*own, {at("192.0.2.1", 7991), at("192.0.2.1", 7992), at("192.0.2.1", 7993),
+                      at("192.0.2.1", 7994)});
+      announce(*own, {at("127.0.0.1", 7002), at("192.0.2.1", 7995), at("192.0.2.1", 7996),
+                      at("192.0.2.1", 7997)});
+      return out;
+    }
+    if (contains(datagram, "+Reply") && !std::exchange(replies, true))
+      announce(*own, {at("192.0.2.1", 7998)});
+    out.push_back(std::move(datagram));
+    return out;
+  };
+  create_writer();
+  create_reader_at({});
+  ASSERT_TRUE(match()) << alice.events.text();
+  ASSERT_TRUE(replies);
+  world.run(100);
+  to_victim = 0;
+  write(50);
+  world.run(100);
+  EXPECT_EQ(to_victim, 0u);
+  EXPECT_EQ(mallory.listener.changes.size(), 50u);
+}
+
 // What a stranger repeats from another address is not new.
 TEST_F(InsiderAddresses, FromWhichOldMessagesAreRepeated_AreNotProven) {
   announce_participant_at({at("127.0.0.1", 7002), at("192.0.2.1", 7990)});
