@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <concepts>
+#include <functional>
 
 #include "wire/locator.hpp"
 
@@ -12,6 +14,8 @@ namespace ddssec::rtps {
 /// answered a challenge or a handshake message that was sent to it alone, or if new messages under
 /// the participant's keys, or of its handshake, came from it. Hosts are addresses without a port
 /// (ParticipantCore::host_of).
+/// A host stays proven for later handshakes of the same participant, as long as it signs an address
+/// there: its GUID is bound to its certificate, and the challenges are only sent before the first.
 class ProvenHosts {
  public:
   static constexpr std::size_t kMax = 8;
@@ -26,7 +30,10 @@ class ProvenHosts {
     return std::ranges::find(hosts_, host) != hosts_.end();
   }
   const LocatorList& all() const { return hosts_; }
-  void clear() { hosts_.clear(); }
+  /// Forgets the hosts for which `is_used(host)` is false.
+  void keep(std::predicate<const Locator&> auto is_used) {
+    std::erase_if(hosts_, std::not_fn(is_used));
+  }
 
  private:
   LocatorList hosts_;

@@ -11,6 +11,13 @@ bool cannot_be_sent_to(const Locator& locator) {
 
 bool has_signed(const RemoteParticipant& remote) { return !remote.signed_metatraffic.empty(); }
 
+bool has_signed_host(const ParticipantCore& core, const RemoteParticipant& remote,
+                     const Locator& host) {
+  const auto is_there = [&](const Locator& address) { return core.host_of(address) == host; };
+  return std::ranges::any_of(remote.signed_metatraffic, is_there) ||
+         std::ranges::any_of(remote.signed_user, is_there);
+}
+
 LocatorList only_proven(const ParticipantCore& core, const RemoteParticipant& remote,
                         const LocatorList& announced) {
   LocatorList out;
@@ -107,10 +114,11 @@ bool adopt_signed_addresses(ParticipantCore& core, RemoteParticipant& remote,
   const bool any = !metatraffic.empty();
   if (!core.config.interfaces.empty()) core.own_addresses = addresses_of_this_machine();
   // What was sent during the handshake went to these addresses, and the peer answered it.
-  remote.hosts.clear();
-  remote.hosts.add(only_host(core, remote));
+  const auto answered = only_host(core, remote);
   remote.signed_metatraffic = metatraffic.empty() ? remote.metatraffic : std::move(metatraffic);
   remote.signed_user = user.empty() ? remote.user : std::move(user);
+  remote.hosts.keep([&](const Locator& host) { return has_signed_host(core, remote, host); });
+  remote.hosts.add(answered);
   for (const auto& address : remote.signed_metatraffic)
     if (core.sender.limit().is_proven(remote.prefix(), address))
       remote.hosts.add(core.host_of(address));

@@ -18,7 +18,9 @@ LocatorList victim() {
 struct InsiderAddresses : ::testing::Test {
   const spi::PropertyList properties =
       properties_of("CN=mallory,O=Example", everything(ProtectionKind::encrypt));
-  Node alice{1, properties_of("CN=alice,O=Example", everything(ProtectionKind::encrypt))};
+  const spi::PropertyList of_alice =
+      properties_of("CN=alice,O=Example", everything(ProtectionKind::encrypt));
+  Node alice{1, of_alice};
   Node mallory{2, properties};
   World world;
   Guid writer, reader;
@@ -234,6 +236,76 @@ TEST_F(InsiderAddresses, OfTheParticipant_ThatRemainWhenItsOwnIsDisplaced_AreNot
   world.run(100);
   EXPECT_EQ(to_victim, 0u);
   EXPECT_EQ(mallory.listener.changes.size(), 50u);
+}
+
+/// A peer that nothing reaches where it sends from: ports 7990 and 7991 lead to it only at the two
+/// addresses that it announces.
+struct AddressesItNeverSendsFrom : InsiderAddresses {
+  struct Routers final : Transport {
+    Node::Post* post = nullptr;
+    void send(BytesView octets, std::span<const Locator> to) override {
+      for (const auto& locator : to)
+        if (!locator.is_loopback() || locator.port < 7990)
+          post->send(octets, std::span(&locator, 1));
+    }
+  };
+  Routers routers;
+  std::optional<Locator> source;  ///< of what mallory sends; empty: as usual
+
+  void SetUp() override {
+    routers.post = &alice.post;
+    auto own = OwnSecurity::create(
+        {{*alice.authentication, *alice.access_control, *alice.cryptography}, of_alice}, 0,
+        Node::candidate(1));
+    ASSERT_TRUE(own);
+    auto config = Node::config(1, (*own)->guid().prefix);
+    alice.participant = std::make_unique<Participant>(std::move(config), routers, alice.events);
+    ASSERT_TRUE(alice.participant->secure(std::move(*own)));
+    announce_participant_at({at("192.0.2.1", 7990), at("192.0.2.2", 7991)});
+    world.nodes = {&alice, &mallory};
+    world.attack = [](World::Traffic& traffic) {
+      for (auto& [port, octets] : traffic)
+        if (port == 7990 || port == 7991) port = 7002;
+    };
+    world.filter = [this](const Node& from, Bytes datagram) {
+      if (&from != &mallory || !source) return one(std::move(datagram));
+      alice->receive(datagram, world.now, *source);
+      return std::vector<Bytes>{};
+    };
+  }
+  /// Samples are written until messages from there have proven this address.
+  void send_from(const Locator& address) {
+    source = address;
+    write(20);
+    source.reset();
+  }
+  /// Mallory forgets alice, who goes on hearing mallory, and returns.
+  void meet_again() {
+    const auto carry = std::exchange(world.filter, [&](const Node& from, Bytes datagram) {
+      return &from == &alice ? std::vector<Bytes>{} : one(std::move(datagram));
+    });
+    ASSERT_TRUE(world.run_until([&] { return mallory->remote_participants().size() == 0; }));
+    ASSERT_EQ(alice->remote_participants().size(), 1u);
+    world.filter = carry;
+    const auto again = [&] { return alice.listener.matched == 1 && mallory.listener.matched == 1; };
+    ASSERT_TRUE(world.run_until([&] { return !alice.knows(mallory); }));
+    EXPECT_TRUE(world.run_until(again)) << alice.events.text();
+  }
+};
+
+TEST_F(AddressesItNeverSendsFrom, OnceProven_AreUsedAfterAnotherHandshakeToo) {
+  create_writer();
+  create_reader_at({});
+  ASSERT_TRUE(match());
+  send_from(at("192.0.2.1", 40000));
+  send_from(at("192.0.2.2", 40000));
+  ASSERT_EQ(mallory.listener.changes.size(), 40u);
+  meet_again();
+  world.run(200);
+  mallory.listener.changes.clear();
+  write(20);
+  world.run(100);
+  EXPECT_EQ(mallory.listener.changes.size(), 20u) << alice.events.text();
 }
 
 // What a stranger repeats from another address is not new.
