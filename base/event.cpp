@@ -100,6 +100,8 @@ void RateLimitedSink::raise(const Event& event) {
   // new information.
   if (event.proof == PeerProof::not_a_peer && event.severity == Severity::informational)
     reason += "\n" + d.found;
+  // Programs do not print it, so it must not suppress the same event that is not returned.
+  if (event.is_returned) reason += "\nreturned";
 
   const std::lock_guard lock(mutex_);
   const auto now = clock_.monotonic();

@@ -45,6 +45,12 @@ std::string describe(const pki::Crl& crl) {
          to_string(crl.this_update());
 }
 
+/// While a CA is replaced, two CAs have one name: the key tells them apart.
+std::string signer_of(const pki::Crl& crl) {
+  const auto key = crl.authority_key_id().substr(0, 8);
+  return crl.issuer() + (key.empty() ? "" : " (key " + key + ")");
+}
+
 /// Of two CAs of one name either may have signed it.
 Status check_signed(const pki::Crl& crl, const std::vector<pki::Certificate>& anchors,
                     WallTime now) {
@@ -158,7 +164,7 @@ std::optional<Error> RevocationLists::absence() const {
 std::string RevocationLists::description() const {
   std::string text;
   for (const auto& crl : lists_)
-    text += (text.empty() ? "" : "; ") + describe(crl) + " by " + crl.issuer();
+    text += (text.empty() ? "" : "; ") + describe(crl) + " by " + signer_of(crl);
   return text.substr(0, kMostDescription);
 }
 

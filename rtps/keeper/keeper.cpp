@@ -69,6 +69,15 @@ Change end_of_announcement(const KeyHash& key) {
   return change;
 }
 
+Event kept_event(const EndpointData& writer, bool is_from_store) {
+  auto where = fmt::format("topic {}, type {}", writer.topic_name, writer.type_name);
+  if (!writer.qos.partition.empty())
+    where += fmt::format(", partition {}", fmt::join(writer.qos.partition, ", "));
+  if (is_from_store) where += " (from the store)";
+  return Event(Error(Code::rtps_topic_kept, {.field = std::move(where)}), {}, {},
+               PeerProof::not_a_peer);
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Keeper>> Keeper::create(DomainParticipantOptions options,
@@ -212,6 +221,7 @@ Status Keeper::keep(const EndpointData& writer, const std::optional<Guid>& annou
     return {};
   }
   topics_[key] = {std::move(topic), identity, announcer.value_or(Guid{})};
+  context.environment().events.raise(kept_event(writer, !announcer));
   return {};
 }
 

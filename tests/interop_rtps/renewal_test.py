@@ -188,7 +188,7 @@ def not_renewed(story, ended, process):
     story.wait_until(CERTIFICATE + LATE + 5)
     last = story.subscriber.samples()[-1][0]
     check(f"cut off at {last:.1f} s", last < CERTIFICATE + LATE)
-    check("no reason", said(ended, process, "identity_ended|an identity in use has ended"))
+    check("no reason", said(ended, process, "identity_ended|a certificate in use has expired"))
     return f"cut off at {last:.1f} s"
 
 

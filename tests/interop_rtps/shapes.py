@@ -233,6 +233,8 @@ def keeper(case, security=lambda who: ""):
             pub.hears(60)
             check("its code", pub.interrupt() == 0)
             written[kind] = pub.samples()
+            says = f"topic Square, type ShapeType, partition {kind}: the keeper keeps the topic from now on"
+            check("does not say what it keeps", any(says in line for line in service.lines))
         time.sleep(1)
         service.process.kill()
         service.process.wait()
@@ -253,6 +255,22 @@ def secured_keeper(case):
     with tempfile.TemporaryDirectory() as base:
         pki, allowed = Pki(base), Permissions(("*",), ("*",), "*", case.domain)
         keeper(case, lambda who: "--security " + make_folder(pki, who, ENCRYPT, allowed))
+
+
+def keeper_without_right(case):
+    """A writer in a partition that the keeper may not read: the keeper says why it does not keep the topic."""
+    with tempfile.TemporaryDirectory() as base:
+        pki = Pki(base)
+        security = {who: "--security " + make_folder(pki, who, ENCRYPT,
+                                                     Permissions(("*",), ("*",), partition, case.domain))
+                    for who, partition in (("pub", "*"), ("keeper", "here"))}
+        service = case.start(security["keeper"], case.program.parent / "ddssec-keeper")
+        service.says("^Keeping domain")
+        case.start(f"-P -D t -p elsewhere {security['pub']}")
+        service.says(r"not_allowed 142\d")
+        told = [line for line in service.lines if "not_allowed" in line]
+        check(f"names no topic: {told}", all("topic Square is not kept now" in line for line in told))
+        check("keeps it", service.interrupt() == 0 and "Done: 0 topics kept" in service.lines)
 
 
 def keeper_without_room(case):
@@ -453,8 +471,8 @@ def vendors(case):
 
 CASES = [vendors, lines, writes_at_once, ends_by_itself, bad_arguments, other_domain, other_topic,
          partitions, mismatch, match, nothing_lost, colours_instances_topics, size_modulo, moves,
-         deadline_missed, ownership, shared, late_joiner, persistent, keeper, secured_keeper, keeper_without_room,
-         full_disk, keep_last, lifespan, read_not_take, take_read,
+         deadline_missed, ownership, shared, late_joiner, persistent, keeper, secured_keeper,
+         keeper_without_right, keeper_without_room, full_disk, keep_last, lifespan, read_not_take, take_read,
          final_states, filters, time_filter, ordered, coherent, ended_publisher, large_payload,
          fragments_and_announcements, two_machines]
 

@@ -8,6 +8,8 @@
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/authentication/revocation_lists.hpp"
 
+using testing::MatchesRegex;
+
 namespace ddssec::authentication {
 namespace {
 
@@ -70,8 +72,9 @@ TEST_F(Running, ARevokedPeerIsEndedAndDoesNotComeBack) {
   EXPECT_TRUE(wait().empty());
   EXPECT_EQ(put(pem({2, {bob().certificate}})), std::vector{bob_at_alice()});
   ASSERT_EQ(codes(), (std::vector{Code::crl_renewed, Code::certificate_revoked}));
-  EXPECT_EQ(events()[0].error.details().found,
-            "number 2 of 2026-11-20T23:00:00Z by CN=Identity CA,O=Example");
+  EXPECT_THAT(events()[0].error.details().found,
+              MatchesRegex("number 2 of 2026-11-20T23:00:00Z by CN=Identity CA,O=Example"
+                           " \\(key [0-9A-F]{8}\\)"));
   const auto& event = events()[1];
   EXPECT_EQ(event.peer_subject, "CN=bob,O=Example");
   EXPECT_EQ(event.guid, pairing_.b.guid.to_string());

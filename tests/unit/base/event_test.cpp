@@ -37,6 +37,17 @@ TEST(RateLimitedSink, LetsTheSameEventThroughOncePerInterval) {
   EXPECT_EQ(recorder.events.size(), 4u);
 }
 
+// Programs do not print a returned event. The caller may report the same error in an event of its own.
+TEST(RateLimitedSink, AReturnedEvent_DoesNotSuppressTheSameOneThatIsNot) {
+  Recorder recorder;
+  ManualClock clock(kStart);
+  RateLimitedSink sink(recorder, clock, std::chrono::seconds(10));
+  for (int i = 0; i < 2; ++i) sink.raise(Event::of_returned(Error(Code::malformed)));
+  sink.raise(Event(Error(Code::malformed), {}, {}, PeerProof::not_a_peer));
+  ASSERT_EQ(recorder.events.size(), 2u);
+  EXPECT_FALSE(recorder.events[1].is_returned);
+}
+
 // One peer, one reason, one line: however its messages and names differ.
 TEST(RateLimitedSink, WhatAnUnprovenPeerChoosesMakesNoEventNew) {
   Recorder recorder;
