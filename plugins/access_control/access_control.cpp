@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <set>
-#include <shared_mutex>
-#include <unordered_map>
 
 #include <fmt/format.h>
 
-#include "base/rollback.hpp"
+#include "plugins/access_control/handle_table.hpp"
 #include "plugins/access_control/loading.hpp"
 #include "plugins/access_control/protection.hpp"
 #include "plugins/access_control/refusals.hpp"
@@ -20,61 +18,7 @@ namespace {
 using governance::Action;
 using spi::EndpointRequest;
 using spi::PermissionsHandle;
-using Holder = std::shared_ptr<PermissionsHolder>;
-using Entries = std::vector<std::pair<PermissionsHandle, Holder>>;
 using Participants = std::set<const Participant*>;
-
-/// All handles that are out. Thread-safe; looking up does not keep others from looking up.
-class HandleTable {
- public:
-  explicit HandleTable(std::size_t most) : most_(most) {}
-
-  Result<PermissionsHandle> add(Holder holder) {
-    const std::unique_lock lock(mutex_);
-    if (holders_.size() >= most_) return fail(Code::too_many_permissions_handles);
-    const PermissionsHandle handle{++last_};
-    const auto added = holders_.emplace(handle.value, std::move(holder)).first;
-    Rollback forget([&] { holders_.erase(added); });
-    const auto& kept = *added->second;
-    if (!kept.remote()) local_of_[kept.participant()->identity.value] = handle.value;
-    forget.release();
-    return handle;
-  }
-
-  Holder find(PermissionsHandle handle) const {
-    const std::shared_lock lock(mutex_);
-    const auto entry = holders_.find(handle.value);
-    return entry == holders_.end() ? nullptr : entry->second;
-  }
-
-  Holder find_local(spi::IdentityHandle identity) const {
-    const std::shared_lock lock(mutex_);
-    const auto entry = local_of_.find(identity.value);
-    return entry == local_of_.end() ? nullptr : holders_.at(entry->second);
-  }
-
-  bool remove(PermissionsHandle handle) {
-    const std::unique_lock lock(mutex_);
-    std::erase_if(local_of_, [&](const auto& entry) { return entry.second == handle.value; });
-    return holders_.erase(handle.value) == 1;
-  }
-
-  /// In the order of handles.
-  Entries all() const {
-    const std::shared_lock lock(mutex_);
-    Entries out;
-    for (const auto& [value, holder] : holders_) out.emplace_back(PermissionsHandle{value}, holder);
-    std::ranges::sort(out, {}, [](const auto& entry) { return entry.first; });
-    return out;
-  }
-
- private:
-  const std::size_t most_;
-  mutable std::shared_mutex mutex_;
-  std::unordered_map<std::int64_t, Holder> holders_;
-  std::unordered_map<std::int64_t, std::int64_t> local_of_;  ///< identity -> permissions
-  std::int64_t last_ = 0;
-};
 
 bool is_access_controlled(const governance::TopicRule& rule, Action action) {
   return action == Action::publish ? rule.enable_write_access_control
@@ -115,6 +59,10 @@ class Plugin final : public spi::AccessControl {
                                                         spi::IdentityHandle remote_identity,
                                                         const spi::Token& permissions_token,
                                                         const spi::Token& credential) override;
+
+  Status renew_remote_permissions(PermissionsHandle remote, const spi::Token& permissions_token,
+                                  const spi::Token& credential) override;
+  Status note_presented(PermissionsHandle remote, const spi::SessionFacts& facts) override;
 
   Status check_create_participant(PermissionsHandle local, DomainId domain_id) override {
     return check(local, domain_id, [&](PermissionsHolder& h) { return judge_participant(h); });
@@ -293,6 +241,37 @@ Result<PermissionsHandle> Plugin::validate_remote_permissions(spi::IdentityHandl
   // So that next_expiry knows its end before the first check; an error will come again there.
   if (holder->has_document()) static_cast<void>(grant_now(*holder));
   return add(std::move(holder));
+}
+
+Status Plugin::renew_remote_permissions(PermissionsHandle remote,
+                                        const spi::Token& permissions_token,
+                                        const spi::Token& credential) {
+  DDSSEC_ASSIGN_OR_RETURN(const Holder holder, known(remote));
+  const auto& participant = *holder->participant();
+  const auto& name = holder->document_name();
+  Subject subject;
+  if (const auto status = check_remote_algorithms(participant, credential, subject); !status)
+    return refuse(status.error().in(participant.governance_name), *holder);
+  auto judged = judge_remote(context(), participant, permissions_token, credential, subject);
+  if (!judged) return refuse(judged.error().in(name), *holder);
+  const auto taken = holder->take_shown(*std::move(judged), environment_.clock.now());
+  if (!taken) return refuse(taken.error().in(name), *holder);
+  if (!*taken) return {};
+  const auto end = holder->ends();
+  environment_.events.raise(event_about(
+      holder->peer_subject(),
+      Error(Code::peer_permissions_renewed, {.document = name,
+                                             .field = "not_after",
+                                             .found = end ? to_string(*end) : std::string()})));
+  return {};
+}
+
+Status Plugin::note_presented(PermissionsHandle remote, const spi::SessionFacts& facts) {
+  DDSSEC_ASSIGN_OR_RETURN(const Holder holder, known(remote));
+  const Holder local = handles_.find_local(holder->participant()->identity);
+  if (!local) return refuse(Error(Code::unknown_local_identity));
+  if (!facts.peer_keeps_session) holder->note_seen(local, facts.presented_permissions);
+  return {};
 }
 
 Status Plugin::judge_participant(PermissionsHolder& holder) {

@@ -43,7 +43,9 @@ void PermissionsHolder::set_own(std::string text, std::unique_ptr<OwnDocuments> 
 
 void PermissionsHolder::note_seen(std::shared_ptr<const PermissionsHolder> own,
                                   const std::optional<Sha256Digest>& presented) {
-  seen_ = own->presented(presented);
+  auto seen = own->presented(presented);
+  const std::lock_guard lock(mutex_);
+  seen_ = std::move(seen);
   own_ = std::move(own);
 }
 
@@ -144,11 +146,8 @@ std::vector<Error> PermissionsHolder::renew(DocumentCache& documents, const Cloc
   return own_documents_->renew(*this, *participant_, documents, clock);
 }
 
-Status PermissionsHolder::take(std::shared_ptr<PermissionsDocument> document, BytesView file,
-                               WallTime now) {
-  DDSSEC_ASSIGN_OR_RETURN(auto renewed, grant_in(*document, now));
-  std::string text(as_text(file));
-  const std::lock_guard lock(mutex_);
+/// The lock is held.
+Status PermissionsHolder::check_follows(const Grant& renewed) const {
   // The host has cut the participant off, and keeps to that.
   if (reported_)
     return fail(Code::permissions_renewal_refused, {.note = "the participant has ended"});
@@ -158,6 +157,27 @@ Status PermissionsHolder::take(std::shared_ptr<PermissionsDocument> document, By
                 {.field = "not_before",
                  .expected = to_string(grant_->grant().validity.not_before) + " or later",
                  .found = to_string(begin)});
+  return {};
+}
+
+Result<bool> PermissionsHolder::take_shown(std::shared_ptr<PermissionsDocument> document,
+                                           WallTime now) {
+  DDSSEC_ASSIGN_OR_RETURN(auto renewed, grant_in(*document, now));
+  const std::lock_guard lock(mutex_);
+  if (document == document_) return false;
+  DDSSEC_RETURN_IF_ERROR(check_follows(renewed));
+  document_ = std::move(document);
+  grant_ = std::move(renewed);
+  accepted_by_.reset();
+  return true;
+}
+
+Status PermissionsHolder::take(std::shared_ptr<PermissionsDocument> document, BytesView file,
+                               WallTime now) {
+  DDSSEC_ASSIGN_OR_RETURN(auto renewed, grant_in(*document, now));
+  std::string text(as_text(file));
+  const std::lock_guard lock(mutex_);
+  DDSSEC_RETURN_IF_ERROR(check_follows(renewed));
   constexpr std::size_t kMostFormer = 8;
   if (former_.size() == kMostFormer) former_.erase(former_.begin() + 1);
   former_.push_back({digest_, std::move(document_)});
@@ -170,15 +190,19 @@ Status PermissionsHolder::take(std::shared_ptr<PermissionsDocument> document, By
 }
 
 std::optional<Error> PermissionsHolder::outlived(WallTime now) const {
-  if (!own_ || !seen_ || own_->document() == seen_) return std::nullopt;
-  const auto still = own_->grant_in(*seen_, now);
-  if (still) return std::nullopt;
+  std::shared_ptr<const PermissionsHolder> own;
+  std::shared_ptr<PermissionsDocument> seen;
   {
     const std::lock_guard lock(mutex_);
     if (reported_) return std::nullopt;
+    own = own_;
+    seen = seen_;
   }
+  if (!own || !seen || own->document() == seen) return std::nullopt;
+  const auto still = own->grant_in(*seen, now);
+  if (still) return std::nullopt;
   auto details = still.error().details();
-  details.document = own_->document_name_;
+  details.document = own->document_name_;
   details.hint.clear();
   return Error(Code::session_outlived_documents, std::move(details));
 }

@@ -54,11 +54,14 @@ class PermissionsHolder {
   /// back would give again what was taken away. They may give less, and end earlier. Error:
   /// permissions_renewal_refused, also after the end was reported; those of grant_for.
   Status take(std::shared_ptr<PermissionsDocument> document, BytesView file, WallTime now);
+  /// Of a peer: the same for permissions that it has shown within its session. True: they are
+  /// others than those in force.
+  Result<bool> take_shown(std::shared_ptr<PermissionsDocument> document, WallTime now);
   /// How often it has taken permissions.
   std::uint64_t renewals() const;
 
   /// Of a peer: it has seen the document of `own` with that digest. Empty: the first one, which
-  /// another vendor's authentication goes on presenting. Before the holder is shared.
+  /// another vendor's authentication goes on presenting.
   void note_seen(std::shared_ptr<const PermissionsHolder> own,
                  const std::optional<Sha256Digest>& presented);
   /// Of a peer.
@@ -91,19 +94,20 @@ class PermissionsHolder {
   const Subject subject_;
   const std::string document_name_;
   AnnouncedEndpoints announced_;
-  std::shared_ptr<const PermissionsHolder> own_;  ///< of a peer: what we are to it
-  std::shared_ptr<PermissionsDocument> seen_;     ///< and what it has seen of that
 
   bool is_over(WallTime now) const;
   Status check_signer();
   std::shared_ptr<PermissionsDocument> document() const;
   std::shared_ptr<PermissionsDocument> presented(const std::optional<Sha256Digest>& digest) const;
   Result<Grant> grant_in(PermissionsDocument& document, WallTime now) const;
+  Status check_follows(const Grant& renewed) const;
   std::optional<Error> outlived(WallTime now) const;
 
   std::mutex renewal_mutex_;  ///< before mutex_: no check waits while a file is read
   std::unique_ptr<OwnDocuments> own_documents_;
   mutable std::mutex mutex_;
+  std::shared_ptr<const PermissionsHolder> own_;  ///< of a peer: what we are to it
+  std::shared_ptr<PermissionsDocument> seen_;     ///< and what it has seen of that
   std::shared_ptr<PermissionsDocument> document_;
   std::string text_;
   Sha256Digest digest_ = {};  ///< of text_, as session_facts.hpp counts it

@@ -2,21 +2,18 @@
 
 #include <vector>
 
-#include "pki/source.hpp"
 #include "plugins/authentication/algorithms.hpp"
 #include "plugins/authentication/participant_data.hpp"
 
 namespace ddssec::authentication {
 namespace {
 
-constexpr FieldRule kId{"c.id", 1, pki::kMostCertificateOctets};
-constexpr FieldRule kPermissions{"c.perm", 0, kMostPermissionsOctets};
 constexpr FieldRule kParticipantData{"c.pdata", 1, kMostParticipantDataOctets};
 constexpr FieldRule kSignatureAlgorithm{"c.dsign_algo", 1, 128};
 constexpr FieldRule kKeyAgreementAlgorithm{"c.kagree_algo", 1, 128};
 
 std::vector<spi::NamedOctets> in_order(const Credentials& c) {
-  std::vector<spi::NamedOctets> fields = {{kId.name, c.id}};
+  std::vector<spi::NamedOctets> fields = {{kCertificate.name, c.id}};
   if (c.permissions) fields.push_back({kPermissions.name, *c.permissions});
   fields.push_back({kParticipantData.name, c.participant_data});
   fields.push_back({kSignatureAlgorithm.name, c.signature_algorithm});
@@ -39,7 +36,7 @@ Result<Credentials> Credentials::read(const TokenFields& fields) {
     return fail(Code::key_agreement_algorithm_unknown,
                 {.field = std::string(kKeyAgreementAlgorithm.name),
                  .found = std::string(key_agreement_name)});
-  DDSSEC_ASSIGN_OR_RETURN(const auto id, fields.required(kId));
+  DDSSEC_ASSIGN_OR_RETURN(const auto id, fields.required(kCertificate));
   DDSSEC_ASSIGN_OR_RETURN(const auto permissions, fields.optional(kPermissions));
   DDSSEC_ASSIGN_OR_RETURN(const auto participant_data, fields.required(kParticipantData));
   return Credentials{.id = id,

@@ -6,6 +6,7 @@
 
 #include "base/hash.hpp"
 #include "pki/key_agreement.hpp"
+#include "pki/source.hpp"
 #include "plugins/authentication/token_fields.hpp"
 #include "plugins/spi/token.hpp"
 
@@ -13,6 +14,9 @@ namespace ddssec::authentication {
 
 /// The longest c.perm, in octets. It bounds memory for a peer that has not proven anything yet.
 inline constexpr std::size_t kMostPermissionsOctets = 1024 * 1024;
+
+inline constexpr FieldRule kCertificate{"c.id", 1, pki::kMostCertificateOctets};
+inline constexpr FieldRule kPermissions{"c.perm", 0, kMostPermissionsOctets};
 
 /// The fields as sent or received, borrowed. Algorithm names were checked to be known ones; all
 /// other fields are unproven.

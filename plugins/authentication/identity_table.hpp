@@ -16,6 +16,7 @@
 #include "base/event.hpp"
 #include "plugins/authentication/handshake.hpp"
 #include "plugins/authentication/remote_counts.hpp"
+#include "plugins/authentication/session_renewal.hpp"
 #include "plugins/authentication/unproven_octets.hpp"
 #include "plugins/spi/handles.hpp"
 
@@ -29,6 +30,7 @@ struct PairHandshake {
   std::chrono::nanoseconds since;
   /// Memory share of the peer's request, until the handshake is established.
   UnprovenOctets::Share unproven = {};
+  std::optional<Offer> offer = {};  ///< the last one to the peer, once the handshake is established
 };
 
 /// A remote participant as one local participant knows it. Lock order: a pair's mutex before the

@@ -30,29 +30,55 @@ BytesView without_trailing_nul(BytesView octets) {
   return !octets.empty() && octets.back() == 0 ? octets.first(octets.size() - 1) : octets;
 }
 
+Result<pki::ChainValid> chain_of(BytesView octets, const Guid& guid, const TrustStore& trust,
+                                 WallTime now) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificate, trust.certificate(octets));
+  DDSSEC_RETURN_IF_ERROR(check_binding(certificate, guid));
+  DDSSEC_ASSIGN_OR_RETURN(auto chain, trust.verify(certificate, now));
+  trust.remember(octets, certificate);
+  return chain;
+}
+
 }  // namespace
 
 Result<JudgedPeer> JudgedPeer::judge(const Credentials& credentials, const Guid& guid,
                                      const TrustStore& trust, WallTime now) {
   DDSSEC_RETURN_IF_ERROR(check_participant_data(credentials.participant_data, guid));
-  DDSSEC_ASSIGN_OR_RETURN(const auto certificate, trust.certificate(credentials.id));
-  DDSSEC_RETURN_IF_ERROR(check_binding(certificate, guid));
-  DDSSEC_ASSIGN_OR_RETURN(auto chain, trust.verify(certificate, now));
-  trust.remember(credentials.id, certificate);
-  spi::Token credential{std::string(class_id_of(TokenClass::identity))};
-  add_field(credential, "c.id", as_bytes(certificate.pem()));
-  add_field(credential, "c.perm",
-            without_trailing_nul(credentials.permissions.value_or(BytesView())));
-  add_field(credential, "c.kagree_algo", as_bytes(key_agreement_name(credentials.key_agreement)));
-  return JudgedPeer(std::move(chain), std::move(credential), credentials.participant_data);
+  DDSSEC_ASSIGN_OR_RETURN(auto chain, chain_of(credentials.id, guid, trust, now));
+  return JudgedPeer(std::move(chain), credentials);
 }
 
-JudgedPeer::JudgedPeer(pki::ChainValid chain, spi::Token credential, BytesView participant_data)
+Result<JudgedPeer> JudgedPeer::renewed(BytesView certificate, BytesView permissions,
+                                       const Guid& guid, const TrustStore& trust,
+                                       WallTime now) const {
+  DDSSEC_ASSIGN_OR_RETURN(auto chain, chain_of(certificate, guid, trust, now));
+  // The GUID has only some bits of the subject.
+  if (chain.certificate().subject_digest() != this->certificate().subject_digest())
+    return fail(Code::guid_not_bound_to_subject, {.field = "c.id subject",
+                                                  .expected = this->certificate().subject(),
+                                                  .found = chain.certificate().subject()});
+  auto out = *this;
+  out.chain_ = std::move(chain);
+  out.set_credential(permissions);
+  return out;
+}
+
+JudgedPeer::JudgedPeer(pki::ChainValid chain, const Credentials& credentials)
     : chain_(std::move(chain)),
-      credential_(std::move(credential)),
-      ciphers_(ciphers_in_participant_data(participant_data)),
-      builtin_endpoints_(builtin_endpoints_in_participant_data(participant_data)),
-      keeps_session_(is_of_fast_dds(participant_data)),
-      addresses_(addresses_in_participant_data(participant_data)) {}
+      key_agreement_(key_agreement_name(credentials.key_agreement)),
+      ciphers_(ciphers_in_participant_data(credentials.participant_data)),
+      builtin_endpoints_(builtin_endpoints_in_participant_data(credentials.participant_data)),
+      keeps_session_(is_of_fast_dds(credentials.participant_data)),
+      addresses_(addresses_in_participant_data(credentials.participant_data)) {
+  set_credential(credentials.permissions.value_or(BytesView()));
+}
+
+void JudgedPeer::set_credential(BytesView permissions) {
+  spi::Token credential{std::string(class_id_of(TokenClass::identity))};
+  add_field(credential, kCertificate.name, as_bytes(certificate().pem()));
+  add_field(credential, kPermissions.name, without_trailing_nul(permissions));
+  add_field(credential, "c.kagree_algo", as_bytes(key_agreement_));
+  credential_ = std::move(credential);
+}
 
 }  // namespace ddssec::authentication

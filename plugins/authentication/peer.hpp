@@ -21,6 +21,11 @@ class JudgedPeer {
   static Result<JudgedPeer> judge(const Credentials& credentials, const Guid& guid,
                                   const TrustStore& trust, WallTime now);
 
+  /// The same peer with another certificate and other permissions. Errors: those of the certificate
+  /// as above, guid_not_bound_to_subject (another subject).
+  Result<JudgedPeer> renewed(BytesView certificate, BytesView permissions, const Guid& guid,
+                             const TrustStore& trust, WallTime now) const;
+
   const pki::ChainValid& chain() const { return chain_; }
   const pki::Certificate& certificate() const { return chain_.certificate(); }
 
@@ -43,9 +48,11 @@ class JudgedPeer {
   const std::vector<spi::UdpAddress>& addresses() const { return addresses_; }
 
  private:
-  JudgedPeer(pki::ChainValid chain, spi::Token credential, BytesView participant_data);
+  JudgedPeer(pki::ChainValid chain, const Credentials& credentials);
+  void set_credential(BytesView permissions);
 
   pki::ChainValid chain_;
+  std::string_view key_agreement_;  ///< its name
   std::optional<spi::Token> credential_;
   spi::CipherMask ciphers_;
   std::uint32_t builtin_endpoints_;

@@ -11,7 +11,16 @@
 namespace ddssec::authentication {
 
 /// The kinds of token, by what follows "DDS:Auth:PKI-DH:1.x" in the class id.
-enum class TokenClass : std::uint8_t { identity, auth_request, request, reply, final };
+enum class TokenClass : std::uint8_t {
+  identity,
+  auth_request,
+  request,
+  reply,
+  final,
+  // Specific to ddssec, between two of its participants:
+  renewal,
+  renewal_taken,
+};
 
 /// The class id to send, such as "DDS:Auth:PKI-DH:1.0+Req".
 std::string_view class_id_of(TokenClass token_class);

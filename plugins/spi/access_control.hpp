@@ -11,6 +11,7 @@
 #include "base/ids.hpp"
 #include "plugins/spi/attributes.hpp"
 #include "plugins/spi/handles.hpp"
+#include "plugins/spi/session_facts.hpp"
 #include "plugins/spi/token.hpp"
 
 namespace ddssec::spi {
@@ -59,6 +60,16 @@ class AccessControl {
                                                                 IdentityHandle remote_identity,
                                                                 const Token& permissions_token,
                                                                 const Token& credential) = 0;
+
+  /// A peer has shown renewed permissions within its session: from now on it is judged by them,
+  /// under the same handle. `credential`: from Authentication::judge_renewal. Errors, which leave
+  /// the former permissions in force: those of validate_remote_permissions,
+  /// permissions_renewal_refused (they begin earlier than the former, or the peer has ended).
+  virtual Status renew_remote_permissions(PermissionsHandle, const Token& permissions_token,
+                                          const Token& credential);
+  /// The peer has seen renewed permissions of the local identity: its session no longer ends with
+  /// the former. `facts`: from Authentication::note_renewal_taken.
+  virtual Status note_presented(PermissionsHandle, const SessionFacts&) { return {}; }
 
   /// May the local participant join the domain (DDS-Security 1.2, clause 9.4.2.9.3)? Errors:
   /// participant_not_allowed, those of a grant, or of the certificate that signed it, that is not
@@ -158,5 +169,10 @@ class AccessControl {
   /// Nil: all.
   virtual std::vector<PermissionsHandle> expire(PermissionsHandle local = {}) = 0;
 };
+
+inline Status AccessControl::renew_remote_permissions(PermissionsHandle, const Token&,
+                                                      const Token&) {
+  return fail(Code::unknown_permissions_handle);
+}
 
 }  // namespace ddssec::spi

@@ -10,6 +10,7 @@
 #include "base/ids.hpp"
 #include "base/result.hpp"
 #include "plugins/spi/handles.hpp"
+#include "plugins/spi/session_facts.hpp"
 #include "plugins/spi/shared_secret.hpp"
 #include "plugins/spi/token.hpp"
 
@@ -139,6 +140,28 @@ class Authentication {
   /// ok_final_message, and for an unknown handle.
   virtual std::string authenticated_subject(HandshakeHandle) { return {}; }
 
+  // Renewed documents within a running session. DDS-Security has no such thing: without it, a
+  // session ends with the documents of its handshake. The host carries the two tokens over the
+  // protected channel of the pair. All errors leave the session as it was.
+
+  /// A token that shows the peer of a finished handshake the certificate and the permissions that
+  /// the local identity presents now, signed with that certificate's key for this session alone.
+  /// Empty if the peer has them, or has been shown them kMostOffers times. Errors, without an
+  /// event: handshake_not_finished, those of pki::sign.
+  virtual Result<std::optional<Token>> offer_renewal(HandshakeHandle) { return std::nullopt; }
+  /// Judges such a token of the peer and changes nothing. Returns what
+  /// AccessControl::renew_remote_permissions takes. Errors: handshake_not_finished, those of the
+  /// token's form, those of the peer's certificate, guid_not_bound_to_subject (another subject),
+  /// signature_invalid.
+  virtual Result<Token> judge_renewal(HandshakeHandle, const Token& offer);
+  /// Judges it again. From now on the session ends with the renewed certificate. Returns the token
+  /// that tells the peer. Errors as of judge_renewal.
+  virtual Result<Token> take_renewal(HandshakeHandle, const Token& offer);
+  /// The peer has taken an offer: the session no longer ends with what the peer had seen before.
+  /// Returns what AccessControl::note_presented takes. Errors: those of the token's form,
+  /// unexpected_message (no such offer).
+  virtual Result<SessionFacts> note_renewal_taken(HandshakeHandle, const Token& answer);
+
   /// Drops a handshake. Error: unknown_handshake.
   virtual Status return_handshake_handle(HandshakeHandle handshake) = 0;
   /// Drops an identity: a remote one with the pair's handshakes and
@@ -160,6 +183,18 @@ class Authentication {
   /// them. `local`: only that identity and its remote ones, for a host that must not touch other
   /// users of the engine. Nil: all.
   virtual std::vector<IdentityHandle> expire(IdentityHandle local = {}) = 0;
+  /// How often the same documents are offered to a peer that does not answer.
+  static constexpr int kMostOffers = 3;
 };
+
+inline Result<Token> Authentication::judge_renewal(HandshakeHandle, const Token&) {
+  return fail(Code::unknown_handshake);
+}
+inline Result<Token> Authentication::take_renewal(HandshakeHandle, const Token&) {
+  return fail(Code::unknown_handshake);
+}
+inline Result<SessionFacts> Authentication::note_renewal_taken(HandshakeHandle, const Token&) {
+  return fail(Code::unknown_handshake);
+}
 
 }  // namespace ddssec::spi

@@ -424,6 +424,11 @@ void Discovery::on_replaced(const GuidPrefix& peer) {
   if (auto* remote = parts_.remotes.find(peer)) unmatch(*remote);
 }
 
+bool Discovery::on_rights_changed(const GuidPrefix& peer) {
+  auto* remote = parts_.remotes.find(peer);
+  return remote != nullptr && parts_.matcher.match_all(*remote);
+}
+
 void Discovery::on_keys(const EntityId& local, const Guid& remote) {
   auto* participant = parts_.remotes.find(remote.prefix);
   if (participant == nullptr) return;

@@ -136,6 +136,29 @@ void EndpointMatcher::remove(RemoteParticipant& remote, const EntityId& id) {
   forget_if_empty(topic_name);
 }
 
+bool EndpointMatcher::match_all(RemoteParticipant& remote) {
+  bool any_lost = false;
+  const auto match_again = [&](auto& local, const EndpointData& data) {
+    const auto& own = local.data.guid.entity;
+    if (is_writer(own) == is_writer(data.guid.entity)) return;
+    if (local.matched.contains(data.guid)) {
+      const auto permission = core_.security->admit(own, Admission::Endpoint::of(data));
+      const bool is_relay = core_.security->keyring().is_relay_only(own, data.guid);
+      if (permission && permission->relay_only == is_relay) return;
+      forget(local, data.guid);
+      any_lost = true;
+      if (!permission) return;
+    }
+    match(local, remote, data);
+  };
+  for (const auto& [id, endpoint] : remote.endpoints) {
+    const auto& ends = topics_[endpoint.data.topic_name];
+    for (auto* writer : ends.writers) match_again(*writer, endpoint.data);
+    for (auto* reader : ends.readers) match_again(*reader, endpoint.data);
+  }
+  return any_lost;
+}
+
 void EndpointMatcher::remove_all(RemoteParticipant& remote) {
   while (!remote.endpoints.empty()) remove(remote, remote.endpoints.begin()->first);
 }

@@ -31,6 +31,9 @@ class EndpointMatcher {
   /// Stores what was announced, if there is room, and matches it.
   void add(RemoteParticipant& remote, EndpointData data);
   void remove(RemoteParticipant& remote, const EntityId& id);
+  /// Matches all its endpoints again, after permissions changed. Returns true if any no longer
+  /// match.
+  bool match_all(RemoteParticipant& remote);
   /// The addresses that are used for the participant may have changed.
   void readdress(RemoteParticipant& remote);
   /// Removes all endpoints of the participant.

@@ -26,6 +26,9 @@ inline constexpr std::string_view kDatawriterTokens = "dds.sec.datawriter_crypto
 inline constexpr std::string_view kDatareaderTokens = "dds.sec.datareader_crypto_tokens";
 /// Specific to ddssec and without meaning to others: it only has to be acknowledged.
 inline constexpr std::string_view kQuestion = "org.ddssec.are_you_there";
+/// Specific to ddssec: documents that were renewed (DocumentRenewal), and the answer.
+inline constexpr std::string_view kRenewal = "org.ddssec.renewed_documents";
+inline constexpr std::string_view kRenewalTaken = "org.ddssec.renewed_documents_taken";
 }  // namespace message_class
 
 struct GenericMessage {

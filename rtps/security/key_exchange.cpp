@@ -102,6 +102,12 @@ void KeyExchange::send_tokens(Peer& peer, std::string_view message_class, const 
   send(peer, std::move(message));
 }
 
+void KeyExchange::send_token(Peer& peer, std::string_view message_class, spi::Token token) {
+  std::vector<spi::Token> tokens;
+  tokens.push_back(std::move(token));
+  send_tokens(peer, message_class, {}, {}, std::move(tokens));
+}
+
 void KeyExchange::send_endpoint_tokens(Peer& peer, const EntityId& local, const Guid& remote,
                                        std::vector<spi::Token> tokens) {
   send_tokens(
@@ -146,6 +152,11 @@ bool KeyExchange::may_send(const Association& association) const {
          association.volatile_writer->history().octets() < kMaxUnacknowledgedOctets;
 }
 
+bool KeyExchange::has_room(const Peer& peer) const {
+  const auto* association = peer.state.association();
+  return association != nullptr && may_send(*association);
+}
+
 void KeyExchange::note_acknowledged(Peer& peer) {
   if (is_trusted(peer)) send_waiting(peer);
 }
@@ -188,6 +199,17 @@ bool KeyExchange::on_message(const GuidPrefix& prefix, const Change& change) {
   auto* peer = core_.find(prefix);
   if (peer == nullptr || peer->state.association() == nullptr) return true;
   const auto size = change.payload.size();
+  auto message = read_generic_message(change.payload.view());
+  if (!message) return true;
+  // Fast DDS names its stateless writer as the source.
+  if (message->identity.source.prefix != prefix ||
+      message->destination_participant != core_.own->guid())
+    return true;
+  if (message->message_class == message_class::kRenewal ||
+      message->message_class == message_class::kRenewalTaken) {
+    renewal_listener_(*peer, *message);
+    return true;
+  }
   if (size > kMaxTokenOctets) {
     core_.raise(Error(Code::length_out_of_range,
                       {.document = "key tokens",
@@ -196,12 +218,6 @@ bool KeyExchange::on_message(const GuidPrefix& prefix, const Change& change) {
                 *peer, Origin::its_keys);
     return true;
   }
-  auto message = read_generic_message(change.payload.view());
-  if (!message) return true;
-  // Fast DDS names its stateless writer as the source.
-  if (message->identity.source.prefix != prefix ||
-      message->destination_participant != core_.own->guid())
-    return true;
   if (message->message_class == message_class::kDatawriterTokens ||
       message->message_class == message_class::kDatareaderTokens)
     return on_endpoint_tokens(*peer, std::move(*message), size);

@@ -2,14 +2,18 @@
 // clauses 9.8.8 and 9.8.9). There is one pair of these endpoints for each peer.
 #pragma once
 
+#include <functional>
+
 #include "rtps/security/security_core.hpp"
 
 namespace ddssec::rtps {
 
 class KeyExchange {
  public:
-  /// Size limit for one message with tokens, several times what keys need.
+  /// Size limit for one message with key tokens, several times what keys need.
   static constexpr std::size_t kMaxTokenOctets = 4096;
+  /// Size limit for a token with renewed documents. Larger ones are not sent.
+  static constexpr std::size_t kMaxDocumentOctets = 60 << 10;
   /// Limits for the messages of one peer that arrived out of order.
   static constexpr StatefulReader::Limits kVolatileLimits{.largest_sample = 64 << 10,
                                                           .held_octets = std::size_t{1} << 20};
@@ -32,6 +36,14 @@ class KeyExchange {
   void probe(Peer& peer);
   /// Sends a query that leaves nothing stored: a HEARTBEAT that every reader must answer.
   void ask_for_sign_of_life(Peer& peer);
+
+  /// True if the peer has acknowledged enough of what was sent before.
+  bool has_room(const Peer& peer) const;
+  /// Sends a message with one token.
+  void send_token(Peer& peer, std::string_view message_class, spi::Token token);
+  /// Where messages with renewed documents, and answers to them, are passed on to.
+  using RenewalListener = std::function<void(Peer&, const GenericMessage&)>;
+  void on_renewal(RenewalListener listener) { renewal_listener_ = std::move(listener); }
 
   /// The peer acknowledged something: sends messages that waited for that.
   void note_acknowledged(Peer& peer);
@@ -72,6 +84,7 @@ class KeyExchange {
   SecurityCore& core_;
   std::int64_t last_number_ = 0;
   bool revising_ = false;
+  RenewalListener renewal_listener_;
   /// Peers of which early tokens were taken since the last tick.
   std::vector<GuidPrefix> have_room_;
 };

@@ -167,7 +167,7 @@ Result<Keyring::Introduction> Keyring::introduce(const EntityId& id, const Guid&
   auto& local = at->second;
   if (const auto known = local.pairs.find(remote); known != local.pairs.end())
     return Introduction{known->second.ready};
-  Pair pair{0, true};
+  Pair pair{.ready = true, .relay_only = relay_only};
   Introduction out{true, true};
   if (local.handle != 0) {
     const auto peer = remotes_.find(remote.prefix);
@@ -203,6 +203,12 @@ void Keyring::part(const EntityId& id, const Guid& remote) {
 bool Keyring::is_introduced(const EntityId& id, const Guid& remote) const {
   const auto* local = find(id);
   return local != nullptr && local->pairs.contains(remote);
+}
+
+bool Keyring::is_relay_only(const EntityId& id, const Guid& remote) const {
+  const auto* local = find(id);
+  const auto pair = local == nullptr ? decltype(local->pairs.end()){} : local->pairs.find(remote);
+  return local != nullptr && pair != local->pairs.end() && pair->second.relay_only;
 }
 
 // If only payloads are protected, an attacker can change their sequence numbers.

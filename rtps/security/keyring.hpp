@@ -66,6 +66,8 @@ class Keyring final : public SendProtection {
                                  bool relay_only = false);
   void part(const EntityId& local, const Guid& remote);
   bool is_introduced(const EntityId& local, const Guid& remote) const;
+  /// True if the pair was introduced like that.
+  bool is_relay_only(const EntityId& local, const Guid& remote) const;
   /// A digest of the keys that protect messages from the remote to the local endpoint. It stays the
   /// same as long as the keys do. Empty: the content is not authenticated.
   std::optional<Sha256Digest> keys_of(const EntityId& local, const Guid& remote) const;
@@ -127,6 +129,7 @@ class Keyring final : public SendProtection {
   struct Pair {
     std::int64_t handle = 0;  ///< handle of the remote endpoint; 0: no keys at all
     bool ready = false;
+    bool relay_only = false;
     Sha256Digest keys = {};                 ///< digest of its latest tokens
     std::optional<std::size_t> place = {};  ///< index in the lists of ready pairs
   };

@@ -60,14 +60,15 @@ Status OwnSecurity::share_keys() {
   return {};
 }
 
-void OwnSecurity::present_renewed_permissions() {
+bool OwnSecurity::present_renewed_permissions() {
   auto& [authentication, access_control, cryptography] = options_.plugins;
   const auto renewals = access_control.renewals(permissions_);
-  if (renewals == renewals_) return;
+  if (renewals == renewals_) return false;
   renewals_ = renewals;
   if (const auto credential = access_control.permissions_credential_token(permissions_))
     static_cast<void>(authentication.set_permissions_credential_and_token(identity_, *credential,
                                                                           permissions_token_));
+  return true;
 }
 
 Result<spi::EndpointSecurityAttributes> OwnSecurity::builtin_attributes(std::string_view topic) {

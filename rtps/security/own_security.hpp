@@ -54,8 +54,8 @@ class OwnSecurity {
   const spi::Token& permissions_token() const { return permissions_token_; }
 
   /// From now on handshakes present permissions that access control has renewed. A refusal has its
-  /// event.
-  void present_renewed_permissions();
+  /// event. Returns true if there are any.
+  bool present_renewed_permissions();
 
   /// The governance's attributes for one of the builtin topics of DDS-Security 1.2, clause 7.5.13.
   Result<spi::EndpointSecurityAttributes> builtin_attributes(std::string_view topic);

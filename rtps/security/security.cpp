@@ -168,7 +168,7 @@ void Security::expire() {
   auto& own = *core_.own;
   const auto identities = own.plugins().authentication.expire(own.identity());
   const auto permissions = own.plugins().access_control.expire(own.permissions());
-  own.present_renewed_permissions();
+  const bool rights_changed = own.present_renewed_permissions();
   const auto ended = [&](spi::IdentityHandle identity, spi::PermissionsHandle handle) {
     return (identity && std::ranges::find(identities, identity) != identities.end()) ||
            (handle && std::ranges::find(permissions, handle) != permissions.end());
@@ -182,6 +182,13 @@ void Security::expire() {
   revision_.check_key_life();
   if (auto* const keys = own.pre_shared_keys()) keys->refresh();
   for (const auto& prefix : gone) core_.host.on_ended(prefix);
+  if (all) return;
+  for (const auto& prefix : renewal_.take_excluded()) {
+    distrust(prefix);
+    core_.host.on_ended(prefix);
+  }
+  if (rights_changed) renewal_.on_own_rights_changed();
+  renewal_.offer();
 }
 
 }  // namespace ddssec::rtps

@@ -11,6 +11,7 @@
 // Each part calls only those below it.
 #pragma once
 
+#include "rtps/security/document_renewal.hpp"
 #include "rtps/security/handshakes.hpp"
 
 namespace ddssec::rtps {
@@ -127,6 +128,7 @@ class Security {
   KeyExchange exchange_{core_};
   KeyRevision revision_{core_, exchange_};
   Handshakes handshakes_{core_, admission_, exchange_, revision_};
+  DocumentRenewal renewal_{core_, exchange_, revision_};
   MonotonicTime next_expiry_{};
 };
 

@@ -26,6 +26,9 @@ class SecurityHost {
   virtual void on_keys(const EntityId& local, const Guid& remote) = 0;
   /// Keys of the remote endpoint arrived, and are kept, for a pair that was not introduced.
   virtual void on_early_keys(const Guid& remote) = 0;
+  /// The peer's permissions, or the local ones, were renewed: endpoints may match that did not, or
+  /// no longer match. Returns true if any no longer match.
+  virtual bool on_rights_changed(const GuidPrefix& peer) = 0;
   /// The peer's identity or permissions, or the local ones, expired or were revoked.
   virtual void on_ended(const GuidPrefix& peer) = 0;
 };

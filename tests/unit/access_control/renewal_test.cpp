@@ -251,6 +251,14 @@ TEST_F(RenewalWithPeers, PeerThatKeepsItsSession_StaysAfterTheFormerEnd) {
   EXPECT_THAT(look(), IsEmpty());
 }
 
+TEST_F(RenewalWithPeers, PeerThatHasSeenTheRenewedOne_StaysAfterTheFormerEnd) {
+  const auto handle = peer(that_presented(first_));
+  renew(second_);
+  EXPECT_TRUE(plugin->note_presented(handle, that_presented(second_)));
+  clock.advance(25h);
+  EXPECT_THAT(look(), IsEmpty());
+}
+
 TEST_F(RenewalWithPeers, Session_EndsWithTheDocumentThatThePeerHasSeen) {
   const auto handle = peer(that_presented(first_));
   renew(second_);

@@ -1,0 +1,72 @@
+// The permissions handles that are out.
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <mutex>
+#include <shared_mutex>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "base/rollback.hpp"
+#include "plugins/access_control/permissions_holder.hpp"
+
+namespace ddssec::access_control {
+
+using Holder = std::shared_ptr<PermissionsHolder>;
+using Entries = std::vector<std::pair<spi::PermissionsHandle, Holder>>;
+
+/// Thread-safe; looking up does not keep others from looking up.
+class HandleTable {
+ public:
+  explicit HandleTable(std::size_t most) : most_(most) {}
+
+  Result<spi::PermissionsHandle> add(Holder holder) {
+    const std::unique_lock lock(mutex_);
+    if (holders_.size() >= most_) return fail(Code::too_many_permissions_handles);
+    const spi::PermissionsHandle handle{++last_};
+    const auto added = holders_.emplace(handle.value, std::move(holder)).first;
+    Rollback forget([&] { holders_.erase(added); });
+    const auto& kept = *added->second;
+    if (!kept.remote()) local_of_[kept.participant()->identity.value] = handle.value;
+    forget.release();
+    return handle;
+  }
+
+  Holder find(spi::PermissionsHandle handle) const {
+    const std::shared_lock lock(mutex_);
+    const auto entry = holders_.find(handle.value);
+    return entry == holders_.end() ? nullptr : entry->second;
+  }
+
+  Holder find_local(spi::IdentityHandle identity) const {
+    const std::shared_lock lock(mutex_);
+    const auto entry = local_of_.find(identity.value);
+    return entry == local_of_.end() ? nullptr : holders_.at(entry->second);
+  }
+
+  bool remove(spi::PermissionsHandle handle) {
+    const std::unique_lock lock(mutex_);
+    std::erase_if(local_of_, [&](const auto& entry) { return entry.second == handle.value; });
+    return holders_.erase(handle.value) == 1;
+  }
+
+  /// In the order of handles.
+  Entries all() const {
+    const std::shared_lock lock(mutex_);
+    Entries out;
+    for (const auto& [value, holder] : holders_) out.emplace_back(spi::PermissionsHandle{value}, holder);
+    std::ranges::sort(out, {}, [](const auto& entry) { return entry.first; });
+    return out;
+  }
+
+ private:
+  const std::size_t most_;
+  mutable std::shared_mutex mutex_;
+  std::unordered_map<std::int64_t, Holder> holders_;
+  std::unordered_map<std::int64_t, std::int64_t> local_of_;  ///< identity -> permissions
+  std::int64_t last_ = 0;
+};
+
+}  // namespace ddssec::access_control

@@ -1,0 +1,144 @@
+// The authentication engine. Its parts: identities (authentication.cpp), handshakes
+// (pki_dh_handshakes.cpp), and what finished ones are asked for (pki_dh_sessions.cpp).
+#pragma once
+
+#include <algorithm>
+#include <mutex>
+#include <vector>
+
+#include "plugins/authentication/authentication.hpp"
+#include "plugins/authentication/identity_table.hpp"
+#include "plugins/authentication/kept_requests.hpp"
+#include "plugins/spi/session_facts.hpp"
+
+namespace ddssec::authentication {
+
+using spi::HandshakeHandle;
+using spi::IdentityHandle;
+using spi::Token;
+using spi::ValidationResult;
+
+/// DDS-Security 1.2, clause 10.3.3: the lower GUID, octet by octet, begins.
+inline bool initiates(const Guid& local, const Guid& remote) { return local < remote; }
+
+class PkiDh final : public spi::Authentication {
+ public:
+  PkiDh(const Environment& environment, const Options& options)
+      : environment_(environment),
+        stores_(options.crl_policy),
+        table_(options.most_local_identities,
+               {.most_claimed = options.most_remote_identities,
+                .most_authenticated = options.most_remote_identities,
+                .most_of_a_subject = options.most_identities_of_a_subject}) {}
+
+  Result<LocalIdentity> validate_local_identity(DomainId domain_id,
+                                                const spi::PropertyList& properties,
+                                                const Guid& candidate_guid) override;
+  Result<Token> identity_token(IdentityHandle local, spi::CipherMask ciphers) override;
+  Result<Token> identity_status_token(IdentityHandle local) override;
+  Status set_permissions_credential_and_token(IdentityHandle local, const Token& credential,
+                                              const Token& permissions_token) override;
+  Result<RemoteIdentity> validate_remote_identity(IdentityHandle local,
+                                                  const std::optional<Token>& remote_auth_request,
+                                                  const Token& remote_identity_token,
+                                                  const Guid& remote_guid) override;
+  Result<HandshakeStep> begin_handshake_request(IdentityHandle initiator, IdentityHandle replier,
+                                                BytesView participant_data) override;
+  Result<HandshakeStep> begin_handshake_reply(const Token& request, IdentityHandle initiator,
+                                              IdentityHandle replier,
+                                              BytesView participant_data) override;
+  Result<HandshakeStep> process_handshake(HandshakeHandle handshake, const Token& message) override;
+  Result<std::shared_ptr<const spi::SharedSecret>> shared_secret(
+      HandshakeHandle handshake) override;
+  Result<Token> authenticated_peer_credential_token(HandshakeHandle handshake) override;
+  std::string authenticated_subject(HandshakeHandle handshake) override;
+  Result<std::optional<Token>> offer_renewal(HandshakeHandle handshake) override;
+  Result<Token> judge_renewal(HandshakeHandle handshake, const Token& offer) override;
+  Result<Token> take_renewal(HandshakeHandle handshake, const Token& offer) override;
+  Result<spi::SessionFacts> note_renewal_taken(HandshakeHandle handshake,
+                                               const Token& answer) override;
+  Status return_handshake_handle(HandshakeHandle handshake) override;
+  Status return_identity_handle(IdentityHandle identity) override;
+  std::optional<WallTime> next_expiry() override { return table_.next_end(); }
+  std::vector<IdentityHandle> expire(IdentityHandle local) override;
+
+ private:
+  template <class T>
+  Result<T> reported(Result<T> result, const PeerName& peer = {}) const {
+    if (!result) environment_.events.raise(event_about(peer, result.error()));
+    return result;
+  }
+  /// Of a message of a handshake: a stranger can send one in the name of a peer that authenticated.
+  template <class T>
+  Result<T> reported(Result<T> result, IdentityHandle remote) const {
+    if (result) return result;
+    auto name = table_.name_of(remote);
+    name.proof = PeerProof::claimed;
+    return reported(std::move(result), name);
+  }
+
+  void drop_credentials_given_out();
+  bool has_outlived(const std::vector<IdentityTable::Ended>& all,
+                    const IdentityTable::Ended& session) const;
+  bool may_go_on(const Pair& pair, const PairHandshake& handshake,
+                 const std::shared_ptr<const Presented>& own) const;
+  Result<LocalIdentity> load_local(const spi::PropertyList& properties, const Guid& candidate);
+  Result<RemoteIdentity> admit(IdentityHandle local, const std::optional<Token>& auth_request,
+                               const Token& identity_token, const Guid& guid);
+  Result<HandshakeStep> request(IdentityHandle local, IdentityHandle remote,
+                                BytesView participant_data);
+  Result<HandshakeStep> reply(const Token& request, IdentityHandle local, IdentityHandle remote,
+                              BytesView participant_data);
+  Result<HandshakeStep> step(HandshakeHandle handle, const Token& message);
+  Result<HandshakeContext> context(const Pair& pair) const;
+  Status note_authenticated(const Pair& pair, const Established& done);
+  Result<JudgedOffer> judged(const Pair& pair, const Established& session,
+                             const Token& offer) const;
+  Event renewed_peer(const Pair& pair, const Established& session) const;
+  void take_up_request(const std::shared_ptr<Pair>& pair);
+  Status check_room(const Pair& pair) const;
+  void make_room(Pair& pair);
+  HandshakeStep keep(const std::shared_ptr<Pair>& pair, HandshakeOutcome outcome,
+                     BytesView participant_data, UnprovenOctets::Share unproven = {});
+  Result<UnprovenOctets::Share> share_of(const Pair& pair, const Token& request,
+                                         const HandshakeOutcome& outcome);
+  /// `f(const Pair&, PairHandshake&, Established&)` under the pair's lock.
+  template <class F>
+  auto session(HandshakeHandle handle, F&& f) const
+      -> std::invoke_result_t<F, const Pair&, PairHandshake&, Established&>;
+  /// `f(const Established&)`, the same for what only reads.
+  template <class F>
+  auto established(HandshakeHandle handle, F&& f) const
+      -> Result<std::invoke_result_t<F, const Established&>>;
+
+  const Environment environment_;
+  TrustStores stores_;
+  UnprovenOctets unproven_;
+  IdentityTable table_;
+  KeptRequests kept_requests_{environment_.random};
+  std::mutex given_out_mutex_;
+  std::vector<HandshakeHandle> given_out_;  ///< whose credentials, since the last `expire`
+};
+
+template <class F>
+auto PkiDh::session(HandshakeHandle handle, F&& f) const
+    -> std::invoke_result_t<F, const Pair&, PairHandshake&, Established&> {
+  DDSSEC_ASSIGN_OR_RETURN(const auto pair, table_.pair_of(handle));
+  const std::scoped_lock lock(pair->mutex);
+  const auto handshake = std::ranges::find(pair->handshakes, handle, &PairHandshake::handle);
+  if (handshake == pair->handshakes.end()) return fail(Code::unknown_handshake);
+  auto* const done = std::get_if<Established>(&handshake->state);
+  if (done == nullptr) return fail(Code::handshake_not_finished);
+  return f(*pair, *handshake, *done);
+}
+
+template <class F>
+auto PkiDh::established(HandshakeHandle handle, F&& f) const
+    -> Result<std::invoke_result_t<F, const Established&>> {
+  using Answer = Result<std::invoke_result_t<F, const Established&>>;
+  return session(handle, [&](const Pair&, PairHandshake&, const Established& done) -> Answer {
+    return f(done);
+  });
+}
+
+}  // namespace ddssec::authentication

@@ -1,0 +1,209 @@
+#include <functional>
+
+#include "plugins/authentication/participant_data.hpp"
+#include "plugins/authentication/pki_dh.hpp"
+
+namespace ddssec::authentication {
+namespace {
+
+Status check_role(bool is_right, std::string_view call) {
+  if (is_right) return {};
+  return fail(Code::handshake_role_wrong, {.field = std::string(call)});
+}
+
+/// Finished handshakes of one pair that stay open to questions.
+constexpr std::size_t kMostFinishedPerPair = 4;
+
+bool is_pending(const PairHandshake& handshake) {
+  return !std::holds_alternative<Established>(handshake.state);
+}
+
+Status check_participant_data_size(BytesView participant_data) {
+  if (!participant_data.empty() && participant_data.size() <= kMostParticipantDataOctets) return {};
+  return fail(Code::token_field_length,
+              {.document = "serialized participant data",
+               .field = "c.pdata",
+               .expected = "1 to " + std::to_string(kMostParticipantDataOctets) + " octets",
+               .found = std::to_string(participant_data.size()) + " octets"});
+}
+
+}  // namespace
+
+Result<HandshakeContext> PkiDh::context(const Pair& pair) const {
+  const WallTime now = environment_.clock.now();
+  DDSSEC_RETURN_IF_ERROR(pair.local->verify(now));
+  return HandshakeContext{*pair.local, pair.remote_guid, pair.own_challenge,
+                          pair.announced_challenge, now};
+}
+
+/// The pair's lock is held.
+void PkiDh::take_up_request(const std::shared_ptr<Pair>& pair) {
+  auto [request, reply_keys] = kept_requests_.take(pair->local_handle, pair->remote_guid);
+  pair->reply_keys = std::move(reply_keys);
+  if (!request) return;
+  pair->handshakes.reserve(pair->handshakes.size() + 1);
+  request->handle = table_.add_handshake(pair);
+  pair->handshakes.push_back(std::move(*request));
+}
+
+/// A handshake under way goes on with what it began with. If what we present was renewed since, it
+/// has kPendingAge for that; then the same message begins another.
+bool PkiDh::may_go_on(const Pair& pair, const PairHandshake& handshake,
+                      const std::shared_ptr<const Presented>& own) const {
+  return own == pair.local->presented() ||
+         environment_.clock.monotonic() - handshake.since < kPendingAge;
+}
+
+/// Only one that waited long gives way to another.
+Status PkiDh::check_room(const Pair& pair) const {
+  const auto& all = pair.handshakes;
+  const auto pending = std::ranges::count_if(all, is_pending);
+  if (static_cast<std::size_t>(pending) < kMostPendingPerPair) return {};
+  const auto oldest = std::ranges::find_if(all, is_pending);
+  if (environment_.clock.monotonic() - oldest->since >= kPendingAge) return {};
+  return fail(Code::too_many_handshakes,
+              {.expected = "at most " + std::to_string(kMostPendingPerPair)});
+}
+
+void PkiDh::make_room(Pair& pair) {
+  auto& all = pair.handshakes;
+  const auto drop_first = [&](auto&& is_one) {
+    const auto first = std::ranges::find_if(all, is_one);
+    if (first == all.end()) return;
+    table_.remove_handshake(first->handle);
+    all.erase(first);
+  };
+  const auto pending = static_cast<std::size_t>(std::ranges::count_if(all, is_pending));
+  if (pending >= kMostPendingPerPair) drop_first(is_pending);
+  // Of finished ones the host keeps what it needs as shared pointers.
+  if (all.size() - pending >= kMostFinishedPerPair) drop_first(std::not_fn(is_pending));
+}
+
+PkiDh::HandshakeStep PkiDh::keep(const std::shared_ptr<Pair>& pair, HandshakeOutcome outcome,
+                                 BytesView participant_data, UnprovenOctets::Share unproven) {
+  PairHandshake kept{{},
+                     std::move(*outcome.next),
+                     to_bytes(participant_data),
+                     environment_.clock.monotonic(),
+                     std::move(unproven)};
+  pair->handshakes.reserve(pair->handshakes.size() + 1);
+  const auto handle = kept.handle = table_.add_handshake(pair);
+  make_room(*pair);
+  pair->handshakes.push_back(std::move(kept));
+  return {handle, outcome.result, std::move(outcome.message)};
+}
+
+Result<PkiDh::HandshakeStep> PkiDh::begin_handshake_request(IdentityHandle initiator,
+                                                            IdentityHandle replier,
+                                                            BytesView participant_data) {
+  return reported(request(initiator, replier, participant_data), replier);
+}
+
+Result<PkiDh::HandshakeStep> PkiDh::request(IdentityHandle local, IdentityHandle remote,
+                                            BytesView participant_data) {
+  DDSSEC_RETURN_IF_ERROR(check_participant_data_size(participant_data));
+  DDSSEC_ASSIGN_OR_RETURN(const auto pair, table_.pair(local, remote));
+  DDSSEC_RETURN_IF_ERROR(
+      check_role(initiates(pair->local->guid(), pair->remote_guid), "begin_handshake_request"));
+  const std::scoped_lock lock(pair->mutex);
+  for (const auto& handshake : pair->handshakes) {
+    const auto* waiting = std::get_if<AwaitReply>(&handshake.state);
+    if (waiting != nullptr && may_go_on(*pair, handshake, waiting->own) &&
+        std::ranges::equal(handshake.participant_data, participant_data))
+      return HandshakeStep{handshake.handle, ValidationResult::pending_handshake_message,
+                           waiting->request};
+  }
+  DDSSEC_ASSIGN_OR_RETURN(const auto what, context(*pair));
+  DDSSEC_RETURN_IF_ERROR(check_room(*pair));
+  DDSSEC_ASSIGN_OR_RETURN(auto request, start_request(what, participant_data));
+  return keep(pair, std::move(request), participant_data);
+}
+
+Result<PkiDh::HandshakeStep> PkiDh::begin_handshake_reply(const Token& request,
+                                                          IdentityHandle initiator,
+                                                          IdentityHandle replier,
+                                                          BytesView participant_data) {
+  return reported(reply(request, replier, initiator, participant_data), initiator);
+}
+
+Result<PkiDh::HandshakeStep> PkiDh::reply(const Token& request, IdentityHandle local,
+                                          IdentityHandle remote, BytesView participant_data) {
+  DDSSEC_RETURN_IF_ERROR(check_participant_data_size(participant_data));
+  DDSSEC_ASSIGN_OR_RETURN(const auto pair, table_.pair(local, remote));
+  DDSSEC_RETURN_IF_ERROR(
+      check_role(!initiates(pair->local->guid(), pair->remote_guid), "begin_handshake_reply"));
+  const std::scoped_lock lock(pair->mutex);
+  for (const auto& handshake : pair->handshakes) {
+    if (!is_answer_to(handshake.state, request)) continue;
+    const auto* waiting = std::get_if<AwaitFinal>(&handshake.state);
+    if (waiting == nullptr)
+      return fail(Code::unexpected_message,
+                  {.document = "handshake request", .note = "after the handshake that it began"});
+    if (!may_go_on(*pair, handshake, waiting->own)) continue;
+    return HandshakeStep{handshake.handle, ValidationResult::pending_handshake_message,
+                         waiting->reply};
+  }
+  DDSSEC_ASSIGN_OR_RETURN(auto what, context(*pair));
+  what.reply_keys = &pair->reply_keys;
+  DDSSEC_RETURN_IF_ERROR(check_room(*pair));
+  DDSSEC_ASSIGN_OR_RETURN(auto outcome, start_reply(what, request, participant_data));
+  DDSSEC_ASSIGN_OR_RETURN(auto share, share_of(*pair, request, outcome));
+  return keep(pair, std::move(outcome), participant_data, std::move(share));
+}
+
+/// What the request makes us keep.
+Result<UnprovenOctets::Share> PkiDh::share_of(const Pair& pair, const Token& request,
+                                              const HandshakeOutcome& outcome) {
+  std::size_t octets = 0, free = 0;
+  for (const auto& property : request.binary_properties) octets += property.value.size();
+  for (const auto& handshake : pair.handshakes) free += handshake.unproven.free_octets();
+  const auto& peer = std::get<AwaitFinal>(*outcome.next).peer;
+  auto share = unproven_.take(peer.certificate().subject_digest(), octets, free);
+  if (share) return *std::move(share);
+  return fail(Code::too_many_handshakes,
+              {.document = "handshake request",
+               .expected = "at most " + std::to_string(UnprovenOctets::kMostOfASubject) +
+                           " octets of a subject in requests that wait for their end",
+               .found = std::to_string(octets) + " more octets"});
+}
+
+/// Our certificate may have ended since the handshake began, if it was renewed.
+Status PkiDh::note_authenticated(const Pair& pair, const Established& done) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto own,
+                          pair.local->verify(done.own->certificate, environment_.clock.now()));
+  return table_.note_authenticated(pair.remote_handle,
+                                   {done.peer.chain(), own, done.peer.keeps_session()});
+}
+
+Result<PkiDh::HandshakeStep> PkiDh::process_handshake(HandshakeHandle handshake,
+                                                      const Token& message) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto pair, reported(table_.pair_of(handshake)));
+  return reported(step(handshake, message), pair->remote_handle);
+}
+
+Result<PkiDh::HandshakeStep> PkiDh::step(HandshakeHandle handle, const Token& message) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto pair, table_.pair_of(handle));
+  const std::scoped_lock lock(pair->mutex);
+  const auto handshake = std::ranges::find(pair->handshakes, handle, &PairHandshake::handle);
+  if (handshake == pair->handshakes.end()) return fail(Code::unknown_handshake);
+  DDSSEC_ASSIGN_OR_RETURN(const auto what, context(*pair));
+  DDSSEC_ASSIGN_OR_RETURN(auto outcome, process(handshake->state, what, message));
+  if (outcome.next) {
+    if (const auto* done = std::get_if<Established>(&*outcome.next))
+      DDSSEC_RETURN_IF_ERROR(note_authenticated(*pair, *done));
+    static_assert(std::is_nothrow_move_assignable_v<HandshakeState>);
+    handshake->state = std::move(*outcome.next);
+    if (!is_pending(*handshake)) handshake->unproven = {};
+  }
+  return HandshakeStep{handle, outcome.result, std::move(outcome.message)};
+}
+
+Status PkiDh::return_handshake_handle(HandshakeHandle handle) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto pair, table_.pair_of(handle));
+  const std::scoped_lock lock(pair->mutex);
+  table_.remove_handshake(handle);
+  std::erase_if(pair->handshakes, [&](const auto& h) { return h.handle == handle; });
+  return {};
+}
+
+}  // namespace ddssec::authentication

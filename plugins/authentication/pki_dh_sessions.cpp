@@ -1,0 +1,123 @@
+#include "plugins/authentication/pki_dh.hpp"
+
+namespace ddssec::authentication {
+namespace {
+
+spi::SessionFacts facts_of(const Established& session) {
+  return {.presented_permissions = sha256(session.own->permissions),
+          .peer_keeps_session = session.peer.keeps_session()};
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const spi::SharedSecret>> PkiDh::shared_secret(HandshakeHandle handshake) {
+  return reported(established(handshake, [](const Established& done) { return done.secret; }));
+}
+
+Result<Token> PkiDh::authenticated_peer_credential_token(HandshakeHandle handshake) {
+  const auto with_facts = [](const Established& done) {
+    auto credential = done.peer.credential();
+    if (credential) spi::add_session_facts(*credential, facts_of(done));
+    return credential;
+  };
+  DDSSEC_ASSIGN_OR_RETURN(auto credential, reported(established(handshake, with_facts)));
+  if (!credential) return reported(Result<Token>(fail(Code::credential_given_out)));
+  const std::scoped_lock lock(given_out_mutex_);
+  if (std::ranges::find(given_out_, handshake) == given_out_.end()) given_out_.push_back(handshake);
+  return *std::move(credential);
+}
+
+std::string PkiDh::authenticated_subject(HandshakeHandle handshake) {
+  return established(
+             handshake,
+             [](const Established& done) { return done.peer.chain().certificate().subject(); })
+      .value_or(std::string());
+}
+
+/// Not at once: a host that had no memory for it asks again.
+void PkiDh::drop_credentials_given_out() {
+  std::vector<HandshakeHandle> handles;
+  {
+    const std::scoped_lock lock(given_out_mutex_);
+    handles.swap(given_out_);
+  }
+  for (const auto handle : handles) {
+    const auto pair = table_.pair_of(handle);
+    if (!pair) continue;
+    const std::scoped_lock lock((*pair)->mutex);
+    const auto handshake = std::ranges::find((*pair)->handshakes, handle, &PairHandshake::handle);
+    if (handshake == (*pair)->handshakes.end()) continue;
+    if (auto* const done = std::get_if<Established>(&handshake->state))
+      done->peer.drop_credential();
+  }
+}
+
+// ---- renewed documents within a session
+
+Result<std::optional<Token>> PkiDh::offer_renewal(HandshakeHandle handle) {
+  using Offered = Result<std::optional<Token>>;
+  return session(handle,
+                 [](const Pair& pair, PairHandshake& handshake, Established& done) -> Offered {
+                   return next_offer(done, *pair.local, handshake.offer);
+                 });
+}
+
+Result<JudgedOffer> PkiDh::judged(const Pair& pair, const Established& session,
+                                  const Token& offer) const {
+  auto judged = judge_offer(session, offer, pair.remote_guid, *pair.local->peer_trust(),
+                            environment_.clock.now());
+  if (judged) return judged;
+  return reported(Result<JudgedOffer>(std::unexpected(
+                      judged.error().in("renewed documents of " + session.peer.certificate().subject()))),
+                  table_.name_of(pair.remote_handle));
+}
+
+Result<Token> PkiDh::judge_renewal(HandshakeHandle handle, const Token& offer) {
+  return session(handle,
+                 [&](const Pair& pair, PairHandshake&, Established& done) -> Result<Token> {
+                   DDSSEC_ASSIGN_OR_RETURN(const auto found, judged(pair, done, offer));
+                   return *found.peer.credential();
+                 });
+}
+
+Result<Token> PkiDh::take_renewal(HandshakeHandle handle, const Token& offer) {
+  return session(handle,
+                 [&](const Pair& pair, PairHandshake&, Established& done) -> Result<Token> {
+                   DDSSEC_ASSIGN_OR_RETURN(auto found, judged(pair, done, offer));
+                   const bool is_new = found.peer.certificate() != done.peer.certificate();
+                   auto former = std::exchange(done.peer, std::move(found.peer));
+                   done.peer.drop_credential();
+                   if (auto noted = note_authenticated(pair, done); !noted) {
+                     done.peer = std::move(former);
+                     return std::unexpected(noted.error());
+                   }
+                   if (is_new) environment_.events.raise(renewed_peer(pair, done));
+                   return found.answer;
+                 });
+}
+
+Event PkiDh::renewed_peer(const Pair& pair, const Established& session) const {
+  const auto& chain = session.peer.chain();
+  return event_about(table_.name_of(pair.remote_handle),
+                     Error(Code::peer_identity_renewed,
+                           {.document = "certificate of " + chain.certificate().subject(),
+                            .field = "notAfter",
+                            .found = to_string(chain.not_after()),
+                            .note = "serial number " + chain.certificate().serial()}));
+}
+
+Result<spi::SessionFacts> PkiDh::note_renewal_taken(HandshakeHandle handle, const Token& answer) {
+  using Facts = Result<spi::SessionFacts>;
+  return reported(session(
+      handle, [&](const Pair& pair, PairHandshake& handshake, Established& done) -> Facts {
+        DDSSEC_RETURN_IF_ERROR(check_answer(handshake.offer, answer));
+        const auto former = std::exchange(done.own, handshake.offer->documents);
+        if (auto noted = note_authenticated(pair, done); !noted) {
+          done.own = former;
+          return std::unexpected(noted.error());
+        }
+        return facts_of(done);
+      }));
+}
+
+}  // namespace ddssec::authentication

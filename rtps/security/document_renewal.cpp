@@ -1,0 +1,93 @@
+#include "rtps/security/document_renewal.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+std::size_t octets_of(const spi::Token& token) {
+  std::size_t octets = 0;
+  for (const auto& property : token.binary_properties) octets += property.value.size();
+  return octets;
+}
+
+}  // namespace
+
+DocumentRenewal::DocumentRenewal(SecurityCore& core, KeyExchange& exchange, KeyRevision& revision)
+    : core_(core), exchange_(exchange), revision_(revision) {
+  exchange.on_renewal([this](Peer& peer, const GenericMessage& message) {
+    if (message.data.size() != 1 || peer.state.joined() == nullptr) return;
+    if (message.message_class == message_class::kRenewal) return on_offer(peer, message.data[0]);
+    on_taken(peer, message.data[0]);
+  });
+}
+
+void DocumentRenewal::offer() {
+  for (auto& [prefix, peer] : core_.peers)
+    if (peer.state.joined() != nullptr && peer.data.vendor == kVendorDdssec) offer(peer);
+}
+
+// The errors have their events.
+void DocumentRenewal::offer(Peer& peer) {
+  auto& next_offer = peer.state.association()->renewal.next_offer;
+  if (core_.now < next_offer || !exchange_.has_room(peer)) return;
+  auto& authentication = core_.own->plugins().authentication;
+  auto offer = authentication.offer_renewal(peer.state.handshake()->handle());
+  if (!offer || !*offer) return;
+  next_offer = core_.now + kOfferPeriod;
+  if (octets_of(**offer) > KeyExchange::kMaxDocumentOctets) return report_too_large(peer, **offer);
+  exchange_.send_token(peer, message_class::kRenewal, **std::move(offer));
+}
+
+void DocumentRenewal::report_too_large(const Peer& peer, const spi::Token& offer) {
+  core_.raise(
+      Error(Code::length_out_of_range,
+            {.document = "renewed certificate and permissions",
+             .expected = "at most " + std::to_string(KeyExchange::kMaxDocumentOctets) + " octets",
+             .found = std::to_string(octets_of(offer)),
+             .hint = "make the permissions shorter, if the session with this peer is to go on "
+                     "after the former documents end; it begins again otherwise"}),
+      peer, Origin::its_keys);
+}
+
+void DocumentRenewal::on_offer(Peer& peer, const spi::Token& offer) {
+  auto& association = *peer.state.association();
+  if (!association.renewal.judgements.take(core_.now)) return;
+  auto& [authentication, access_control, cryptography] = core_.own->plugins();
+  const auto handshake = peer.state.handshake()->handle();
+  const auto permissions = association.permissions.handle;
+  const auto credential = authentication.judge_renewal(handshake, offer);
+  if (!credential ||
+      !access_control.renew_remote_permissions(
+          permissions, peer.data.permissions_token.value_or(spi::Token{}), *credential))
+    return;
+  auto answer = authentication.take_renewal(handshake, offer);
+  if (!answer) return;
+  exchange_.send_token(peer, message_class::kRenewalTaken, *std::move(answer));
+  if (!access_control.check_remote_participant(permissions, core_.own->domain_id()))
+    excluded_.push_back(peer.prefix());
+  else
+    judge_endpoints_of(GuidPrefix(peer.prefix()));
+}
+
+// A reader that no longer matches has the keys of its writers.
+void DocumentRenewal::judge_endpoints_of(const GuidPrefix& prefix) {
+  if (core_.host.on_rights_changed(prefix)) revision_.request();
+}
+
+void DocumentRenewal::on_own_rights_changed() {
+  std::vector<GuidPrefix> prefixes;
+  for (const auto& [prefix, peer] : core_.peers)
+    if (peer.state.joined() != nullptr) prefixes.push_back(prefix);
+  for (const auto& prefix : prefixes) judge_endpoints_of(prefix);
+}
+
+void DocumentRenewal::on_taken(Peer& peer, const spi::Token& answer) {
+  auto& [authentication, access_control, cryptography] = core_.own->plugins();
+  const auto facts =
+      authentication.note_renewal_taken(peer.state.handshake()->handle(), answer);
+  if (!facts) return;
+  auto& association = *peer.state.association();
+  association.renewal.next_offer = {};
+  static_cast<void>(access_control.note_presented(association.permissions.handle, *facts));
+}
+
+}  // namespace ddssec::rtps

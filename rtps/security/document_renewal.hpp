@@ -1,0 +1,37 @@
+// Shows the peers documents that were renewed while a session runs, and takes theirs, so that the
+// session goes on. DDS-Security has no such thing: other vendors' participants ignore the messages,
+// and their sessions end with the documents of the handshake.
+#pragma once
+
+#include "rtps/security/key_revision.hpp"
+
+namespace ddssec::rtps {
+
+class DocumentRenewal {
+ public:
+  /// A peer that does not answer is shown the documents again after this time.
+  static constexpr MonotonicTime kOfferPeriod = std::chrono::seconds(10);
+
+  DocumentRenewal(SecurityCore& core, KeyExchange& exchange, KeyRevision& revision);
+
+  /// Must be called once a second: shows the peers what was renewed.
+  void offer();
+  /// The local permissions were renewed.
+  void on_own_rights_changed();
+  /// Peers whose renewed permissions do not let them take part any more, since the last call.
+  std::vector<GuidPrefix> take_excluded() { return std::exchange(excluded_, {}); }
+
+ private:
+  void offer(Peer& peer);
+  void report_too_large(const Peer& peer, const spi::Token& offer);
+  void on_offer(Peer& peer, const spi::Token& offer);
+  void judge_endpoints_of(const GuidPrefix& prefix);
+  void on_taken(Peer& peer, const spi::Token& answer);
+
+  SecurityCore& core_;
+  KeyExchange& exchange_;
+  KeyRevision& revision_;
+  std::vector<GuidPrefix> excluded_;
+};
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,115 @@
+// Renewed permissions that a peer shows within its session, and ours that it has seen.
+#include <gmock/gmock.h>
+
+#include "tests/unit/access_control/fixture.hpp"
+
+namespace ddssec::access_control {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+class ShownPermissions : public AccessControlTest {
+ protected:
+  ShownPermissions() {
+    EXPECT_TRUE(local(open_permissions(kTalker)));
+    peer_ = remote(document({"t"})).value_or(spi::PermissionsHandle{});
+    EXPECT_TRUE(peer_);
+    log.events.clear();
+  }
+
+  /// The listener may publish `names`.
+  std::string document(std::vector<std::string> names, std::chrono::seconds from = -24h,
+                       std::chrono::seconds until = 12h, const char* subject = kListener) const {
+    auto out = grant(subject, {publish_rule(true, std::move(names))});
+    out.validity = {kNow + from, kNow + until};
+    return signed_permissions({out});
+  }
+  Status show(const std::string& text) {
+    return plugin->renew_remote_permissions(peer_, permissions_token(),
+                                            credential(authorities().listener, text));
+  }
+  bool may_publish(std::string_view topic) {
+    return plugin->check_remote_datawriter(peer_, 0, {.topic_name = topic}).has_value();
+  }
+  bool may_match(std::string_view topic) {
+    return plugin
+        ->check_remote_match(peer_, {.remote_writes = true, .local = {.topic_name = topic}, .remote = {}})
+        .has_value();
+  }
+
+  spi::PermissionsHandle peer_;
+};
+
+TEST_F(ShownPermissions, Taken_CountFromThenOnUnderTheSameHandle) {
+  EXPECT_TRUE(may_match("t"));
+  EXPECT_FALSE(may_publish("u"));
+  log.events.clear();
+  ASSERT_TRUE(show(document({"u"}, 0s, 48h)));
+  EXPECT_EQ(log.only(), Code::peer_permissions_renewed);
+  EXPECT_FALSE(may_publish("t"));
+  EXPECT_FALSE(may_match("t")) << "what was announced before is judged anew";
+  EXPECT_TRUE(may_publish("u"));
+  clock.advance(13h);
+  EXPECT_THAT(plugin->expire(), IsEmpty()) << "the former end does not count";
+  clock.advance(12h);
+  plugin->expire();
+  clock.advance(24h);
+  EXPECT_FALSE(may_publish("u"));
+}
+
+TEST_F(ShownPermissions, ThatAreTheSame_AreNoEvent) {
+  const auto text = document({"t"}, 0s, 48h);
+  ASSERT_TRUE(show(text));
+  log.events.clear();
+  ASSERT_TRUE(show(text));
+  EXPECT_THAT(log.events, IsEmpty());
+}
+
+TEST_F(ShownPermissions, ThatBeginEarlier_AreRefusedAsARollBack) {
+  EXPECT_REFUSED(show(document({"t", "u"}, -25h, 48h)), permissions_renewal_refused);
+  EXPECT_FALSE(may_publish("u"));
+  EXPECT_TRUE(may_publish("t"));
+}
+
+TEST_F(ShownPermissions, OfAnotherSubject_AreRefused) {
+  EXPECT_REFUSED(show(document({"u"}, 0s, 48h, kTalker)), no_grant_for_subject);
+  // Also together with the other's certificate: the session is that of the listener.
+  EXPECT_REFUSED(plugin->renew_remote_permissions(
+                     peer_, permissions_token(),
+                     credential(authorities().talker, document({"u"}, 0s, 48h, kTalker))),
+                 no_grant_for_subject);
+  EXPECT_TRUE(may_publish("t"));
+}
+
+TEST_F(ShownPermissions, OfAnotherCa_AreRefused) {
+  const auto xml = governance::to_xml(
+      governance::Permissions{.grants = {grant(kListener, {publish_rule(true, {"u"})})}});
+  log.events.clear();
+  EXPECT_FALSE(show(signed_by(authorities().other_ca, xml)));
+  EXPECT_EQ(log.events.size(), 1u);
+  EXPECT_FALSE(may_publish("u"));
+  EXPECT_TRUE(may_publish("t"));
+}
+
+TEST_F(ShownPermissions, ThatAreNotValidNow_AreRefused) {
+  log.events.clear();
+  EXPECT_FALSE(show(document({"u"}, 1h, 48h)));
+  EXPECT_EQ(log.events.size(), 1u);
+  EXPECT_TRUE(may_publish("t"));
+}
+
+TEST_F(ShownPermissions, OfAPeerThatHasEnded_AreRefused) {
+  clock.advance(13h);
+  EXPECT_THAT(plugin->expire(), ElementsAre(peer_));
+  EXPECT_REFUSED(show(document({"t"}, 12h, 48h)), permissions_renewal_refused);
+}
+
+TEST_F(ShownPermissions, UnderAnUnknownHandle_AreRefused) {
+  EXPECT_TRUE(plugin->return_permissions_handle(peer_));
+  EXPECT_REFUSED(show(document({"t"}, 0s, 48h)), unknown_permissions_handle);
+  EXPECT_REFUSED(plugin->note_presented(peer_, {}), unknown_permissions_handle);
+}
+
+}  // namespace
+}  // namespace ddssec::access_control

@@ -1,0 +1,170 @@
+// Certificates and permissions that are renewed while two participants exchange data.
+#include <random>
+
+#include "tests/unit/rtps_security/trio.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace testing;
+
+constexpr auto kEncrypt = ProtectionKind::encrypt;
+
+/// The documents of one participant in files that it looks at once a second.
+class DocumentFiles {
+ public:
+  explicit DocumentFiles(const spi::PropertyList& documents) { put(documents); }
+  void put(const spi::PropertyList& documents) {
+    for (const auto& [name, file] : kFiles)
+      folder_.replace(file, spi::find_property(documents, name)->substr(data_uri("").size()));
+  }
+  spi::PropertyList in(spi::PropertyList documents) const {
+    for (auto& property : documents)
+      for (const auto& [name, file] : kFiles)
+        if (property.name == name) property.value = "file:" + folder_.path() + "/" + file;
+    documents.push_back({std::string(spi::property::kFilesPollInterval), "1", false});
+    return documents;
+  }
+
+ private:
+  static constexpr std::pair<std::string_view, const char*> kFiles[] = {
+      {spi::property::kIdentityCertificate, "cert.pem"},
+      {spi::property::kPrivateKey, "key.pem"},
+      {spi::property::kPermissions, "permissions.p7s"}};
+  const test::TemporaryFolder folder_;
+};
+
+/// Alice writes, and her documents are in files; bob reads.
+struct Renewed {
+  explicit Renewed(Short first, const Rules& governance = everything(kEncrypt))
+      : rules(governance),
+        files(member("alice", rules, first)),
+        a(1, files.in(member("alice", rules, first))),
+        b(2, member("bob", rules)) {
+    world.nodes = {&a, &b};
+    auto qos = default_writer_qos();
+    qos.history.kind = HistoryKind::keep_all;
+    writer = a->create_writer(square(qos), a.listener, world.now).value();
+    auto reading = default_reader_qos();
+    reading.reliability.kind = ReliabilityKind::reliable;
+    EXPECT_TRUE(b->create_reader(square(reading), b.listener, world.now));
+    EXPECT_TRUE(world.run_until([&] { return matched(1); })) << text();
+  }
+  bool matched(int count) const {
+    return a.listener.matched == count && b.listener.matched == count;
+  }
+  void advance(std::chrono::seconds time) {
+    a.clock.advance(time);
+    b.clock.advance(time);
+    world.run(250);  // each looks once a second
+  }
+  void put(const spi::PropertyList& documents) {
+    files.put(documents);
+    for (int i = 0; i < 3; ++i) advance(1s);
+  }
+  void put_permissions(std::vector<std::string> topics) {
+    put(properties_of("CN=alice,O=Example", rules, std::move(topics), 48h));
+  }
+  bool all_arrive() {
+    for (int i = 0; i < 3; ++i) {
+      Change change;
+      change.payload = payload();
+      a->local_endpoints().writer(writer)->write(std::move(change), world.now);
+    }
+    written += 3;
+    return world.run_until([&] { return b.listener.changes.size() == written; }, 200);
+  }
+  bool one_session() const {
+    return a.events.count(Code::rtps_peer_authenticated) == 1 &&
+           b.events.count(Code::rtps_peer_authenticated) == 1 &&
+           !a.events.has(Code::session_outlived_documents) &&
+           !b.events.has(Code::identity_ended);
+  }
+  std::string text() const { return a.events.text() + "--\n" + b.events.text(); }
+
+  const Rules rules;
+  DocumentFiles files;
+  Node a, b;
+  World world;
+  Guid writer;
+  std::size_t written = 0;
+};
+
+TEST(DocumentRenewal, ARenewedCertificate_KeepsTheSessionAfterTheFormerEnd) {
+  for (const auto& rules : {everything(kEncrypt), Rules{.data = kEncrypt}}) {
+    Renewed two(Short::certificate, rules);
+    EXPECT_TRUE(two.all_arrive());
+    two.put(member("alice", two.rules));
+    EXPECT_TRUE(two.b.events.has(Code::peer_identity_renewed)) << two.text();
+    two.advance(13h);
+    EXPECT_TRUE(two.matched(1) && two.all_arrive() && two.one_session()) << two.text();
+  }
+}
+
+TEST(DocumentRenewal, WithoutOne_TheSessionEndsWithTheCertificate) {
+  Renewed two(Short::certificate);
+  two.advance(13h);
+  EXPECT_TRUE(two.matched(0)) << two.text();
+}
+
+TEST(DocumentRenewal, RenewedPermissions_KeepTheSessionAfterTheFormerEnd) {
+  Renewed two(Short::permissions);
+  two.put(member("alice", two.rules));
+  EXPECT_TRUE(two.b.events.has(Code::peer_permissions_renewed)) << two.text();
+  two.advance(13h);
+  EXPECT_TRUE(two.matched(1) && two.all_arrive() && two.one_session()) << two.text();
+}
+
+TEST(DocumentRenewal, OnALossyNetwork_TheyArrive) {
+  Renewed two(Short::certificate);
+  two.world.filter = [random = std::minstd_rand(7)](const Node&, Bytes datagram) mutable {
+    return random() % 3 == 0 ? std::vector<Bytes>{} : one(std::move(datagram));
+  };
+  two.put(member("alice", two.rules));
+  two.world.run(1000);
+  two.advance(13h);
+  EXPECT_TRUE(two.all_arrive() && two.one_session()) << two.text();
+}
+
+TEST(DocumentRenewal, PermissionsOfManyTopics_AreTakenToo) {
+  std::vector<std::string> topics{"*"};
+  for (int i = 0; i < 400; ++i) topics.push_back("a/topic/with/a/long/name/" + std::to_string(i));
+  Renewed two(Short::permissions);
+  two.put_permissions(std::move(topics));
+  EXPECT_TRUE(two.b.events.has(Code::peer_permissions_renewed)) << two.text();
+  two.advance(13h);
+  EXPECT_TRUE(two.all_arrive() && two.one_session()) << two.text();
+}
+
+TEST(DocumentRenewal, PermissionsThatAreTooLong_EndWithTheFormerOnesAndAnEventSaysSo) {
+  std::vector<std::string> topics{"*"};
+  for (int i = 0; i < 1200; ++i) topics.push_back("a/topic/with/a/long/name/" + std::to_string(i));
+  Renewed two(Short::permissions);
+  two.put_permissions(std::move(topics));
+  EXPECT_TRUE(two.a.events.has(Code::length_out_of_range)) << two.text();
+  EXPECT_FALSE(two.b.events.has(Code::peer_permissions_renewed)) << two.text();
+  two.advance(13h);
+  EXPECT_FALSE(two.one_session()) << two.text();
+}
+
+TEST(DocumentRenewal, ALostRight_EndsTheMatchOnBothSides) {
+  Renewed two(Short::permissions, revising(everything(kEncrypt)));
+  two.put_permissions({"Circle"});
+  EXPECT_TRUE(two.matched(0)) << two.text();
+  EXPECT_TRUE(two.b.events.has(Code::announced_writer_not_allowed)) << two.text();
+  EXPECT_TRUE(two.world.run_until([&] { return two.b.events.has(Code::rtps_keys_revised); }, 1500))
+      << two.text();
+  EXPECT_TRUE(two.one_session());
+}
+
+TEST(DocumentRenewal, ARightThatIsGivenAgain_MatchesAgain) {
+  Renewed two(Short::permissions);
+  two.put_permissions({"Circle"});
+  ASSERT_TRUE(two.matched(0)) << two.text();
+  two.put_permissions({"Circle", "Square"});
+  EXPECT_TRUE(two.world.run_until([&] { return two.matched(1); }, 200)) << two.text();
+  EXPECT_TRUE(two.all_arrive() && two.one_session()) << two.text();
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
