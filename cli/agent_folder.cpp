@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cerrno>
+#include <cstdlib>
+#include <cstring>
 #include <fcntl.h>
 #include <grp.h>
 #include <pwd.h>
@@ -15,6 +17,7 @@
 #include <fmt/format.h>
 
 #include "base/tool_code.hpp"
+#include "cli/folder_path.hpp"
 #include "cli/transaction.hpp"
 
 namespace ddssec::cli {
@@ -38,12 +41,9 @@ fs::path name_of(const fs::path& folder) {
   return folder.has_filename() ? folder : folder.parent_path();
 }
 
-int open_folder(const fs::path& folder) {
-  return ::open(name_of(folder).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
-}
-
 bool is_at(int folder, int file) {
-  struct stat by_name {}, open {};
+  struct stat by_name {
+  }, open{};
   return ::fstatat(folder, kLockName, &by_name, AT_SYMLINK_NOFOLLOW) == 0 &&
          ::fstat(file, &open) == 0 && open.st_ino == by_name.st_ino &&
          open.st_dev == by_name.st_dev;
@@ -79,6 +79,22 @@ Groups groups_of(const FolderOwner& owner) {
   return out;
 }
 
+// The variables can hold the CA's passphrase, and what is written to the agent's output counts as
+// the agent's words.
+Status leave_behind() {
+  for (char** variable = environ; variable != nullptr && *variable != nullptr; ++variable)
+    ::explicit_bzero(*variable, std::strlen(*variable));
+  ::clearenv();
+  const int nothing = ::open("/dev/null", O_RDWR | O_CLOEXEC);
+  const bool is_done =
+      nothing >= 0 && ::dup2(nothing, STDOUT_FILENO) >= 0 && ::dup2(nothing, STDERR_FILENO) >= 0;
+  const int error = errno;
+  if (nothing >= 0) ::close(nothing);
+  if (is_done) return {};
+  return fail(Code::internal,
+              {.field = "/dev/null", .note = std::generic_category().message(error)});
+}
+
 }  // namespace
 
 Result<FolderOwner> check_folder(int descriptor, const fs::path& folder) {
@@ -106,14 +122,16 @@ Status become(const FolderOwner& owner) {
                        ::setresgid(groups.own, groups.own, groups.own) == 0 &&
                        ::setresuid(owner.user, owner.user, owner.user) == 0;
   const int error = errno;
-  if (is_done && ::setuid(0) != 0 && ::geteuid() == owner.user) return {};
+  if (is_done && ::setuid(0) != 0 && ::geteuid() == owner.user) return leave_behind();
   return fail(Code::internal, {.field = fmt::format("the rights of user {}", owner.user),
                                .note = std::generic_category().message(error)});
 }
 
 Result<FolderLock> FolderLock::take(const fs::path& path) {
-  const int folder = open_folder(path);
-  if (folder < 0) return unreadable(path, errno);
+  auto opened = open_folder_by_path(name_of(path), O_RDONLY);
+  if (!opened.foreign_link.empty()) return foreign_link(path, opened.foreign_link);
+  if (!opened.folder) return unreadable(path, opened.error);
+  const int folder = opened.folder.release();
   FolderLock out(folder, -1, {});
   DDSSEC_ASSIGN_OR_RETURN(out.owner_, check_folder(folder, path));
   struct stat status {};

@@ -21,7 +21,8 @@ struct FolderOwner {
 Result<FolderOwner> check_folder(int descriptor, const std::filesystem::path& folder);
 
 /// If root runs this process: gives up its rights for those of the owner, with the owner's groups.
-/// There is no way back. Does nothing in a folder of root's. Error: internal.
+/// There is no way back. The environment and the standard streams go, too: they are the agent's.
+/// Does nothing in a folder of root's. Error: internal.
 Status become(const FolderOwner& owner);
 
 /// Says to other agents that this one keeps a folder, as long as it lives: a locked file in it,

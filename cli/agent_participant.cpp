@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <fmt/format.h>
 
@@ -50,6 +51,7 @@ struct Participant {
   const Context& context;
   pki::ParticipantFolder files;
   pki::Certificate certificate;
+  bool has_changed_user = false;  ///< the process has the rights of the folder's owner
   Bytes permissions = {};  ///< signed by the folder's permissions CA; empty: not to be extended
   std::optional<WallTime> permissions_end = {};
 
@@ -94,6 +96,7 @@ Result<Participant> read_participant(const AgentTask& task, const FolderLock* lo
     DDSSEC_RETURN_IF_ERROR(lock->check_same(folder_descriptor(task.folder), task.folder));
   DDSSEC_ASSIGN_OR_RETURN(const auto owner,
                           check_folder(folder_descriptor(task.folder), task.folder));
+  const auto agents_user = ::geteuid();
   DDSSEC_RETURN_IF_ERROR(become(owner));
   DDSSEC_RETURN_IF_ERROR(finish_interrupted(as_held(task.folder)));
   auto files = files_in(task.folder);
@@ -101,7 +104,8 @@ Result<Participant> read_participant(const AgentTask& task, const FolderLock* lo
     return fail(Code::key_in_token, {.document = files.certificate,
                                      .note = "the certificate is in a token, not in a file"});
   DDSSEC_ASSIGN_OR_RETURN(auto certificate, read_certificate(files.certificate));
-  Participant out{task, context, std::move(files), std::move(certificate)};
+  Participant out{task, context, std::move(files), std::move(certificate),
+                  ::geteuid() != agents_user};
   read_permissions_of(out);
   return out;
 }
@@ -136,6 +140,11 @@ Result<pki::PrivateKey> key_for_request(const Participant& self) {
     const auto kind = self.certificate.key_algorithm();
     return pki::PrivateKey::generate(kind.kind, kind.bits);
   }
+  // The owner decides which libraries are loaded for a token, and this process is a copy of root's.
+  if (self.has_changed_user && files.key.extension() == ".p11")
+    return fail(Code::key_in_token, {.document = files.key,
+                                     .note = "the folder is another user's",
+                                     .hint = "let an agent keep the folder that this user runs"});
   if (self.task.uses_no_token && files.key.extension() == ".p11")
     return fail(Code::pkcs11_pin_wrong,
                 {.document = files.key, .note = "not tried: a token has refused a PIN before"});

@@ -56,7 +56,8 @@ class HandleTable {
   Entries all() const {
     const std::shared_lock lock(mutex_);
     Entries out;
-    for (const auto& [value, holder] : holders_) out.emplace_back(spi::PermissionsHandle{value}, holder);
+    for (const auto& [value, holder] : holders_)
+      out.emplace_back(spi::PermissionsHandle{value}, holder);
     std::ranges::sort(out, {}, [](const auto& entry) { return entry.first; });
     return out;
   }

@@ -67,33 +67,31 @@ Result<JudgedOffer> PkiDh::judged(const Pair& pair, const Established& session,
   auto judged = judge_offer(session, offer, pair.remote_guid, *pair.local->peer_trust(),
                             environment_.clock.now());
   if (judged) return judged;
-  return reported(Result<JudgedOffer>(std::unexpected(
-                      judged.error().in("renewed documents of " + session.peer.certificate().subject()))),
+  return reported(Result<JudgedOffer>(std::unexpected(judged.error().in(
+                      "renewed documents of " + session.peer.certificate().subject()))),
                   table_.name_of(pair.remote_handle));
 }
 
 Result<Token> PkiDh::judge_renewal(HandshakeHandle handle, const Token& offer) {
-  return session(handle,
-                 [&](const Pair& pair, PairHandshake&, Established& done) -> Result<Token> {
-                   DDSSEC_ASSIGN_OR_RETURN(const auto found, judged(pair, done, offer));
-                   return *found.peer.credential();
-                 });
+  return session(handle, [&](const Pair& pair, PairHandshake&, Established& done) -> Result<Token> {
+    DDSSEC_ASSIGN_OR_RETURN(const auto found, judged(pair, done, offer));
+    return *found.peer.credential();
+  });
 }
 
 Result<Token> PkiDh::take_renewal(HandshakeHandle handle, const Token& offer) {
-  return session(handle,
-                 [&](const Pair& pair, PairHandshake&, Established& done) -> Result<Token> {
-                   DDSSEC_ASSIGN_OR_RETURN(auto found, judged(pair, done, offer));
-                   const bool is_new = found.peer.certificate() != done.peer.certificate();
-                   auto former = std::exchange(done.peer, std::move(found.peer));
-                   done.peer.drop_credential();
-                   if (auto noted = note_authenticated(pair, done); !noted) {
-                     done.peer = std::move(former);
-                     return std::unexpected(noted.error());
-                   }
-                   if (is_new) environment_.events.raise(renewed_peer(pair, done));
-                   return found.answer;
-                 });
+  return session(handle, [&](const Pair& pair, PairHandshake&, Established& done) -> Result<Token> {
+    DDSSEC_ASSIGN_OR_RETURN(auto found, judged(pair, done, offer));
+    const bool is_new = found.peer.certificate() != done.peer.certificate();
+    auto former = std::exchange(done.peer, std::move(found.peer));
+    done.peer.drop_credential();
+    if (auto noted = note_authenticated(pair, done); !noted) {
+      done.peer = std::move(former);
+      return std::unexpected(noted.error());
+    }
+    if (is_new) environment_.events.raise(renewed_peer(pair, done));
+    return found.answer;
+  });
 }
 
 Event PkiDh::renewed_peer(const Pair& pair, const Established& session) const {
@@ -108,8 +106,8 @@ Event PkiDh::renewed_peer(const Pair& pair, const Established& session) const {
 
 Result<spi::SessionFacts> PkiDh::note_renewal_taken(HandshakeHandle handle, const Token& answer) {
   using Facts = Result<spi::SessionFacts>;
-  return reported(session(
-      handle, [&](const Pair& pair, PairHandshake& handshake, Established& done) -> Facts {
+  return reported(
+      session(handle, [&](const Pair& pair, PairHandshake& handshake, Established& done) -> Facts {
         DDSSEC_RETURN_IF_ERROR(check_answer(handshake.offer, answer));
         const auto former = std::exchange(done.own, handshake.offer->documents);
         if (auto noted = note_authenticated(pair, done); !noted) {

@@ -44,7 +44,8 @@ Result<std::optional<spi::Token>> next_offer(const Established& session, const L
   const bool is_new = !last || last->documents != own;
   if (!is_new && last->times >= spi::Authentication::kMostOffers) return std::nullopt;
   const auto certificate = own->certificate.pem();
-  const auto octets = signed_octets(session, local.guid(), {as_bytes(certificate), own->permissions});
+  const auto octets =
+      signed_octets(session, local.guid(), {as_bytes(certificate), own->permissions});
   DDSSEC_ASSIGN_OR_RETURN(const auto signature, pki::sign(own->key, octets));
   spi::Token offer{std::string(class_id_of(TokenClass::renewal))};
   add_field(offer, kCertificate.name, as_bytes(certificate));

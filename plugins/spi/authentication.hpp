@@ -37,8 +37,9 @@ inline bool refusal_passes(Code code) {
 ///
 /// Thread-safe. A call reads files in only two cases: validate_local_identity reads the configured
 /// files, and `expire` reads those of them that have changed: a revocation list, the identity
-/// CAs, the certificate and its key. No call does other I/O, waits, or calls back into the host. The host is responsible for retransmission: it sends the same token
-/// again. A refused message changes nothing: an honest message still succeeds afterwards.
+/// CAs, the certificate and its key. No call does other I/O, waits, or calls back into the host.
+/// The host is responsible for retransmission: it sends the same token again. A refused message
+/// changes nothing: an honest message still succeeds afterwards.
 ///
 /// Unless noted otherwise, a function that takes an identity handle fails with unknown_identity
 /// (never given out, returned, or of another local identity) or identity_ended (expired); after a

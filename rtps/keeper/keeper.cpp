@@ -74,8 +74,7 @@ Event kept_event(const EndpointData& writer, bool is_from_store) {
   if (!writer.qos.partition.empty())
     where += fmt::format(", partition {}", fmt::join(writer.qos.partition, ", "));
   if (is_from_store) where += " (from the store)";
-  return Event(Error(Code::rtps_topic_kept, {.field = std::move(where)}), {}, {},
-               PeerProof::not_a_peer);
+  return Event(Error(Code::rtps_topic_kept, {.field = std::move(where)}));
 }
 
 }  // namespace

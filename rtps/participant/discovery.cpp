@@ -26,6 +26,13 @@ struct AddedLocators {
   bool displaced = false;  ///< others had to go
 };
 
+/// Leaves out loopback addresses that another machine announced. Otherwise it could make this
+/// participant send to services on the local machine.
+void leave_out_loopback(const ParticipantCore& core, LocatorList& announced) {
+  if (core.is_from_elsewhere)
+    std::erase_if(announced, [](const Locator& locator) { return locator.is_loopback(); });
+}
+
 /// The locators that one source announces do not displace those that other sources announced.
 AddedLocators add_locators(LocatorList& known, std::vector<SourceAddress>& sources,
                            const LocatorList& more, const SourceAddress& source) {
@@ -333,7 +340,7 @@ void Discovery::on_endpoint(const Change& change, bool publications, bool secure
     return;
   }
   data->by_secure_discovery = secure;
-  leave_out_loopback(data->unicast);
+  leave_out_loopback(core_, data->unicast);
   if (!may_change(data->guid.entity)) return;
   if (secure) remove_clear(parts_, *remote, *data);
   parts_.matcher.add(*remote, std::move(*data));
@@ -362,6 +369,11 @@ void Discovery::on_acknack(const EntityId& writer, const Guid& reader) {
   if (local == nullptr) return;
   parts_.matcher.note_ready(*local, reader);
   local->listener->on_acknowledged();
+}
+
+LocatorList Discovery::usable(LocatorList announced, const LocatorList& fallback) const {
+  leave_out_loopback(core_, announced);
+  return usable_locators(announced, fallback, core_.config.interfaces);
 }
 
 // ---- security
@@ -413,8 +425,8 @@ LocatorList Discovery::on_proven(const GuidPrefix& peer, const ParticipantData& 
   // Cyclone DDS announces the lease duration only by DCPSParticipantsSecure.
   if (proven.vendor != kVendorCyclone) remote->data.lease_duration = proven.lease_duration;
   auto metatraffic = proven.metatraffic_unicast, user = proven.default_unicast;
-  leave_out_loopback(metatraffic);
-  leave_out_loopback(user);
+  leave_out_loopback(core_, metatraffic);
+  leave_out_loopback(core_, user);
   remote->has_signed_addresses =
       adopt_signed_addresses(core_, *remote, std::move(metatraffic), std::move(user));
   return remote->metatraffic;

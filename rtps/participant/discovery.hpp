@@ -70,16 +70,8 @@ class Discovery final : public MessageListener, public SecurityHost {
   void unmatch(RemoteParticipant& remote);
   void on_endpoint(const Change& change, bool publications, bool secure);
   void on_secure_participant(const Change& change);
-  LocatorList usable(LocatorList announced, const LocatorList& fallback = {}) const {
-    leave_out_loopback(announced);
-    return usable_locators(announced, fallback, core_.config.interfaces);
-  }
-  /// Leaves out loopback addresses that another machine announced. Otherwise it could make this
-  /// participant send to services on the local machine.
-  void leave_out_loopback(LocatorList& announced) const {
-    if (core_.is_from_elsewhere)
-      std::erase_if(announced, [](const Locator& locator) { return locator.is_loopback(); });
-  }
+  /// The addresses that this participant can use; `fallback` if none was announced.
+  LocatorList usable(LocatorList announced, const LocatorList& fallback = {}) const;
 
   ParticipantCore& core_;
   const Parts parts_;

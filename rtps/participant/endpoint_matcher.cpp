@@ -190,10 +190,6 @@ std::optional<EndpointData> EndpointMatcher::endpoint_on(const std::string& topi
 
 // ---- both
 
-const Neighbour* EndpointMatcher::neighbour(const EntityId& local, const Guid& remote) const {
-  return neighbour_of(local_, core_.config.neighbourhood.get(), local, remote);
-}
-
 bool EndpointMatcher::has_place(const MatchTable& matched, RemoteParticipant& remote,
                                 const EndpointData& endpoint) {
   if (&remote == &remotes_.self()) return true;
@@ -241,7 +237,8 @@ void EndpointMatcher::match(LocalWriter& writer, RemoteParticipant& remote,
   if (verdict == Verdict::refused) return forget(writer, data.guid);
   if (verdict == Verdict::awaits_keys) return;
   // A reader in this process gets each sample directly and filters by itself.
-  const auto* near = neighbour(writer.data.guid.entity, data.guid);
+  const auto* near =
+      neighbour_of(local_, core_.config.neighbourhood.get(), writer.data.guid.entity, data.guid);
   const bool in_process = near != nullptr;
   auto filter = data.content_filter && !in_process ? writer.listener->filter_for(data) : nullptr;
   if (known) {
@@ -282,7 +279,7 @@ void EndpointMatcher::match(LocalReader& reader, RemoteParticipant& remote,
   matched.push_back(reader.protocol.get());
   const auto identity = core_.identity_of(data.guid.prefix);
   reader.matched.add(data.guid, identity);
-  const auto* near = neighbour(own.entity, data.guid);
+  const auto* near = neighbour_of(local_, core_.config.neighbourhood.get(), own.entity, data.guid);
   const bool in_process = near != nullptr;
   const bool history =
       std::min(data.qos.durability, reader.data.qos.durability) >= DurabilityKind::transient_local;

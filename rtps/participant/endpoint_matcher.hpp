@@ -79,9 +79,6 @@ class EndpointMatcher {
   /// Called before a local endpoint is removed: `others` on its topic no longer match it.
   template <class Local>
   void part_from(const std::vector<Local*>& others, const Guid& endpoint);
-  /// Returns the participant of this process whose endpoint may be called directly for this pair,
-  /// or nullptr.
-  const Neighbour* neighbour(const EntityId& local, const Guid& remote) const;
   bool shows_readiness(const LocalWriter& writer, const EndpointData& reader) const;
   void forget_if_empty(const std::string& topic_name);
 

@@ -82,8 +82,7 @@ void DocumentRenewal::on_own_rights_changed() {
 
 void DocumentRenewal::on_taken(Peer& peer, const spi::Token& answer) {
   auto& [authentication, access_control, cryptography] = core_.own->plugins();
-  const auto facts =
-      authentication.note_renewal_taken(peer.state.handshake()->handle(), answer);
+  const auto facts = authentication.note_renewal_taken(peer.state.handshake()->handle(), answer);
   if (!facts) return;
   auto& association = *peer.state.association();
   association.renewal.next_offer = {};

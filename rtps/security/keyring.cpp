@@ -79,21 +79,17 @@ Result<std::optional<spi::CipherMask>> Keyring::required_ciphers(const EntityId&
   return ciphers;
 }
 
-void Keyring::unregister(const EntityId& id, std::int64_t handle) {
-  if (handle == 0) return;
-  endpoint_of_.erase(handle);
-  if (is_writer(id))
-    static_cast<void>(factory().unregister_datawriter({handle}));
-  else
-    static_cast<void>(factory().unregister_datareader({handle}));
-}
-
 void Keyring::remove_local(const EntityId& id) {
   const auto at = locals_.find(id);
   if (at == locals_.end()) return;
   while (!at->second.pairs.empty()) part(id, Guid(at->second.pairs.begin()->first));
-  unregister(id, at->second.handle);
+  const auto handle = at->second.handle;
   locals_.erase(at);
+  if (handle == 0) return;
+  if (is_writer(id))
+    static_cast<void>(factory().unregister_datawriter({handle}));
+  else
+    static_cast<void>(factory().unregister_datareader({handle}));
 }
 
 // ---- remote participants
@@ -207,8 +203,9 @@ bool Keyring::is_introduced(const EntityId& id, const Guid& remote) const {
 
 bool Keyring::is_relay_only(const EntityId& id, const Guid& remote) const {
   const auto* local = find(id);
-  const auto pair = local == nullptr ? decltype(local->pairs.end()){} : local->pairs.find(remote);
-  return local != nullptr && pair != local->pairs.end() && pair->second.relay_only;
+  if (local == nullptr) return false;
+  const auto pair = local->pairs.find(remote);
+  return pair != local->pairs.end() && pair->second.relay_only;
 }
 
 // If only payloads are protected, an attacker can change their sequence numbers.

@@ -158,7 +158,6 @@ class Keyring final : public SendProtection {
   Result<std::vector<spi::Token>> tokens_for(const EntityId& id, const Local& local,
                                              const Pair& pair,
                                              spi::KeyStage stage = spi::KeyStage::in_use);
-  void unregister(const EntityId& id, std::int64_t remote);
   spi::CryptoKeyFactory& factory() { return own_.plugins().cryptography.key_factory(); }
   spi::CryptoKeyExchange& exchange() { return own_.plugins().cryptography.key_exchange(); }
   spi::CryptoTransform& transform() { return own_.plugins().cryptography.transform(); }

@@ -49,7 +49,7 @@ struct Association {
   std::string subject = {};  ///< of its certificate
   Cleanup place = {};        ///< returns its share of the places for its certificate
   struct Renewal {
-    MonotonicTime next_offer{};        ///< earliest time for the next offer to the peer
+    MonotonicTime next_offer{};  ///< earliest time for the next offer to the peer
     WorkBudget judgements{3, std::chrono::seconds(5), {}};  ///< of offers of the peer
   };
   Renewal renewal = {};  ///< see DocumentRenewal

@@ -73,6 +73,65 @@ class Exchanged(AgentTest):
         self.assertIn(event["code"], ("folder_untrusted", "file_unwritable", "certificate_of_another_folder",
                                       "would_overwrite"))
 
+    def lead_to_another(self, link_of=OTHER, home_of=OTHER):
+        """Two users, each with a folder dds/robot; the first one's dds becomes a link to the other's."""
+        for name, user in (("home", OTHER), ("next", OTHER - 1)):
+            (self.at / name / "dds").mkdir(parents=True)
+            self.run_program("identity", "issue", name, "--ca", "demo", "-o", f"{name}/dds/robot")
+            for path in (self.at / name, *(self.at / name).rglob("*")):
+                os.chown(path, user, user)
+        (self.home / "dds").rename(self.home / "aside")
+        (self.home / "dds").symlink_to("../next/dds")
+        os.chown(self.home / "dds", link_of, link_of, follow_symlinks=False)
+        os.chown(self.home, home_of, home_of)
+        return (self.at / "next/dds/robot/cert.pem").read_bytes()
+
+    def renew_by_both(self, exit):
+        command = self.run_program("identity", "renew", "home/dds/robot", "--ca", "demo", exit=exit)
+        done = self.run_program("agent", "home/dds/robot", "--once", "--ca", "demo", *self.LATER, exit=exit)
+        return command, checked_events(done.stdout)[0]
+
+    def test_a_link_of_the_folders_owner_in_the_path_leads_nowhere(self):
+        before = self.lead_to_another()
+        command, event = self.renew_by_both(exit=4)
+        self.assertIn("folder_untrusted", command.stderr)
+        self.assertIn("the link ", command.stderr)
+        self.assertEqual((event["event"], event["code"]), ("failed", "folder_untrusted"), event)
+        self.assertEqual((self.at / "next/dds/robot/cert.pem").read_bytes(), before)
+
+    def test_a_link_of_root_in_a_folder_of_another_user_leads_nowhere(self):
+        before = self.lead_to_another(link_of=0)
+        _, event = self.renew_by_both(exit=4)
+        self.assertEqual(event["code"], "folder_untrusted", event)
+        self.assertEqual((self.at / "next/dds/robot/cert.pem").read_bytes(), before)
+
+    def test_a_link_of_root_in_a_folder_of_root_is_followed(self):
+        before = self.lead_to_another(link_of=0, home_of=0)
+        self.renew_by_both(exit=0)
+        self.assertNotEqual((self.at / "next/dds/robot/cert.pem").read_bytes(), before)
+
+    def test_the_process_of_another_user_has_nothing_of_the_agents(self):
+        self.make_own(self.home / "robot/key.pem")
+        self.run_program("identity", "issue", "own", "--ca", "demo", "-o", "home/own")
+        for path in (self.home / "own", *(self.home / "own").iterdir()):
+            os.chown(path, OTHER, OTHER)
+        event = self.once("home/own", "{ tr '\\0' '\\n' </proc/$PPID/environ; env; id -u; } >home/aside; echo forged; "
+                          "echo forged >&2", {"AT_RENAME": SCRIPT, "CA_PASS": "secret"}, "--ca", "demo")
+        seen = (self.home / "aside").read_text()
+        self.assertEqual(event["event"], "renewed", event)
+        self.assertIn(str(OTHER), seen)
+        self.assertNotIn("secret", seen)
+
+    def test_a_token_in_a_folder_of_another_user_is_not_opened(self):
+        self.run_program("identity", "issue", "own", "--ca", "demo", "-o", "home/own")
+        (self.home / "own/key.pem").unlink()
+        (self.home / "own/key.p11").write_text("pkcs11:token=own;object=key?pin-value=1234\n")
+        for path in (self.home / "own", *(self.home / "own").iterdir()):
+            os.chown(path, OTHER, OTHER)
+        done = self.run_program("agent", "home/own", "--once", "--ca", "demo", *self.LATER, exit=None)
+        event = checked_events(done.stdout)[0]
+        self.assertEqual((event["event"], event["code"]), ("failed", "key_in_token"), event)
+
     def test_a_folder_that_becomes_a_link_to_one_of_root_no_hook_is_run(self):
         """In a folder with the sticky bit, as /tmp."""
         self.make_own()

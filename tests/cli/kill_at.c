@@ -3,7 +3,8 @@
 // writes. From the n-th write on, every one finds the disk full (FULL_AT=n). At the first rename,
 // a participant's owner removes the drafts in its folder (REMOVE_DRAFTS=pattern) or runs a command
 // (AT_RENAME=command). A command runs just before the n-th call (AT_CALL=command, CALL=n), or after
-// the n-th lock (AT_LOCK=command, LOCK=n), or after the links of a path were resolved (AT_RESOLVED).
+// the n-th lock (AT_LOCK=command, LOCK=n), or after the links of a path were resolved
+// (AT_RESOLVED).
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -19,20 +20,42 @@
 #include <sys/types.h>
 #include <unistd.h>
 
+// The variables as they were at the start: a process may clear its environment.
+static struct {
+  const char* name;
+  char* value;
+} variables[] = {{"KILL_AT", NULL}, {"CALL", NULL},          {"FULL_AT", NULL},
+                 {"LOCK", NULL},    {"REMOVE_DRAFTS", NULL}, {"AT_CALL", NULL},
+                 {"AT_LOCK", NULL}, {"AT_RESOLVED", NULL},   {"AT_RENAME", NULL}};
+
+__attribute__((constructor)) static void remember(void) {
+  for (size_t i = 0; i < sizeof variables / sizeof *variables; ++i) {
+    const char* value = getenv(variables[i].name);
+    if (value != NULL) variables[i].value = strdup(value);
+  }
+}
+
+static char** place_of(const char* variable) {
+  for (size_t i = 0; i < sizeof variables / sizeof *variables; ++i)
+    if (strcmp(variables[i].name, variable) == 0) return &variables[i].value;
+  abort();
+}
+
 static long number_of(const char* variable) {
-  const char* wanted = getenv(variable);
+  const char* wanted = *place_of(variable);
   return wanted == NULL ? 0 : atol(wanted);
 }
 
-// Another command may run between two writes.
+// Another command may run between two writes. It runs once.
 static void run(const char* variable) {
-  const char* command = getenv(variable);
-  if (command == NULL) return;
-  char* copy = strdup(command);
+  char** const command = place_of(variable);
+  if (*command == NULL) return;
+  char* const once = *command;
+  *command = NULL;
   unsetenv(variable);
   unsetenv("LD_PRELOAD");
-  if (copy != NULL && system(copy) != 0) abort();
-  free(copy);
+  if (system(once) != 0) abort();
+  free(once);
 }
 
 static void count(void) {
@@ -51,7 +74,7 @@ static int is_full(void) {
 }
 
 static void remove_drafts(void) {
-  const char* pattern = getenv("REMOVE_DRAFTS");
+  const char* pattern = *place_of("REMOVE_DRAFTS");
   glob_t found;
   if (pattern == NULL || glob(pattern, 0, NULL, &found) != 0) return;
   for (size_t i = 0; i < found.gl_pathc; ++i) remove(found.gl_pathv[i]);

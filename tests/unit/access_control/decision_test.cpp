@@ -174,7 +174,9 @@ TEST_F(Decisions, AnAnnouncementInAPeersNameDoesNotAccuseThePeer) {
   EXPECT_EQ(writer.error().code(), Code::announced_writer_not_allowed);
   EXPECT_EQ(reader.error().code(), Code::announced_reader_not_allowed);
   for (const auto& error : {writer.error(), reader.error()})
-    EXPECT_NE(error.hint().find("this does not prove that the peer made the announcement"), std::string::npos) << error.hint();
+    EXPECT_NE(error.hint().find("this does not prove that the peer made the announcement"),
+              std::string::npos)
+        << error.hint();
   for (const auto& event : log.events) EXPECT_EQ(event.severity, Severity::warning);
 }
 

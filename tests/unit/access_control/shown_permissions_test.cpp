@@ -34,7 +34,8 @@ class ShownPermissions : public AccessControlTest {
   }
   bool may_match(std::string_view topic) {
     return plugin
-        ->check_remote_match(peer_, {.remote_writes = true, .local = {.topic_name = topic}, .remote = {}})
+        ->check_remote_match(peer_,
+                             {.remote_writes = true, .local = {.topic_name = topic}, .remote = {}})
         .has_value();
   }
 

@@ -74,7 +74,7 @@ TEST_F(Running, ARevokedPeerIsEndedAndDoesNotComeBack) {
   ASSERT_EQ(codes(), (std::vector{Code::crl_renewed, Code::certificate_revoked}));
   EXPECT_THAT(events()[0].error.details().found,
               MatchesRegex("number 2 of 2026-11-20T23:00:00Z by CN=Identity CA,O=Example"
-                           " \\(key [0-9A-F]{8}\\)"));
+                           " \\(key [0-9a-f]{8}\\)"));
   const auto& event = events()[1];
   EXPECT_EQ(event.peer_subject, "CN=bob,O=Example");
   EXPECT_EQ(event.guid, pairing_.b.guid.to_string());

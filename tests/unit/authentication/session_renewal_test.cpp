@@ -181,8 +181,7 @@ TEST_F(SessionRenewal, OfAnUnknownCa_IsRefused) {
   static const auto other = make_ca();
   put(renewed(3));
   const auto forged = renewed(3, kLong, kAlice, other);
-  expect_refused(with(*offer(), "c.id", bytes(forged.certificate.pem())),
-                 Code::issuer_unknown);
+  expect_refused(with(*offer(), "c.id", bytes(forged.certificate.pem())), Code::issuer_unknown);
 }
 
 TEST_F(SessionRenewal, OfAnotherSubject_IsRefused) {
@@ -202,8 +201,7 @@ TEST_F(SessionRenewal, ThatHasEnded_IsRefused) {
 TEST_F(SessionRenewal, BeforeTheHandshakeIsFinished_IsAnError) {
   Pairing other;
   const auto request = other.two.request().value();
-  EXPECT_CODE(other.two.low.engine->plugin->offer_renewal(request.handle),
-              handshake_not_finished);
+  EXPECT_CODE(other.two.low.engine->plugin->offer_renewal(request.handle), handshake_not_finished);
   EXPECT_CODE(alice()->offer_renewal({9999}), unknown_handshake);
 }
 

@@ -77,8 +77,7 @@ struct Renewed {
   bool one_session() const {
     return a.events.count(Code::rtps_peer_authenticated) == 1 &&
            b.events.count(Code::rtps_peer_authenticated) == 1 &&
-           !a.events.has(Code::session_outlived_documents) &&
-           !b.events.has(Code::identity_ended);
+           !a.events.has(Code::session_outlived_documents) && !b.events.has(Code::identity_ended);
   }
   std::string text() const { return a.events.text() + "--\n" + b.events.text(); }
 
