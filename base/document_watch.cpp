@@ -6,9 +6,11 @@
 namespace ddssec {
 
 DocumentWatch::DocumentWatch(What what, std::chrono::seconds interval)
-    : what_(std::move(what)), watch_(what_.uri, interval) {}
+    : what_(std::move(what)), watch_(what_.uri, interval) {
+  if (auto path = file_named_by(watch_.uri())) what_.name = *std::move(path);
+}
 
-Result<Bytes> DocumentWatch::read() const { return load(what_.uri, what_.name, what_.most); }
+Result<Bytes> DocumentWatch::read() const { return load(watch_.uri(), what_.name, what_.most); }
 
 Result<bool> DocumentWatch::look(std::chrono::nanoseconds now, const Take& take) {
   if (!watch_.may_have_changed(now)) return false;

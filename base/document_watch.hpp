@@ -17,7 +17,7 @@ class DocumentWatch {
   /// What is watched, and what an event about it says.
   struct What {
     std::string uri;
-    std::string name;        ///< of the file, or of the property if the document stands there
+    std::string name;        ///< of the property, for a document that stands there
     std::size_t most;        ///< octets that are read
     Code refused;            ///< the event's code
     std::string_view stays;  ///< what is still in force then
@@ -40,6 +40,7 @@ class DocumentWatch {
   /// another one, and then calls note_read. Errors: those of ddssec::load.
   Result<Bytes> read() const;
 
+  /// The absolute path of the file, or What::name if it is none.
   const std::string& name() const { return what_.name; }
 
  private:

@@ -7,7 +7,8 @@
 namespace ddssec {
 
 FileWatch::FileWatch(std::string_view uri, std::chrono::nanoseconds interval)
-    : path_(interval.count() > 0 ? file_named_by(uri).value_or("") : ""),
+    : uri_(absolute_uri(uri)),
+      path_(interval.count() > 0 ? file_named_by(uri_).value_or("") : ""),
       interval_(interval),
       last_(stamp()) {}
 

@@ -15,13 +15,16 @@ namespace ddssec {
 /// only that the content may differ: compare it with what you had. Not thread-safe.
 class FileWatch {
  public:
-  /// `uri` as in base/source.hpp. No change is ever reported if it names no file, or if `interval`
-  /// is 0.
+  /// `uri` as in base/source.hpp; a relative path is taken relative to the working directory of
+  /// now. No change is ever reported if it names no file, or if `interval` is 0.
   FileWatch(std::string_view uri, std::chrono::nanoseconds interval);
 
   /// True: read the file now; it may have been changed, replaced, created or deleted. Queries the
   /// file system at most once per interval. `now`: Clock::monotonic.
   bool may_have_changed(std::chrono::nanoseconds now);
+
+  /// What to read the file by, now and later: as absolute_uri.
+  const std::string& uri() const { return uri_; }
 
   /// Call it if the content could not be used: the next query then reports a change in any case.
   void look_again() { is_settled_ = false; }
@@ -32,6 +35,7 @@ class FileWatch {
   using Stamp = std::array<std::uint64_t, 7>;
   std::optional<Stamp> stamp() const;
 
+  std::string uri_;
   std::string path_;  ///< empty: the URI names no file
   std::chrono::nanoseconds interval_;
   std::optional<Stamp> last_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <fcntl.h>
+#include <filesystem>
 #include <string>
 #include <sys/stat.h>
 #include <system_error>
@@ -140,6 +141,14 @@ std::optional<std::string> file_named_by(std::string_view text) {
   const auto uri = parse_uri(text);
   if (!uri || uri->scheme != Scheme::file) return std::nullopt;
   return std::string(uri->rest);
+}
+
+std::string absolute_uri(std::string_view uri) {
+  const auto path = file_named_by(uri);
+  if (!path || path->empty() || path->front() == '/') return std::string(uri);
+  std::error_code error;
+  const auto absolute = std::filesystem::absolute(*path, error);
+  return error ? std::string() : "file:" + absolute.string();
 }
 
 bool readable_by_others(std::string_view text) {

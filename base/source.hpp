@@ -43,6 +43,11 @@ std::string without_pin(std::string_view uri);
 /// The path that `uri` names; empty if it names no file.
 std::optional<std::string> file_named_by(std::string_view uri);
 
+/// `uri` with an absolute path, if it names a file by a relative one: it then names the same file
+/// after the process has changed its working directory. Any other URI stays as it is. Empty, which
+/// nothing can be read by, if there is no working directory.
+std::string absolute_uri(std::string_view uri);
+
 /// True if `uri` names a file that its group or others may read.
 bool readable_by_others(std::string_view uri);
 

@@ -24,7 +24,7 @@ std::string uri_of(const std::string& path) { return path.empty() ? "" : "file:"
 
 std::string path_in(const spi::PropertyList& properties, std::string_view name) {
   const auto uri = spi::property_value(properties, name);
-  return names_token(uri) ? std::string() : file_named_by(uri).value_or("");
+  return file_named_by(absolute_uri(uri)).value_or("");
 }
 
 }  // namespace

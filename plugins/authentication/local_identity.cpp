@@ -109,7 +109,7 @@ Result<pki::AuthorityWatch> watch_authorities(const spi::PropertyList& propertie
   DDSSEC_ASSIGN_OR_RETURN(const auto interval, spi::files_poll_interval(properties));
   const auto uri = spi::property_value(properties, kName);
   return pki::AuthorityWatch({.uri = std::string(uri),
-                              .name = file_named_by(uri).value_or(std::string(kName)),
+                              .name = std::string(kName),
                               .most = 0,
                               .refused = Code::identity_ca_renewal_refused,
                               .stays = "the CAs read before stay in force"},

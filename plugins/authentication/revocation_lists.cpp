@@ -29,7 +29,7 @@ Result<std::vector<pki::Crl>> parse(BytesView octets, std::string_view uri) {
 std::vector<std::string> usual_places(const spi::PropertyList& properties) {
   std::vector<std::string> uris;
   for (const auto name : {property::kIdentityCertificate, property::kIdentityCa}) {
-    const auto file = file_named_by(spi::property_value(properties, name));
+    const auto file = file_named_by(absolute_uri(spi::property_value(properties, name)));
     if (!file) continue;
     const auto slash = file->rfind('/');
     const auto folder = slash == std::string::npos ? std::string() : file->substr(0, slash + 1);
@@ -92,8 +92,8 @@ Status check_renewal(const std::vector<pki::Crl>& lists, const std::vector<pki::
   return {};
 }
 
-RevocationLists::Place::Place(std::string from, std::chrono::seconds interval)
-    : uri(std::move(from)), path(file_named_by(uri).value_or("")), watch(uri, interval) {}
+RevocationLists::Place::Place(std::string_view from, std::chrono::seconds interval)
+    : watch(from, interval), path(file_named_by(watch.uri()).value_or("")) {}
 
 Result<RevocationLists> RevocationLists::load(const spi::PropertyList& properties) {
   RevocationLists out;
@@ -109,13 +109,12 @@ Result<RevocationLists> RevocationLists::load(const spi::PropertyList& propertie
                  "made, or one that may come later"});
   const auto name = must.empty() ? property::kLaterCrl : property::kCrl;
   if (!must.empty() || !may.empty()) {
-    out.places_.emplace_back(std::string(must.empty() ? may : must), out.interval_);
+    out.places_.emplace_back(must.empty() ? may : must, out.interval_);
     DDSSEC_RETURN_IF_ERROR(out.read_first(out.places_.front(), name, must.empty()));
     return out;
   }
   if (!spi::property_value(properties, property::kTrustedCaDir).empty()) return out;
-  for (auto& uri : usual_places(properties))
-    out.places_.emplace_back(std::move(uri), out.interval_);
+  for (const auto& uri : usual_places(properties)) out.places_.emplace_back(uri, out.interval_);
   for (std::size_t i = 0; i < out.places_.size() && out.lists_.empty(); ++i)
     DDSSEC_RETURN_IF_ERROR(out.read_first(out.places_[i], out.places_[i].path, true));
   return out;
@@ -123,10 +122,10 @@ Result<RevocationLists> RevocationLists::load(const spi::PropertyList& propertie
 
 /// `name`: what an error calls the file.
 Status RevocationLists::read_first(Place& place, std::string_view name, bool may_come_later) {
-  const auto octets = ddssec::load(place.uri, name, pki::kMostDocumentOctets);
+  const auto octets = ddssec::load(place.watch.uri(), name, pki::kMostDocumentOctets);
   if (!octets && may_come_later && octets.error().code() == Code::file_not_found) return {};
   if (!octets) return std::unexpected(octets.error());
-  auto lists = parse(*octets, place.uri);
+  auto lists = parse(*octets, place.watch.uri());
   if (!lists) return std::unexpected(lists.error().in(std::string(name)));
   lists_ = *std::move(lists);
   place.content = sha256(*octets);
@@ -181,12 +180,12 @@ Result<bool> RevocationLists::look(std::chrono::nanoseconds now, const Accept& a
 
 Result<bool> RevocationLists::look_at(Place& place, const Accept& accept) {
   Rollback again([&] { place.watch.look_again(); });
-  const auto octets = ddssec::load(place.uri, place.path, pki::kMostDocumentOctets);
+  const auto octets = ddssec::load(place.watch.uri(), place.path, pki::kMostDocumentOctets);
   const bool not_yet = lists_.empty() && !octets && octets.error().code() == Code::file_not_found;
   const auto content = octets ? sha256(*octets) : Sha256Digest{};
   Result<bool> taken = false;
   if (!octets && !not_yet) taken = std::unexpected(octets.error());
-  if (octets && content != place.content) taken = judge(*octets, place.uri, accept);
+  if (octets && content != place.content) taken = judge(*octets, place.watch.uri(), accept);
   if (!taken) return refuse(place, taken.error(), content);
   if (*taken) place.content = content;
   place.was_refused = false;
@@ -198,10 +197,10 @@ Result<bool> RevocationLists::look_at(Place& place, const Accept& accept) {
 Result<RevocationLists::Present> RevocationLists::read() const {
   for (std::size_t i = 0; i < places_.size(); ++i) {
     const auto& place = places_[i];
-    const auto octets = ddssec::load(place.uri, place.path, pki::kMostDocumentOctets);
+    const auto octets = ddssec::load(place.watch.uri(), place.path, pki::kMostDocumentOctets);
     if (!octets && lists_.empty() && octets.error().code() == Code::file_not_found) continue;
     if (!octets) return std::unexpected(octets.error());
-    DDSSEC_ASSIGN_OR_RETURN(auto lists, parse(*octets, place.uri));
+    DDSSEC_ASSIGN_OR_RETURN(auto lists, parse(*octets, place.watch.uri()));
     return Present{std::move(lists), i, sha256(*octets)};
   }
   return Present{lists_};

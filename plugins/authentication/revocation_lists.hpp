@@ -73,11 +73,10 @@ class RevocationLists {
 
   /// A file that holds lists, or may later.
   struct Place {
-    Place(std::string from, std::chrono::seconds interval);
+    Place(std::string_view from, std::chrono::seconds interval);
 
-    std::string uri;
-    std::string path;  ///< empty if it is no file
     FileWatch watch;
+    std::string path;          ///< empty if it is no file
     Sha256Digest content{};    ///< of what the lists in force are from
     bool was_refused = false;  ///< at the last look
     std::optional<Refusal> told = {};

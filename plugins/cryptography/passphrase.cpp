@@ -102,35 +102,35 @@ void warn_if_exposed(std::string_view uri, std::string_view property, EventSink&
 
 PassphraseFiles::PassphraseFiles(const spi::PropertyList& properties,
                                  std::chrono::nanoseconds poll_interval)
-    : own_(spi::property_value(properties, spi::property::kPskPassphrase)),
-      extra_(spi::property_value(properties, spi::property::kPskExtraPassphrases)),
-      watches_{FileWatch(own_, poll_interval), FileWatch(extra_, poll_interval)} {}
+    : own_(spi::property_value(properties, spi::property::kPskPassphrase), poll_interval),
+      extra_(spi::property_value(properties, spi::property::kPskExtraPassphrases), poll_interval),
+      has_extra_(!spi::property_value(properties, spi::property::kPskExtraPassphrases).empty()) {}
 
 Result<std::vector<Passphrase>> PassphraseFiles::load(EventSink& events) const {
   namespace property = spi::property;
   std::vector<Passphrase> out;
-  DDSSEC_RETURN_IF_ERROR(cryptography::load(own_, property::kPskPassphrase, 1, out));
-  if (!extra_.empty())
-    DDSSEC_RETURN_IF_ERROR(
-        cryptography::load(extra_, property::kPskExtraPassphrases, kMostExtraPassphrases, out));
-  warn_if_exposed(own_, property::kPskPassphrase, events);
-  warn_if_exposed(extra_, property::kPskExtraPassphrases, events);
+  DDSSEC_RETURN_IF_ERROR(cryptography::load(own_.uri(), property::kPskPassphrase, 1, out));
+  if (has_extra_)
+    DDSSEC_RETURN_IF_ERROR(cryptography::load(extra_.uri(), property::kPskExtraPassphrases,
+                                              kMostExtraPassphrases, out));
+  warn_if_exposed(own_.uri(), property::kPskPassphrase, events);
+  warn_if_exposed(extra_.uri(), property::kPskExtraPassphrases, events);
   return out;
 }
 
 bool PassphraseFiles::may_have_changed(std::chrono::nanoseconds now) {
-  bool out = false;
-  for (auto& watch : watches_) out = watch.may_have_changed(now) || out;
-  return out;
+  const bool own = own_.may_have_changed(now);
+  return extra_.may_have_changed(now) || own;
 }
 
 void PassphraseFiles::look_again() {
-  for (auto& watch : watches_) watch.look_again();
+  own_.look_again();
+  extra_.look_again();
 }
 
 std::string PassphraseFiles::place_of(std::string_view property) const {
-  const auto& uri = property == spi::property::kPskPassphrase ? own_ : extra_;
-  return file_named_by(uri).value_or(std::string(property));
+  const auto& file = property == spi::property::kPskPassphrase ? own_ : extra_;
+  return file_named_by(file.uri()).value_or(std::string(property));
 }
 
 }  // namespace ddssec::cryptography

@@ -1,7 +1,6 @@
 // The passphrases of a domain's pre-shared keys (DDS-Security 1.2, clause 10.5.1, table 71).
 #pragma once
 
-#include <array>
 #include <chrono>
 #include <vector>
 
@@ -44,8 +43,8 @@ class PassphraseFiles {
   std::string place_of(std::string_view property) const;
 
  private:
-  std::string own_, extra_;  ///< URIs
-  std::array<FileWatch, 2> watches_;
+  FileWatch own_, extra_;
+  bool has_extra_;
 };
 
 }  // namespace ddssec::cryptography

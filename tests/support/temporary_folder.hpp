@@ -38,4 +38,19 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
+/// The process is in a folder as long as this lives.
+class WorkingFolder {
+ public:
+  explicit WorkingFolder(const std::string& path) { std::filesystem::current_path(path); }
+  ~WorkingFolder() {
+    std::error_code ignored;
+    std::filesystem::current_path(before_, ignored);
+  }
+  WorkingFolder(const WorkingFolder&) = delete;
+  WorkingFolder& operator=(const WorkingFolder&) = delete;
+
+ private:
+  const std::filesystem::path before_ = std::filesystem::current_path();
+};
+
 }  // namespace ddssec::test

@@ -107,6 +107,48 @@ class AuthorityRenewal : public AccessControlTest {
   Result<spi::PermissionsHandle> own_ = from_files();
 };
 
+// ---- relative paths
+
+/// The properties have relative paths, and the process has changed its working directory since.
+class RelativePaths : public AuthorityRenewal {
+ protected:
+  void SetUp() override {
+    auto all = properties("", "");
+    for (auto& one : all) {
+      if (one.name == spi::property::kPermissionsCa) one.value = "file:permissions_ca.pem";
+      if (one.name == spi::property::kGovernance) one.value = "file:governance.p7s";
+      if (one.name == spi::property::kPermissions) one.value = "file:permissions.p7s";
+    }
+    const test::WorkingFolder at(folder_.path());
+    ASSERT_TRUE(plugin->return_permissions_handle(*own_));
+    own_ = plugin->validate_local_permissions(kLocalIdentity, 0, all);
+    AuthorityRenewal::SetUp();
+  }
+  void put_into(const test::TemporaryFolder& where) {
+    where.replace("permissions_ca.pem", bundle({&first(), &second()}));
+    topic_rules().push_back(open_rule("another"));
+    where.replace("governance.p7s", governance(first()));
+    where.replace("permissions.p7s", permissions(first(), kTalker, 0s));
+  }
+  const test::TemporaryFolder elsewhere_;
+  const test::WorkingFolder there_{elsewhere_.path()};
+};
+
+TEST_F(RelativePaths, FilesInTheNextWorkingDirectory_AreNotTaken) {
+  put_into(elsewhere_);
+  EXPECT_THAT(codes_after_looking(), IsEmpty());
+  EXPECT_FALSE(accepts(second()));
+}
+
+TEST_F(RelativePaths, FilesWhereTheyWereAtTheStart_AreFollowed) {
+  put_into(folder_);
+  EXPECT_THAT(codes_after_looking(),
+              ElementsAre(Code::permissions_ca_renewed, Code::governance_renewed,
+                          Code::permissions_renewed));
+  for (const auto& event : log.events)
+    EXPECT_THAT(event.error.details().document, testing::StartsWith(folder_.path() + "/"));
+}
+
 // ---- overlap
 
 TEST_F(AuthorityRenewal, SecondCa_IsAcceptedBesideTheFirst) {

@@ -155,6 +155,63 @@ TEST_F(AuthorityRenewal, CertificateOfTheSecondCa_IsTakenWithIt) {
   pairing_.expect_success();
 }
 
+// ---- relative paths
+
+/// Alice's properties have relative paths, and the process has changed its working directory since.
+struct RelativePaths : testing::Test {
+  RelativePaths() {
+    write_all(folder, {&old_ca()}, alice.certificate);
+    set(alice.properties, property::kIdentityCa, "file:identity_ca.pem");
+    set(alice.properties, property::kIdentityCertificate, "file:cert.pem");
+    set(alice.properties, property::kPrivateKey, "file:key.pem");
+    const test::WorkingFolder at(folder.path());
+    EXPECT_TRUE(engine->validate_local_identity(0, alice.properties, candidate(1)));
+  }
+  void write_all(const test::TemporaryFolder& where,
+                 std::initializer_list<const pki::Authority*> cas,
+                 const pki::Certificate& certificate) {
+    where.replace("identity_ca.pem", bundle(cas));
+    where.replace("cert.pem", certificate.pem());
+    where.replace("key.pem", pem_text(alice.key));
+  }
+  /// Where the files are that events are about, after looking.
+  std::vector<std::pair<Code, std::string>> told() {
+    engine.events.events.clear();
+    for (int i = 0; i < 3; ++i) {
+      engine.clock.advance(5s);
+      EXPECT_THAT(engine->expire(), IsEmpty());
+    }
+    std::vector<std::pair<Code, std::string>> out;
+    for (const auto& event : engine.events.events)
+      out.emplace_back(event.error.code(), event.error.details().document);
+    return out;
+  }
+  const test::TemporaryFolder folder, elsewhere;
+  const pki::Certificate renewed = alice_of(old_ca(), {kNow, kYear.not_after}).certificate;
+  Identity alice = alice_of(old_ca());
+  Engine engine;
+  const test::WorkingFolder there{elsewhere.path()};
+};
+
+TEST_F(RelativePaths, FilesInTheNextWorkingDirectory_AreNotTaken) {
+  told();
+  write_all(elsewhere, {&old_ca(), &third_ca()}, renewed);
+  elsewhere.replace("crl.pem", pem({9, {alice.certificate}}, old_ca()));
+  EXPECT_THAT(told(), IsEmpty());
+}
+
+TEST_F(RelativePaths, FilesWhereTheyWereAtTheStart_AreFollowed) {
+  told();
+  write_all(folder, {&old_ca(), &new_ca()}, renewed);
+  const auto in = [&](const std::string& name) { return folder.path() + "/" + name; };
+  EXPECT_THAT(told(), ElementsAre(std::pair(Code::identity_ca_renewed, in("identity_ca.pem")),
+                                  std::pair(Code::identity_renewed, in("cert.pem"))));
+  write_all(folder, {&old_ca()}, renewed);
+  told();
+  folder.replace("crl.pem", pem({9}, old_ca()));
+  EXPECT_THAT(told(), ElementsAre(std::pair(Code::crl_renewed, in("crl.pem"))));
+}
+
 // ---- the old one leaves
 
 TEST_F(AuthorityRenewal, CaThatLeaves_EndsItsPeers) {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "base/source.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace ddssec {
@@ -27,6 +28,7 @@ class Looker {
     for (int i = 0; i < 2; ++i) look();
     EXPECT_FALSE(look());
   }
+  const std::string& uri() const { return watch_.uri(); }
 
  private:
   FileWatch watch_;
@@ -73,6 +75,39 @@ TEST(FileWatch, FollowsLinks) {
   EXPECT_TRUE(looker.sees_a_change());
   folder.write("b", "else");
   EXPECT_TRUE(looker.sees_a_change());
+}
+
+TEST(FileWatch, RelativePath_NamesTheSameFileAfterChdir) {
+  const test::TemporaryFolder first, second;
+  const test::WorkingFolder at(first.path());
+  first.write("list", "one");
+  Looker looker("list");
+  const test::WorkingFolder elsewhere(second.path());
+  second.write("list", "other");
+  EXPECT_FALSE(looker.sees_a_change());
+  first.write("list", "two");
+  EXPECT_TRUE(looker.sees_a_change());
+  EXPECT_EQ(looker.uri(), "file:" + first.path() + "/list");
+}
+
+TEST(AbsoluteUri, OnlyARelativePath_IsChanged) {
+  const test::TemporaryFolder folder;
+  const test::WorkingFolder at(folder.path());
+  const auto absolute = "file:" + folder.path();
+  EXPECT_EQ(absolute_uri("file:a/b.pem"), absolute + "/a/b.pem");
+  EXPECT_EQ(absolute_uri(" \tfile://b.pem"), absolute + "/b.pem");
+  for (const auto* same : {"file:/a", "file:///a", " file:/a", "file:", "data:,file:a",
+                           "pkcs11:token=a;object=b?pin-source=file:pin", "a.pem", ""})
+    EXPECT_EQ(absolute_uri(same), same);
+}
+
+TEST(AbsoluteUri, NoWorkingFolder_NamesNothing) {
+  const test::TemporaryFolder folder;
+  std::filesystem::create_directory(folder.path() + "/gone");
+  const test::WorkingFolder at(folder.path() + "/gone");
+  std::filesystem::remove(folder.path() + "/gone");
+  EXPECT_EQ(absolute_uri("file:b.pem"), "");
+  EXPECT_EQ(absolute_uri("file:/b.pem"), "file:/b.pem");
 }
 
 // Of two changes within one tick of the file system's clock only the first may be visible.

@@ -356,6 +356,21 @@ constexpr auto kChanged = Code::psk_passphrases_changed;
 constexpr auto kKept = Code::psk_passphrases_kept;
 using Codes = std::vector<Code>;
 
+TEST(ChangedPassphrases, RelativePaths_NameTheSameFilesAfterChdir) {
+  const test::TemporaryFolder folder, elsewhere;
+  const test::WorkingFolder at(folder.path());
+  for (const auto* one : {&folder, &elsewhere})
+    ::chmod(one->write("own", one == &folder ? "1:ours" : "1:theirs").c_str(), 0600);
+  PassphraseFiles files({{std::string(property::kPskPassphrase), "file:own"}},
+                        std::chrono::seconds(1));
+  const test::WorkingFolder there(elsewhere.path());
+  CountingSink events;
+  const auto all = files.load(events);
+  ASSERT_TRUE(all) << all.error().to_sentence();
+  EXPECT_EQ(text_of(all->front()), "ours");
+  EXPECT_EQ(files.place_of(property::kPskPassphrase), folder.path() + "/own");
+}
+
 TEST(ChangedPassphrases, AreUsedStepByStepWithoutAGap) {
   Running running("1:old");
   Member old(passphrase("1:old")), fresh(passphrase("2:new"));
