@@ -77,12 +77,9 @@ Result<std::vector<pki::Certificate>> load_folder(std::string_view folder) {
   return found;
 }
 
-Result<std::shared_ptr<const TrustStore>> load_own_trust(const spi::PropertyList& properties,
-                                                         const RevocationLists& lists,
-                                                         TrustStores& stores) {
+Result<std::vector<pki::Certificate>> load_anchors(const spi::PropertyList& properties) {
   constexpr auto kName = property::kIdentityCa;
-  DDSSEC_ASSIGN_OR_RETURN(auto anchors, load_bundle(spi::property_value(properties, kName), kName));
-  return in(stores.open(std::move(anchors), lists.in_force()), kName);
+  return load_bundle(spi::property_value(properties, kName), kName);
 }
 
 /// The trusted_ca_dir, if one is named; our own CA must be in it, else we would believe peers that
@@ -127,11 +124,13 @@ Result<IdentityFiles> IdentityFiles::load(const spi::PropertyList& properties, T
   DDSSEC_ASSIGN_OR_RETURN(auto warn_before_end, spi::warning_days(properties));
   DDSSEC_ASSIGN_OR_RETURN(auto watch, IdentityWatch::of(properties));
   DDSSEC_ASSIGN_OR_RETURN(auto authorities, watch_authorities(properties));
-  DDSSEC_ASSIGN_OR_RETURN(auto lists, RevocationLists::load(properties));
   constexpr auto kCa = property::kIdentityCa, kKey = property::kPrivateKey;
   constexpr auto kCertificate = property::kIdentityCertificate;
-  DDSSEC_ASSIGN_OR_RETURN(auto own,
-                          locate(load_own_trust(properties, lists, stores), properties, {kCa}));
+  DDSSEC_ASSIGN_OR_RETURN(auto anchors, locate(load_anchors(properties), properties, {kCa}));
+  DDSSEC_ASSIGN_OR_RETURN(auto lists, RevocationLists::load(properties, anchors, now));
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto own,
+      locate(in(stores.open(std::move(anchors), lists.in_force()), kCa), properties, {kCa}));
   DDSSEC_ASSIGN_OR_RETURN(auto peers, load_peer_trust(properties, lists, own, stores));
   DDSSEC_ASSIGN_OR_RETURN(
       auto certificate, locate(load_identity_certificate(properties), properties, {kCertificate}));
@@ -219,7 +218,8 @@ std::string LocalIdentity::revocation_lists() const {
 
 Result<bool> LocalIdentity::renew_revocation_lists(TrustStores& stores, const Clock& clock) {
   const std::scoped_lock lock(renewal_mutex_);
-  return revocation_lists_.look(clock.monotonic(), [&](const std::vector<pki::Crl>& lists) {
+  const auto trust = own_trust();
+  return revocation_lists_.look(clock, trust->anchors(), [&](const std::vector<pki::Crl>& lists) {
     return adopt(lists, stores, clock.now());
   });
 }
@@ -382,11 +382,11 @@ Result<bool> LocalIdentity::take_authorities(const std::vector<pki::Certificate>
 Status LocalIdentity::take_together(const std::vector<pki::Certificate>& next,
                                     const IdentityWatch::Found& identity, TrustStores& stores,
                                     WallTime now) {
-  DDSSEC_ASSIGN_OR_RETURN(auto lists, revocation_lists_.read());
-  DDSSEC_RETURN_IF_ERROR(check_renewal(lists.lists, revocation_lists_.in_force(), next, now));
-  DDSSEC_ASSIGN_OR_RETURN(auto store, stores.open(next, lists.lists));
+  DDSSEC_ASSIGN_OR_RETURN(auto lists, revocation_lists_.read(next, now));
+  DDSSEC_RETURN_IF_ERROR(check_renewal(lists.in_force(), revocation_lists_.in_force(), next, now));
+  DDSSEC_ASSIGN_OR_RETURN(auto store, stores.open(next, lists.in_force()));
   DDSSEC_RETURN_IF_ERROR(check_renewed(identity, *store, now));
-  revocation_lists_.take(std::move(lists));
+  revocation_lists_ = std::move(lists);
   const std::scoped_lock lock(mutex_);
   trust(std::move(store));
   presented_ = std::make_shared<const Presented>(

@@ -74,7 +74,7 @@ class LocalIdentity {
   /// trusted_ca_dir_with_crl, and those of ChainVerifier::verify if we could not believe ourselves
   /// any longer, but for being revoked.
   Result<bool> renew_revocation_lists(TrustStores& stores, const Clock& clock);
-  /// The path of their file, if there is one.
+  /// The paths of their files, if there are any.
   std::string revocation_list_path() const;
   /// Number and date of each, for a person.
   std::string revocation_lists() const;

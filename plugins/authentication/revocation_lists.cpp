@@ -80,6 +80,28 @@ Status check_replaced(const pki::Crl& held, const std::vector<pki::Crl>& lists,
                                 .found = describe(*found)});
 }
 
+bool is_newer(const pki::Crl& crl, const pki::Crl& other,
+              const std::vector<pki::Certificate>& anchors, WallTime now) {
+  return crl.replaces(other, now) && !other.replaces(crl, now) &&
+         pki::have_common_signer(crl, other, anchors);
+}
+
+/// Without those of which `lists` has a newer one of the same CA, or the same once more. A list
+/// that no CA among `anchors` signed replaces none.
+std::vector<pki::Crl> newest_of(const std::vector<pki::Crl>& lists,
+                                const std::vector<pki::Certificate>& anchors, WallTime now) {
+  std::vector<pki::Crl> out;
+  for (const auto& crl : lists) {
+    const auto makes_needless = [&](const auto& other) {
+      return is_newer(other, crl, anchors, now);
+    };
+    const auto is_same = [&](const auto& other) { return other.pem() == crl.pem(); };
+    if (std::ranges::none_of(lists, makes_needless) && std::ranges::none_of(out, is_same))
+      out.push_back(crl);
+  }
+  return out;
+}
+
 }  // namespace
 
 Status check_renewal(const std::vector<pki::Crl>& lists, const std::vector<pki::Crl>& former,
@@ -95,7 +117,9 @@ Status check_renewal(const std::vector<pki::Crl>& lists, const std::vector<pki::
 RevocationLists::Place::Place(std::string_view from, std::chrono::seconds interval)
     : watch(from, interval), path(file_named_by(watch.uri()).value_or("")) {}
 
-Result<RevocationLists> RevocationLists::load(const spi::PropertyList& properties) {
+Result<RevocationLists> RevocationLists::load(const spi::PropertyList& properties,
+                                              const std::vector<pki::Certificate>& anchors,
+                                              WallTime now) {
   RevocationLists out;
   DDSSEC_ASSIGN_OR_RETURN(out.interval_, spi::files_poll_interval(properties));
   const auto must = spi::property_value(properties, property::kCrl);
@@ -111,12 +135,13 @@ Result<RevocationLists> RevocationLists::load(const spi::PropertyList& propertie
   if (!must.empty() || !may.empty()) {
     out.places_.emplace_back(must.empty() ? may : must, out.interval_);
     DDSSEC_RETURN_IF_ERROR(out.read_first(out.places_.front(), name, must.empty()));
+    out.lists_ = out.together(anchors, now);
     return out;
   }
   if (!spi::property_value(properties, property::kTrustedCaDir).empty()) return out;
   for (const auto& uri : usual_places(properties)) out.places_.emplace_back(uri, out.interval_);
-  for (std::size_t i = 0; i < out.places_.size() && out.lists_.empty(); ++i)
-    DDSSEC_RETURN_IF_ERROR(out.read_first(out.places_[i], out.places_[i].path, true));
+  for (auto& place : out.places_) DDSSEC_RETURN_IF_ERROR(read_first(place, place.path, true));
+  out.lists_ = out.together(anchors, now);
   return out;
 }
 
@@ -127,20 +152,30 @@ Status RevocationLists::read_first(Place& place, std::string_view name, bool may
   if (!octets) return std::unexpected(octets.error());
   auto lists = parse(*octets, place.watch.uri());
   if (!lists) return std::unexpected(lists.error().in(std::string(name)));
-  lists_ = *std::move(lists);
+  place.lists = *std::move(lists);
   place.content = sha256(*octets);
-  keep_only(place);
   return {};
 }
 
-/// A list in force is followed by later ones at the same place.
-void RevocationLists::keep_only(Place& place) {
-  Place kept = std::move(place);
-  places_.clear();
-  places_.push_back(std::move(kept));
+/// What is in force if every place counts: of each CA the newest list.
+std::vector<pki::Crl> RevocationLists::together(const std::vector<pki::Certificate>& anchors,
+                                                WallTime now) const {
+  std::vector<pki::Crl> all;
+  for (const auto& place : places_) all.insert(all.end(), place.lists.begin(), place.lists.end());
+  return newest_of(all, anchors, now);
 }
 
-std::string RevocationLists::path() const { return places_.empty() ? "" : places_.front().path; }
+std::string RevocationLists::path() const {
+  if (places_.empty()) return {};
+  const auto is_in_force = [&](const pki::Crl& crl) {
+    return std::ranges::any_of(lists_, [&](const auto& one) { return &one.impl() == &crl.impl(); });
+  };
+  std::string paths;
+  for (const auto& place : places_)
+    if (std::ranges::any_of(place.lists, is_in_force))
+      paths += (paths.empty() ? "" : " and ") + place.path;
+  return paths.empty() ? places_.front().path : paths;
+}
 
 const pki::Crl* RevocationLists::first_to_end(std::optional<WallTime> end) const {
   const auto found = std::ranges::find_if(
@@ -167,59 +202,72 @@ std::string RevocationLists::description() const {
   return text.substr(0, kMostDescription);
 }
 
-Result<bool> RevocationLists::look(std::chrono::nanoseconds now, const Accept& accept) {
+Result<bool> RevocationLists::look(const Clock& clock, const std::vector<pki::Certificate>& anchors,
+                                   const Accept& accept) {
   for (auto& place : places_) {
-    if (!place.watch.may_have_changed(now)) continue;
-    DDSSEC_ASSIGN_OR_RETURN(const auto accepted, look_at(place, accept));
-    if (!accepted) continue;
-    keep_only(place);
+    if (!place.watch.may_have_changed(clock.monotonic())) continue;
+    DDSSEC_ASSIGN_OR_RETURN(const bool renewed, look_at(place, {anchors, clock.now(), accept}));
+    if (!renewed) continue;
+    // What was the newest elsewhere may be older now.
+    for (auto& other : places_) other.watch.look_again();
     return true;
   }
   return false;
 }
 
-Result<bool> RevocationLists::look_at(Place& place, const Accept& accept) {
+Result<bool> RevocationLists::look_at(Place& place, const Question& question) {
   Rollback again([&] { place.watch.look_again(); });
   const auto octets = ddssec::load(place.watch.uri(), place.path, pki::kMostDocumentOctets);
-  const bool not_yet = lists_.empty() && !octets && octets.error().code() == Code::file_not_found;
+  const bool not_yet =
+      place.lists.empty() && !octets && octets.error().code() == Code::file_not_found;
   const auto content = octets ? sha256(*octets) : Sha256Digest{};
   Result<bool> taken = false;
   if (!octets && !not_yet) taken = std::unexpected(octets.error());
-  if (octets && content != place.content) taken = judge(*octets, place.watch.uri(), accept);
+  if (octets && content != place.content) taken = judge(*octets, place, question);
+  if (taken && octets) place.content = content;
+  if (taken && !*taken)
+    if (const auto behind = check_current(place, question); !behind)
+      taken = std::unexpected(behind.error());
   if (!taken) return refuse(place, taken.error(), content);
-  if (*taken) place.content = content;
   place.was_refused = false;
   place.told.reset();
   again.release();
   return taken;
 }
 
-Result<RevocationLists::Present> RevocationLists::read() const {
-  for (std::size_t i = 0; i < places_.size(); ++i) {
-    const auto& place = places_[i];
-    const auto octets = ddssec::load(place.watch.uri(), place.path, pki::kMostDocumentOctets);
-    if (!octets && lists_.empty() && octets.error().code() == Code::file_not_found) continue;
-    if (!octets) return std::unexpected(octets.error());
-    DDSSEC_ASSIGN_OR_RETURN(auto lists, parse(*octets, place.watch.uri()));
-    return Present{std::move(lists), i, sha256(*octets)};
-  }
-  return Present{lists_};
+Result<RevocationLists> RevocationLists::read(const std::vector<pki::Certificate>& anchors,
+                                              WallTime now) const {
+  auto out = *this;
+  for (auto& place : out.places_)
+    DDSSEC_RETURN_IF_ERROR(read_first(place, place.path, place.lists.empty()));
+  out.lists_ = out.together(anchors, now);
+  return out;
 }
 
-void RevocationLists::take(Present present) {
-  lists_ = std::move(present.lists);
-  if (!present.place) return;
-  auto& place = places_[*present.place];
-  place.content = present.content;
-  keep_only(place);
+/// True: other lists are in force.
+Result<bool> RevocationLists::judge(BytesView octets, Place& place, const Question& question) {
+  DDSSEC_ASSIGN_OR_RETURN(auto lists, parse(octets, place.watch.uri()));
+  std::swap(place.lists, lists);
+  Rollback back([&] { std::swap(place.lists, lists); });
+  auto next = together(question.anchors, question.now);
+  const bool is_other = !std::ranges::equal(next, lists_, {}, &pki::Crl::pem, &pki::Crl::pem);
+  if (is_other) DDSSEC_RETURN_IF_ERROR(question.accept(next));
+  lists_ = std::move(next);
+  back.release();
+  return is_other;
 }
 
-Result<bool> RevocationLists::judge(BytesView octets, const std::string& uri,
-                                    const Accept& accept) {
-  DDSSEC_ASSIGN_OR_RETURN(auto lists, parse(octets, uri));
-  DDSSEC_RETURN_IF_ERROR(accept(lists));
-  lists_ = std::move(lists);
-  return true;
+/// A list that another place has in a newer form does no harm here, but does to a participant that
+/// has only this place.
+Status RevocationLists::check_current(const Place& place, const Question& question) const {
+  for (const auto& crl : place.lists)
+    for (const auto& held : lists_)
+      if (is_newer(held, crl, question.anchors, question.now))
+        return fail(Code::crl_copy_older, {.field = crl.issuer(),
+                                           .expected = describe(held) + " or later",
+                                           .found = describe(crl),
+                                           .note = "the newer list, from " + path() + ", counts"});
+  return {};
 }
 
 Result<bool> RevocationLists::refuse(Place& place, const Error& error,
@@ -230,9 +278,10 @@ Result<bool> RevocationLists::refuse(Place& place, const Error& error,
   place.told = refusal;
   auto details = error.details();
   details.document = place.path;
-  details.note += (details.note.empty() ? "" : "; ") +
-                  std::string(lists_.empty() ? "there is still no revocation list in force"
-                                             : "the lists read before stay in force");
+  if (error.code() != Code::crl_copy_older)
+    details.note += (details.note.empty() ? "" : "; ") +
+                    std::string(lists_.empty() ? "there is still no revocation list in force"
+                                               : "the lists read before stay in force");
   return fail(error.code(), std::move(details));
 }
 

@@ -157,15 +157,129 @@ TEST_F(Unprepared, List_ComesBesideTheCa_IsTaken) {
   EXPECT_TRUE(ends());
 }
 
-TEST_F(Unprepared, List_TakenBesideTheCa_IsFollowedThere) {
-  put_certificate();
-  put_ca(elsewhere);
+/// Alice's certificate is in `folder` and her CA in `elsewhere`.
+struct TwoPlaces : Unprepared {
+  TwoPlaces() {
+    put_certificate();
+    put_ca(elsewhere);
+  }
+  /// What is said within three looks.
+  std::vector<Code> told() {
+    engine.events.events.clear();
+    EXPECT_FALSE(ends());
+    return codes();
+  }
+  const ErrorDetails& last() const { return engine.events.events.back().error.details(); }
+};
+
+TEST_F(TwoPlaces, NewerList_CountsFromEither) {
+  elsewhere.write("crl.pem", pem({5}));
   ASSERT_OK(create());
-  elsewhere.replace("crl.pem", pem({5}));
-  EXPECT_FALSE(ends());
+  EXPECT_THAT(told(), testing::IsEmpty());
   folder.replace("crl.pem", revokes_alice());
-  EXPECT_FALSE(ends()) << "one place, so that nobody puts an old list into the other";
+  EXPECT_TRUE(ends());
+  EXPECT_THAT(codes(), testing::ElementsAre(Code::crl_renewed, Code::certificate_revoked));
+  EXPECT_EQ(last().document, folder.path() + "/crl.pem");
+}
+
+TEST_F(TwoPlaces, NewerListBesideTheCa_CountsOverTheOneBesideTheCertificate) {
+  folder.write("crl.pem", pem({5}));
+  ASSERT_OK(create());
+  EXPECT_THAT(told(), testing::IsEmpty());
   elsewhere.replace("crl.pem", revokes_alice());
+  EXPECT_TRUE(ends());
+}
+
+TEST_F(TwoPlaces, NewestAtTheStart_Counts) {
+  folder.write("crl.pem", pem({1}));
+  elsewhere.write("crl.pem", revokes_alice());
+  EXPECT_CODE(create(), certificate_revoked);
+  folder.replace("crl.pem", revokes_alice());
+  elsewhere.replace("crl.pem", pem({1}));
+  EXPECT_CODE(create(), certificate_revoked);
+  elsewhere.replace("crl.pem", "nothing");
+  EXPECT_CODE(create(), crl_file_empty);
+}
+
+TEST_F(TwoPlaces, OlderCopy_IsReportedOnceWithBothNumbers) {
+  const auto second = pem({2});
+  folder.write("crl.pem", pem({1}));
+  elsewhere.write("crl.pem", second);
+  ASSERT_OK(create());
+  EXPECT_THAT(told(), testing::ElementsAre(Code::crl_copy_older));
+  EXPECT_EQ(engine.events.events[0].severity, Severity::warning);
+  EXPECT_EQ(last().document, folder.path() + "/crl.pem");
+  EXPECT_THAT(last().expected, testing::HasSubstr("number 2"));
+  EXPECT_THAT(last().found, testing::HasSubstr("number 1"));
+  EXPECT_THAT(last().note, testing::HasSubstr(elsewhere.path() + "/crl.pem"));
+  EXPECT_THAT(told(), testing::IsEmpty()) << "told twice";
+  folder.replace("crl.pem", second);
+  EXPECT_THAT(told(), testing::IsEmpty());
+}
+
+TEST_F(TwoPlaces, CopyThatFallsBehind_IsReported) {
+  folder.write("crl.pem", pem({1}));
+  elsewhere.write("crl.pem", pem({1}));
+  ASSERT_OK(create());
+  EXPECT_THAT(told(), testing::IsEmpty());
+  folder.replace("crl.pem", pem({2}));
+  EXPECT_THAT(told(), testing::ElementsAre(Code::crl_renewed, Code::crl_copy_older));
+  EXPECT_EQ(last().document, elsewhere.path() + "/crl.pem");
+}
+
+TEST_F(TwoPlaces, OlderListInBoth_GoesBackInNeither) {
+  const auto fifth = pem({5});
+  folder.write("crl.pem", fifth);
+  elsewhere.write("crl.pem", fifth);
+  ASSERT_OK(create());
+  told();
+  folder.replace("crl.pem", pem({4}));
+  EXPECT_THAT(told(), testing::ElementsAre(Code::crl_copy_older));
+  elsewhere.replace("crl.pem", pem({4}));
+  EXPECT_THAT(told(), testing::ElementsAre(Code::crl_older));
+  folder.replace("crl.pem", revokes_alice());
+  EXPECT_TRUE(ends());
+}
+
+TEST_F(TwoPlaces, FileThatDisappears_IsReportedAndItsListStays) {
+  folder.write("crl.pem", pem({1}));
+  elsewhere.write("crl.pem", pem({2}));
+  ASSERT_OK(create());
+  told();
+  std::filesystem::remove(elsewhere.path() + "/crl.pem");
+  EXPECT_THAT(told(), testing::ElementsAre(Code::file_not_found));
+  EXPECT_EQ(last().document, elsewhere.path() + "/crl.pem");
+  EXPECT_THAT(last().note, testing::HasSubstr("stay in force"));
+  EXPECT_THAT(told(), testing::IsEmpty());
+}
+
+TEST_F(TwoPlaces, ForgedList_ReplacesNone) {
+  folder.write("crl.pem", pem({5}));
+  const auto forger = make_ca();  // of the same name
+  ASSERT_OK(create());
+  told();
+  elsewhere.replace("crl.pem", pem({99}, forger));
+  EXPECT_THAT(told(), testing::ElementsAre(Code::crl_signature_invalid));
+  EXPECT_EQ(last().document, elsewhere.path() + "/crl.pem");
+  elsewhere.replace("crl.pem", pem({4}, forger));
+  EXPECT_THAT(told(), testing::ElementsAre(Code::crl_signature_invalid));
+  folder.replace("crl.pem", revokes_alice());
+  EXPECT_TRUE(ends());
+}
+
+TEST_F(TwoPlaces, ListsOfTwoCas_CountTogether) {
+  const auto other = make_ca("CN=Other CA");
+  elsewhere.write("identity_ca.cert.pem",
+                  test_ca().certificate().pem() + other.certificate().pem());
+  folder.write("crl.pem", pem({1}));
+  elsewhere.write("crl.pem", pem({1}, other));
+  ASSERT_OK(create());
+  EXPECT_THAT(told(), testing::IsEmpty());
+  elsewhere.replace("crl.pem", pem({2}, other));
+  EXPECT_THAT(told(), testing::ElementsAre(Code::crl_renewed));
+  elsewhere.replace("crl.pem", pem({2}));
+  EXPECT_THAT(told(), testing::ElementsAre(Code::crl_missing)) << "the other CA's list is lost";
+  folder.replace("crl.pem", revokes_alice());
   EXPECT_TRUE(ends());
 }
 
