@@ -334,12 +334,12 @@ Status Plugin::check_remote_match(PermissionsHandle remote, const Match& match) 
   DDSSEC_ASSIGN_OR_RETURN(const Holder holder, known(remote));
   DDSSEC_RETURN_IF_ERROR(judge_own(*holder, match));
   const auto action = match.remote_writes ? Action::publish : Action::subscribe;
-  if (may_as_announced(*holder, action, match.local)) return {};
+  if (!match.remote_hides && may_as_announced(*holder, action, match.local)) return {};
   const auto status = judge_endpoint(*holder, action, match.local);
   if (status) return {};
   const auto guid =
       match.remote ? Guid{*match.remote, kEntityIdParticipant}.to_string() : std::string();
-  return refuse(match_denied(status.error(), action, match.local), holder->peer_subject(), guid);
+  return refuse(match_denied(status.error(), action, match), holder->peer_subject(), guid);
 }
 
 Status Plugin::judge_topic(PermissionsHolder& holder, std::string_view topic) {

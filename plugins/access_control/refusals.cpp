@@ -98,12 +98,16 @@ Error endpoint_denied(const PermissionsHolder& holder, const CompiledGrant& gran
   return holder.remote() ? as_announced(refusal, action) : refusal;
 }
 
-Error match_denied(const Error& why, Action action, const spi::EndpointRequest& request) {
+Error match_denied(const Error& why, Action action, const spi::AccessControl::Match& match) {
   auto details = why.details();
   details.hint.clear();  // that of match_not_permitted: the announcement may be forged
   if (details.expected.empty())
-    details.expected = fmt::format("permissions to {} {}", to_string(action), shown(request));
+    details.expected = fmt::format("permissions to {} {}", to_string(action), shown(match.local));
   if (details.found.empty()) details.found = info(why.code()).summary;
+  if (match.remote_hides)
+    details.note += std::string(details.note.empty() ? "" : "; ") +
+                    "it has announced an endpoint without its endpoint_security_info, so all of "
+                    "them are judged in the partitions of ours";
   return Error(Code::match_not_permitted, std::move(details));
 }
 

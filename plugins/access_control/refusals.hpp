@@ -20,7 +20,7 @@ Error endpoint_denied(const PermissionsHolder& holder, const governance::Compile
 /// The peer's permissions do not allow the keys of a match, for the reason `why`. Code
 /// match_not_permitted.
 Error match_denied(const Error& why, governance::Action action,
-                   const spi::EndpointRequest& request);
+                   const spi::AccessControl::Match& match);
 /// The grant allows neither to publish nor to subscribe to the topic. Code topic_not_allowed.
 Error topic_denied(const PermissionsHolder& holder, const governance::CompiledGrant& grant,
                    const governance::Verdict& verdict, std::string_view topic);

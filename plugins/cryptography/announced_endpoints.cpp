@@ -13,6 +13,13 @@ std::unexpected<Error> too_much(const BuiltinTopic& topic) {
                                     std::to_string(AnnouncedOctets::kMost >> 20) + " MiB");
 }
 
+constexpr EntityId kPublications{{0, 0, 3, 0xc2}}, kSecurePublications{{0xff, 0, 3, 0xc2}};
+constexpr EntityId kSubscriptions{{0, 0, 4, 0xc2}}, kSecureSubscriptions{{0xff, 0, 4, 0xc2}};
+
+bool hides_endpoint(const Announcement& announcement) {
+  return announcement.kind == Announcement::Kind::announces && announcement.hides;
+}
+
 }  // namespace
 
 bool AnnouncedOctets::replace(std::size_t before, std::size_t after, Heard heard) {
@@ -108,6 +115,7 @@ Status AnnouncedEndpoints::note(const BuiltinTopic& topic, const Announcement& a
                : unreadable_name(topic, "something else came under its number before");
   if (!account_->replace(0, cost_of(announcement))) return too_much(topic);
   writer.passed.emplace(announcement.number, announcement);
+  writer.hides |= hides_endpoint(announcement);
   return {};
 }
 
@@ -122,6 +130,7 @@ Status AnnouncedEndpoints::note_again(const BuiltinTopic& topic, Writer& writer,
   const auto cost = std::max(counted, cost_of(announcement));
   if (!account_->replace(counted, cost, AnnouncedOctets::Heard::again)) return too_much(topic);
   writer.again.insert_or_assign(announcement.entity, cost);
+  writer.hides |= hides_endpoint(announcement);
   return {};
 }
 
@@ -131,7 +140,35 @@ Status AnnouncedEndpoints::complete(const BuiltinTopic& topic, const Announcemen
   const auto known = writer.passed.find(announcement.number);
   if (known == writer.passed.end()) return note_again(topic, writer, announcement);
   known->second = announcement;
+  writer.hides |= hides_endpoint(announcement);
   return {};
+}
+
+bool AnnouncedEndpoints::hides(const EntityId& writer) const {
+  const auto known = writers_.find(writer);
+  return known != writers_.end() && known->second.hides;
+}
+
+bool AnnouncedEndpoints::hides_writers() const {
+  const std::lock_guard lock(mutex_);
+  return hides(kPublications) || hides(kSecurePublications);
+}
+
+bool AnnouncedEndpoints::hides_readers() const {
+  const std::lock_guard lock(mutex_);
+  return hides(kSubscriptions) || hides(kSecureSubscriptions);
+}
+
+bool AnnouncedEndpoints::has_secured(const EntityId& endpoint, bool is_writer) const {
+  const std::lock_guard lock(mutex_);
+  const auto known = writers_.find(is_writer ? kSecurePublications : kSecureSubscriptions);
+  if (known == writers_.end()) return false;
+  const auto& [id, writer] = *known;
+  return writer.endpoints.contains(endpoint) || writer.again.contains(endpoint) ||
+         std::ranges::any_of(writer.passed, [&](const auto& passed) {
+           return passed.second.kind == Announcement::Kind::announces &&
+                  passed.second.entity == endpoint;
+         });
 }
 
 void AnnouncedEndpoints::take_back(const BuiltinTopic& topic, std::uint64_t number) {

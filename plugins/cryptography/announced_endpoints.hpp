@@ -75,6 +75,7 @@ struct Announcement {
   Kind kind = Kind::nothing;
   EntityId entity = {};
   std::size_t octets = 0;  ///< of the payload; for a fragmented sample, of all fragments
+  bool hides = false;      ///< it does not say how the endpoint is protected
   bool operator==(const Announcement&) const = default;
 };
 
@@ -110,9 +111,18 @@ class AnnouncedEndpoints {
   void acknowledged(const BuiltinTopic& topic, std::uint64_t next);
   bool is_acknowledged(const BuiltinTopic& topic, std::uint64_t number) const;
 
+  /// True if it has announced a writer, or a reader, without saying how that is protected. The host
+  /// does not ask access control about such an endpoint. So nothing that the host asked about
+  /// another one may speak for it.
+  bool hides_writers() const;
+  bool hides_readers() const;
+  /// True if it has announced that endpoint in the secure discovery, and not its end.
+  bool has_secured(const EntityId& endpoint, bool is_writer) const;
+
  private:
   struct Writer {
     std::uint64_t next = 0;  ///< all numbers below are acknowledged
+    bool hides = false;      ///< one announcement did
     std::map<std::uint64_t, Announcement> passed = {};
     SkippedNumbers skipped = {};
     std::map<EntityId, std::size_t> endpoints = {};  ///< octets that the host stores for each
@@ -122,6 +132,7 @@ class AnnouncedEndpoints {
   static std::size_t cost_of(const Announcement& announcement);
   Status note_again(const BuiltinTopic& topic, Writer& writer, const Announcement& announcement);
   void settle(Writer& writer, const Announcement& announcement);
+  bool hides(const EntityId& writer) const;
   void set(Writer& writer, const EntityId& entity, std::size_t cost);
   void forget(Writer& writer, const EntityId& entity);
   std::size_t sum() const;

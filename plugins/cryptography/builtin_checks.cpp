@@ -121,9 +121,9 @@ Result<TypeInformationAt> check_whole(const BuiltinTopic& topic, const Owner& ow
   DDSSEC_RETURN_IF_ERROR(walk.read(topic, owner, piece.payload));
   DDSSEC_RETURN_IF_ERROR(walk.check_end(topic));
   if (announced != nullptr)
-    DDSSEC_RETURN_IF_ERROR(announced->note(
-        topic,
-        {piece.number, kind_of(ending, walk), walk.entity(), walk.cost(piece.payload.size())}));
+    DDSSEC_RETURN_IF_ERROR(
+        announced->note(topic, {piece.number, kind_of(ending, walk), walk.entity(),
+                                walk.cost(piece.payload.size()), !walk.says_protection()}));
   return walk.type_information();
 }
 

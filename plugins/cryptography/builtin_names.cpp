@@ -15,6 +15,9 @@ constexpr std::uint16_t kSentinel = 0x0001;
 constexpr std::uint16_t kPartition = 0x0029;
 constexpr std::uint16_t kPropertyList = 0x0059;
 constexpr std::uint16_t kTypeInformation = 0x0075;  ///< DDS-XTypes 7.6.3.2.1
+constexpr std::uint16_t kEndpointSecurityInfo = 0x1004;
+/// Bits for vendors' parameters and for those that must be understood. Hosts may ignore them.
+constexpr std::uint16_t kFlags = 0xc000;
 }  // namespace parameter_id
 
 constexpr std::array kTopics = {
@@ -47,6 +50,9 @@ constexpr std::array kLocators = {LocatorKind{0x002f, "PID_UNICAST_LOCATOR"},
 /// PID_METATRAFFIC_UNICAST_IPADDRESS, PID_METATRAFFIC_MULTICAST_PORT.
 constexpr std::array<std::uint16_t, 7> kDeprecatedAddresses = {0x000b, 0x000c, 0x000d, 0x000e,
                                                                0x0011, 0x0045, 0x0046};
+
+/// EndpointSecurityAttributesMask.
+constexpr std::size_t kSecurityMaskSize = 4;
 
 constexpr std::string_view kDocument = "a discovery or liveliness message";
 
@@ -139,6 +145,13 @@ Status ParameterWalk::take(const BuiltinTopic& topic, const Owner& owner) {
   wanted_ = kHeaderSize;
   if (state_ == State::encapsulation) return begin_list(topic);
   if (state_ == State::header) return begin_parameter(topic);
+  if (state_ == State::security_info) {
+    constexpr std::uint8_t kIsValid = 0x80;
+    is_security_info_valid_ = (part_[is_little_ ? 3 : 0] & kIsValid) != 0;
+    state_ = State::header;
+    to_skip_ = length_ - static_cast<std::uint32_t>(kSecurityMaskSize);
+    return {};
+  }
   state_ = State::header;
   to_skip_ = length_ - static_cast<std::uint32_t>(kGuidSize);
   has_name_ = true;
@@ -174,6 +187,7 @@ Status ParameterWalk::begin_parameter(const BuiltinTopic& topic) {
   if (id_ == parameter_id::kPartition) return begin_partitions(topic);
   DDSSEC_RETURN_IF_ERROR(count_locator(topic));
   if (id_ == parameter_id::kPropertyList) properties_ += length_;
+  if (begin_security_info()) return {};
   if (!name_of(topic, id_)) {
     to_skip_ = length_;
     return {};
@@ -182,6 +196,16 @@ Status ParameterWalk::begin_parameter(const BuiltinTopic& topic) {
   state_ = State::name;
   wanted_ = kGuidSize;
   return {};
+}
+
+/// True if its first octets are read next.
+bool ParameterWalk::begin_security_info() {
+  if ((id_ & ~parameter_id::kFlags) != parameter_id::kEndpointSecurityInfo) return false;
+  security_infos_ = security_infos_ == 0 ? 1 : 2;
+  if (id_ != parameter_id::kEndpointSecurityInfo || length_ < kSecurityMaskSize) return false;
+  state_ = State::security_info;
+  wanted_ = kSecurityMaskSize;
+  return true;
 }
 
 void ParameterWalk::note_name(const BuiltinTopic& topic) {

@@ -73,6 +73,9 @@ class ParameterWalk {
   /// True if the list has nothing but names, none of them twice. The end of an endpoint says no
   /// more; the host might refuse one that does.
   bool has_only_names() const { return has_only_names_; }
+  /// True if the list says by a valid PID_ENDPOINT_SECURITY_INFO (DDS-Security 1.2, clause
+  /// 7.5.1.7) how its endpoint is protected. Hosts ask access control about such endpoints only.
+  bool says_protection() const { return security_infos_ == 1 && is_security_info_valid_; }
   /// The entity id of the list's subject, from the topic's key.
   const EntityId& entity() const { return entity_; }
 
@@ -82,13 +85,21 @@ class ParameterWalk {
   Status begin_parameter(const BuiltinTopic& topic);
   void note_name(const BuiltinTopic& topic);
   Status count_locator(const BuiltinTopic& topic);
+  bool begin_security_info();
   Status begin_partitions(const BuiltinTopic& topic);
   /// The number of octets that belong to the partitions.
   Result<std::size_t> read_partitions(const BuiltinTopic& topic, BytesView octets);
   Status note_type_information(const BuiltinTopic& topic);
   std::uint16_t word(std::size_t at) const;
 
-  enum class State : std::uint8_t { encapsulation, header, name, partitions, ended };
+  enum class State : std::uint8_t {
+    encapsulation,
+    header,
+    name,
+    partitions,
+    security_info,
+    ended,
+  };
   static constexpr std::size_t kHeaderSize = 4;
   static constexpr std::size_t kLocatorKinds = 6;
   static constexpr std::size_t kGuidSize = GuidPrefix::size + EntityId::size;
@@ -99,6 +110,8 @@ class ParameterWalk {
   bool has_entity_ = false;
   bool has_only_names_ = true;
   bool has_partitions_ = false;
+  bool is_security_info_valid_ = false;
+  std::uint8_t security_infos_ = 0;  ///< counted up to 2
   std::uint8_t names_ = 0;  ///< bits by index in kNames
   std::uint16_t id_ = 0;
   std::uint16_t length_ = 0;

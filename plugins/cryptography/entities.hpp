@@ -59,6 +59,7 @@ struct LocalParticipant final : Entity {
   spi::CipherMask allowed_ciphers = spi::kAllCiphers;
   Published<SendKey> key;  ///< null if RTPS messages are not protected
   std::atomic<bool> is_cut_off = false;
+  bool protects_discovery = false;
   bool trusts_type_information = false;  ///< the host receives the type information of peers
   bool revises_keys = false;
   bool is_revising = false;  ///< new keys exist and are not in use yet
@@ -174,6 +175,7 @@ struct LocalEndpoint final : Entity {
   spi::ProtectionKind payload = spi::ProtectionKind::none;
   bool is_builtin = false;   ///< according to access control
   bool is_volatile = false;  ///< ParticipantVolatileMessageSecure: keys of the key exchange
+  bool is_discovery_protected = false;  ///< its announcements come by a key
   /// Decides which peers get keys; null: no check here.
   std::shared_ptr<const spi::MatchGate> gate = {};
   Cipher cipher = Cipher::aes256_gcm;

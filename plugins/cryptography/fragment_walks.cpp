@@ -134,7 +134,8 @@ Status FragmentWalks::go_on(const BuiltinTopic& topic, const Owner& owner, const
     DDSSEC_RETURN_IF_ERROR(announced.complete(topic, {.number = piece.number,
                                                       .kind = Announcement::Kind::announces,
                                                       .entity = walk.entity(),
-                                                      .octets = walk.cost(sample.size)}));
+                                                      .octets = walk.cost(sample.size),
+                                                      .hides = !walk.says_protection()}));
   }
   sample.type_information = walk.type_information();
   sample.passed.insert(sample.passed.end(), added.begin(), added.end());

@@ -143,6 +143,22 @@ Status check_owner(const RemoteEndpoint& remote, const RemoteKeys& keys) {
                .found = id.to_string() + ", which is also that of " + owner.to_string()});
 }
 
+/// Success if the endpoint was announced where the governance demands it. Announced in the clear,
+/// it could hide from access control without being seen here. Error: keys_not_permitted.
+Status check_announced(const RemoteEndpoint& remote, const Pair& pair, const EntityId& owner) {
+  const auto& local = remote.local;
+  if (!local.gate || !local.is_discovery_protected || owner.is_zero() || !pair.peer_prefix)
+    return {};
+  const bool is_writer = remote.kind() == EntityKind::remote_writer;
+  if (remote.participant.discovery.announced.has_secured(owner, is_writer)) return {};
+  return fail(Code::keys_not_permitted,
+              {.document = "crypto tokens",
+               .expected = "an endpoint that the secure discovery has announced",
+               .found = owner.to_string(),
+               .hint = "the peer must announce it in the secure discovery, as the governance "
+                       "demands; one that does not is hostile, or has another governance"});
+}
+
 /// Success if the cipher may be used with this peer. AES always may.
 Status check_cipher(const KindTraits& traits, const Pair& from) {
   if (traits.cipher != Cipher::chacha20_poly1305) return {};
@@ -309,6 +325,10 @@ Status KeyExchange::set(Local local, Remote remote, std::span<const spi::Token> 
   if (!endpoint.local.has_tokens()) return fail(Code::crypto_tokens_not_expected);
   if (pair == nullptr) return fail(Code::crypto_not_matched);
   DDSSEC_RETURN_IF_ERROR(held.check_source(*pair));
+  if (const auto status = check_announced(endpoint, *pair, held.owner()); !status) {
+    shared_.report(status.error(), pair->peer_prefix);
+    return status;
+  }
   // A place is taken now and not at the announcement. A host that trusts unprotected discovery also
   // registers readers that an attacker invented in the peer's name. It sends nothing to a reader
   // whose tokens have not come.

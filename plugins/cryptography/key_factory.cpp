@@ -124,6 +124,7 @@ Result<spi::ParticipantCryptoHandle> KeyFactory::register_local_participant(
   for (const auto cipher : {ciphers.message, ciphers.endpoint})
     DDSSEC_RETURN_IF_ERROR(check_cipher(cipher, attributes.allowed_ciphers));
   participant->rtps = attributes.rtps;
+  participant->protects_discovery = attributes.is_discovery_protected();
   participant->revises_keys = attributes.is_key_revision_enabled;
   DDSSEC_ASSIGN_OR_RETURN(participant->trusts_type_information,
                           spi::flag_property(properties, spi::property::kTrustTypeInformation));
@@ -274,6 +275,8 @@ Result<std::int64_t> KeyFactory::register_local_endpoint(
       endpoint->is_volatile ? spi::ProtectionKind::encrypt : attributes.submessage;
   if (!endpoint->is_volatile) endpoint->payload = attributes.payload;
   endpoint->gate = attributes.gate;
+  endpoint->is_discovery_protected =
+      attributes.topic.is_discovery_protected && parent->protects_discovery;
   const auto otherwise = attributes.is_builtin ? parent->cipher : parent->endpoint_cipher;
   DDSSEC_ASSIGN_OR_RETURN(const auto cipher, cipher_asked(properties));
   endpoint->cipher = cipher.value_or(otherwise);
@@ -328,9 +331,13 @@ Result<std::int64_t> KeyFactory::match(std::int64_t local, EntityKind kind,
     DDSSEC_ASSIGN_OR_RETURN(const auto found, find_match(local, kind, remote));
     const auto gate = found.local.gate;
     if (!gate || admitted == found.pair.permissions) return add_match(found, kind);
-    const spi::MatchGate::Peer peer{.permissions = found.pair.permissions,
-                                    .prefix = found.pair.peer_prefix,
-                                    .writes = kind == EntityKind::remote_writer};
+    const auto& announced = found.parent.discovery.announced;
+    const bool writes = kind == EntityKind::remote_writer;
+    const spi::MatchGate::Peer peer{
+        .permissions = found.pair.permissions,
+        .prefix = found.pair.peer_prefix,
+        .writes = writes,
+        .hides_endpoints = writes ? announced.hides_writers() : announced.hides_readers()};
     lock.unlock();
     DDSSEC_RETURN_IF_ERROR(gate->check(peer));
     admitted = peer.permissions;

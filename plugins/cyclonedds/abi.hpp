@@ -72,6 +72,8 @@ struct MatchQuestion {
   /// True: its writer and our reader; false: its reader and our writer.
   DDS_Security_boolean remote_writes;
   const DDS_Security_octet* peer_prefix;  ///< 12 octets of the peer's GUID, or null
+  /// spi::MatchGate::Peer::hides_endpoints.
+  DDS_Security_boolean peer_hides_endpoints;
 };
 enum class MatchVerdict : std::int32_t {
   allowed = 1,
@@ -81,7 +83,7 @@ enum class MatchVerdict : std::int32_t {
 };
 /// Exported by libddssec_access_control. May be called by any thread.
 using JudgeMatch = MatchVerdict(const MatchQuestion*);
-inline constexpr const char* kJudgeMatchSymbol = "ddssec_judge_match";
+inline constexpr const char* kJudgeMatchSymbol = "ddssec_judge_match_of_peer";
 
 /// Exported by libddssec_access_control for libddssec_authentication: facts about the governance of
 /// that local participant, as a mask of GovernanceFact (governance_facts.hpp).

@@ -14,7 +14,7 @@ DDSSEC_EXPORT int init_access_control(const char*, void** context, ddsi_domaingv
       });
 }
 
-DDSSEC_EXPORT cyclonedds::MatchVerdict ddssec_judge_match(
+DDSSEC_EXPORT cyclonedds::MatchVerdict ddssec_judge_match_of_peer(
     const cyclonedds::MatchQuestion* question) {
   return AccessControlAdapter::judge(question);
 }

@@ -28,7 +28,8 @@ MatchVerdict judge_in(AccessControlAdapter& adapter, const EndpointScope& scope,
   const bool allowed = allowed_at_c_boundary(adapter.host(), &why, [&] {
     spi::AccessControl::Match match{.remote_writes = question.remote_writes != 0,
                                     .local = scope.request(),
-                                    .remote = std::nullopt};
+                                    .remote = std::nullopt,
+                                    .remote_hides = question.peer_hides_endpoints != 0};
     if (question.peer_prefix != nullptr)
       match.remote = GuidPrefix::from({question.peer_prefix, GuidPrefix::size});
     return adapter.engine().check_remote_match({question.remote_permissions}, match);

@@ -30,7 +30,8 @@ Status MatchGate::check(const Peer& peer) const {
   const MatchQuestion question{.scope = &scope,
                                .remote_permissions = peer.permissions.value,
                                .remote_writes = peer.writes,
-                               .peer_prefix = peer.prefix ? peer.prefix->octets.data() : nullptr};
+                               .peer_prefix = peer.prefix ? peer.prefix->octets.data() : nullptr,
+                               .peer_hides_endpoints = peer.hides_endpoints};
   switch (judge(&question)) {
     case MatchVerdict::allowed:
       return {};

@@ -114,11 +114,13 @@ class AccessControl {
     bool remote_writes;
     EndpointRequest local;             ///< what the local endpoint requests
     std::optional<GuidPrefix> remote;  ///< for the event only
+    bool remote_hides = false;         ///< MatchGate::Peer::hides_endpoints
   };
   /// May a peer have the keys of this match, whether or not the host asked about the peer's
   /// endpoint? Yes if the peer announced an endpoint of that topic that was allowed, is still
-  /// allowed, and has partitions that meet those of the local endpoint. Otherwise the peer is
-  /// judged as if it were in the local endpoint's partitions. Once the local participant's
+  /// allowed, and has partitions that meet those of the local endpoint; but not if it hides
+  /// endpoints, since the match may be with one of those. Otherwise the peer is judged as if it
+  /// were in the local endpoint's partitions. Once the local participant's
   /// permissions were renewed, they must allow the local endpoint, too. Errors:
   /// match_not_permitted; for the local endpoint publish_not_allowed or subscribe_not_allowed.
   virtual Status check_remote_match(PermissionsHandle remote, const Match& match) = 0;

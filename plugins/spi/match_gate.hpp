@@ -20,6 +20,9 @@ class MatchGate {
     /// Of the remote participant; empty if authentication did not provide it.
     std::optional<GuidPrefix> prefix;
     bool writes;  ///< true: its writer, the local reader; false: its reader, the local writer
+    /// It has announced a writer (a reader) without saying how that is protected: the match may be
+    /// with an endpoint that the host never asked about.
+    bool hides_endpoints = false;
   };
   /// Success if the peer may have the keys. Errors: keys_not_permitted, after an event that names
   /// the peer and the rule; access_control_missing.

@@ -365,5 +365,24 @@ TEST_F(Decisions, BuiltinSecureTopicsHaveAttributes) {
                  topic_not_covered);
 }
 
+// An announced endpoint in one partition speaks for no hidden one in another.
+TEST_F(Decisions, PeerThatHidesEndpoints_IsJudgedInOurPartitions) {
+  auto allowed = publish_rule(true, {"closed"});
+  allowed.publish[0].partitions = {{{"p", 0}}};
+  const auto peer = peer_with({allowed});
+  const Partitions p = {"p"}, all = {"*"};
+  EXPECT_TRUE(plugin->check_remote_datawriter(peer, 0, {.topic_name = "closed", .partitions = p}));
+  auto question = match({.topic_name = "closed", .partitions = all});
+  EXPECT_TRUE(plugin->check_remote_match(peer, question));
+  question.remote_hides = true;
+  const auto refused = plugin->check_remote_match(peer, question);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code(), Code::match_not_permitted);
+  EXPECT_NE(refused.error().details().note.find("without its endpoint_security_info"),
+            std::string::npos);
+  question.local.partitions = p;
+  EXPECT_TRUE(plugin->check_remote_match(peer, question));
+}
+
 }  // namespace
 }  // namespace ddssec::access_control
