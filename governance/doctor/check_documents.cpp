@@ -284,6 +284,15 @@ Outcomes outcomes_of_text(const Subject& subject) {
     return {.cyclonedds = may_start[0] ? Outcome::unsafe : Outcome::fail,
             .fastdds = may_start[1] ? Outcome::unsafe : Outcome::fail,
             .ours = Outcome::fail};
+  if (subject.form.unverified_text.empty())
+    return out.report(
+        kNobody,
+        {.rule = Rule::DOC036,
+         .message = fmt::format("{}: what is signed there is empty, 0 octets",
+                                subject.path.filename().string()),
+         .document = subject.path,
+         .hint = fmt::format("write the {} document again and sign it", subject.about)},
+        subject.about);
   if (code == Code::attribute_unknown)
     return out.worse(measured(subject.about == "governance"
                                   ? Variant::governance_unknown_attribute
@@ -320,6 +329,14 @@ void report_notes(const Subject& subject, Diagnosis& out) {
         count > 1 ? fmt::format(" (and at {} other place{})", count - 1, count > 2 ? "s" : "")
                   : std::string();
     out.report(who,
+// True if no product finds a text in the file: its form has been reported. In the other forms a
+// product may read a text without octets, which it refuses or crashes on (measured).
+bool lacks_text(const pki::DocumentForm& form) {
+  using enum pki::DocumentWrapping;
+  const bool is_read = form.wrapping == multipart || form.wrapping == opaque;
+  return form.unverified_text.empty() && !is_read;
+}
+
                {.rule = Rule::DOC037,
                 .message = note.text + more,
                 .document = subject.path,
@@ -330,7 +347,7 @@ void report_notes(const Subject& subject, Diagnosis& out) {
 }
 
 void check_text(const Subject& subject, Diagnosis& out) {
-  if (subject.form.unverified_text.empty()) return;  // its form has been reported
+  if (lacks_text(subject.form)) return;
   if (!subject.parsed) report_unreadable(subject, out);
   if (subject.notes == nullptr) return;
   if (subject.parsed) out.pass(Rule::DOC036, subject.about);

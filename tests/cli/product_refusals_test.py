@@ -1,0 +1,42 @@
+#!/usr/bin/env python3
+"""Folders of which doctor and check must say what Cyclone DDS 0.10.2 and Fast DDS 2.9.1 make of them, where these differ
+from ddssec. Each was measured with pairs of the products themselves."""
+
+
+from transcript import WithoutLists, main
+from workshop import Folder, Workshop, permissions
+
+ALL = {"cyclonedds@0.10.2": "ok", "fastdds@2.9.1": "ok", "ours": "ok"}
+
+
+class ProductRefusals(WithoutLists):
+    def setUp(self):
+        super().setUp()
+        self.shop = Workshop(self.at / "shop")
+        self.folders = [Folder(self.shop, self.at / name, f"/CN={name}", name) for name in ("talker", "partner")]
+        self.talker = self.folders[0]
+
+    def doctor(self, rule=None, folder="talker"):
+        """The verdicts, and the messages of a rule."""
+        out = self.json("doctor", folder, exit=None)
+        return out["result"]["verdicts"], [one["message"] for one in out["diagnostics"] if one["id"] == rule]
+
+    def talk(self, product, exit=0):
+        """How check ends for both on the product."""
+        self.run_program("check", "talker", "partner", "--topics", "Square", "--vendor", product, exit=exit)
+
+
+class EmptyDocuments(ProductRefusals):
+    # Cyclone DDS says that it cannot parse it; Fast DDS ends the process.
+    def test_signed_document_without_content_every_product_fails(self):
+        for name in ("permissions", "governance"):
+            folder = Folder(self.shop, self.at / f"empty-{name}", f"/CN={name}", name)
+            for form in (("-text",), ("-text", "-nodetach")):
+                folder.sign(name, "", form=form)
+                verdicts, told = self.doctor("DOC036", f"empty-{name}")
+                self.assertEqual(verdicts, dict.fromkeys(ALL, "fail"), form)
+                self.assertIn(f"{name}.p7s: what is signed there is empty", told[0])
+
+
+if __name__ == "__main__":
+    main()
