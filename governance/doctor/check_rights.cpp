@@ -340,7 +340,7 @@ void check_join(const Scene& scene, const Grant& grant, const DomainRule* govern
   };
   const auto refused = measured(Variant::grant_other_domain, scene.settings.lineup);
   Outcomes outcomes{.cyclonedds = outcome(Vendor::cyclonedds, refused.cyclonedds),
-                    .fastdds = outcome(Vendor::fastdds, refused.fastdds),
+                    .fastdds = outcome(Vendor::fastdds, fastdds),
                     .ours = outcome(Vendor::ours, Outcome::fail)};
   // That Fast DDS takes every default as DENY is DOC052's.
   if (compiled.judge_participant().allowed && grant.default_allow) outcomes.fastdds = Outcome::ok;
@@ -353,6 +353,26 @@ void check_join(const Scene& scene, const Grant& grant, const DomainRule* govern
 
 void check_default(const Scene& scene, const Grant& grant) {
   auto outcomes = measured(Variant::grant_default_allow, scene.settings.lineup);
+// Fast DDS makes no participant by a grant without an allow_rule, for whatever domain, even if the
+// governance document does not ask to join (measured with 2.9.1). DOC052 reports it of a grant with
+// <default>ALLOW.
+bool lacks_allow_rule(const Grant& grant) {
+  return !grant.default_allow && std::ranges::none_of(grant.rules, &governance::Rule::allow);
+}
+
+void report_no_allow_rule(const Scene& scene, const Grant& grant) {
+  scene.out.report(
+      {.fastdds = Outcome::fail},
+      {.rule = Rule::DOC051,
+       .message = fmt::format(
+           "grant \"{}\" has no allow_rule, without which {} makes no participant, "
+           "although <enable_join_access_control> is false in domain {}",
+           grant.name, name(Vendor::fastdds, scene.settings.lineup), scene.settings.domain),
+       .document = scene.file(),
+       .line = grant.line,
+       .hint = "add an allow_rule, for any topic, and sign the permissions again"});
+}
+
   if (!grant.default_allow || outcomes.all_ok()) return scene.out.pass(Rule::DOC052);
   const bool any_allow = std::ranges::any_of(grant.rules, &governance::Rule::allow);
   if (!any_allow && outcomes.fastdds == Outcome::late) outcomes.fastdds = Outcome::fail;
@@ -360,7 +380,9 @@ void check_default(const Scene& scene, const Grant& grant) {
       outcomes, {.rule = Rule::DOC052,
                  .message = fmt::format("grant \"{}\" ends with <default>ALLOW</default>, which "
                                         "{} takes as DENY",
+  if (!asks && lacks_allow_rule(grant)) return report_no_allow_rule(scene, grant);
                                         grant.name, name(Vendor::fastdds, scene.settings.lineup)),
+  const auto fastdds = lacks_allow_rule(grant) ? Outcome::fail : refused.fastdds;
                  .document = scene.file(),
                  .line = grant.line});
 }

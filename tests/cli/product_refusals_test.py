@@ -4,7 +4,7 @@ from ddssec. Each was measured with pairs of the products themselves."""
 
 
 from transcript import WithoutLists, main
-from workshop import Folder, Workshop, permissions
+from workshop import GOVERNANCE, Folder, Workshop, allow, grant, permissions
 
 ALL = {"cyclonedds@0.10.2": "ok", "fastdds@2.9.1": "ok", "ours": "ok"}
 
@@ -36,6 +36,31 @@ class EmptyDocuments(ProductRefusals):
                 verdicts, told = self.doctor("DOC036", f"empty-{name}")
                 self.assertEqual(verdicts, dict.fromkeys(ALL, "fail"), form)
                 self.assertIn(f"{name}.p7s: what is signed there is empty", told[0])
+
+
+class AllowRules(ProductRefusals):
+    NEVER_ASKED = (GOVERNANCE.replace("join_access_control>true", "join_access_control>false")
+                   .replace("read_access_control>true", "read_access_control>false")
+                   .replace("write_access_control>true", "write_access_control>false"))
+    ONLY_DENIED = allow("Circle").replace("allow_rule", "deny_rule")
+
+    def permit(self, governance, rules):
+        for folder in self.folders:
+            folder.sign("governance", governance)
+            folder.sign("permissions", permissions(grant(folder.subject, rules=rules)))
+
+    def test_grant_without_allow_rule_fast_dds_does_not_start(self):
+        self.permit(self.NEVER_ASKED, self.ONLY_DENIED)
+        verdicts, told = self.doctor("DOC051")
+        self.assertEqual(verdicts, {**ALL, "fastdds@2.9.1": "fail"})
+        self.assertIn("has no allow_rule", told[0])
+        self.talk("fastdds", 1)
+        self.talk("cyclonedds")
+        self.permit(self.NEVER_ASKED, self.ONLY_DENIED + allow("Circle", 7))
+        self.assertEqual(self.doctor("DOC051"), (ALL, []))
+        self.talk("fastdds")
+        self.permit(GOVERNANCE, self.ONLY_DENIED)
+        self.assertEqual(self.doctor()[0], dict.fromkeys(ALL, "fail"))
 
 
 if __name__ == "__main__":
