@@ -221,6 +221,17 @@ StorePtr store_of(BytesView ca_file, std::size_t count, WallTime now) {
   return read > 0 ? std::move(store) : nullptr;
 }
 
+std::string algorithm_for_fastdds(const X509* certificate) {
+  switch (X509_get_signature_nid(certificate)) {
+    case NID_ecdsa_with_SHA256:
+      return "ECDSA";
+    case NID_sha256WithRSAEncryption:
+      return "RSA";
+    default:
+      return {};
+  }
+}
+
 Status is_believed(BytesView file, const StorePtr& store) {
   if (file.size() > kMostDocumentOctets) return fail(Code::smime_too_large);
   const auto parsed = parse_smime(file);
@@ -302,6 +313,20 @@ Status stock_products_believe(BytesView file, BytesView ca_file, std::size_t cou
   if (ca_file.size() > kMostBundleOctets) return fail(Code::certificate_too_large);
   const auto store = store_of(ca_file, count, now);
   return store ? is_believed(file, store) : fail(Code::certificate_malformed);
+}
+
+std::optional<AnnouncedCa> ca_announced_by_fastdds(BytesView ca_file) {
+  const BioPtr in = bio_over(ca_file);
+  std::optional<AnnouncedCa> out;
+  while (in && (!out || out->algorithm.empty())) {
+    const X509Ptr ca(PEM_read_bio_X509_AUX(in.get(), nullptr, nullptr, nullptr));
+    if (!ca) break;
+    const OpensslText name(X509_NAME_oneline(X509_get_subject_name(ca.get()), nullptr, 0));
+    if (!out) out = AnnouncedCa{.name = name ? name.get() : "", .algorithm = {}};
+    out->algorithm = algorithm_for_fastdds(ca.get());
+  }
+  take_openssl_reason();  // of the end of the file
+  return out;
 }
 
 }  // namespace ddssec::pki

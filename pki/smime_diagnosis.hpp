@@ -82,4 +82,13 @@ Status stock_products_believe(BytesView file, const std::vector<Certificate>& ca
 /// as above; certificate_malformed, certificate_too_large.
 Status stock_products_believe(BytesView file, BytesView ca_file, std::size_t count, WallTime now);
 
+/// What Fast DDS announces to its peers about its permissions CA file.
+struct AnnouncedCa {
+  std::string name;       ///< subject of the first certificate, in OpenSSL's one-line form
+  std::string algorithm;  ///< "RSA" or "ECDSA", of the first signature with SHA-256; "" without one
+  bool operator==(const AnnouncedCa&) const = default;
+};
+/// Reads it from a CA file in PEM; empty if there is no certificate in it.
+std::optional<AnnouncedCa> ca_announced_by_fastdds(BytesView ca_file);
+
 }  // namespace ddssec::pki

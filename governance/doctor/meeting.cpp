@@ -12,6 +12,7 @@
 #include "governance/doctor/subject_form.hpp"
 #include "governance/doctor/vendor_decision.hpp"
 #include "governance/grant.hpp"
+#include "pki/smime_diagnosis.hpp"
 #include "pki/source.hpp"
 
 namespace ddssec::governance::doctor {
@@ -239,6 +240,32 @@ void judge_permissions(const MeetingScene& scene, int judge) {
   const auto& self = scene.party(judge);
   const auto& other = scene.party(1 - judge);
   const auto status = judge_permissions_of(self, other, scene.settings.now);
+// Fast DDS announces the first certificate of its permissions CA file, and compares what another
+// Fast DDS announces with its own (measured with 2.9.1). No other product announces one.
+std::string why_announced_cas_differ(const Party& judge, const Party& subject) {
+  if (judge.vendor != Vendor::fastdds || subject.vendor != Vendor::fastdds) return {};
+  const auto own = pki::ca_announced_by_fastdds(judge.folder.permissions_ca_file);
+  const auto other = pki::ca_announced_by_fastdds(subject.folder.permissions_ca_file);
+  if (!own || !other || own == other) return {};
+  return fmt::format(
+      "Fast DDS compares the first certificates of the permissions CA files: \"{}\" ({}) at {}, "
+      "\"{}\" ({}) at {}",
+      own->name, own->algorithm, judge.name, other->name, other->algorithm, subject.name);
+}
+
+void judge_announced_ca(const MeetingScene& scene, int judge, Judgement& out) {
+  const auto& self = scene.party(judge);
+  const auto& other = scene.party(1 - judge);
+  out.reason = why_announced_cas_differ(self, other);
+  if (out.reason.empty()) return;
+  out.ok = false;
+  out.document = other.folder.paths.permissions_ca.string();
+  add_finding(
+      scene, Rule::DOC081, out,
+      fmt::format("{} does not accept {}'s permissions: {}", self.name, other.name, out.reason),
+      "begin the permissions CA files of both with the same certificate");
+}
+
   Judgement out{.judge = judge, .about = 1 - judge, .ok = status.has_value()};
   out.document = other.folder.paths.permissions.string();
   if (!status) {
@@ -260,6 +287,8 @@ void judge_permissions(const MeetingScene& scene, int judge) {
   scene.out.permissions.push_back(std::move(out));
 }
 
+  } else {
+    judge_announced_ca(scene, judge, out);
 void judge_join(const MeetingScene& scene, int judge, int about) {
   const auto* rule = scene.out.rules[judge];
   const auto& folder = scene.folder(about);

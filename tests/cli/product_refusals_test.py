@@ -38,6 +38,26 @@ class EmptyDocuments(ProductRefusals):
                 self.assertIn(f"{name}.p7s: what is signed there is empty", told[0])
 
 
+class PermissionsCas(ProductRefusals):
+    def test_another_first_ca_fast_dds_refuses_the_peer(self):
+        own, foreign = ((self.shop.ca(one) / "cert.pem").read_bytes() for one in ("permissions", "foreign"))
+        for content, exit in ((own + foreign, 0), (foreign + own, 1)):
+            (self.talker.path / "permissions_ca.pem").write_bytes(content)
+            self.talk("fastdds", exit)
+        told = self.json("check", "talker", "partner", "--vendor", "fastdds", exit=1)["diagnostics"]
+        told = [one["message"] for one in told if one["id"] == "DOC081"]
+        self.assertEqual(len(told), 2)
+        self.assertIn('"/CN=foreign CA" (ECDSA)', told[0])
+        (self.folders[1].path / "permissions_ca.pem").write_bytes(foreign + own)
+        self.talk("fastdds")
+
+    def test_another_kind_of_signature_fast_dds_refuses_the_peer(self):
+        own = (self.shop.ca("permissions") / "cert.pem").read_bytes()
+        same_name = (self.shop.ca("rsa", subject="/CN=permissions CA", kind="rsa") / "cert.pem").read_bytes()
+        (self.talker.path / "permissions_ca.pem").write_bytes(same_name + own)
+        self.talk("fastdds", 1)
+
+
 class AllowRules(ProductRefusals):
     NEVER_ASKED = (GOVERNANCE.replace("join_access_control>true", "join_access_control>false")
                    .replace("read_access_control>true", "read_access_control>false")
