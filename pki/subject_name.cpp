@@ -318,4 +318,12 @@ bool SubjectName::matches(const SubjectName& other) const {
   return mine == theirs;
 }
 
+std::string subject_in_utf8(const Certificate& certificate) {
+  constexpr unsigned long kWithoutEscapes = XN_FLAG_RFC2253 & ~ASN1_STRFLGS_ESC_MSB;
+  const auto* subject = X509_get_subject_name(certificate.impl().x509.get());
+  const BioPtr bio(BIO_new(BIO_s_mem()));
+  if (!bio || X509_NAME_print_ex(bio.get(), subject, 0, kWithoutEscapes) < 0) return {};
+  return std::string(as_text(bio_octets(bio)));
+}
+
 }  // namespace ddssec::pki

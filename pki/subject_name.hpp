@@ -58,4 +58,8 @@ class SubjectName {
   bool root_first_ = false;
 };
 
+/// The subject of a certificate as RFC 2253 text in UTF-8: only octets above 127 are written
+/// otherwise than by Certificate::subject, which escapes them (\C3\A4).
+std::string subject_in_utf8(const Certificate& certificate);
+
 }  // namespace ddssec::pki

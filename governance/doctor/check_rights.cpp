@@ -15,6 +15,7 @@
 #include "governance/doctor/vendor_decision.hpp"
 #include "governance/grant.hpp"
 #include "governance/topic_sets.hpp"
+#include "pki/subject_name.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {
@@ -85,6 +86,25 @@ void report_no_grant(const Scene& scene) {
                     .hint = remedy_of_ros(scene.folder)});
 }
 
+/// The subject as a grant must say it.
+struct Spelling {
+  std::string text;
+  std::string hint;  ///< empty: the rule's own
+};
+
+Spelling spelling_for(const pki::Certificate& certificate, const Lineup& lineup) {
+  const auto& escaped = certificate.subject();
+  const auto in_utf8 = pki::subject_in_utf8(certificate);
+  if (escaped == in_utf8) return {'"' + escaped + '"', {}};
+  return {
+      fmt::format("\"{}\" for {} and \"{}\" for {}: with letters beyond ASCII no text is right "
+                  "for both",
+                  escaped, name(Vendor::cyclonedds, lineup), in_utf8,
+                  name(Vendor::fastdds, lineup)),
+      "issue the participant with a name in ASCII letters, or sign permissions with a grant for "
+      "each of the two texts"};
+}
+
 void check_form(const Scene& scene, const std::vector<Candidate>& all) {
   Outcomes best = kNobody;
   for (const auto& one : all)
@@ -93,14 +113,16 @@ void check_form(const Scene& scene, const std::vector<Candidate>& all) {
   scene.out.pass(Rule::DOC010);
   if (best.all_ok()) return scene.out.pass(Rule::DOC011);
   const auto* grant = all.front().grant;
+  const auto spelling = spelling_for(*scene.folder.certificate, scene.settings.lineup);
   scene.out.report(
-      best, {.rule = Rule::DOC011,
-             .message = fmt::format(
-                 "the grant says \"{}\"{}; it must say \"{}\"", grant->subject_name.substr(0, 256),
-                 grant->subject_has_line_breaks ? " between line breaks or tabs" : "",
-                 scene.folder.certificate->subject()),
-             .document = scene.file(),
-             .line = grant->line});
+      best,
+      {.rule = Rule::DOC011,
+       .message = fmt::format(
+           "the grant says \"{}\"{}; it must say {}", grant->subject_name.substr(0, 256),
+           grant->subject_has_line_breaks ? " between line breaks or tabs" : "", spelling.text),
+       .document = scene.file(),
+       .line = grant->line,
+       .hint = spelling.hint});
 }
 
 constexpr std::string_view kHintOfZones = "write both dates of the grant in UTC, with a Z";
@@ -331,28 +353,6 @@ std::string why_not_joining(const Grant& grant, const Outcomes& outcomes, Domain
                      domain, allowed.empty() ? "none" : in_words(normal(std::move(allowed))));
 }
 
-void check_join(const Scene& scene, const Grant& grant, const DomainRule* governance) {
-  const CompiledGrant compiled(scene.folder.permissions.model, grant, scene.settings.domain);
-  const bool asks = governance == nullptr || governance->enable_join_access_control;
-  const auto outcome = [&](Vendor vendor, Outcome if_refused) {
-    const bool joins = judge_participant_as(vendor, compiled, scene.settings.domain).allowed;
-    return joins ? Outcome::ok : if_refused;
-  };
-  const auto refused = measured(Variant::grant_other_domain, scene.settings.lineup);
-  Outcomes outcomes{.cyclonedds = outcome(Vendor::cyclonedds, refused.cyclonedds),
-                    .fastdds = outcome(Vendor::fastdds, fastdds),
-                    .ours = outcome(Vendor::ours, Outcome::fail)};
-  // That Fast DDS takes every default as DENY is DOC052's.
-  if (compiled.judge_participant().allowed && grant.default_allow) outcomes.fastdds = Outcome::ok;
-  if (!asks || outcomes.all_ok()) return scene.out.pass(Rule::DOC051);
-  scene.out.report(outcomes, {.rule = Rule::DOC051,
-                              .message = why_not_joining(grant, outcomes, scene.settings.domain),
-                              .document = scene.file(),
-                              .line = grant.line});
-}
-
-void check_default(const Scene& scene, const Grant& grant) {
-  auto outcomes = measured(Variant::grant_default_allow, scene.settings.lineup);
 // Fast DDS makes no participant by a grant without an allow_rule, for whatever domain, even if the
 // governance document does not ask to join (measured with 2.9.1). DOC052 reports it of a grant with
 // <default>ALLOW.
@@ -373,6 +373,30 @@ void report_no_allow_rule(const Scene& scene, const Grant& grant) {
        .hint = "add an allow_rule, for any topic, and sign the permissions again"});
 }
 
+void check_join(const Scene& scene, const Grant& grant, const DomainRule* governance) {
+  const CompiledGrant compiled(scene.folder.permissions.model, grant, scene.settings.domain);
+  const bool asks = governance == nullptr || governance->enable_join_access_control;
+  const auto outcome = [&](Vendor vendor, Outcome if_refused) {
+    const bool joins = judge_participant_as(vendor, compiled, scene.settings.domain).allowed;
+    return joins ? Outcome::ok : if_refused;
+  };
+  if (!asks && lacks_allow_rule(grant)) return report_no_allow_rule(scene, grant);
+  const auto refused = measured(Variant::grant_other_domain, scene.settings.lineup);
+  const auto fastdds = lacks_allow_rule(grant) ? Outcome::fail : refused.fastdds;
+  Outcomes outcomes{.cyclonedds = outcome(Vendor::cyclonedds, refused.cyclonedds),
+                    .fastdds = outcome(Vendor::fastdds, fastdds),
+                    .ours = outcome(Vendor::ours, Outcome::fail)};
+  // That Fast DDS takes every default as DENY is DOC052's.
+  if (compiled.judge_participant().allowed && grant.default_allow) outcomes.fastdds = Outcome::ok;
+  if (!asks || outcomes.all_ok()) return scene.out.pass(Rule::DOC051);
+  scene.out.report(outcomes, {.rule = Rule::DOC051,
+                              .message = why_not_joining(grant, outcomes, scene.settings.domain),
+                              .document = scene.file(),
+                              .line = grant.line});
+}
+
+void check_default(const Scene& scene, const Grant& grant) {
+  auto outcomes = measured(Variant::grant_default_allow, scene.settings.lineup);
   if (!grant.default_allow || outcomes.all_ok()) return scene.out.pass(Rule::DOC052);
   const bool any_allow = std::ranges::any_of(grant.rules, &governance::Rule::allow);
   if (!any_allow && outcomes.fastdds == Outcome::late) outcomes.fastdds = Outcome::fail;
@@ -380,9 +404,7 @@ void report_no_allow_rule(const Scene& scene, const Grant& grant) {
       outcomes, {.rule = Rule::DOC052,
                  .message = fmt::format("grant \"{}\" ends with <default>ALLOW</default>, which "
                                         "{} takes as DENY",
-  if (!asks && lacks_allow_rule(grant)) return report_no_allow_rule(scene, grant);
                                         grant.name, name(Vendor::fastdds, scene.settings.lineup)),
-  const auto fastdds = lacks_allow_rule(grant) ? Outcome::fail : refused.fastdds;
                  .document = scene.file(),
                  .line = grant.line});
 }

@@ -74,7 +74,7 @@ bool newer_fastdds_reads(std::string_view text, std::string_view subject) {
 Outcome fastdds_outcome(std::string_view text, const pki::Certificate& certificate,
                         bool any_order) {
   const auto reads = any_order ? newer_fastdds_reads : fastdds_reads;
-  if (!reads(text, certificate.subject())) return Outcome::fail;
+  if (!reads(text, pki::subject_in_utf8(certificate))) return Outcome::fail;
   const auto end = text.find_last_not_of(", \t\r\n");
   return has_same_attributes(text.substr(0, end == text.npos ? 0 : end + 1), certificate)
              ? Outcome::ok

@@ -2,9 +2,11 @@
 """Folders of which doctor and check must say what Cyclone DDS 0.10.2 and Fast DDS 2.9.1 make of them, where these differ
 from ddssec. Each was measured with pairs of the products themselves."""
 
+import os
+import shutil
 
 from transcript import WithoutLists, main
-from workshop import GOVERNANCE, Folder, Workshop, allow, grant, permissions
+from workshop import GOVERNANCE, Folder, Workshop, allow, grant, openssl, permissions
 
 ALL = {"cyclonedds@0.10.2": "ok", "fastdds@2.9.1": "ok", "ours": "ok"}
 
@@ -36,6 +38,25 @@ class EmptyDocuments(ProductRefusals):
                 verdicts, told = self.doctor("DOC036", f"empty-{name}")
                 self.assertEqual(verdicts, dict.fromkeys(ALL, "fail"), form)
                 self.assertIn(f"{name}.p7s: what is signed there is empty", told[0])
+
+
+class Names(ProductRefusals):
+    # openssl takes the command line for ISO 8859-1.
+    LATIN_1 = os.fsdecode("/O=Müller/CN=café".encode("latin-1"))
+
+    def with_name(self, *spellings):
+        shutil.rmtree(self.at / "cafe", ignore_errors=True)
+        folder = Folder(self.shop, self.at / "cafe", self.LATIN_1, "cafe")
+        folder.sign("permissions", permissions(*(grant(one) for one in spellings)))
+        return self.doctor("DOC011", "cafe")
+
+    def test_letters_beyond_ascii_each_product_reads_a_text_of_its_own(self):
+        escaped, plain = "CN=caf\\C3\\A9,O=M\\C3\\BCller", "CN=café,O=Müller"
+        verdicts, told = self.with_name(escaped)
+        self.assertEqual(verdicts, {**ALL, "fastdds@2.9.1": "fail"})
+        self.assertIn(f'it must say "{escaped}" for Cyclone DDS 0.10.2 and "{plain}" for Fast DDS 2.9.1', told[0])
+        self.assertEqual(self.with_name(plain)[0], {**ALL, "cyclonedds@0.10.2": "fail"})
+        self.assertEqual(self.with_name(escaped, plain), (ALL, []))
 
 
 class PermissionsCas(ProductRefusals):
