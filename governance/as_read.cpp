@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "governance/dialect.hpp"
+#include "governance/domain_pieces.hpp"
 #include "governance/expression_text.hpp"
 
 namespace ddssec::governance {
@@ -169,6 +170,25 @@ bool change_rule(Rule& rule, StockProduct product) {
   return any;
 }
 
+using Ranges = std::vector<DomainRange>;
+
+bool have_same_domains(const Grant& grant) {
+  return std::ranges::all_of(grant.rules, [&](const Rule& rule) {
+    return rule.domains.ranges == grant.rules.front().domains.ranges;
+  });
+}
+
+void add_allowed_domains(Ranges& out, const Permissions& document) {
+  for (const auto& grant : document.grants)
+    for (const auto& rule : grant.rules)
+      if (rule.allow) out.insert(out.end(), rule.domains.ranges.begin(), rule.domains.ranges.end());
+}
+
+void set_domains(Permissions& document, const Ranges& ranges) {
+  for (auto& grant : document.grants)
+    for (auto& rule : grant.rules) rule.domains.ranges = ranges;
+}
+
 }  // namespace
 
 std::string_view to_string(StockProduct product) {
@@ -209,6 +229,22 @@ std::optional<Permissions> as_stock_reads(const Permissions& document, StockProd
     if (std::exchange(grant.default_allow, false)) any = true;
   }
   return any ? std::optional(std::move(out)) : std::nullopt;
+}
+
+std::optional<PermissionsOfOwnEndpoints> as_fastdds_reads_for_own_endpoints(
+    const Permissions& before, const Permissions& after) {
+  PermissionsOfOwnEndpoints out{as_stock_reads(before, StockProduct::fastdds).value_or(before),
+                                as_stock_reads(after, StockProduct::fastdds).value_or(after)};
+  if (std::ranges::all_of(out.before.grants, have_same_domains) &&
+      std::ranges::all_of(out.after.grants, have_same_domains))
+    return std::nullopt;
+  Ranges all;
+  add_allowed_domains(all, out.before);
+  add_allowed_domains(all, out.after);
+  all = joined(std::move(all));
+  set_domains(out.before, all);
+  set_domains(out.after, all);
+  return out;
 }
 
 std::optional<DomainRule> expressions_as_read(const DomainRule& rule, StockProduct product) {

@@ -296,6 +296,10 @@ PermissionsDiff compare(const Permissions& old_document, const Permissions& new_
     }
     if (before || after) stock.push_back({product, PermissionsComparison(o, n, options).run()});
   }
+  if (const auto own = as_fastdds_reads_for_own_endpoints(old_document, new_document))
+    stock.push_back({.product = StockProduct::fastdds,
+                     .diff = PermissionsComparison(own->before, own->after, options).run(),
+                     .is_of_own_endpoints = true});
   add_stock_changes(stock, out);
   return out;
 }

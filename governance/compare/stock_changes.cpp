@@ -83,16 +83,35 @@ bool is_among(const std::vector<Change>& all, const Change& one) {
   return std::ranges::any_of(all, [&](const Change& each) { return is_same(each, one); });
 }
 
+constexpr std::string_view kFastDdsOwnEndpoints =
+    "Fast DDS, which applies rules for every domain to its own writers and readers";
+
+// A change that the decisions about peers show, too, for fewer topics or domains: the verdict says
+// it.
+bool is_found_elsewhere(const std::vector<StockPermissionsDiff>& stock, const PermissionsDiff& ours,
+                        const PermissionChange& change) {
+  const auto is_in = [&](const PermissionsDiff& diff) {
+    return std::ranges::any_of(diff.changes, [&](const PermissionChange& one) {
+      return one.subject == change.subject && one.element == change.element &&
+             one.operation == change.operation && one.change == change.change;
+    });
+  };
+  return is_in(ours) || std::ranges::any_of(stock, [&](const StockPermissionsDiff& one) {
+           return one.product == StockProduct::fastdds && !one.is_of_own_endpoints &&
+                  is_in(one.diff);
+         });
+}
+
 /// What the products have more than ddssec, each once, with the products that have it.
 class Found {
  public:
-  void add(StockProduct product, Reading reading) {
+  void add(std::string_view product, Reading reading) {
     const auto known = std::ranges::find_if(
         all_, [&](const auto& one) { return one.second.sentence == reading.sentence; });
     if (known != all_.end())
-      known->first += fmt::format(" and {}", to_string(product));
+      known->first += fmt::format(" and {}", product);
     else
-      all_.emplace_back(to_string(product), std::move(reading));
+      all_.emplace_back(product, std::move(reading));
   }
   void put_into(Readings& readings) && {
     for (auto& [products, reading] : all_) {
@@ -113,16 +132,16 @@ void add_stock_changes(const std::vector<StockGovernanceDiff>& stock, Governance
   for (const auto& [product, diff] : stock) {
     for (const auto& change : diff.changes)
       if (!is_among(ours.changes, change))
-        found.add(product, {.is_new = true,
-                            .expression = {},
-                            .sentence = in_words(change),
-                            .line = change.new_line(),
-                            .widens = is_worse(change.element.change)});
+        found.add(to_string(product), {.is_new = true,
+                                       .expression = {},
+                                       .sentence = in_words(change),
+                                       .line = change.new_line(),
+                                       .widens = is_worse(change.element.change)});
     if (diff.verdict == ChangeClass::unknown && is_known)
-      found.add(product, {.is_new = true,
-                          .expression = {},
-                          .sentence = "what changes is not known",
-                          .widens = true});
+      found.add(to_string(product), {.is_new = true,
+                                     .expression = {},
+                                     .sentence = "what changes is not known",
+                                     .widens = true});
     ours.flag_day_domains.insert(ours.flag_day_domains.end(), diff.flag_day_domains.begin(),
                                  diff.flag_day_domains.end());
   }
@@ -132,15 +151,26 @@ void add_stock_changes(const std::vector<StockGovernanceDiff>& stock, Governance
 
 void add_stock_changes(const std::vector<StockPermissionsDiff>& stock, PermissionsDiff& ours) {
   Found found;
-  for (const auto& [product, diff] : stock)
-    for (const auto& change : diff.changes)
-      if (change.change != ChangeClass::neutral && !is_among(ours.changes, change))
-        found.add(product, {.is_new = true,
-                            .expression = {},
-                            .sentence = in_words(change),
-                            .line = change.new_line,
-                            .widens = is_worse(change.change),
-                            .narrows = loses(change.change)});
+  const bool is_exact = ours.verdict != ChangeClass::unknown;
+  for (const auto& [product, diff, is_of_own_endpoints] : stock) {
+    if (diff.verdict == ChangeClass::unknown && is_exact)
+      found.add(to_string(product), {.is_new = true,
+                                     .expression = {},
+                                     .sentence = "what changes is not known",
+                                     .widens = true});
+    for (const auto& change : diff.changes) {
+      const bool is_known = is_of_own_endpoints ? is_found_elsewhere(stock, ours, change)
+                                                : is_among(ours.changes, change);
+      if (change.change == ChangeClass::neutral || is_known) continue;
+      found.add(is_of_own_endpoints ? kFastDdsOwnEndpoints : to_string(product),
+                {.is_new = true,
+                 .expression = {},
+                 .sentence = in_words(change),
+                 .line = change.new_line,
+                 .widens = is_worse(change.change),
+                 .narrows = loses(change.change)});
+    }
+  }
   std::move(found).put_into(ours.readings);
 }
 

@@ -104,5 +104,30 @@ class AllowRules(ProductRefusals):
         self.assertEqual(self.doctor()[0], dict.fromkeys(ALL, "fail"))
 
 
+class OwnEndpoints(ProductRefusals):
+    DENIED_ELSEWHERE = allow("*", 7).replace("allow_rule", "deny_rule")
+
+    def compare(self, before, after):
+        for name, rules in (("old", before), ("new", after)):
+            (self.at / f"{name}.xml").write_text(permissions(grant("CN=talker", rules=rules)))
+        done = self.run_program("permissions", "diff", "old.xml", "new.xml", "--fail-on", "wider", exit=None)
+        return done.returncode, " ".join((done.stdout + done.stderr).split())
+
+    def test_rule_of_another_domain_leaves_is_wider_to_fast_dds(self):
+        exit, told = self.compare(self.DENIED_ELSEWHERE + allow("a"), allow("a"))
+        self.assertEqual(exit, 1)
+        self.assertIn("with Fast DDS, which applies rules for every domain to its own writers and readers: rule publish "
+                      "of topics such as \"a\" denied -> allowed in domain 0", told)
+
+    def test_other_changes_with_rules_of_several_domains_are_told_once(self):
+        for before, after, expected in ((allow("a"), self.DENIED_ELSEWHERE + allow("a"), 0),
+                                        (allow("a") + allow("b", 5), allow("b", 5) + allow("a"), 0),
+                                        (allow("a") + allow("b", 5), allow("a"), 0),
+                                        (allow("a") + allow("b", 5), allow("*") + allow("b", 5), 1)):
+            exit, told = self.compare(before, after)
+            self.assertEqual(exit, expected, told)
+            self.assertEqual("with Fast DDS" in told, before == allow("a"), told)
+
+
 if __name__ == "__main__":
     main()
