@@ -66,7 +66,9 @@ Status check_extensions(X509_CRL* crl) {
   return {};
 }
 
-Result<Crl> from_der(BytesView der) {
+enum class Deltas : std::uint8_t { refused, read };
+
+Result<Crl> from_der(BytesView der, Deltas deltas) {
   const auto* position = der.data();
   CrlPtr crl(d2i_X509_CRL(nullptr, &position, static_cast<long>(der.size())));
   if (!crl) return openssl_failure(Code::crl_malformed);
@@ -74,10 +76,11 @@ Result<Crl> from_der(BytesView der) {
     return fail(Code::crl_malformed, {.note = "octets follow the list"});
   auto out = std::make_shared<Crl::Impl>();
   out->issuer = name_rfc2253(X509_CRL_get_issuer(crl.get()));
-  if (is_delta(crl.get()))
+  const bool is_delta_list = is_delta(crl.get());
+  if (is_delta_list && deltas == Deltas::refused)
     return fail(Code::crl_is_delta, {.expected = "a complete list of " + out->issuer,
                                      .found = "a list with deltaCRLIndicator"});
-  DDSSEC_RETURN_IF_ERROR(check_extensions(crl.get()));
+  if (!is_delta_list) DDSSEC_RETURN_IF_ERROR(check_extensions(crl.get()));
   const auto this_update = to_wall_time(X509_CRL_get0_lastUpdate(crl.get()));
   if (!this_update) return fail(Code::crl_malformed, {.field = "thisUpdate"});
   out->this_update = *this_update;
@@ -120,7 +123,7 @@ Result<Revocation> revocation_of(const X509_REVOKED* entry) {
                     .reason = reason_of(entry)};
 }
 
-Result<std::vector<Crl>> from_pem(BytesView octets) {
+Result<std::vector<Crl>> from_pem(BytesView octets, Deltas deltas) {
   const BioPtr bio = bio_over(octets);
   std::vector<Crl> out;
   for (;;) {
@@ -131,7 +134,7 @@ Result<std::vector<Crl>> from_pem(BytesView octets) {
     if (out.size() == kMostCrlsInFile)
       return fail(Code::crl_too_large,
                   {.expected = "at most " + std::to_string(kMostCrlsInFile) + " lists in a file"});
-    DDSSEC_ASSIGN_OR_RETURN(auto crl, from_der((*block)->der));
+    DDSSEC_ASSIGN_OR_RETURN(auto crl, from_der((*block)->der, deltas));
     out.push_back(std::move(crl));
   }
 }
@@ -197,14 +200,25 @@ std::optional<RevocationReason> revocation_reason_from(std::string_view word) {
   return found->reason;
 }
 
-Result<std::vector<Crl>> Crl::all_from(BytesView octets) {
+namespace {
+
+Result<std::vector<Crl>> lists_from(BytesView octets, Deltas deltas) {
   if (octets.size() > kMostDocumentOctets)
     return fail(Code::crl_too_large,
                 {.expected = "at most " + std::to_string(kMostDocumentOctets) + " octets",
                  .found = std::to_string(octets.size())});
-  if (octets.empty() || octets[0] != kDerSequence) return from_pem(octets);
-  DDSSEC_ASSIGN_OR_RETURN(auto crl, from_der(octets));
+  if (octets.empty() || octets[0] != kDerSequence) return from_pem(octets, deltas);
+  DDSSEC_ASSIGN_OR_RETURN(auto crl, from_der(octets, deltas));
   return std::vector<Crl>{std::move(crl)};
+}
+
+}  // namespace
+
+Result<std::vector<Crl>> Crl::all_from(BytesView octets) {
+  return lists_from(octets, Deltas::refused);
+}
+Result<std::vector<Crl>> Crl::all_with_deltas_from(BytesView octets) {
+  return lists_from(octets, Deltas::read);
 }
 
 const std::string& Crl::issuer() const { return impl_->issuer; }

@@ -56,6 +56,10 @@ class Crl {
   /// delta lists (freshestCRL); these are never fetched. Errors: crl_malformed, crl_too_large,
   /// crl_is_delta.
   static Result<std::vector<Crl>> all_from(BytesView octets);
+  /// The same, but with delta lists among the others, as products read a file that leave the
+  /// decision to OpenSSL. For predictions only: nothing may be granted by such a list. Errors:
+  /// crl_malformed, crl_too_large.
+  static Result<std::vector<Crl>> all_with_deltas_from(BytesView octets);
 
   /// Issuer name, RFC 2253.
   const std::string& issuer() const;

@@ -101,7 +101,7 @@ void check_loaded(const LoadedFolder& folder, const Settings& settings, Diagnosi
   look(folder.permissions_cas, folder.paths.permissions_ca);
   look(folder.governance.readable, folder.paths.governance);
   look(folder.permissions.readable, folder.paths.permissions);
-  look(folder.crls, folder.paths.crl);
+  if (folder.crls_with_deltas.empty()) look(folder.crls, folder.paths.crl);  // else check_identity
 }
 
 bool is_in_token(const fs::path& path) { return path.extension() == ".p11"; }

@@ -373,6 +373,26 @@ void check_crl_form(const LoadedFolder& folder, const Lineup& lineup, Diagnosis&
                         .hint = "write it as PEM: openssl crl -inform DER -in FILE -out crl.pem"});
 }
 
+// OpenSSL takes a delta list for a complete one up to some patch levels, and then stock products
+// start with it and take certificates for valid that only the complete list names (measured with
+// 3.0.19). This machine's OpenSSL decides here as it does for them.
+void check_delta_list(const LoadedFolder& folder, WallTime now, Diagnosis& out) {
+  const auto stock = folder.certificate && folder.identity_cas
+                         ? status_by_lists(folder, Vendor::cyclonedds, now)
+                         : Status();
+  const auto outcome = stock ? Outcome::unsafe : Outcome::fail;
+  const auto why = stock ? std::string(
+                               "OpenSSL, and so stock products here, take it for a complete "
+                               "list, and believe certificates that only that one names")
+                         : stock.error().message();
+  out.report({.cyclonedds = outcome, .fastdds = outcome, .ours = Outcome::fail},
+             {.rule = Rule::DOC023,
+              .message = fmt::format("{}: {}; {}", name_of(folder.paths.crl),
+                                     folder.crls.error().message(), why),
+              .document = folder.paths.crl,
+              .hint = folder.crls.error().hint()});
+}
+
 void check_revocation(const LoadedFolder& folder, WallTime now, const Lineup& lineup,
                       Diagnosis& out) {
   if (!folder.has_crl_file && !folder.is_empty())
@@ -384,6 +404,7 @@ void check_revocation(const LoadedFolder& folder, WallTime now, const Lineup& li
                 .hint = "put the CA's list there: ddssec crl distribute --ca CA; without a "
                         "list of it, ddssec crl new --ca CA makes one",
                 .severity = Severity::warning});
+  if (!folder.crls_with_deltas.empty()) return check_delta_list(folder, now, out);
   if (!folder.has_crl_file || !folder.crls || !folder.certificate || !folder.identity_cas) return;
   check_crl_form(folder, lineup, out);
   if (!folder.chain()) return;  // said by check_chain

@@ -50,6 +50,14 @@ Result<std::vector<pki::Crl>> load_crls(const fs::path& path) {
   return lists;
 }
 
+// Empty unless ddssec refuses the file for a delta list. Stock products read PEM only.
+std::vector<pki::Crl> load_with_deltas(const fs::path& path,
+                                       const Result<std::vector<pki::Crl>>& crls, bool is_der) {
+  if (crls || crls.error().code() != Code::crl_is_delta || is_der) return {};
+  return load_with(path, pki::kMostDocumentOctets, &pki::Crl::all_with_deltas_from)
+      .value_or(std::vector<pki::Crl>());
+}
+
 // All of DER that is a list begins with a SEQUENCE.
 bool begins_like_der(const fs::path& path) {
   const auto octets = ddssec::load(uri(path), "", pki::kMostDocumentOctets);
@@ -119,8 +127,8 @@ bool LoadedFolder::is_empty() const {
 
 Result<pki::ChainVerifier> LoadedFolder::chain(Vendor judge) const {
   if (!identity_cas) return std::unexpected(identity_cas.error());
-  if (!crls) return std::unexpected(crls.error());
-  auto lists = *crls;
+  if (!has_usable_lists(judge)) return std::unexpected(crls.error());
+  auto lists = crls ? *crls : crls_with_deltas;
   if (judge != Vendor::ours && lists.size() > 1) lists.erase(lists.begin() + 1, lists.end());
   return named(pki::ChainVerifier::make(*identity_cas, std::move(lists)), paths.identity_ca);
 }
@@ -136,14 +144,18 @@ LoadedFolder load_folder(const pki::ParticipantFolder& paths, WallTime now) {
   auto permissions = load_document(paths.permissions, trust, &read_permissions, now);
   return {.paths = paths,
           .identity_cas = bundle(paths.identity_ca),
+  auto crls = load_crls(paths.crl);
+  const bool is_crl_der = begins_like_der(paths.crl);
+  auto crls_with_deltas = load_with_deltas(paths.crl, crls, is_crl_der);
           .certificate = load_with(paths.certificate, pki::kMostCertificateOctets,
                                    &pki::Certificate::from_pem),
           .key = load_key(paths.key),
           .permissions_cas = std::move(trust.cas),
           .permissions_ca_file = std::move(trust.file),
-          .crls = load_crls(paths.crl),
+          .crls = std::move(crls),
+          .crls_with_deltas = std::move(crls_with_deltas),
           .has_crl_file = is_there(paths.crl),
-          .is_crl_der = begins_like_der(paths.crl),
+          .is_crl_der = is_crl_der,
           .governance = std::move(governance),
           .permissions = std::move(permissions)};
 }

@@ -63,6 +63,8 @@ struct LoadedFolder {
   /// The file contains one list in DER instead of PEM.
   bool is_crl_der = false;
   LoadedDocument<Governance> governance;
+  /// The same file as stock products read it, where ddssec refuses it for a delta list; else empty.
+  std::vector<pki::Crl> crls_with_deltas = {};
   LoadedDocument<Permissions> permissions;
 
   /// True if none of the files exists: a participant without security.
@@ -71,6 +73,10 @@ struct LoadedFolder {
   /// revocation lists, stock products read the first one (measured). Errors: those of the needed
   /// parts, or of ChainVerifier::make.
   Result<pki::ChainVerifier> chain(Vendor judge = Vendor::ours) const;
+  /// True if the product can read the file with revocation lists, or if there is none.
+  bool has_usable_lists(Vendor judge) const {
+    return crls || (judge != Vendor::ours && !crls_with_deltas.empty());
+  }
 };
 
 /// Success if a product accepts the signed file with a permissions CA file, whose content is

@@ -143,7 +143,7 @@ void judge_authentication(const MeetingScene& scene, int judge) {
     out.reason = status.error().message();
     // Unreadable files are reported by DOC090 for their owner.
     const auto& certificate = other.folder.certificate;
-    if (certificate && self.folder.identity_cas && self.folder.crls)
+    if (certificate && self.folder.identity_cas && self.folder.has_usable_lists(self.vendor))
       add_finding(scene, Rule::DOC080, out,
                   fmt::format("{} does not accept {}'s certificate ({} serial {}, issued by "
                               "\"{}\"): {}{}",

@@ -4,6 +4,7 @@ from ddssec. Each was measured with pairs of the products themselves."""
 
 import os
 import shutil
+import subprocess
 
 from transcript import WithoutLists, main
 from workshop import GOVERNANCE, Folder, Workshop, allow, grant, openssl, permissions
@@ -127,6 +128,45 @@ class OwnEndpoints(ProductRefusals):
             exit, told = self.compare(before, after)
             self.assertEqual(exit, expected, told)
             self.assertEqual("with Fast DDS" in told, before == allow("a"), told)
+
+
+class DeltaLists(ProductRefusals):
+    def put_list(self, *revoked, days=("-crldays", "365")):
+        """A delta list of the identity CA, which names the folder's certificate if told."""
+        ca = self.talker.identity_ca
+        (ca / "delta.cnf").write_text((ca / "openssl.cnf").read_text() + "\n[delta]\n2.5.29.27 = critical,DER:02021000\n")
+        ca_words = ("-config", ca / "delta.cnf")
+        index = (ca / "index.txt").read_text()
+        for certificate in revoked:
+            openssl("ca", *ca_words, "-revoke", certificate)
+        (ca / "crlnumber").write_text("1001\n")
+        openssl("ca", *ca_words, "-gencrl", "-crlexts", "delta", *days, "-out", self.at / "delta.pem")
+        (ca / "index.txt").write_text(index)
+        for folder in self.folders:
+            folder.put("crl.pem", self.at / "delta.pem")
+
+    # OpenSSL 3.0.22 and later refuse it; what this machine has counts.
+    def test_delta_list_stock_products_take_it_as_openssl_does(self):
+        self.put_list()
+        check = ("openssl", "verify", "-crl_check", "-CAfile", "talker/identity_ca.pem", "-CRLfile", "delta.pem",
+                 "talker/cert.pem")
+        takes = self.exit_of(*check) == 0
+        stock = dict.fromkeys(("cyclonedds@0.10.2", "fastdds@2.9.1"), "unsafe" if takes else "fail")
+        verdicts, told = self.doctor("DOC023")
+        self.assertEqual(verdicts, {**stock, "ours": "fail"})
+        self.assertIn("this is a delta revocation list", told[0])
+        for product in ("cyclonedds", "fastdds"):
+            self.talk(product, 0 if takes else 1)
+        self.talk("ddssec", 1)
+
+    def test_delta_list_that_refuses_the_peer_stock_products_fail(self):
+        self.put_list(self.folders[1].certificate)
+        self.talk("cyclonedds", 1)
+        self.put_list(days=("-crl_lastupdate", "20200101000000Z", "-crl_nextupdate", "20210101000000Z"))
+        self.assertEqual(self.doctor()[0], dict.fromkeys(ALL, "fail"))
+
+    def exit_of(self, *words):
+        return subprocess.run(words, cwd=self.at, capture_output=True, check=False).returncode
 
 
 if __name__ == "__main__":
