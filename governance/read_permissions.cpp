@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "base/text.hpp"
 #include "governance/date_time.hpp"
 #include "governance/read.hpp"
@@ -39,6 +41,9 @@ Result<DateTime> read_time(ReadContext& context, XmlElement element, Round round
 Result<Validity> read_validity(ReadContext& context, XmlElement element) {
   constexpr ChildSpec kSpecs[] = {{"not_before"}, {"not_after"}};
   DDSSEC_ASSIGN_OR_RETURN(const auto child, XmlChildren::of(element, kSpecs));
+  if (!child.in_order())
+    context.note(NoteKind::order, element,
+                 "has its <not_after> before its <not_before>: Fast DDS refuses it");
   // A fraction of a second makes the validity shorter, never longer.
   DDSSEC_ASSIGN_OR_RETURN(const auto begin, read_time(context, child.one(0), Round::up));
   DDSSEC_ASSIGN_OR_RETURN(const auto end, read_time(context, child.one(1), Round::down));
@@ -108,13 +113,20 @@ Result<Criteria> read_criteria(ReadContext& context, XmlElement element) {
   return criteria;
 }
 
+// Measured: Fast DDS takes <publish> and <subscribe> in any order.
+void note_order(ReadContext& context, XmlElement rule, const XmlChildren& children) {
+  if (children.all().front().first != 0)
+    context.note(NoteKind::order, rule, "does not begin with <domains>: Fast DDS refuses it");
+  else if (!children.in_order())
+    context.note(NoteKind::order, rule,
+                 "is not in the schema's order: Fast DDS takes it, others may not");
+}
+
 Result<Rule> read_rule(ReadContext& context, XmlElement element) {
   constexpr ChildSpec kSpecs[] = {
       {"domains"}, {"publish", Count::many}, {"subscribe", Count::many}, {"relay", Count::many}};
   DDSSEC_ASSIGN_OR_RETURN(const auto children, XmlChildren::of(element, kSpecs));
-  if (!children.in_order()) {
-    context.note(NoteKind::order, element, "is not in the schema's order: Fast DDS refuses it");
-  }
+  note_order(context, element, children);
   Rule rule{.allow = element.name() == "allow_rule", .line = element.line()};
   DDSSEC_ASSIGN_OR_RETURN(rule.domains, read_domains(context, children.one(0)));
   for (const auto& [kind, child] : children.all()) {
@@ -170,8 +182,20 @@ Status read_subject(XmlElement element, const XmlChildren& children, Grant& gran
   return {};
 }
 
+// Rules may be mixed. Where <default> stands is noted where it is read.
+void note_order_of_grant(ReadContext& context, XmlElement grant, const XmlChildren& children) {
+  const auto place = [](std::size_t kind) {
+    return kind <= kSubjectExpression ? 0 : kind == kValidity ? 1 : 2;
+  };
+  const auto& all = children.all();
+  if (!std::ranges::is_sorted(all, {}, [&](const auto& child) { return place(child.first); }))
+    context.note(NoteKind::order, grant,
+                 "does not begin with <subject_name> and <validity>: Fast DDS refuses it");
+}
+
 Result<Grant> read_grant(ReadContext& context, XmlElement element) {
   DDSSEC_ASSIGN_OR_RETURN(const auto children, XmlChildren::of(element, kGrantSpecs));
+  note_order_of_grant(context, element, children);
   Grant grant{.line = element.line()};
   if (const char* name = element.attribute("name")) grant.name = name;
   if (grant.name.empty())

@@ -245,6 +245,7 @@ std::optional<Variant> variant_of(const Note& note) {
     case NoteKind::order:
       return Variant::governance_order;
     case NoteKind::no_name:
+      if (says("Fast DDS takes it")) return std::nullopt;
       return Variant::grant_without_name;
     case NoteKind::no_default:
       return Variant::grant_without_default;
