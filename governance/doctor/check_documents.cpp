@@ -27,6 +27,7 @@ struct Subject {
   const Status& fastdds_belief;
   const Status& our_belief;
   const Status& parsed;
+  const Error* unread;  ///< the reason why there is no model; null if there is one
   const std::vector<Note>* notes;
   const std::vector<Variant>& left_out;
   bool has_joined_values;
@@ -44,6 +45,7 @@ Subject subject(std::string_view about, const fs::path& path, const LoadedDocume
           document.fastdds_belief,
           document.our_belief,
           document.parsed,
+          document.model ? nullptr : &document.unread(),
           document.model ? &document.model->notes : nullptr,
           document.left_out,
           document.has_joined_values,
@@ -270,21 +272,18 @@ std::optional<Variant> variant_of(const Note& note) {
 // The outcome with stock products for a text that ddssec does not parse.
 Outcomes outcomes_of_text(const Subject& subject) {
   Outcomes out{.ours = Outcome::fail};
-  if (subject.notes != nullptr) {  // without what was left out it can be read
-    for (const auto variant : subject.left_out) out = out.worse(measured(variant, subject.lineup));
-    // Cyclone DDS joins the pieces. Fast DDS 2.9 reads the first text alone: another topic, or a
-    // value that it refuses.
-    if (subject.has_joined_values) out = out.worse({.fastdds = Outcome::unsafe});
-    if (subject.is_refused_by_fastdds) out = out.worse({.fastdds = Outcome::fail});
-    return out;
-  }
-  const auto& error = subject.parsed.error();
-  const auto code = error.code();
-  const bool may_start[] = {cyclonedds_starts_with(error), fastdds_starts_with(error)};
-  if (may_start[0] || may_start[1])
-    return {.cyclonedds = may_start[0] ? Outcome::unsafe : Outcome::fail,
-            .fastdds = may_start[1] ? Outcome::unsafe : Outcome::fail,
-            .ours = Outcome::fail};
+  for (const auto variant : subject.left_out) out = out.worse(measured(variant, subject.lineup));
+  // Cyclone DDS joins the pieces. Fast DDS 2.9 reads the first text alone: another topic, or a
+  // value that it refuses.
+  if (subject.has_joined_values) out = out.worse({.fastdds = Outcome::unsafe});
+  if (subject.is_refused_by_fastdds) out = out.worse({.fastdds = Outcome::fail});
+  if (subject.unread == nullptr) return out;  // without what was left out it can be read
+  const auto outcome = [](bool starts) { return starts ? Outcome::unsafe : Outcome::fail; };
+  return out.worse({.cyclonedds = outcome(cyclonedds_starts_with(*subject.unread)),
+                    .fastdds = outcome(fastdds_starts_with(*subject.unread))});
+}
+
+void report_unreadable(const Subject& subject, Diagnosis& out) {
   if (subject.form.unverified_text.empty())
     return out.report(
         kNobody,
@@ -294,15 +293,6 @@ Outcomes outcomes_of_text(const Subject& subject) {
          .document = subject.path,
          .hint = fmt::format("write the {} document again and sign it", subject.about)},
         subject.about);
-  if (code == Code::attribute_unknown)
-    return out.worse(measured(subject.about == "governance"
-                                  ? Variant::governance_unknown_attribute
-                                  : Variant::permissions_unknown_attribute,
-                              subject.lineup));
-  return kNobody;
-}
-
-void report_unreadable(const Subject& subject, Diagnosis& out) {
   const auto& error = subject.parsed.error();
   const auto& field = error.details().field;
   out.report(outcomes_of_text(subject),

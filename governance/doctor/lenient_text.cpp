@@ -1,7 +1,9 @@
 #include "governance/doctor/lenient_text.hpp"
 
 #include <algorithm>
+#include <set>
 
+#include "base/text.hpp"
 #include "governance/xml_check.hpp"
 
 namespace ddssec::governance::doctor {
@@ -25,7 +27,7 @@ class Cleaner {
       else if (rest.starts_with("<?"))
         instruction(at);
       else
-        small_name(at + 1);
+        start_of_tag(at + 1);
     }
     octets();
     return {to_bytes(as_bytes(text_)), std::move(left_out_), has_pieces_, is_refused_by_fastdds_};
@@ -56,6 +58,34 @@ class Cleaner {
   void instruction(std::size_t at) {
     if (has_root_) is_refused_by_fastdds_ = true;
     blank(at, behind(at, "?>"), Variant::governance_processing_instruction);
+  }
+  void start_of_tag(std::size_t at) {
+    small_name(at);
+    if (text_.compare(at, 1, "/") != 0) attributes(at);
+  }
+  // Blanks those that ddssec refuses and does not need, so that the rest can be judged for a
+  // product that ignores them (Fast DDS, measured).
+  void attributes(std::size_t at) {
+    const auto name = text_.substr(at, text_.find_first_of(" \t\r\n/>", at) - at);
+    std::set<std::string> seen;
+    for (at += name.size(); at < text_.size();) {
+      const auto begin = text_.find_first_not_of(" \t\r\n", at);
+      const auto equals = text_.find_first_of("=<>", begin);
+      if (begin == text_.npos || equals == text_.npos || text_[equals] != '=') return;
+      const auto quote = text_.find_first_not_of(" \t\r\n", equals + 1);
+      if (quote == text_.npos || (text_[quote] != '"' && text_[quote] != '\'')) return;
+      const auto end = text_.find(text_[quote], quote + 1);
+      if (end == text_.npos) return;
+      const std::string word(trimmed(text_.substr(begin, equals - begin), " \t\r\n"));
+      if (!seen.insert(word).second) return;  // no product takes it twice
+      if (!is_known(word, name)) blank(begin, end + 1, Variant::governance_unknown_attribute);
+      at = end + 1;
+    }
+  }
+  static bool is_known(std::string_view attribute, std::string_view element) {
+    return attribute == "must_interpret" || attribute.starts_with("xmlns") ||
+           attribute.starts_with("xsi:") || attribute.starts_with("xml:") ||
+           (element == "grant" && attribute == "name");
   }
   // Of a start tag or an end tag.
   void small_name(std::size_t at) {

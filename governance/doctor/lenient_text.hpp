@@ -19,7 +19,7 @@ struct LenientText {
   bool is_refused_by_fastdds = false;
 };
 
-/// Replaces by blanks what governance::check_xml refuses and is not part of the content: a
+/// Replaces by blanks what ddssec refuses and is not part of the content: unknown attributes, a
 /// declaration of another encoding or with escaped quotes, a document type, processing
 /// instructions, comments that contain "--". Octets that are not UTF-8 become '?'. The pieces of a
 /// value are joined. Element names are converted to lower case if start tag and end tag agree, as

@@ -97,8 +97,10 @@ LoadedDocument<Model> load_document(const fs::path& path, const Trust& trust,
     out.left_out = std::move(lenient.left_out);
     out.has_joined_values = lenient.has_joined_values;
     out.is_refused_by_fastdds = lenient.is_refused_by_fastdds;
-    if (!out.left_out.empty() || out.has_joined_values || out.is_refused_by_fastdds)
+    if (!out.left_out.empty() || out.has_joined_values || out.is_refused_by_fastdds) {
       model = read(lenient.text, out.form.first_line);
+      if (!model) out.parsed_without = about(model.error(), path);
+    }
   }
   if (model) out.model = std::make_shared<const Model>(*std::move(model));
   return out;
@@ -142,11 +144,11 @@ LoadedFolder load_folder(const pki::ParticipantFolder& paths, WallTime now) {
       ddssec::load(uri(paths.permissions_ca), "", pki::kMostBundleOctets).value_or(Bytes())};
   auto governance = load_document(paths.governance, trust, &read_governance, now);
   auto permissions = load_document(paths.permissions, trust, &read_permissions, now);
-  return {.paths = paths,
-          .identity_cas = bundle(paths.identity_ca),
   auto crls = load_crls(paths.crl);
   const bool is_crl_der = begins_like_der(paths.crl);
   auto crls_with_deltas = load_with_deltas(paths.crl, crls, is_crl_der);
+  return {.paths = paths,
+          .identity_cas = bundle(paths.identity_ca),
           .certificate = load_with(paths.certificate, pki::kMostCertificateOctets,
                                    &pki::Certificate::from_pem),
           .key = load_key(paths.key),

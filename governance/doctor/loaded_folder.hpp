@@ -37,11 +37,15 @@ struct LoadedDocument {
   /// The parts that were removed from the text so that it could be parsed, because stock products
   /// may skip them.
   std::vector<Variant> left_out = {};
+  /// The reason why it does not parse without these parts either: what stock products meet.
+  Status parsed_without = {};
   /// A comment or CDATA in a value was removed too.
   bool has_joined_values = false;
   /// Cyclone DDS reads the text and Fast DDS does not: see LenientText.
   bool is_refused_by_fastdds = false;
 
+  /// The reason why no model could be read.
+  const Error& unread() const { return parsed_without ? parsed.error() : parsed_without.error(); }
   /// Success if a product can parse it, as far as its parser may differ. Otherwise the error is
   /// ddssec's.
   Status read_by(Vendor vendor) const {
@@ -59,24 +63,24 @@ struct LoadedFolder {
   Bytes permissions_ca_file;  ///< the content of that file; empty if it cannot be read
   /// Empty if there is no such file.
   Result<std::vector<pki::Crl>> crls;
+  /// The same file as stock products read it, where ddssec refuses it for a delta list; else empty.
+  std::vector<pki::Crl> crls_with_deltas = {};
   bool has_crl_file;
   /// The file contains one list in DER instead of PEM.
   bool is_crl_der = false;
   LoadedDocument<Governance> governance;
-  /// The same file as stock products read it, where ddssec refuses it for a delta list; else empty.
-  std::vector<pki::Crl> crls_with_deltas = {};
   LoadedDocument<Permissions> permissions;
 
   /// True if none of the files exists: a participant without security.
   bool is_empty() const;
-  /// The chain verifier with which this participant judges certificates. If its file has several
-  /// revocation lists, stock products read the first one (measured). Errors: those of the needed
-  /// parts, or of ChainVerifier::make.
-  Result<pki::ChainVerifier> chain(Vendor judge = Vendor::ours) const;
   /// True if the product can read the file with revocation lists, or if there is none.
   bool has_usable_lists(Vendor judge) const {
     return crls || (judge != Vendor::ours && !crls_with_deltas.empty());
   }
+  /// The chain verifier with which this participant judges certificates. If its file has several
+  /// revocation lists, stock products read the first one (measured). Errors: those of the needed
+  /// parts, or of ChainVerifier::make.
+  Result<pki::ChainVerifier> chain(Vendor judge = Vendor::ours) const;
 };
 
 /// Success if a product accepts the signed file with a permissions CA file, whose content is

@@ -50,14 +50,18 @@ bool starts_with(Vendor vendor, const Error& error) {
 }
 
 template <class Model>
-bool is_unpredictable(const LoadedDocument<Model>& document, Vendor vendor) {
+bool is_unpredictable(const LoadedDocument<Model>& document, Vendor vendor, const Lineup& lineup) {
   const bool is_cyclonedds = vendor == Vendor::cyclonedds;
   const auto& belief = is_cyclonedds ? document.cyclonedds_belief : document.fastdds_belief;
   if (!document.readable || !belief) return false;
-  if (document.form.ambiguous) return is_cyclonedds;
+  if (document.form.ambiguous) return true;
+  const bool is_refused = std::ranges::any_of(document.left_out, [&](Variant variant) {
+    return measured(variant, lineup).of(vendor) == Outcome::fail;
+  });
+  if (is_refused) return false;
   // Of a value in pieces Fast DDS reads the first one only.
   if (document.model && !document.parsed) return !is_cyclonedds && document.has_joined_values;
-  return !document.model && !document.parsed && starts_with(vendor, document.parsed.error());
+  return !document.model && !document.parsed && starts_with(vendor, document.unread());
 }
 
 }  // namespace
@@ -91,6 +95,7 @@ bool fastdds_starts_with(const Error& error) {
     case Code::text_unexpected:
       return true;
     case Code::value_not_boolean:
+    case Code::attribute_unknown:
       return !details.found.empty() &&
              details.found.find_first_not_of("0123456789+-") == details.found.npos;
     case Code::element_repeated:
@@ -114,7 +119,8 @@ bool is_key_of_explicit_curve(const Error& error) {
   return error.code() == Code::key_not_allowed && error.details().found == "EC of 256 bits";
 }
 
-const fs::path* unpredictable_file(const LoadedFolder& folder, Vendor vendor) {
+const fs::path* unpredictable_file(const LoadedFolder& folder, Vendor vendor,
+                                   const Lineup& lineup) {
   const auto& paths = folder.paths;
   const auto is_labelled = [&](const auto& piece, const fs::path& path) {
     return vendor == Vendor::cyclonedds && !piece && has_other_certificate_label(path);
@@ -125,8 +131,8 @@ const fs::path* unpredictable_file(const LoadedFolder& folder, Vendor vendor) {
   if (is_labelled(folder.permissions_cas, paths.permissions_ca)) return &paths.permissions_ca;
   if (vendor == Vendor::cyclonedds && !folder.key && is_key_of_explicit_curve(folder.key.error()))
     return &paths.key;
-  if (is_unpredictable(folder.governance, vendor)) return &paths.governance;
-  if (is_unpredictable(folder.permissions, vendor)) return &paths.permissions;
+  if (is_unpredictable(folder.governance, vendor, lineup)) return &paths.governance;
+  if (is_unpredictable(folder.permissions, vendor, lineup)) return &paths.permissions;
   return nullptr;
 }
 

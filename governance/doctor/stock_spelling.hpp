@@ -26,6 +26,7 @@ bool is_key_of_explicit_curve(const Error& error);
 
 /// The file with which the product starts although ddssec cannot predict the effect; null if there
 /// is none.
-const std::filesystem::path* unpredictable_file(const LoadedFolder& folder, Vendor vendor);
+const std::filesystem::path* unpredictable_file(const LoadedFolder& folder, Vendor vendor,
+                                                const Lineup& lineup = {});
 
 }  // namespace ddssec::governance::doctor

@@ -130,6 +130,66 @@ class OwnEndpoints(ProductRefusals):
             self.assertEqual("with Fast DDS" in told, before == allow("a"), told)
 
 
+class Elements(ProductRefusals):
+    VALIDITY = "<validity><not_before>2020-01-01T00:00:00Z</not_before><not_after>2037-01-01T00:00:00Z</not_after></validity>"
+    ORDERS = ("{validity}{name}{rule}", "{name}{rule}{validity}", "{rule}{name}{validity}")
+
+    def sign(self, parts, rule=None):
+        for folder in self.folders:
+            rest = parts.format(name=f"<subject_name>{folder.subject}</subject_name>", validity=self.VALIDITY,
+                                rule=rule or allow())
+            folder.sign("permissions", permissions(f'<grant name="g">{rest}<default>DENY</default></grant>'))
+
+    def test_grant_in_another_order_fast_dds_refuses(self):
+        self.sign("{name}{validity}{rule}")
+        self.assertEqual(self.doctor("DOC037"), (ALL, []))
+        for parts in self.ORDERS:
+            self.sign(parts)
+            verdicts, told = self.doctor("DOC037")
+            self.assertEqual(verdicts, {**ALL, "fastdds@2.9.1": "fail"}, parts)
+            self.assertIn("does not begin with <subject_name> and <validity>", told[0])
+            self.talk("fastdds", 1)
+            self.talk("cyclonedds")
+
+    def test_end_before_begin_fast_dds_refuses(self):
+        dates = "<not_before>2020-01-01T00:00:00Z</not_before>", "<not_after>2037-01-01T00:00:00Z</not_after>"
+        self.sign("{name}<validity>" + dates[1] + dates[0] + "</validity>{rule}")
+        verdicts, told = self.doctor("DOC037")
+        self.assertEqual(verdicts, {**ALL, "fastdds@2.9.1": "fail"})
+        self.assertIn("<not_after> before its <not_before>", told[0])
+
+    def test_subscribe_before_publish_every_product_takes(self):
+        domains, publish, subscribe = (part for part in allow().splitlines()[1:4])
+        self.sign("{name}{validity}{rule}", f"<allow_rule>{domains}{subscribe}{publish}</allow_rule>")
+        verdicts, told = self.doctor("DOC037")
+        self.assertEqual(verdicts, ALL)
+        self.assertIn("Fast DDS takes it", told[0])
+        self.talk("fastdds")
+        self.sign("{name}{validity}{rule}", f"<allow_rule>{publish}{subscribe}{domains}</allow_rule>")
+        self.assertEqual(self.doctor()[0], {**ALL, "fastdds@2.9.1": "fail"})
+
+    def judge(self, document, *replaced):
+        texts = {"governance": GOVERNANCE, "permissions": permissions(grant("CN=talker"))}
+        for old, new in replaced:
+            self.assertIn(old, texts[document])
+            texts[document] = texts[document].replace(old, new)
+        self.talker.sign(document, texts[document])
+        verdict = self.doctor()[0]["fastdds@2.9.1"]
+        self.talker.sign(document, {"governance": GOVERNANCE, "permissions": permissions(grant("CN=talker"))}[document])
+        return verdict
+
+    # Fast DDS ignores the attribute; ddssec and Cyclone DDS refuse it.
+    def test_attribute_that_fast_dds_ignores_hides_nothing(self):
+        name, domains = ("<subject_name>", "<subject_name x=\"v\">"), ("<domains>", "<domains x='v>' y=\"\">")
+        self.assertEqual(self.judge("permissions", name), "ok")
+        self.assertEqual(self.judge("governance", domains), "ok")
+        for replaced in (("2037-01-01", "2021-01-01"), ("CN=talker", "CN=another"), (">DENY<", ">MAYBE<"),
+                         ("<publish>", "<foo/><publish>")):
+            self.assertEqual(self.judge("permissions", replaced, name), "fail", replaced)
+        self.assertEqual(self.judge("governance", (">SIGN<", ">WRONG<"), domains), "fail")
+        self.assertEqual(self.judge("governance", ("<id>0<", "<id>77<"), domains), "late")
+
+
 class DeltaLists(ProductRefusals):
     def put_list(self, *revoked, days=("-crldays", "365")):
         """A delta list of the identity CA, which names the folder's certificate if told."""
