@@ -229,5 +229,17 @@ class DeltaLists(ProductRefusals):
         return subprocess.run(words, cwd=self.at, capture_output=True, check=False).returncode
 
 
+class Partitions(ProductRefusals):
+    # Fast DDS applies one expression to the other as to a name.
+    def test_same_expressions_fast_dds_matches_them(self):
+        rules = allow().replace("</topics>", "</topics><partitions><partition>*</partition></partitions>")
+        for folder in self.folders:
+            folder.sign("permissions", permissions(grant(folder.subject, rules=rules)))
+        for names, exits in (("*", (0, 1, 1)), ("p*", (0, 1, 1)), ("p?", (0, 1, 1)), ("[ab]*", (1, 1, 1)), ("p", (0, 0, 0))):
+            for vendors, exit in zip((("fastdds", "fastdds"), ("fastdds", "ddssec"), ("cyclonedds", "cyclonedds")), exits):
+                self.run_program("check", "talker", "partner", "--topics", "Square", "--partition", names, "--vendor",
+                                 "A=" + vendors[0], "--vendor", "B=" + vendors[1], exit=exit)
+
+
 if __name__ == "__main__":
     main()
