@@ -72,13 +72,13 @@ Outcomes refused_by_ours(Variant variant, const Subject& subject) {
 }
 
 // Without the signer's certificate inside, OpenSSL finds no signer; a product may know another way.
-// Which of several texts a product reads depends on its version of OpenSSL; Cyclone DDS starts with
-// what this one believes (measured).
+// Which of several texts a product reads depends on its version of OpenSSL; stock products start
+// with what this one believes (measured).
 Outcomes outcomes_of_form(const Subject& subject) {
   const auto& form = subject.form;
   if (form.ambiguous)
-    return {of(subject.cyclonedds_belief.has_value(), Outcome::unsafe), Outcome::fail,
-            Outcome::fail};
+    return {of(subject.cyclonedds_belief.has_value(), Outcome::unsafe),
+            of(subject.fastdds_belief.has_value(), Outcome::unsafe), Outcome::fail};
   const bool lacks_signer = form.wrapping == pki::DocumentWrapping::multipart &&
                             form.has_text_header && form.embedded.empty();
   return lacks_signer && subject.our_belief ? measured(Variant::form_nocerts, subject.lineup)
@@ -245,9 +245,9 @@ std::optional<Variant> variant_of(const Note& note) {
   const auto says = [&](std::string_view words) { return note.text.find(words) != note.text.npos; };
   switch (note.kind) {
     case NoteKind::order:
+      if (says("Fast DDS takes it")) return std::nullopt;
       return Variant::governance_order;
     case NoteKind::no_name:
-      if (says("Fast DDS takes it")) return std::nullopt;
       return Variant::grant_without_name;
     case NoteKind::no_default:
       return Variant::grant_without_default;
@@ -320,14 +320,6 @@ void report_notes(const Subject& subject, Diagnosis& out) {
         count > 1 ? fmt::format(" (and at {} other place{})", count - 1, count > 2 ? "s" : "")
                   : std::string();
     out.report(who,
-// True if no product finds a text in the file: its form has been reported. In the other forms a
-// product may read a text without octets, which it refuses or crashes on (measured).
-bool lacks_text(const pki::DocumentForm& form) {
-  using enum pki::DocumentWrapping;
-  const bool is_read = form.wrapping == multipart || form.wrapping == opaque;
-  return form.unverified_text.empty() && !is_read;
-}
-
                {.rule = Rule::DOC037,
                 .message = note.text + more,
                 .document = subject.path,
@@ -335,6 +327,14 @@ bool lacks_text(const pki::DocumentForm& form) {
                 .severity = who.all_ok() ? Severity::warning : Severity::error},
                subject.about);
   }
+}
+
+// True if no product finds a text in the file: its form has been reported. In the other forms a
+// product may read a text without octets, which it refuses or crashes on (measured).
+bool lacks_text(const pki::DocumentForm& form) {
+  using enum pki::DocumentWrapping;
+  const bool is_read = form.wrapping == multipart || form.wrapping == opaque;
+  return form.unverified_text.empty() && !is_read;
 }
 
 void check_text(const Subject& subject, Diagnosis& out) {

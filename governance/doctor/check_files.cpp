@@ -28,25 +28,6 @@ std::string absence(const fs::path& path) {
                      fs::read_symlink(path, ignored).string());
 }
 
-// A key that DDS-Security does not allow. Measured with Cyclone DDS 0.10.2 and Fast DDS 2.9.1: of a
-// permissions CA both take every key that OpenSSL takes (RSA-1024, P-224, P-521, secp256k1), but
-// for RSASSA-PSS with Fast DDS, which also starts with no Ed25519 or Ed448 key of an identity CA.
-Outcomes outcomes_of_key(const pki::ParticipantFolder& paths, const fs::path& path,
-                         const Error& error, const Lineup& lineup) {
-  const bool is_of_permissions_ca = path == paths.permissions_ca;
-  const bool is_explicit = is_key_of_explicit_curve(error);
-  const std::string_view key = error.details().found;
-  auto out = kNobody;
-  out.fastdds = measured(Variant::ed25519, lineup).fastdds;
-  if (is_key_of_another_curve(error) || is_explicit) out.cyclonedds = Outcome::unsafe;
-  if (is_of_permissions_ca && !is_explicit) out.cyclonedds = Outcome::ok;
-  const bool is_refused = is_of_permissions_ca
-                              ? key.contains("RSA-PSS")
-                              : is_explicit || (path == paths.identity_ca && key.contains("ED"));
-  if (is_refused) out.fastdds = Outcome::fail;
-  return out;
-}
-
 void report_key(const LoadedFolder& folder, const fs::path& path, const Error& error,
                 const Settings& settings, Diagnosis& out) {
   const auto outcomes = outcomes_of_key(folder.paths, path, error, settings.lineup);
@@ -63,8 +44,8 @@ void report_key(const LoadedFolder& folder, const fs::path& path, const Error& e
 void report_unloaded(const fs::path& path, const Error& error, Diagnosis& out) {
   const auto say = [&](Rule rule, std::string message, std::string_view hint = {}) {
     auto outcomes = kNobody;
-    if (rule == Rule::DOC002 && has_other_certificate_label(path))
-      outcomes.cyclonedds = Outcome::unsafe;
+    if (rule == Rule::DOC002 && has_certificate_for_openssl(path))
+      outcomes.cyclonedds = outcomes.fastdds = Outcome::unsafe;
     out.report(
         outcomes,
         {.rule = rule, .message = std::move(message), .document = path, .hint = std::string(hint)});
@@ -227,6 +208,25 @@ void check_folder_mode(const LoadedFolder& folder, Diagnosis& out) {
 }
 
 }  // namespace
+
+// A key that DDS-Security does not allow. Measured with Cyclone DDS 0.10.2 and Fast DDS 2.9.1: of a
+// permissions CA both take every key that OpenSSL takes (RSA-1024, P-224, P-521, secp256k1), but
+// for RSASSA-PSS with Fast DDS, which also starts with no Ed25519 or Ed448 key of an identity CA.
+Outcomes outcomes_of_key(const pki::ParticipantFolder& paths, const fs::path& path,
+                         const Error& error, const Lineup& lineup) {
+  const bool is_of_permissions_ca = path == paths.permissions_ca;
+  const bool is_explicit = is_key_of_explicit_curve(error);
+  const std::string_view key = error.details().found;
+  auto out = kNobody;
+  out.fastdds = measured(Variant::ed25519, lineup).fastdds;
+  if (is_key_of_another_curve(error) || is_explicit) out.cyclonedds = Outcome::unsafe;
+  if (is_of_permissions_ca && !is_explicit) out.cyclonedds = Outcome::ok;
+  const bool is_refused = is_of_permissions_ca
+                              ? key.contains("RSA-PSS")
+                              : is_explicit || (path == paths.identity_ca && key.contains("ED"));
+  if (is_refused) out.fastdds = Outcome::fail;
+  return out;
+}
 
 bool is_key_of_another_curve(const Error& error) {
   const auto& found = error.details().found;

@@ -24,6 +24,11 @@ inline std::string remedy_of_ros(const LoadedFolder& folder) {
 /// True if both files can be read and have the same content.
 bool has_same_octets(const std::filesystem::path& one, const std::filesystem::path& other);
 
+/// The outcome with a key that DDS-Security does not allow: that of the certificate or CA at `path`,
+/// which ddssec refused with `error`.
+Outcomes outcomes_of_key(const pki::ParticipantFolder& paths, const std::filesystem::path& path,
+                         const Error& error, const Lineup& lineup);
+
 /// Checks that the files exist, are of the right kind and are not accessible for other users.
 void check_files(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
 /// Checks the configuration files in the folder: whether a process that starts with them reads the

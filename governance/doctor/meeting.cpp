@@ -86,8 +86,12 @@ Status judge_certificate(const Party& judge, const Party& subject, WallTime now)
   const auto& certificate = subject.folder.certificate;
   if (!certificate) return std::unexpected(certificate.error());
   if (!judge.folder.identity_cas) return std::unexpected(judge.folder.identity_cas.error());
-  DDSSEC_ASSIGN_OR_RETURN(const auto verifier, judge.folder.chain(judge.vendor));
-  const auto proof = verifier.verify(*certificate, now);
+  if (!judge.folder.has_usable_lists(judge.vendor))
+    return std::unexpected(judge.folder.crls.error());
+  // Stock products also take CAs with which ddssec makes no verifier.
+  const auto verifier = judge.folder.chain(judge.vendor);
+  const auto proof = verifier ? verifier->verify(*certificate, now)
+                              : Result<pki::ChainValid>(std::unexpected(verifier.error()));
   const auto outcomes =
       chain_outcomes(*certificate, *judge.folder.identity_cas, proof, false, judge.lineup);
   if (outcomes.of(judge.vendor) == Outcome::ok) return {};
@@ -236,10 +240,6 @@ void note_taken_by_cyclonedds(const MeetingScene& scene, int judge, const Error&
   }
 }
 
-void judge_permissions(const MeetingScene& scene, int judge) {
-  const auto& self = scene.party(judge);
-  const auto& other = scene.party(1 - judge);
-  const auto status = judge_permissions_of(self, other, scene.settings.now);
 // Fast DDS announces the first certificate of its permissions CA file, and compares what another
 // Fast DDS announces with its own (measured with 2.9.1). No other product announces one.
 std::string why_announced_cas_differ(const Party& judge, const Party& subject) {
@@ -266,6 +266,10 @@ void judge_announced_ca(const MeetingScene& scene, int judge, Judgement& out) {
       "begin the permissions CA files of both with the same certificate");
 }
 
+void judge_permissions(const MeetingScene& scene, int judge) {
+  const auto& self = scene.party(judge);
+  const auto& other = scene.party(1 - judge);
+  const auto status = judge_permissions_of(self, other, scene.settings.now);
   Judgement out{.judge = judge, .about = 1 - judge, .ok = status.has_value()};
   out.document = other.folder.paths.permissions.string();
   if (!status) {
@@ -283,12 +287,12 @@ void judge_announced_ca(const MeetingScene& scene, int judge, Judgement& out) {
                       held_if(kForeign, status.error(), self.name, self.folder.paths.permissions_ca,
                               self.folder.permissions_cas)),
           hint_unless(kForeign, status.error()));
+  } else {
+    judge_announced_ca(scene, judge, out);
   }
   scene.out.permissions.push_back(std::move(out));
 }
 
-  } else {
-    judge_announced_ca(scene, judge, out);
 void judge_join(const MeetingScene& scene, int judge, int about) {
   const auto* rule = scene.out.rules[judge];
   const auto& folder = scene.folder(about);

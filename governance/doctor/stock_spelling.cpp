@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <charconv>
 
+#include "governance/doctor/checks.hpp"
 #include "governance/doctor/library_search.hpp"
+#include "pki/smime_diagnosis.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {
@@ -93,9 +95,9 @@ bool fastdds_starts_with(const Error& error) {
     case Code::value_not_domain_id:
     case Code::domain_range_reversed:
     case Code::text_unexpected:
+    case Code::attribute_unknown:
       return true;
     case Code::value_not_boolean:
-    case Code::attribute_unknown:
       return !details.found.empty() &&
              details.found.find_first_not_of("0123456789+-") == details.found.npos;
     case Code::element_repeated:
@@ -107,12 +109,10 @@ bool fastdds_starts_with(const Error& error) {
   }
 }
 
-bool has_other_certificate_label(const fs::path& path) {
+bool has_certificate_for_openssl(const fs::path& path) {
   std::error_code ignored;
-  if (!fs::is_regular_file(path, ignored)) return false;
-  const auto text = library_octets(path);
-  return text.contains("-----BEGIN X509 CERTIFICATE-----") ||
-         text.contains("-----BEGIN TRUSTED CERTIFICATE-----");
+  return fs::is_regular_file(path, ignored) &&
+         pki::ca_announced_by_fastdds(as_bytes(library_octets(path)));
 }
 
 bool is_key_of_explicit_curve(const Error& error) {
@@ -123,9 +123,17 @@ const fs::path* unpredictable_file(const LoadedFolder& folder, Vendor vendor,
                                    const Lineup& lineup) {
   const auto& paths = folder.paths;
   const auto is_labelled = [&](const auto& piece, const fs::path& path) {
-    return vendor == Vendor::cyclonedds && !piece && has_other_certificate_label(path);
+    return !piece && piece.error().code() != Code::key_not_allowed &&
+           has_certificate_for_openssl(path);
+  };
+  // Fast DDS takes more kinds of keys than ddssec reads.
+  const auto has_other_key = [&](const auto& piece, const fs::path& path) {
+    return vendor == Vendor::fastdds && !piece && piece.error().code() == Code::key_not_allowed &&
+           outcomes_of_key(paths, path, piece.error(), lineup).fastdds < Outcome::late;
   };
   if (vendor == Vendor::ours) return nullptr;
+  if (has_other_key(folder.identity_cas, paths.identity_ca)) return &paths.identity_ca;
+  if (has_other_key(folder.certificate, paths.certificate)) return &paths.certificate;
   if (is_labelled(folder.identity_cas, paths.identity_ca)) return &paths.identity_ca;
   if (is_labelled(folder.certificate, paths.certificate)) return &paths.certificate;
   if (is_labelled(folder.permissions_cas, paths.permissions_ca)) return &paths.permissions_ca;

@@ -241,5 +241,51 @@ class Partitions(ProductRefusals):
                                  "A=" + vendors[0], "--vendor", "B=" + vendors[1], exit=exit)
 
 
+class UnreadByUs(ProductRefusals):
+    """What ddssec refuses and OpenSSL, and so both products, read: unsafe, and check says that it cannot say."""
+
+    def expect(self, products=("cyclonedds", "fastdds")):
+        for product in products:
+            self.talk(product, 3)
+        verdicts = self.doctor()[0]
+        self.assertEqual({verdicts[one] for one in ALL if one.split("@")[0] in products}, {"unsafe"})
+        self.assertEqual(verdicts["ours"], "fail")
+
+    def test_text_before_a_certificate_and_other_labels(self):
+        for name in ("cert.pem", "identity_ca.pem", "permissions_ca.pem"):
+            file = self.talker.path / name
+            correct = file.read_bytes()
+            for octets in (b"# " + b"x" * 2_000_000 + b"\n" + correct, correct.replace(b" CERTIFICATE", b" X509 CERTIFICATE"),
+                           correct.replace(b" CERTIFICATE", b" TRUSTED CERTIFICATE")):
+                file.write_bytes(octets)
+                with self.subTest(name=name, size=len(octets)):
+                    self.expect()
+            file.write_bytes(b"# " + b"x" * 70_000)
+            self.assertEqual(self.doctor()[0], dict.fromkeys(ALL, "fail"))
+            self.talk("fastdds", 1)
+            file.write_bytes(correct)
+
+    def test_text_after_a_document(self):
+        file = self.talker.path / "permissions.p7s"
+        file.write_bytes(file.read_bytes() + b"\nmore\n")
+        self.expect()
+
+    def test_kinds_of_keys_that_fast_dds_takes(self):
+        for kind in ("rsa1024", "ed25519"):
+            Folder(self.shop, self.at / kind, f"/CN={kind}", kind, kind=kind)
+            self.assertEqual(self.doctor(folder=kind)[0]["fastdds@2.9.1"], "ok")
+            for folders in ((kind, "partner"), ("partner", kind)):
+                self.run_program("check", *folders, "--topics", "Square", "--vendor", "fastdds", exit=3)
+                self.run_program("check", *folders, "--topics", "Square", "--vendor", "cyclonedds", exit=1)
+
+    def test_ca_by_its_key_usage_only(self):
+        ca = self.shop.ca("usage", extensions=("keyUsage=critical,keyCertSign,cRLSign",))
+        for name in ("one", "other"):
+            folder = Folder(self.shop, self.at / name, f"/CN={name}", name, ca=ca)
+            folder.put("identity_ca.pem", ca / "cert.pem")
+        for product, exit in (("cyclonedds", 0), ("fastdds", 0), ("ddssec", 1)):
+            self.run_program("check", "one", "other", "--topics", "Square", "--vendor", product, exit=exit)
+
+
 if __name__ == "__main__":
     main()
