@@ -34,6 +34,7 @@ constexpr OtherSeverity kOthers[] = {
     {"PERM012", note, "where the rule repeats others"},
     {"PERM014", note, "for relay elements"},
     {"PERM034", warning, "for a topic of an enclave that no ROS 2 node uses"},
+    {"PERM040", error, "for the participant's own grant, in doctor --ros and keystore verify"},
 };
 
 }  // namespace

@@ -19,6 +19,7 @@
 #include "cli/transaction.hpp"
 #include "governance/doctor/diagnosis.hpp"
 #include "governance/doctor/lint_checks.hpp"
+#include "governance/doctor/ros.hpp"
 #include "pki/source.hpp"
 
 namespace ddssec::cli {
@@ -161,6 +162,7 @@ Result<Report> keystore_verify(const Arguments& arguments, const Context& contex
     DDSSEC_ASSIGN_OR_RETURN(const auto domain, domain_for(arguments, {&loaded}, now, domains));
     const doctor::Settings settings{.now = now, .domain = domain, .lineup = lineup};
     auto diagnosis = doctor::diagnose(loaded, settings);
+    doctor::check_ros_rights(loaded, settings, diagnosis);
     doctor::check_lint(loaded, settings, diagnosis);
     Json verdicts = Json::object();
     std::string words;

@@ -175,11 +175,17 @@ class NodeRights {
   CompiledGrant grant_;
 };
 
-std::vector<std::string> missing_in(const Grant& grant) {
-  Nodes nodes;
+Nodes nodes_of(const Grant& grant) {
+  Nodes out;
   each_topic(grant, [&](const Rule& rule, const std::string& text, bool publish) {
-    if (rule.allow && publish) nodes.add(text);
+    if (rule.allow && publish) out.add(text);
   });
+  if (grant.default_allow) out.guessed.emplace("/node");
+  return out;
+}
+
+std::vector<std::string> missing_in(const Grant& grant) {
+  const auto nodes = nodes_of(grant);
   const auto needed = only_about(asked_topics(nodes), grant);
   std::vector<std::string> least;
   bool is_first = true;
@@ -214,6 +220,12 @@ bool speaks_of_ros(const Grant& grant) {
           text.starts_with("rq/") || text.starts_with("rr/");
   });
   return out;
+}
+
+std::vector<std::string> missing_node_rights(const Grant& grant, DomainId domain) {
+  const auto nodes = nodes_of(grant);
+  const auto needed = only_about(asked_topics(nodes), grant);
+  return NodeRights(needed, domain).missing(nodes);
 }
 
 std::optional<Finding> missing_node_defaults(const Permissions& permissions) {

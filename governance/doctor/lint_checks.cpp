@@ -20,6 +20,7 @@ constexpr SameThing kSame[] = {
     {Rule::PERM010, Rule::DOC043}, {Rule::PERM011, Rule::DOC010}, {Rule::PERM020, Rule::DOC053},
     {Rule::PERM022, Rule::DOC052}, {Rule::PERM023, Rule::DOC051}, {Rule::PERM024, Rule::DOC050},
     {Rule::PERM025, Rule::DOC054}, {Rule::PERM032, Rule::DOC064}, {Rule::PERM033, Rule::DOC066},
+    {Rule::PERM040, Rule::PERM040},
 };
 
 bool was_looked_at(const Diagnosis& diagnosis, Rule lint) {

@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "governance/decision.hpp"
 #include "governance/doctor/checks.hpp"
@@ -13,6 +14,7 @@
 #include "governance/doctor/host_plugins.hpp"
 #include "governance/doctor/library_search.hpp"
 #include "governance/doctor/loader_subfolders.hpp"
+#include "governance/ros_node.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {
@@ -215,6 +217,25 @@ void check_topic_names(const LoadedFolder& folder, const Grant& grant, Diagnosis
   });
 }
 
+// Measured with nodes of ROS 2 Humble: each of these rights that is missing aborts an rclcpp node.
+void check_node_rights(const LoadedFolder& folder, const Grant& grant, DomainId domain,
+                       Diagnosis& out) {
+  out.pass(Rule::PERM040);
+  const auto missing = missing_node_rights(grant, domain);
+  if (missing.empty()) return;
+  out.report(Outcomes::all(Outcome::late),
+             {.rule = Rule::PERM040,
+              .message = fmt::format("an rclcpp node does not start in domain {}: grant \"{}\" does "
+                                     "not allow it to {}",
+                                     domain, grant.name, fmt::join(missing, ", ")),
+              .document = folder.paths.permissions,
+              .line = grant.line,
+              .hint = "add it from the policy: ddssec keystore permission KEYSTORE ENCLAVE --policy "
+                      "FILE --node-defaults; without a policy, allow these topics in the "
+                      "permissions document",
+              .severity = Severity::error});
+}
+
 void check_rosout(const LoadedFolder& folder, const CompiledGrant& grant, Diagnosis& out) {
   out.pass(Rule::DOC066);
   if (grant.judge(Action::publish, {.topic = "rt/rosout"}).allowed) return;
@@ -266,6 +287,14 @@ void check_ros(const LoadedFolder& folder, const Environment& environment, const
   check_discovery_topic(folder, compiled, out);
   check_topic_names(folder, *grant, out);
   check_rosout(folder, compiled, out);
+  check_node_rights(folder, *grant, settings.domain, out);
+}
+
+void check_ros_rights(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
+  const auto* grant = grant_of(folder, settings.now);
+  if (grant == nullptr || !speaks_of_ros(*grant)) return;
+  check_discovery_topic(folder, {folder.permissions.model, *grant, settings.domain}, out);
+  check_node_rights(folder, *grant, settings.domain, out);
 }
 
 }  // namespace ddssec::governance::doctor

@@ -28,4 +28,8 @@ std::optional<DomainId> node_domain(const std::string& ros_domain_id);
 void check_ros(const LoadedFolder& folder, const Environment& environment, const Settings& settings,
                Diagnosis& out);
 
+/// The last part of check_ros(): whether the grant has what a node of ROS 2 needs to start, without
+/// the environment. A grant that names no topic of ROS 2 is not judged.
+void check_ros_rights(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
+
 }  // namespace ddssec::governance::doctor

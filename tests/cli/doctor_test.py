@@ -405,7 +405,7 @@ class Golden(WithoutLists):
 
     def test_names_that_ros_needs(self):
         told = self.ros(self.paths["correct"], exit=1)
-        self.assertEqual(list(told), ["DOC062", "DOC063", "DOC064", "DOC065"])
+        self.assertEqual(list(told), ["DOC062", "DOC063", "DOC064", "DOC065", "PERM040"])
         self.assertIn("identity_ca.pem", told["DOC063"])
         self.assertIn("ros_discovery_info", told["DOC064"])
         self.assertIn('is "rt/Square"', told["DOC065"])
