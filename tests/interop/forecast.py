@@ -68,10 +68,15 @@ def topic_of(name):
 
 
 def comes_up(namespace, product, name, folder):
-    """Whether the product's participant is created; and what was printed."""
+    """Whether the product's participant is created, and the process does not end by a signal; and what was printed."""
     command = namespace.enter(product.start_words(folder, "--publish", topic_of(name), 0))
     done = subprocess.run(command, text=True, capture_output=True, timeout=60, env=product.variables(), check=False)
-    return "refused participant" not in done.stdout, done.stdout + done.stderr
+    return not has_crashed(done.returncode) and "refused participant" not in done.stdout, done.stdout + done.stderr
+
+
+def has_crashed(returncode):
+    """Whether a signal ended the process, also where a shell ran it."""
+    return returncode < 0 or returncode > 128
 
 
 def exchange(namespace, products, folders, limit=10, topic="Square"):

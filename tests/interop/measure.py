@@ -25,8 +25,8 @@ from pair import Namespace  # noqa: E402
 # Believed by those that come up, and not to be believed.
 UNSAFE = {"permissions-by-itself", "permissions-by-unlisted-intermediate", "form-sha1",
           "permissions-domain-tag"}
-# Cyclone DDS reads more topics in it than ddssec (DOC107).
-UNSAFE_WITH_CYCLONEDDS = {"grant-bracket-caret"}
+# Cyclone DDS reads more topics in it than ddssec (DOC107), or takes the grant of another subject (DOC011).
+UNSAFE_WITH_CYCLONEDDS = {"grant-bracket-caret", "subject-trailing-comma"}
 # Those that may come up without exchanging samples of Square: they are paired with a correct participant, in each
 # role that their grant allows.
 BOTH = ("publisher", "subscriber")

@@ -4,6 +4,7 @@
 Usage: table_test.py BIN_FOLDER
 """
 
+import pathlib
 import subprocess
 import sys
 import unittest
@@ -11,12 +12,41 @@ import unittest
 sys.dont_write_bytecode = True
 
 import embedded_scenarios  # noqa: E402
+import forecast  # noqa: E402
+import measure  # noqa: E402
 import scenarios  # noqa: E402
 from pki import STARTER, WAITER, der_name, subject  # noqa: E402
 
 BIN = ""
 CASES = scenarios.all_cases()
 CHOSEN = [case for case in CASES if case.chosen]
+
+
+class Bare:
+    """Stands for a network namespace; the commands of these tests need none."""
+
+    def enter(self, command):
+        return command
+
+
+class Forecast(unittest.TestCase):
+    def comes_up(self, script):
+        product = forecast.Product("stub", ["/bin/sh", "-c", script])
+        return forecast.comes_up(Bare(), product, "correct", pathlib.Path("folder"))[0]
+
+    def test_a_product_that_aborts_does_not_come_up(self):
+        self.assertTrue(self.comes_up("exit 0"))
+        self.assertTrue(self.comes_up("exit 1"))  # created, and no peer came
+        self.assertFalse(self.comes_up("echo refused participant; exit 2"))
+        self.assertFalse(self.comes_up("kill -ABRT $$"))
+        self.assertFalse(self.comes_up("exit 134"))
+
+    def test_what_the_table_calls_unsafe_is_what_measuring_calls_unsafe(self):
+        table = forecast.Table(pathlib.Path(__file__).resolve().parents[2])
+        for version in table.columns:
+            of_this = measure.UNSAFE | (measure.UNSAFE_WITH_CYCLONEDDS if version.startswith("cyclonedds") else set())
+            unsafe = {folder for folder, outcome in table.of(version).items() if outcome == "unsafe"}
+            self.assertLessEqual(unsafe, of_this, version)
 
 
 class Table(unittest.TestCase):
