@@ -44,8 +44,9 @@ class Walk {
   OpenedFolder to_the_end(int flags) {
     while (!names_.empty() && out_.error == 0 && out_.foreign_link.empty()) step();
     if (out_.error != 0 || !out_.foreign_link.empty()) return std::move(out_);
-    // The descriptors so far have O_PATH alone.
-    out_.folder = open_in(at_.number(), ".", flags | O_DIRECTORY);
+    // The descriptors so far have O_PATH alone, which needs no right to search the folder.
+    out_.folder =
+        flags == O_PATH ? std::move(at_) : open_in(at_.number(), ".", flags | O_DIRECTORY);
     if (!out_.folder) out_.error = errno;
     return std::move(out_);
   }

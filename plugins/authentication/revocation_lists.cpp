@@ -86,6 +86,12 @@ bool is_newer(const pki::Crl& crl, const pki::Crl& other,
          pki::have_common_signer(crl, other, anchors);
 }
 
+/// Without memory, two lists are not the same: then a new one is judged again.
+bool is_same_list(const pki::Crl& a, const pki::Crl& b) {
+  const auto text = a.pem();
+  return !text.empty() && text == b.pem();
+}
+
 /// Without those of which `lists` has a newer one of the same CA, or the same once more. A list
 /// that no CA among `anchors` signed replaces none.
 std::vector<pki::Crl> newest_of(const std::vector<pki::Crl>& lists,
@@ -95,7 +101,7 @@ std::vector<pki::Crl> newest_of(const std::vector<pki::Crl>& lists,
     const auto makes_needless = [&](const auto& other) {
       return is_newer(other, crl, anchors, now);
     };
-    const auto is_same = [&](const auto& other) { return other.pem() == crl.pem(); };
+    const auto is_same = [&](const auto& other) { return is_same_list(other, crl); };
     if (std::ranges::none_of(lists, makes_needless) && std::ranges::none_of(out, is_same))
       out.push_back(crl);
   }
@@ -250,7 +256,7 @@ Result<bool> RevocationLists::judge(BytesView octets, Place& place, const Questi
   std::swap(place.lists, lists);
   Rollback back([&] { std::swap(place.lists, lists); });
   auto next = together(question.anchors, question.now);
-  const bool is_other = !std::ranges::equal(next, lists_, {}, &pki::Crl::pem, &pki::Crl::pem);
+  const bool is_other = !std::ranges::equal(next, lists_, is_same_list);
   if (is_other) DDSSEC_RETURN_IF_ERROR(question.accept(next));
   lists_ = std::move(next);
   back.release();
