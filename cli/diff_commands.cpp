@@ -67,7 +67,7 @@ Result<Report> governance_diff(const Arguments& arguments, const Context& contex
       const auto after, named(governance::read_governance(sides.after.text, sides.after.first_line),
                               sides.after.path));
   const auto diff = governance::compare(before, after, options);
-  Report report = report_of(diff, sides);
+  Report report = report_of(diff, sides, arguments.has("--topics"));
   add_forecast(before, after, sides, report);
   warn_of_open_ranges(report, Rule::GOV004, before.notes, sides.before.path);
   warn_of_open_ranges(report, Rule::GOV004, after.notes, sides.after.path);

@@ -96,8 +96,9 @@ std::string of_which(const GovernanceChange& change, governance::Property proper
              : fmt::format(" (of some topics, such as {})", shown(found->witness));
 }
 
-/// The consequence of a change, if the properties do not show it.
-std::string_view consequence(const GovernanceChange& change) {
+/// The consequence of a change, if the properties do not show it. `others_lose`: other changes take
+/// protection away, which may be that of the same topics.
+std::string_view consequence(const GovernanceChange& change, bool others_lose) {
   const bool wider = change.element.change == ChangeClass::wider;
   if (change.element.element == "domain_rule")
     return wider ? "now participants can be made there" : "now no participant can be made there";
@@ -107,12 +108,14 @@ std::string_view consequence(const GovernanceChange& change) {
     return change.element.change == ChangeClass::stronger
                ? "participants with other algorithms no longer join"
                : "now participants with other algorithms join";
+  if (change.element.change == ChangeClass::weaker && others_lose)
+    return "by itself it takes no protection away; the other lines say what is no longer protected";
   if (change.element.change == ChangeClass::weaker)
     return "what another element protects for the same topics stays protected";
   return {};
 }
 
-std::string to_text(const GovernanceChange& change) {
+std::string to_text(const GovernanceChange& change, bool others_lose) {
   const auto heading = fmt::format("  {:<8} {:<7}", class_word(change.element.change),
                                    change.element.interop == Interop::none ? "" : "breaks");
   auto text = wrapped(
@@ -127,17 +130,18 @@ std::string to_text(const GovernanceChange& change) {
   for (const auto property : governance::listed(change.gained))
     below(
         fmt::format("no longer: {}{}", governance::without(property), of_which(change, property)));
-  const auto also = consequence(change);
+  const auto also = consequence(change, others_lose);
   if (change.lost.none() && change.gained.none() && !also.empty()) below(std::string(also));
   return text;
 }
 
-std::string to_text(const governance::RewrittenRules& rules) {
+std::string to_text(const governance::RewrittenRules& rules, bool only_listed) {
   const auto only_order = rules.only_old.empty() && rules.only_new.empty();
   std::vector<std::string> parts = {only_order ? "rules stand in another order:" : ""};
   if (!rules.only_old.empty()) parts.push_back(shown(rules.only_old) + " left,");
   if (!rules.only_new.empty()) parts.push_back(shown(rules.only_new) + " came:");
-  parts.push_back("no name is treated differently");
+  parts.push_back(only_listed ? "none of the listed topics is treated differently"
+                              : "no name is treated differently");
   return wrapped(fmt::format("  {:<8} {:<7}", "neutral", ""), parts);
 }
 
@@ -160,7 +164,7 @@ std::string verdict_text(const governance::GovernanceDiff& diff) {
                       "or move gradually by way of a second domain or other topic names"});
 }
 
-std::string to_text(const governance::GovernanceDiff& diff) {
+std::string to_text(const governance::GovernanceDiff& diff, bool only_listed) {
   std::string text, heading;
   const auto under = [&](std::string next) {
     if (next != heading) text += next + "\n";
@@ -172,13 +176,15 @@ std::string to_text(const governance::GovernanceDiff& diff) {
         "  UNKNOWN  too many combinations of expressions to compare; --topics FILE compares\n"
         "           the topics in use\n";
   }
+  const bool some_lose = std::ranges::any_of(
+      diff.changes, [](const GovernanceChange& change) { return !change.lost.none(); });
   for (const auto& change : diff.changes) {
     under(shown(change.scope));
-    text += to_text(change);
+    text += to_text(change, some_lose);
   }
   for (const auto& rules : diff.rewritten) {
     under(shown(rules.scope));
-    text += to_text(rules);
+    text += to_text(rules, only_listed);
   }
   if (!diff.complete) text += "more rules than are named here changed in the same ways\n";
   return text;
@@ -186,10 +192,14 @@ std::string to_text(const governance::GovernanceDiff& diff) {
 
 }  // namespace
 
-Report report_of(const governance::GovernanceDiff& diff, const DiffSides& sides) {
+Report report_of(const governance::GovernanceDiff& diff, const DiffSides& sides,
+                 bool only_listed) {
   Report report;
   report.text =
-      to_text(diff) + readings_text(diff.readings) + signer_text(sides) + verdict_text(diff);
+      to_text(diff, only_listed) + readings_text(diff.readings) + signer_text(sides) +
+      verdict_text(diff);
+  if (only_listed)
+    report.text += "only the topics of --topics were compared; for others the verdict says nothing\n";
   report.result = {{"verdict", governance::to_string(diff.verdict)},
                    {"breaks_interop", !diff.flag_day_domains.empty()},
                    {"flag_day_domains", domains_json(diff.flag_day_domains)},

@@ -8,6 +8,7 @@
 namespace ddssec::cli {
 
 /// Text and JSON of a comparison; does not set the exit code.
-Report report_of(const governance::GovernanceDiff& diff, const DiffSides& sides);
+/// `only_listed`: the comparison was one of the topics of --topics, and the text says so.
+Report report_of(const governance::GovernanceDiff& diff, const DiffSides& sides, bool only_listed);
 
 }  // namespace ddssec::cli

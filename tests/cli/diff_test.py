@@ -140,6 +140,21 @@ class GovernanceDifferences(Differences):
         self.diff("--fail-on", "weaker", exit=1)
         self.refused("usage", 2, "governance", "diff", "old.xml", "new.xml", "--fail-on", "wider")
 
+    def test_the_text_says_what_the_comparison_leaves_open(self):
+        for profile in ("strict", "open"):
+            self.run_program("governance", "new", "--profile", profile, "-o", f"{profile}.xml")
+        text = self.run_program("governance", "diff", "strict.xml", "open.xml").stdout
+        self.assertNotIn("stays protected", text)
+        self.assertIn("by itself it takes no protection away", text)
+        self.assertNotIn("--topics were compared", text)
+        less = (self.at / "strict.xml").read_text().replace(
+            "<liveliness_protection_kind>ENCRYPT", "<liveliness_protection_kind>NONE")
+        (self.at / "less.xml").write_text(less)
+        self.assertIn("stays protected", self.run_program("governance", "diff", "strict.xml", "less.xml").stdout)
+        (self.at / "topics").write_text("Square\n")
+        text = self.run_program("governance", "diff", "strict.xml", "open.xml", "--topics", "topics").stdout
+        self.assertIn("only the topics of --topics were compared", text)
+
     def test_what_is_too_hard_is_unknown_and_fails(self):
         self.write(governance(topic("*a" + "?" * 12), topic("*", "NONE")),
                    governance(topic("*[ab]" + "?" * 12), topic("*", "NONE")))
