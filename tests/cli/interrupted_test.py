@@ -162,8 +162,8 @@ class Interrupted(Transcript):
 
     def test_what_changes_a_keystore(self):
         self.run_program("init", "ks", "--layout", "sros2", *NOW)
-        self.everywhere("keystore", "permission", "ks", "/talker", "--publish", "rt/x", "--subscribe", "rt/x",
-                        "--node-defaults", after=[("keystore", "verify", "ks")])
+        self.everywhere("keystore", "permission", "ks", "/talker", "--publish", "r*", "--subscribe", "r*",
+                        after=[("keystore", "verify", "ks")])
 
     def test_what_takes_over_a_keystore_of_sros2(self):
         make_keystore(self.at / "ks")
