@@ -37,6 +37,7 @@ class Folder(Documents):
 class Story:
     def __init__(self, build, folder, kinds):
         self.build, self.at = build, pathlib.Path(folder)
+        self.is_embedded = set(kinds) == {"embedded"}
         self.began, self.processes, self.steps = time.time(), [], []
         self.ddssec("init", "demo", "--participant", "pub", "--participant", "sub", "--domain", str(DOMAIN))
         self.space = Namespace()
@@ -86,7 +87,7 @@ def rotated(story):
     samples, lost = story.subscriber.samples(), story.lost()
     note = "; ".join(f"{name}: {seconds:.1f} s, {count} lost" for name, seconds, count in lost)
     note = f"{len(samples)} samples; {note}"
-    for name, seconds, count in lost[:-1]:
+    for name, seconds, count in lost if story.is_embedded else lost[:-1]:
         check(f"a step that ends nothing lost samples: {note}", (name, count) == (name, 0))
     check(f"it does not talk any more: {note}", samples[-1][0] > story.now() - 3)
     check(f"too long: {note}", all(seconds < GAP for _, seconds, _ in lost))
