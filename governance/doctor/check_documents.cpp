@@ -288,7 +288,7 @@ void report_unreadable(const Subject& subject, Diagnosis& out) {
     return out.report(
         kNobody,
         {.rule = Rule::DOC036,
-         .message = fmt::format("{}: what is signed there is empty, 0 octets",
+         .message = fmt::format("{}: the signed document is empty, 0 octets",
                                 subject.path.filename().string()),
          .document = subject.path,
          .hint = fmt::format("write the {} document again and sign it", subject.about)},

@@ -38,7 +38,7 @@ class EmptyDocuments(ProductRefusals):
                 folder.sign(name, "", form=form)
                 verdicts, told = self.doctor("DOC036", f"empty-{name}")
                 self.assertEqual(verdicts, dict.fromkeys(ALL, "fail"), form)
-                self.assertIn(f"{name}.p7s: what is signed there is empty", told[0])
+                self.assertIn(f"{name}.p7s: the signed document is empty", told[0])
 
 
 class Names(ProductRefusals):

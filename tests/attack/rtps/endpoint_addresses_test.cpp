@@ -279,7 +279,7 @@ struct AddressesItNeverSendsFrom : InsiderAddresses {
     write(20);
     source.reset();
   }
-  /// Mallory forgets alice, who goes on hearing mallory, and returns.
+  /// Mallory forgets alice and returns. Meanwhile alice still hears mallory.
   void meet_again() {
     const auto carry = std::exchange(world.filter, [&](const Node& from, Bytes datagram) {
       return &from == &alice ? std::vector<Bytes>{} : one(std::move(datagram));

@@ -233,7 +233,7 @@ TEST(CheckingHost, GetsTokensAsTheyCome) {
   EXPECT_EQ(Engine::tokens_in(engine.decoded(2, tokens)), tokens);
 }
 
-// ---- what access control is asked, and about whom
+// ---- the questions to access control
 
 constexpr EntityId kSecurePublications{{0xff, 0, 3, 0xc2}};
 
