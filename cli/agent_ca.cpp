@@ -58,8 +58,8 @@ pki::RequestedKey key_of_request(const Arguments& arguments) {
 }
 
 // The request comes from the participant, which must not get another name or, without --rekey,
-// another key.
-Status check_renewable(const RenewalRequest& request, const pki::Certificate& old,
+// another key. The result is the folder to record for the new certificate.
+Result<fs::path> check_renewable(const RenewalRequest& request, const pki::Certificate& old,
                        const fs::path& folder, const OpenCa& ca, const Arguments& arguments) {
   const auto file = folder / "cert.pem";
   DDSSEC_RETURN_IF_ERROR(
@@ -68,7 +68,8 @@ Status check_renewable(const RenewalRequest& request, const pki::Certificate& ol
   DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(ca.paths));
   const auto next = arguments.has("--rekey") ? NextKey::fresh : NextKey::same;
   DDSSEC_RETURN_IF_ERROR(check_not_revoked(old, file, ca.paths, log, next));
-  return check_own(old, folder, ca.paths, log, {});
+  DDSSEC_RETURN_IF_ERROR(check_own(old, folder, ca.paths, log, {}));
+  return recorded_folder(old, folder, ca.paths, log);
 }
 
 // A document that the CA has replaced since may give more. It would live on with each renewal.
@@ -116,11 +117,8 @@ Result<RenewalAnswer> renew_by_ca(const RenewalRequest& request, const fs::path&
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open("identity"));
   DDSSEC_ASSIGN_OR_RETURN(const auto old,
                           pki::Certificate::from_pem(as_bytes(request.certificate)));
-  DDSSEC_RETURN_IF_ERROR(check_renewable(request, old, folder, ca, arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const auto home, check_renewable(request, old, folder, ca, arguments));
   DDSSEC_ASSIGN_OR_RETURN(const auto renewed, issue(request, old, ca, arguments, context));
-  std::error_code ignored;
-  const auto place = fs::absolute(folder, ignored).lexically_normal();
-  const auto home = place.has_filename() ? place : place.parent_path();
   DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   DDSSEC_RETURN_IF_ERROR(log_issued(
       ca.paths, pki::IssueLog::issued_line(renewed, home.string(), context.clock.now())));

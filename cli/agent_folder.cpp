@@ -17,7 +17,7 @@
 #include <fmt/format.h>
 
 #include "base/tool_code.hpp"
-#include "cli/folder_path.hpp"
+#include "cli/guarded_path.hpp"
 #include "cli/transaction.hpp"
 
 namespace ddssec::cli {
@@ -128,10 +128,9 @@ Status become(const FolderOwner& owner) {
 }
 
 Result<FolderLock> FolderLock::take(const fs::path& path) {
-  auto opened = open_folder_by_path(name_of(path), O_RDONLY);
-  if (!opened.foreign_link.empty()) return foreign_link(path, opened.foreign_link);
-  if (!opened.folder) return unreadable(path, opened.error);
-  const int folder = opened.folder.release();
+  DDSSEC_ASSIGN_OR_RETURN(auto opened, open_guarded(name_of(path), O_RDONLY));
+  if (!opened) return unreadable(path, errno);
+  const int folder = opened.release();
   FolderLock out(folder, -1, {});
   DDSSEC_ASSIGN_OR_RETURN(out.owner_, check_folder(folder, path));
   struct stat status {};

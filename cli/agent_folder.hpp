@@ -30,7 +30,8 @@ Status become(const FolderOwner& owner);
 /// file stays and its lock ends.
 class FolderLock {
  public:
-  /// Errors: those of check_folder; file_unreadable, file_unwritable; agent_is_running.
+  /// Errors: those of check_folder and open_guarded; file_unreadable, file_unwritable;
+  /// agent_is_running.
   static Result<FolderLock> take(const std::filesystem::path& folder);
 
   /// False after the folder or the file in it was removed or replaced, or the owner was changed.

@@ -137,6 +137,8 @@ Result<pki::PrivateKey> key_for_request(const Participant& self) {
   const auto& files = self.files;
   if (self.task.is_rekeying) {
     if (files.key.extension() == ".p11") return fail(Code::key_in_token, {.document = files.key});
+    DDSSEC_ASSIGN_OR_RETURN(const auto present, read_key(files.key, nullptr));
+    DDSSEC_RETURN_IF_ERROR(named(present.matches(self.certificate), files.key));
     const auto kind = self.certificate.key_algorithm();
     return pki::PrivateKey::generate(kind.kind, kind.bits);
   }

@@ -4,6 +4,7 @@
 #include <iterator>
 #include <map>
 
+#include "base/tool_code.hpp"
 #include "cli/documents.hpp"
 #include "cli/held_folder.hpp"
 #include "cli/inputs.hpp"
@@ -173,7 +174,8 @@ Error left_behind(const Error& error) {
 }
 
 bool is_unwritable(const Error& error) {
-  return error.code() == Code::file_unwritable || error.code() == Code::would_overwrite;
+  return error.code() == Code::file_unwritable || error.code() == Code::would_overwrite ||
+         error.code() == tool_code::link_untrusted;
 }
 
 /// Drafts the files of the followers one after the other: all files of a follower, or none.
@@ -366,9 +368,8 @@ struct Reissue {
                           context.random));
     DDSSEC_RETURN_IF_ERROR(out.put_public(files.certificate, again.pem()));
     DDSSEC_RETURN_IF_ERROR(put_trust(out, follower, again));
-    std::error_code ignored;
-    return pki::IssueLog::issued_line(
-        again, fs::absolute(files.folder, ignored).lexically_normal().string(), now);
+    const auto folder = recorded_folder(certificate, files.folder, change.old.paths, log);
+    return pki::IssueLog::issued_line(again, folder.string(), now);
   }
 };
 

@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-#include "cli/folder_path.hpp"
+#include "cli/guarded_path.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -49,21 +49,28 @@ int open_folder(int parent, const std::string& name, int flags) {
   return ::openat(parent, name.c_str(), flags);
 }
 
-int keep(const std::string& name, int folder, bool is_held) {
-  if (folder >= 0) folders().insert_or_assign(name, Folder{folder, is_held});
+// O_PATH, because a user without the right to list a folder may still write into it.
+
+int open_and_keep(const std::string& name) {
+  const int folder = open_folder(AT_FDCWD, name, O_PATH);
+  if (folder >= 0) folders().insert_or_assign(name, Folder{folder, false});
   return folder;
 }
 
-// O_PATH, because a user without the right to list a folder may still write into it.
-OpenedFolder open_to_hold(const std::string& name) {
-  auto opened = open_folder_by_path(name, O_PATH);
-  if (opened.error == EMFILE && raise_limit()) opened = open_folder_by_path(name, O_PATH);
-  return opened;
+Result<Descriptor> open_to_hold(const std::string& name) {
+  auto folder = open_guarded(name, O_PATH);
+  const bool is_full = folder && !*folder && errno == EMFILE;
+  return is_full && raise_limit() ? open_guarded(name, O_PATH) : std::move(folder);
 }
 
 const Folder* find_held(const fs::path& path) {
   const auto found = folders().find(name_of(path));
   return found != folders().end() && found->second.is_held ? &found->second : nullptr;
+}
+
+bool is_link(const std::string& name) {
+  struct stat status {};
+  return ::lstat(name.c_str(), &status) == 0 && S_ISLNK(status.st_mode);
 }
 
 fs::path path_of(int folder) { return fmt::format("/proc/self/fd/{}", folder); }
@@ -88,23 +95,26 @@ Status check_proc(int folder, const std::string& name) {
 Status hold_folder(const fs::path& folder) {
   const auto name = name_of(folder);
   if (find_held(folder) != nullptr) return {};
-  auto opened = open_to_hold(name);
-  if (opened.folder) return check_proc(keep(name, opened.folder.release(), true), name);
-  if (!opened.foreign_link.empty()) return foreign_link(folder, opened.foreign_link);
-  if (opened.error == ELOOP)
+  DDSSEC_ASSIGN_OR_RETURN(auto opened, open_to_hold(name));
+  const int error = errno;
+  if (opened) {
+    const int number = opened.release();
+    folders().insert_or_assign(name, Folder{number, true});
+    return check_proc(number, name);
+  }
+  if (is_link(name))
     return fail(Code::would_overwrite,
                 {.document = name,
                  .note = "it is a link, which may be exchanged while the command runs",
                  .hint = "name the folder that the link leads to"});
   return fail(Code::file_unwritable,
-              {.document = name, .note = std::generic_category().message(opened.error)});
+              {.document = name, .note = std::generic_category().message(error)});
 }
 
 int folder_descriptor(const fs::path& folder) {
   const auto name = name_of(folder);
   const auto found = folders().find(name);
-  if (found != folders().end()) return found->second.descriptor;
-  return keep(name, open_folder(AT_FDCWD, name, O_PATH), false);
+  return found != folders().end() ? found->second.descriptor : open_and_keep(name);
 }
 
 Descriptor open_folder_in(int parent, const fs::path& name) {

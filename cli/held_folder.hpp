@@ -11,9 +11,9 @@ namespace ddssec::cli {
 
 /// Opens a participant's folder and keeps it open until the process ends. From now on commands read
 /// and write the files directly in it through its descriptor, wherever the path leads later. Call
-/// it before reading the first file whose content decides what is written. A symbolic link is not
-/// followed, nor one in the path that another user could have made (open_folder_by_path). Errors:
-/// would_overwrite (a link), folder_untrusted (a link of another user), file_unwritable.
+/// it before reading the first file whose content decides what is written. A symbolic link in its
+/// place is not followed, nor is one in the path that another user can change (guarded_path.hpp).
+/// Errors: would_overwrite (a link), link_untrusted, file_unwritable.
 Status hold_folder(const std::filesystem::path& folder);
 
 /// The descriptor of a folder, by the path given to hold_folder(). A folder that is not held is

@@ -79,23 +79,37 @@ Status check_not_ended(const OldPermissions& old, const pki::ParticipantFolder& 
                        "anyway; without --permissions only the certificate is renewed"});
 }
 
-Result<governance::Permissions> put_extended(Replacement& out, const pki::ParticipantFolder& files,
-                                             const pki::Certificate& renewed, const OpenCa& ca,
-                                             const Arguments& arguments, const Context& context) {
-  const auto now = context.clock.now();
+/// One renewal: the files in the folder, and those that replace them.
+struct Renewal {
+  const Arguments& arguments;
+  const Context& context;
+  fs::path path;  ///< of the certificate
+  pki::ParticipantFolder files;
+  pki::Certificate old;
+  fs::path recorded = {};  ///< the folder by the CA's log
+
+  WallTime now() const { return context.clock.now(); }
+  bool is_rekeying() const { return arguments.has("--rekey"); }
+};
+
+Result<governance::Permissions> put_extended(Replacement& out, const Renewal& job,
+                                             const pki::Certificate& renewed, const OpenCa& ca) {
+  const auto& files = job.files;
+  const auto now = job.now();
   DDSSEC_RETURN_IF_ERROR(check_same_ca(files, ca));
   DDSSEC_RETURN_IF_ERROR(check_moved(ca.paths, files.permissions, now));
   DDSSEC_ASSIGN_OR_RETURN(const auto old,
                           permissions_in(files, ca.paths.certificate, renewed, now));
-  DDSSEC_RETURN_IF_ERROR(check_not_ended(old, files, arguments));
+  DDSSEC_RETURN_IF_ERROR(check_not_ended(old, files, job.arguments));
   auto document = extended(old, renewed, renewed.not_after());
   const auto xml = to_xml(document);
   DDSSEC_ASSIGN_OR_RETURN(const auto octets,
-                          sign_permissions(ca.authority, xml, now, context.random));
+                          sign_permissions(ca.authority, xml, now, job.context.random));
   const auto plain = fs::path(files.permissions).replace_extension("xml");
   if (is_there(plain)) DDSSEC_RETURN_IF_ERROR(out.put_public(plain, xml));
   DDSSEC_RETURN_IF_ERROR(out.put(files.permissions, octets, 0644));
-  DDSSEC_RETURN_IF_ERROR(log_signed(ca, as_bytes(xml), files.permissions, now, old.text));
+  DDSSEC_RETURN_IF_ERROR(log_signed(ca, as_bytes(xml),
+                                    job.recorded / files.permissions.filename(), now, old.text));
   return document;
 }
 
@@ -124,6 +138,17 @@ std::string signed_in_words(const governance::Permissions& document, const fs::p
                      grant.default_allow ? "ALLOW" : "DENY", folder.string());
 }
 
+std::unexpected<Error> unfit_key(const pki::ParticipantFolder& files,
+                                 const pki::Certificate& certificate, std::string found) {
+  return fail(Code::key_mismatch,
+              {.document = files.key,
+               .expected = fmt::format("the key of {}, which {} certifies", certificate.subject(),
+                                       files.certificate.string()),
+               .found = std::move(found),
+               .hint = "put back the key or the certificate that belongs to the other; if the key "
+                       "is lost: ddssec identity issue --replace"});
+}
+
 // If the key is here: a folder that came back from a device may contain another participant's
 // certificate.
 Status check_fits_key(const pki::ParticipantFolder& files, const pki::Certificate& certificate) {
@@ -132,13 +157,18 @@ Status check_fits_key(const pki::ParticipantFolder& files, const pki::Certificat
   if (!encrypted || *encrypted) return {};
   const auto key = read_key(files.key, nullptr);
   if (!key || key->matches(certificate)) return {};
-  return fail(Code::key_mismatch,
-              {.document = files.key,
-               .expected = fmt::format("the key of {}, which {} certifies", certificate.subject(),
-                                       files.certificate.string()),
-               .found = "another key",
-               .hint = "put back the key or the certificate that belongs to the other; --rekey "
-                       "gives the participant a new key"});
+  return unfit_key(files, certificate, "another key");
+}
+
+// With --rekey the folder's owner gets a new key for the name in the certificate. A certificate is
+// no secret, so only the key shows that the name is the owner's.
+Status check_has_key(const pki::ParticipantFolder& files, const pki::Certificate& certificate) {
+  if (files.key.extension() == ".p11") return fail(Code::key_in_token, {.document = files.key});
+  if (!is_there(files.key)) return unfit_key(files, certificate, "none");
+  DDSSEC_ASSIGN_OR_RETURN(const bool encrypted, is_encrypted(files.key));
+  if (encrypted) return unfit_key(files, certificate, "a key with a passphrase, unread");
+  DDSSEC_ASSIGN_OR_RETURN(const auto key, read_key(files.key, nullptr));
+  return key.matches(certificate) ? Status() : unfit_key(files, certificate, "another key");
 }
 
 Status put_key(Replacement& out, const fs::path& path, const pki::PrivateKey& key) {
@@ -163,30 +193,19 @@ Report not_needed(const fs::path& path, const pki::Certificate& certificate) {
                      {"not_after", to_string(certificate.not_after())}}};
 }
 
-/// One renewal: the files in the folder, and those that replace them.
-struct Renewal {
-  const Arguments& arguments;
-  const Context& context;
-  fs::path path;  ///< of the certificate
-  pki::ParticipantFolder files;
-  pki::Certificate old;
-
-  WallTime now() const { return context.clock.now(); }
-  bool is_rekeying() const { return arguments.has("--rekey"); }
-};
-
-// The folder's own certificate, of a participant that is not revoked.
-Status check_renewable(const Renewal& job, const OpenCa& ca) {
+// The folder's own certificate, of a participant that is not revoked. The result is the folder to
+// record for the new one.
+Result<fs::path> check_renewable(const Renewal& job, const OpenCa& ca) {
   DDSSEC_RETURN_IF_ERROR(check_issuer(job.old, ca, job.path));
   DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(ca.paths));
   const auto next = job.is_rekeying() ? NextKey::fresh : NextKey::same;
   DDSSEC_RETURN_IF_ERROR(check_not_revoked(job.old, job.path, ca.paths, log, next));
+  const auto folder = job.path.parent_path();
   DDSSEC_RETURN_IF_ERROR(
-      check_own(job.old, job.path.parent_path(), ca.paths, log, job.arguments.text("--subject")));
-  if (!job.is_rekeying()) return check_fits_key(job.files, job.old);
-  if (job.files.key.extension() == ".p11")
-    return fail(Code::key_in_token, {.document = job.files.key});
-  return {};
+      check_own(job.old, folder, ca.paths, log, job.arguments.text("--subject")));
+  DDSSEC_RETURN_IF_ERROR(job.is_rekeying() ? check_has_key(job.files, job.old)
+                                           : check_fits_key(job.files, job.old));
+  return recorded_folder(job.old, folder, ca.paths, log);
 }
 
 Report renewed_report(const Renewal& job, const pki::Certificate& renewed) {
@@ -225,7 +244,7 @@ Status renew_permissions(const Renewal& job, const pki::Certificate& renewed, Ca
   if (is_asked && (!seen || end < renewed.not_after())) {
     DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open("permissions"));
     DDSSEC_ASSIGN_OR_RETURN(const auto document,
-                            put_extended(out, job.files, renewed, ca, job.arguments, job.context));
+                            put_extended(out, job, renewed, ca));
     report.result["permissions_until"] = to_string(renewed.not_after());
     report.text += fmt::format("permissions extended to {}\n", date(renewed.not_after()));
     report.text += signed_in_words(document, job.path.parent_path());
@@ -252,13 +271,13 @@ Status renew_permissions(const Renewal& job, const pki::Certificate& renewed, Ca
 }
 
 Result<Report> renew(Renewal job) {
-  const auto& [arguments, context, path, files, old] = job;
+  const auto& [arguments, context, path, files, old, recorded] = job;
   const auto now = job.now();
   DDSSEC_ASSIGN_OR_RETURN(const auto wanted, validity(arguments, now));
   CaOpener opener(arguments);
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open("identity"));
   DDSSEC_ASSIGN_OR_RETURN(job.old, certificate_of(path));  // a rotation may have been waited for
-  DDSSEC_RETURN_IF_ERROR(check_renewable(job, ca));
+  DDSSEC_ASSIGN_OR_RETURN(job.recorded, check_renewable(job, ca));
   DDSSEC_ASSIGN_OR_RETURN(const auto life,
                           within_ca(wanted, ca.certificate(), arguments.has("--clamp")));
   std::optional<pki::PrivateKey> key;
@@ -273,12 +292,10 @@ Result<Report> renew(Renewal job) {
   DDSSEC_RETURN_IF_ERROR(out.put_public(path, renewed.pem()));
   auto report = renewed_report(job, renewed);
   DDSSEC_RETURN_IF_ERROR(renew_permissions(job, renewed, opener, out, report));
-  std::error_code ignored;
-  const auto folder = fs::absolute(path, ignored).lexically_normal().parent_path();
   DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   DDSSEC_RETURN_IF_ERROR(log_issued(
       ca.paths,
-      pki::IssueLog::issued_line(renewed, folder.string(), now, path.filename().string())));
+      pki::IssueLog::issued_line(renewed, recorded.string(), now, path.filename().string())));
   report.text += old.not_after() <= now
                      ? "the identity had ended, and with it all connections: start the participant "
                        "again\n"
@@ -291,11 +308,15 @@ Result<Report> renew(Renewal job) {
 Result<Report> identity_renew(const Arguments& arguments, const Context& context) {
   const fs::path given = arguments.text("PATH");
   const auto path = certificate_path(given);
-  DDSSEC_RETURN_IF_ERROR(finish_interrupted(path.parent_path()));
+  const auto folder = path.parent_path();
+  std::error_code ignored;
+  if (fs::is_directory(folder.empty() ? "." : folder, ignored))
+    DDSSEC_RETURN_IF_ERROR(hold_folder(folder));
+  DDSSEC_RETURN_IF_ERROR(finish_interrupted(folder));
   DDSSEC_RETURN_IF_ERROR(certificate_of(given));
-  DDSSEC_RETURN_IF_ERROR(hold_folder(path.parent_path()));
+  DDSSEC_RETURN_IF_ERROR(hold_folder(folder));
   DDSSEC_ASSIGN_OR_RETURN(const auto old, certificate_of(path));
-  const Renewal job{arguments, context, path, pki::participant_folder(path.parent_path()), old};
+  const Renewal job{arguments, context, path, pki::participant_folder(folder), old};
   DDSSEC_ASSIGN_OR_RETURN(const auto needed, is_needed(arguments, job.old, job.now()));
   if (!needed) return not_needed(path, job.old);
   return renew(job);

@@ -134,6 +134,14 @@ Belonging belonging_of(const pki::Certificate& certificate, const fs::path& give
   return is_copy || issued_for(folder, log) != nullptr ? Belonging::foreign : Belonging::moved;
 }
 
+fs::path recorded_folder(const pki::Certificate& certificate, const fs::path& folder,
+                         const CaPaths& ca, const pki::IssueLog& log) {
+  const auto* entry = entry_of(certificate, log);
+  const bool is_own = entry != nullptr && !entry->folder.empty() &&
+                      belonging_of(certificate, folder, ca, log) == Belonging::own;
+  return is_own ? LoggedFolders(ca, log).today(entry->folder) : normal_folder(folder);
+}
+
 Status check_own(const pki::Certificate& certificate, const fs::path& folder, const CaPaths& ca,
                  const pki::IssueLog& log, const std::string& subject) {
   const auto belonging = belonging_of(certificate, folder, ca, log);

@@ -40,6 +40,13 @@ bool is_logged(const pki::Certificate& certificate, const pki::IssueLog& log);
 Status check_own(const pki::Certificate& certificate, const std::filesystem::path& folder,
                  const CaPaths& ca, const pki::IssueLog& log, const std::string& subject);
 
+/// The folder that the log names for the successor of a certificate: the one that it names for the
+/// certificate, if that was issued for the given folder. The given path may lead to the folder of
+/// another participant, which would then be this one's. Otherwise the given folder, absolute.
+std::filesystem::path recorded_folder(const pki::Certificate& certificate,
+                                      const std::filesystem::path& folder, const CaPaths& ca,
+                                      const pki::IssueLog& log);
+
 /// Success if no other folder has the certificate, by the log and by `seen` (folders by serial
 /// number), to which it is added. Once the log records it for a folder, renewals rely on that.
 /// Error: certificate_of_another_folder.

@@ -94,15 +94,15 @@ class Exchanged(AgentTest):
     def test_a_link_of_the_folders_owner_in_the_path_leads_nowhere(self):
         before = self.lead_to_another()
         command, event = self.renew_by_both(exit=4)
-        self.assertIn("folder_untrusted", command.stderr)
-        self.assertIn("the link ", command.stderr)
-        self.assertEqual((event["event"], event["code"]), ("failed", "folder_untrusted"), event)
+        self.assertIn("link_untrusted", command.stderr)
+        self.assertIn("a link of user ", command.stderr)
+        self.assertEqual((event["event"], event["code"]), ("failed", "link_untrusted"), event)
         self.assertEqual((self.at / "next/dds/robot/cert.pem").read_bytes(), before)
 
     def test_a_link_of_root_in_a_folder_of_another_user_leads_nowhere(self):
         before = self.lead_to_another(link_of=0)
         _, event = self.renew_by_both(exit=4)
-        self.assertEqual(event["code"], "folder_untrusted", event)
+        self.assertEqual(event["code"], "link_untrusted", event)
         self.assertEqual((self.at / "next/dds/robot/cert.pem").read_bytes(), before)
 
     def test_a_link_of_root_in_a_folder_of_root_is_followed(self):

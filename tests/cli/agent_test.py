@@ -288,6 +288,8 @@ class Folders(AgentTest):
         (self.talker / "cert.pem").write_bytes((self.at / "demo/admin/cert.pem").read_bytes())
         for path in (self.talker, *self.talker.iterdir()):
             os.chown(path, OTHER, OTHER)
+        self.refused("key_mismatch", "--ca", "demo", "--rekey", *self.LATER)
+        (self.talker / "key.pem").write_bytes((self.at / "demo/admin/key.pem").read_bytes())
         event = self.refused("folder_untrusted", "--ca", "demo", "--rekey", *self.LATER, exit=4)
         self.assertIn("with --rekey", event["message"])
 

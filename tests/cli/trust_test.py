@@ -115,7 +115,8 @@ class Certificates(Trust):
         self.steal("key.pem")
         told = self.refused("key_mismatch", 1, "identity", "renew", "demo/a", "--ca", "demo", *NOW)
         self.assertIn("the key of CN=a", told["message"])
-        self.renew("--rekey")
+        self.refused("key_mismatch", 1, "identity", "renew", "demo/a", "--ca", "demo", "--rekey", *NOW)
+        self.json("identity", "issue", "a", "--ca", "demo", "-o", "demo/a", "--publish", "x", "--replace", *NOW)
         self.json("doctor", "demo/a", *NOW)
 
     def test_a_folder_that_moved_needs_the_participants_name_once(self):
