@@ -60,7 +60,8 @@ pki::RequestedKey key_of_request(const Arguments& arguments) {
 // The request comes from the participant, which must not get another name or, without --rekey,
 // another key. The result is the folder to record for the new certificate.
 Result<fs::path> check_renewable(const RenewalRequest& request, const pki::Certificate& old,
-                       const fs::path& folder, const OpenCa& ca, const Arguments& arguments) {
+                                 const fs::path& folder, const OpenCa& ca,
+                                 const Arguments& arguments) {
   const auto file = folder / "cert.pem";
   DDSSEC_RETURN_IF_ERROR(
       check_renewal_request(as_bytes(request.request), old, key_of_request(arguments)));

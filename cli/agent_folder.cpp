@@ -2,12 +2,12 @@
 
 #include <array>
 #include <cerrno>
-#include <cstdlib>
-#include <cstring>
+#include <csignal>
 #include <fcntl.h>
 #include <grp.h>
 #include <pwd.h>
 #include <sys/file.h>
+#include <sys/prctl.h>
 #include <sys/stat.h>
 #include <system_error>
 #include <unistd.h>
@@ -79,22 +79,6 @@ Groups groups_of(const FolderOwner& owner) {
   return out;
 }
 
-// The variables can hold the CA's passphrase, and what is written to the agent's output counts as
-// the agent's words.
-Status leave_behind() {
-  for (char** variable = environ; variable != nullptr && *variable != nullptr; ++variable)
-    ::explicit_bzero(*variable, std::strlen(*variable));
-  ::clearenv();
-  const int nothing = ::open("/dev/null", O_RDWR | O_CLOEXEC);
-  const bool is_done =
-      nothing >= 0 && ::dup2(nothing, STDOUT_FILENO) >= 0 && ::dup2(nothing, STDERR_FILENO) >= 0;
-  const int error = errno;
-  if (nothing >= 0) ::close(nothing);
-  if (is_done) return {};
-  return fail(Code::internal,
-              {.field = "/dev/null", .note = std::generic_category().message(error)});
-}
-
 }  // namespace
 
 Result<FolderOwner> check_folder(int descriptor, const fs::path& folder) {
@@ -122,7 +106,8 @@ Status become(const FolderOwner& owner) {
                        ::setresgid(groups.own, groups.own, groups.own) == 0 &&
                        ::setresuid(owner.user, owner.user, owner.user) == 0;
   const int error = errno;
-  if (is_done && ::setuid(0) != 0 && ::geteuid() == owner.user) return leave_behind();
+  ::prctl(PR_SET_PDEATHSIG, SIGTERM);  // a change of the user ends that
+  if (is_done && ::setuid(0) != 0 && ::geteuid() == owner.user) return {};
   return fail(Code::internal, {.field = fmt::format("the rights of user {}", owner.user),
                                .note = std::generic_category().message(error)});
 }
@@ -131,12 +116,12 @@ Result<FolderLock> FolderLock::take(const fs::path& path) {
   DDSSEC_ASSIGN_OR_RETURN(auto opened, open_guarded(name_of(path), O_RDONLY));
   if (!opened) return unreadable(path, errno);
   const int folder = opened.release();
-  FolderLock out(folder, -1, {});
-  DDSSEC_ASSIGN_OR_RETURN(out.owner_, check_folder(folder, path));
+  FolderLock out(folder, -1);
+  DDSSEC_ASSIGN_OR_RETURN(out.locked_.owner, check_folder(folder, path));
   struct stat status {};
   if (::fstat(folder, &status) != 0) return unreadable(path, errno);
-  out.device_ = status.st_dev;
-  out.inode_ = status.st_ino;
+  out.locked_.device = status.st_dev;
+  out.locked_.inode = status.st_ino;
   constexpr int kFlags = O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC;
   const int file = ::openat(folder, kLockName, kFlags, 0600);
   if (file < 0) return unwritable(path / kLockName, errno);
@@ -157,22 +142,23 @@ Result<FolderLock> FolderLock::take(const fs::path& path) {
   return fail(tool_code::agent_is_running, {.document = path});
 }
 
-bool FolderLock::is_same(const struct stat& other) const {
-  return other.st_dev == device_ && other.st_ino == inode_ && other.st_uid == owner_.user;
+bool LockedFolder::is_same(const struct stat& other) const {
+  return other.st_dev == device && other.st_ino == inode && other.st_uid == owner.user;
 }
 
 bool FolderLock::is_in_place(const fs::path& path) const {
   struct stat status {};
-  return ::lstat(name_of(path).c_str(), &status) == 0 && is_same(status) && is_at(folder_, file_);
+  return ::lstat(name_of(path).c_str(), &status) == 0 && locked_.is_same(status) &&
+         is_at(folder_, file_);
 }
 
-Status FolderLock::check_same(int descriptor, const fs::path& folder) const {
+Status LockedFolder::check_same(int descriptor, const fs::path& folder) const {
   struct stat status {};
   if (::fstat(descriptor, &status) != 0) return unreadable(folder, errno);
   if (is_same(status)) return {};
   return fail(tool_code::folder_untrusted,
               {.document = folder,
-               .expected = fmt::format("the folder of user {} that the agent locked", owner_.user),
+               .expected = fmt::format("the folder of user {} that the agent locked", owner.user),
                .found = fmt::format("a folder of user {} in its place", status.st_uid),
                .hint = "let no other user write in the folders above it"});
 }
@@ -186,16 +172,12 @@ FolderLock::~FolderLock() {
 FolderLock::FolderLock(FolderLock&& other) noexcept
     : folder_(std::exchange(other.folder_, -1)),
       file_(std::exchange(other.file_, -1)),
-      owner_(other.owner_),
-      device_(other.device_),
-      inode_(other.inode_) {}
+      locked_(other.locked_) {}
 
 FolderLock& FolderLock::operator=(FolderLock&& other) noexcept {
   std::swap(folder_, other.folder_);
   std::swap(file_, other.file_);
-  std::swap(owner_, other.owner_);
-  std::swap(device_, other.device_);
-  std::swap(inode_, other.inode_);
+  std::swap(locked_, other.locked_);
   return *this;
 }
 

@@ -25,6 +25,18 @@ Result<FolderOwner> check_folder(int descriptor, const std::filesystem::path& fo
 /// Does nothing in a folder of root's. Error: internal.
 Status become(const FolderOwner& owner);
 
+/// A folder that the agent locked, for the processes that open it by its path again.
+struct LockedFolder {
+  FolderOwner owner;
+  dev_t device = 0;
+  ino_t inode = 0;
+
+  bool is_same(const struct stat& other) const;
+  /// Success if this open folder is the locked one, under its owner. The path may lead to another
+  /// one by now. Error: folder_untrusted.
+  Status check_same(int descriptor, const std::filesystem::path& folder) const;
+};
+
 /// Says to other agents that this one keeps a folder, as long as it lives: a locked file in it,
 /// which only the agent's user can open. It is removed at the end; if the process is killed, the
 /// file stays and its lock ends.
@@ -36,26 +48,20 @@ class FolderLock {
 
   /// False after the folder or the file in it was removed or replaced, or the owner was changed.
   bool is_in_place(const std::filesystem::path& folder) const;
-  /// Success if this open folder is the locked one, under its owner. A process that opens the folder
-  /// by its path may get another one. Error: folder_untrusted.
-  Status check_same(int descriptor, const std::filesystem::path& folder) const;
   /// The open file: a process that has it keeps the lock.
   int descriptor() const { return file_; }
-  const FolderOwner& owner() const { return owner_; }
+  const LockedFolder& folder() const { return locked_; }
+  const FolderOwner& owner() const { return locked_.owner; }
 
   ~FolderLock();
   FolderLock(FolderLock&& other) noexcept;
   FolderLock& operator=(FolderLock&& other) noexcept;
 
  private:
-  FolderLock(int folder, int file, FolderOwner owner)
-      : folder_(folder), file_(file), owner_(owner) {}
-  bool is_same(const struct stat& other) const;
+  FolderLock(int folder, int file) : folder_(folder), file_(file) {}
   int folder_;
   int file_;
-  FolderOwner owner_;
-  dev_t device_ = 0;  ///< of the folder: a child process does not have it open
-  ino_t inode_ = 0;
+  LockedFolder locked_ = {};
 };
 
 }  // namespace ddssec::cli

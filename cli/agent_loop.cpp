@@ -10,6 +10,7 @@
 #include "base/tool_code.hpp"
 #include "cli/agent_ca.hpp"
 #include "cli/agent_schedule.hpp"
+#include "cli/agent_worker.hpp"
 #include "cli/held_folder.hpp"
 #include "cli/inputs.hpp"
 #include "cli/transaction.hpp"
@@ -29,43 +30,6 @@ std::unexpected<Error> worker_ended(End end) {
   if (end == End::stopped) return fail(Code::interrupted);
   return fail(Code::internal, {.field = "a process of the agent",
                                .note = end == End::too_slow ? "it took too long" : "it has ended"});
-}
-
-Json error_line(const Error& error) { return {{"error", error_to_json(error)}}; }
-
-int send(int out, const Json& json) {
-  auto line = to_line(json) + '\n';
-  for (std::string_view rest = line; !rest.empty();) {
-    const auto written = ::write(out, rest.data(), rest.size());
-    if (written < 0 && errno != EINTR) return 1;
-    if (written > 0) rest.remove_prefix(static_cast<std::size_t>(written));
-  }
-  return 0;
-}
-
-// Of a child, whose reads may wait: an interruption ends it.
-Result<std::string> receive(int in) {
-  std::string out;
-  std::array<char, 4096> part{};
-  while (out.size() <= kMaxAgentLine && !out.ends_with('\n')) {
-    const auto size = ::read(in, part.data(), part.size());
-    DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
-    if (size <= 0) return worker_ended(End::closed);
-    out.append(part.data(), static_cast<std::size_t>(size));
-  }
-  return out;
-}
-
-int work_in_folder(const AgentTask& task, const FolderLock* lock, const Context& context, int in,
-                   int out) {
-  const AskCa ask = [&](const RenewalRequest& request) -> Result<RenewalAnswer> {
-    if (send(out, to_json(request)) != 0) return worker_ended(End::closed);
-    DDSSEC_ASSIGN_OR_RETURN(const auto receive_value, receive(in));
-    DDSSEC_ASSIGN_OR_RETURN(auto json, json_from(receive_value));
-    return answer_from(std::move(json));
-  };
-  const auto event = tend_folder(task, lock, ask, context);
-  return send(out, event ? *event : error_line(event.error()));
 }
 
 // Tried again with the same PIN or passphrase, it may lock the token.
@@ -199,16 +163,29 @@ Result<Json> Agent::try_to_tend(Folder& folder) {
   }
   if (folder.lock)
     folder.task.uses_no_token = owners_with_wrong_pin_.contains(folder.lock->owner().user);
-  DDSSEC_ASSIGN_OR_RETURN(
-      auto worker,
-      ChildProcess::start(
-          signals_,
-          [&](int in, int out) {
-            return work_in_folder(folder.task, folder.lock ? &*folder.lock : nullptr, context_, in,
-                                  out);
-          },
-          folder.lock ? folder.lock->descriptor() : -1));
+  const int lock = folder.lock ? folder.lock->descriptor() : -1;
+  const bool is_own = folder.lock && folder.lock->owner().user == ::geteuid();
+  DDSSEC_ASSIGN_OR_RETURN(auto worker, ChildProcess::start(
+                                           signals_,
+                                           [&](int in, int out) {
+                                             return become_worker(
+                                                 worker_variables(is_own, secret_variables()), in,
+                                                 out, lock);
+                                           },
+                                           lock));
+  const auto order =
+      order_line(folder.task, folder.lock ? &folder.lock->folder() : nullptr,
+                 arguments_.has("--now") ? std::optional(context_.clock.now()) : std::nullopt);
+  const auto sent = worker.write(order, steady_clock::now() + kTimeForFiles);
+  if (sent != End::done) return worker_ended(sent);
   return converse(folder, worker);
+}
+
+// Only the process that asks the CA, and the hook, need them.
+std::vector<std::string> Agent::secret_variables() const {
+  auto out = arguments_.all("--hook-env");
+  if (arguments_.has("--passphrase-env")) out.push_back(arguments_.text("--passphrase-env"));
+  return out;
 }
 
 // The worker asks at most once. If the CA's answer is an error, the worker ends without an answer:
@@ -250,7 +227,7 @@ Result<RenewalAnswer> Agent::ask_ca(const Folder& folder, const RenewalRequest& 
 Result<Json> Agent::from_process(const std::function<Result<Json>()>& work) {
   DDSSEC_ASSIGN_OR_RETURN(auto process, ChildProcess::start(signals_, [&](int, int out) {
                             const auto result = work();
-                            return send(out, result ? *result : error_line(result.error()));
+                            return send_line(out, result ? *result : error_line(result.error()));
                           }));
   std::string line;
   const auto end = process.read_line(line, kMaxAgentLine, steady_clock::now() + kTimeForOwnCa);
@@ -267,7 +244,7 @@ Result<RenewalAnswer> Agent::ask_own_ca(const Folder& folder, const RenewalReque
   const auto json = from_process([&]() -> Result<Json> {
     const auto& path = folder.task.folder;
     DDSSEC_RETURN_IF_ERROR(hold_folder(path));
-    DDSSEC_RETURN_IF_ERROR(folder.lock->check_same(folder_descriptor(path), path));
+    DDSSEC_RETURN_IF_ERROR(folder.lock->folder().check_same(folder_descriptor(path), path));
     const auto answer = renew_by_ca(request, path, arguments_, context_);
     if (!answer) return std::unexpected(answer.error());
     return to_json(*answer);

@@ -53,6 +53,7 @@ class Agent {
   void note_failure(Folder& folder, const Error& error);
   void look_at_all_now();
   Json mode() const;
+  std::vector<std::string> secret_variables() const;
 
   const Arguments& arguments_;
   std::optional<Hook> hook_;

@@ -1,6 +1,8 @@
 #include "cli/agent_messages.hpp"
 
 #include <algorithm>
+#include <cerrno>
+#include <unistd.h>
 
 #include "base/code.hpp"
 
@@ -9,12 +11,6 @@ namespace {
 
 std::unexpected<Error> unclear() {
   return fail(Code::internal, {.field = "a process of the agent", .note = "an unclear message"});
-}
-
-// 0 if it is none.
-std::int64_t number_in(const Json& json, std::string_view name) {
-  const auto found = json.find(name);
-  return found != json.end() && found->is_number_integer() ? found->get<std::int64_t>() : 0;
 }
 
 Result<Bytes> octets_in(const Json& json, std::string_view name) {
@@ -36,9 +32,26 @@ Result<Json> json_from(std::string_view line) {
   return out;
 }
 
+int send_line(int out, const Json& value) {
+  const auto line = to_line(value) + '\n';
+  for (std::string_view rest = line; !rest.empty();) {
+    const auto written = ::write(out, rest.data(), rest.size());
+    if (written < 0 && errno != EINTR) return 1;
+    if (written > 0) rest.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return 0;
+}
+
+Json error_line(const Error& error) { return {{"error", error_to_json(error)}}; }
+
 std::string text_in(const Json& json, std::string_view name) {
   const auto found = json.find(name);
   return found != json.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+std::int64_t number_in(const Json& json, std::string_view name) {
+  const auto found = json.find(name);
+  return found != json.end() && found->is_number_integer() ? found->get<std::int64_t>() : 0;
 }
 
 Json to_json(const RenewalRequest& request) {

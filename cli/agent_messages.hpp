@@ -34,6 +34,11 @@ struct RenewalAnswer {
 std::string to_line(const Json& value);
 Result<Json> json_from(std::string_view line);
 
+/// Writes one line into a pipe. Returns 0, or 1 if no process reads it.
+int send_line(int out, const Json& value);
+/// What a process sends in place of a result.
+Json error_line(const Error& error);
+
 Json to_json(const RenewalRequest& request);
 Result<RenewalRequest> request_from(const Json& json);
 Json to_json(const RenewalAnswer& answer);
@@ -45,5 +50,7 @@ Error error_from(const Json& json);
 
 /// The text of a member; empty if there is none of that name, or it is no text.
 std::string text_in(const Json& json, std::string_view name);
+/// The number of a member; 0 if there is none of that name, or it is no whole number.
+std::int64_t number_in(const Json& json, std::string_view name);
 
 }  // namespace ddssec::cli

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <fmt/format.h>
 
@@ -51,7 +50,6 @@ struct Participant {
   const Context& context;
   pki::ParticipantFolder files;
   pki::Certificate certificate;
-  bool has_changed_user = false;  ///< the process has the rights of the folder's owner
   Bytes permissions = {};  ///< signed by the folder's permissions CA; empty: not to be extended
   std::optional<WallTime> permissions_end = {};
 
@@ -89,14 +87,13 @@ void read_permissions_of(Participant& self) {
   self.permissions_end = found->grant.validity.not_after;
 }
 
-Result<Participant> read_participant(const AgentTask& task, const FolderLock* lock,
+Result<Participant> read_participant(const AgentTask& task, const LockedFolder* locked,
                                      const Context& context) {
   DDSSEC_RETURN_IF_ERROR(hold_folder(task.folder));
-  if (lock != nullptr)
-    DDSSEC_RETURN_IF_ERROR(lock->check_same(folder_descriptor(task.folder), task.folder));
+  if (locked != nullptr)
+    DDSSEC_RETURN_IF_ERROR(locked->check_same(folder_descriptor(task.folder), task.folder));
   DDSSEC_ASSIGN_OR_RETURN(const auto owner,
                           check_folder(folder_descriptor(task.folder), task.folder));
-  const auto agents_user = ::geteuid();
   DDSSEC_RETURN_IF_ERROR(become(owner));
   DDSSEC_RETURN_IF_ERROR(finish_interrupted(as_held(task.folder)));
   auto files = files_in(task.folder);
@@ -104,8 +101,7 @@ Result<Participant> read_participant(const AgentTask& task, const FolderLock* lo
     return fail(Code::key_in_token, {.document = files.certificate,
                                      .note = "the certificate is in a token, not in a file"});
   DDSSEC_ASSIGN_OR_RETURN(auto certificate, read_certificate(files.certificate));
-  Participant out{task, context, std::move(files), std::move(certificate),
-                  ::geteuid() != agents_user};
+  Participant out{task, context, std::move(files), std::move(certificate)};
   read_permissions_of(out);
   return out;
 }
@@ -142,11 +138,6 @@ Result<pki::PrivateKey> key_for_request(const Participant& self) {
     const auto kind = self.certificate.key_algorithm();
     return pki::PrivateKey::generate(kind.kind, kind.bits);
   }
-  // The owner decides which libraries are loaded for a token, and this process is a copy of root's.
-  if (self.has_changed_user && files.key.extension() == ".p11")
-    return fail(Code::key_in_token, {.document = files.key,
-                                     .note = "the folder is another user's",
-                                     .hint = "let an agent keep the folder that this user runs"});
   if (self.task.uses_no_token && files.key.extension() == ".p11")
     return fail(Code::pkcs11_pin_wrong,
                 {.document = files.key, .note = "not tried: a token has refused a PIN before"});
@@ -285,10 +276,10 @@ Result<Json> renew(const Participant& self, const AskCa& ask) {
 
 }  // namespace
 
-Result<Json> tend_folder(const AgentTask& task, const FolderLock* lock, const AskCa& ask,
+Result<Json> tend_folder(const AgentTask& task, const LockedFolder* locked, const AskCa& ask,
                          const Context& context) {
   ::umask(022);
-  DDSSEC_ASSIGN_OR_RETURN(const auto self, read_participant(task, lock, context));
+  DDSSEC_ASSIGN_OR_RETURN(const auto self, read_participant(task, locked, context));
   const auto due = due_time(self);
   if (due > self.now()) return event_of("current", self.certificate, due);
   if (task.is_dry_run) return event_of("due", self.certificate, due);

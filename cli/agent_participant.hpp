@@ -37,8 +37,8 @@ using AskCa = std::function<Result<RenewalAnswer>(const RenewalRequest&)>;
 ///   {"event": "current" | "due" | "renewed", "subject", "not_after", "next", ...}
 /// Errors: folder_untrusted, key_in_token, key_mismatch, renewal_unfit, renewal_goes_back, those of
 /// `ask`, of ChainVerifier::verify and of Replacement.
-/// With a lock, the folder must be the locked one.
-Result<Json> tend_folder(const AgentTask& task, const FolderLock* lock, const AskCa& ask,
+/// With a locked folder, the one of the task must be that one.
+Result<Json> tend_folder(const AgentTask& task, const LockedFolder* locked, const AskCa& ask,
                          const Context& context);
 
 }  // namespace ddssec::cli

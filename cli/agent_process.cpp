@@ -55,7 +55,7 @@ void close_all_but(std::array<int, 3> kept) {
 
 [[noreturn]] void run_child(const HeldSignals& signals, const ChildProcess::Body& body, int in,
                             int out, int kept) {
-  ::setpgid(0, 0);
+  ::setsid();  // with the terminal, its user could be made to run commands
   // Without the agent there is no work for it. It reads its own files to their end.
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);
   ::signal(SIGPIPE, SIG_IGN);
@@ -119,7 +119,6 @@ Result<ChildProcess> ChildProcess::start(HeldSignals& signals, const Body& body,
   ::close(up[1]);
   ChildProcess out(signals, pid, down[1], up[0]);
   if (pid < 0) return no_process(error);
-  ::setpgid(pid, pid);  // as the child itself does, whichever is first
   for (const int file : {out.in_, out.out_}) ::fcntl(file, F_SETFL, O_NONBLOCK);
   return out;
 }
@@ -187,10 +186,16 @@ End ChildProcess::wait(Deadline deadline) {
   return End::done;
 }
 
+// The process itself too: it may not have made its group yet.
+void ChildProcess::signal_group(int signal) const {
+  ::kill(-pid_, signal);
+  ::kill(pid_, signal);
+}
+
 // What the process left running goes with it. As long as it is not reaped, no other group can have
 // its number.
 void ChildProcess::end_group() {
-  ::kill(-pid_, SIGKILL);
+  signal_group(SIGKILL);
   int status = 0;
   if (::waitpid(pid_, &status, 0) == pid_) status_ = status;
 }
@@ -198,7 +203,7 @@ void ChildProcess::end_group() {
 // A stop that came before must not cut this wait short, so it does not look at the signals.
 void ChildProcess::stop() {
   if (pid_ <= 0 || status_) return;
-  ::kill(-pid_, SIGTERM);
+  signal_group(SIGTERM);
   if (const int file = open_process(pid_); file >= 0) {
     pollfd one{file, POLLIN, 0};
     ::poll(&one, 1, static_cast<int>(std::chrono::milliseconds(kTimeToEnd).count()));

@@ -51,9 +51,9 @@ class ChildProcess {
   /// What a child does; its process ends with the exit code. `in` and `out` are its ends of two
   /// pipes.
   using Body = std::function<int(int in, int out)>;
-  /// Starts one with its own process group and with /dev/null as standard input. Of the files that
-  /// are open, it has those pipes, standard output and error, and `kept` (-1: none). Error:
-  /// internal.
+  /// Starts one in a session of its own, so without a terminal, and with /dev/null as standard
+  /// input. Of the files that are open, it has those pipes, standard output and error, and `kept`
+  /// (-1: none). Error: internal.
   static Result<ChildProcess> start(HeldSignals& signals, const Body& body, int kept = -1);
 
   /// The end of an exchange with a child.
@@ -82,6 +82,7 @@ class ChildProcess {
   ChildProcess(HeldSignals& signals, pid_t pid, int in, int out)
       : signals_(signals), pid_(pid), in_(in), out_(out) {}
   End fill(std::size_t most, Deadline deadline);
+  void signal_group(int signal) const;
   void end_group();
   HeldSignals& signals_;
   pid_t pid_;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/text.hpp"
+#include "cli/agent_worker.hpp"
 #include "cli/inputs.hpp"
 #include "cli/notices.hpp"
 #include "cli/parse.hpp"
@@ -118,6 +119,7 @@ cli::Report failed(const Error& error, const std::vector<std::string>& words) {
 
 int main(int argc, char** argv) {
   const std::vector<std::string> words(argv + 1, argv + argc);
+  if (words.size() == 1 && words.front() == cli::kAgentWorker) cli::run_agent_worker();
   std::setlocale(LC_CTYPE, "");  // which letters the terminal takes
   cli::note_interruptions();
   pki::stop_at_first_wrong_pin();

@@ -122,16 +122,6 @@ class Exchanged(AgentTest):
         self.assertIn(str(OTHER), seen)
         self.assertNotIn("secret", seen)
 
-    def test_a_token_in_a_folder_of_another_user_is_not_opened(self):
-        self.run_program("identity", "issue", "own", "--ca", "demo", "-o", "home/own")
-        (self.home / "own/key.pem").unlink()
-        (self.home / "own/key.p11").write_text("pkcs11:token=own;object=key?pin-value=1234\n")
-        for path in (self.home / "own", *(self.home / "own").iterdir()):
-            os.chown(path, OTHER, OTHER)
-        done = self.run_program("agent", "home/own", "--once", "--ca", "demo", *self.LATER, exit=None)
-        event = checked_events(done.stdout)[0]
-        self.assertEqual((event["event"], event["code"]), ("failed", "key_in_token"), event)
-
     def test_a_folder_that_becomes_a_link_to_one_of_root_no_hook_is_run(self):
         """In a folder with the sticky bit, as /tmp."""
         self.make_own()

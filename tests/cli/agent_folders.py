@@ -140,14 +140,22 @@ class Running:
         return self.events(name)[count - 1]
 
     def kill_session(self):
-        """SIGKILL to the agent and everything that it started."""
+        """SIGKILL to the agent and everything that it started, each in a session of its own."""
+        sessions, found = {self.process.pid}, {}
         for stat in pathlib.Path("/proc").glob("[0-9]*/stat"):
             try:
                 fields = stat.read_text().rpartition(")")[2].split()
-                if int(fields[3]) == self.process.pid:
-                    os.kill(int(stat.parent.name), signal.SIGKILL)
+                found[int(stat.parent.name)] = int(fields[3])
+                if int(fields[1]) == self.process.pid:
+                    sessions.add(int(stat.parent.name))
             except (FileNotFoundError, ProcessLookupError):
                 continue
+        for process, session in found.items():
+            if session in sessions or process in sessions:
+                try:
+                    os.kill(process, signal.SIGKILL)
+                except ProcessLookupError:
+                    continue
 
     def end(self, by=signal.SIGTERM):
         """The exit code."""

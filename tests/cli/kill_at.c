@@ -3,8 +3,7 @@
 // writes. From the n-th write on, every one finds the disk full (FULL_AT=n). At the first rename,
 // a participant's owner removes the drafts in its folder (REMOVE_DRAFTS=pattern) or runs a command
 // (AT_RENAME=command). A command runs just before the n-th call (AT_CALL=command, CALL=n), or after
-// the n-th lock (AT_LOCK=command, LOCK=n), or after the links of a path were resolved
-// (AT_RESOLVED).
+// the n-th lock (AT_LOCK=command, LOCK=n), or after the links of a path were resolved (AT_RESOLVED).
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -20,42 +19,49 @@
 #include <sys/types.h>
 #include <unistd.h>
 
-// The variables as they were at the start: a process may clear its environment.
-static struct {
-  const char* name;
-  char* value;
-} variables[] = {{"KILL_AT", NULL}, {"CALL", NULL},          {"FULL_AT", NULL},
-                 {"LOCK", NULL},    {"REMOVE_DRAFTS", NULL}, {"AT_CALL", NULL},
-                 {"AT_LOCK", NULL}, {"AT_RESOLVED", NULL},   {"AT_RENAME", NULL}};
+// The agent's workers do not inherit these variables, so those of the parent count, too. It is read at
+// the start: a worker that has become another user may not read it.
+static char parents[1 << 16];
 
-__attribute__((constructor)) static void remember(void) {
-  for (size_t i = 0; i < sizeof variables / sizeof *variables; ++i) {
-    const char* value = getenv(variables[i].name);
-    if (value != NULL) variables[i].value = strdup(value);
-  }
+__attribute__((constructor)) static void read_parents_variables(void) {
+  char name[64];
+  snprintf(name, sizeof name, "/proc/%d/environ", (int)getppid());
+  FILE* file = fopen(name, "r");
+  if (file == NULL) return;
+  const size_t size = fread(parents, 1, sizeof parents - 2, file);
+  memset(parents + size, 0, 2);
+  fclose(file);
 }
 
-static char** place_of(const char* variable) {
-  for (size_t i = 0; i < sizeof variables / sizeof *variables; ++i)
-    if (strcmp(variables[i].name, variable) == 0) return &variables[i].value;
-  abort();
+static char* parents_value_of(const char* variable) {
+  const size_t length = strlen(variable);
+  if (getenv("HOME") == NULL || strcmp(getenv("HOME"), "/nonexistent") != 0) return NULL;
+  for (char* one = parents; *one != 0; one += strlen(one) + 1)
+    if (strncmp(one, variable, length) == 0 && one[length] == '=') return one + length + 1;
+  return NULL;
+}
+
+static const char* value_of(const char* variable) {
+  const char* own = getenv(variable);
+  return own != NULL ? own : parents_value_of(variable);
 }
 
 static long number_of(const char* variable) {
-  const char* wanted = *place_of(variable);
+  const char* wanted = value_of(variable);
   return wanted == NULL ? 0 : atol(wanted);
 }
 
-// Another command may run between two writes. It runs once.
+// Another command may run between two writes. It runs once in each process.
 static void run(const char* variable) {
-  char** const command = place_of(variable);
-  if (*command == NULL) return;
-  char* const once = *command;
-  *command = NULL;
+  const char* command = value_of(variable);
+  if (command == NULL) return;
+  char* copy = strdup(command);
+  char* of_parent = parents_value_of(variable);
+  if (of_parent != NULL) of_parent[-1] = ' ';  // no longer a variable
   unsetenv(variable);
   unsetenv("LD_PRELOAD");
-  if (system(once) != 0) abort();
-  free(once);
+  if (copy != NULL && system(copy) != 0) abort();
+  free(copy);
 }
 
 static void count(void) {
@@ -74,7 +80,7 @@ static int is_full(void) {
 }
 
 static void remove_drafts(void) {
-  const char* pattern = *place_of("REMOVE_DRAFTS");
+  const char* pattern = value_of("REMOVE_DRAFTS");
   glob_t found;
   if (pattern == NULL || glob(pattern, 0, NULL, &found) != 0) return;
   for (size_t i = 0; i < found.gl_pathc; ++i) remove(found.gl_pathv[i]);
