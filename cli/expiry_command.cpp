@@ -35,7 +35,7 @@ struct Ending {
   fs::path file;
   std::size_t places = 1;  ///< how many files hold the same
   std::string id = {};     ///< of a certificate: issuer and serial number
-  WallTime begin = {};     ///< of a participant's certificate
+  WallTime begin = {};     ///< before it, hosts refuse it
 };
 
 /// Finds everything that expires below some paths; the same object in several files is one row. A
@@ -63,6 +63,18 @@ class Search {
                              ErrorDetails{.document = path, .expected = kKinds});
   }
 
+  /// To be called after the last path: a link to a folder is well if that was searched under its
+  /// own name.
+  void check_links() {
+    for (const auto& link : links_) {
+      std::error_code ignored;
+      const auto target = fs::weakly_canonical(link, ignored);
+      if (!searched_.contains(target.string()))
+        leave_out(link, fmt::format("links to folders are not followed; search {} as well",
+                                    target.string()));
+    }
+  }
+
   std::vector<Ending> endings() const {
     std::vector<Ending> out;
     for (const auto& [key, ending] : found_) out.push_back(ending);
@@ -81,18 +93,26 @@ class Search {
                              ErrorDetails{.document = path, .note = std::move(why)});
   }
 
-  // Does not follow symbolic links to folders.
+  static bool leads_nowhere(const fs::directory_entry& entry) {
+    std::error_code error;
+    return entry.is_symlink(error) && !fs::exists(entry.status(error));
+  }
+
+  // Does not follow symbolic links to folders: one may lead to the root of the file system.
   void collect(const fs::path& folder, int depth) {
     if (depth > kDeepest)
       return leave_out(folder, fmt::format("folders deeper than {} are not searched", kDeepest));
     std::error_code error, ignored;
+    searched_.insert(fs::weakly_canonical(folder, ignored).string());
     fs::directory_iterator at(folder, error);
     for (; !error && at != fs::directory_iterator() && !is_full_; at.increment(error)) {
       if (at->is_directory(ignored) && !at->is_symlink(ignored)) {
         if (is_of_participant(at->path())) leave_out(at->path(), "it is a folder");
         collect(at->path(), depth + 1);
-      } else if (may_have_an_end(at->path())) {
+      } else if (may_have_an_end(at->path()) || leads_nowhere(*at)) {
         add_file(*at);
+      } else if (at->is_directory(ignored)) {
+        links_.insert(at->path());
       }
     }
     if (error) leave_out(folder, error.message());
@@ -118,7 +138,8 @@ class Search {
     if (type == fs::file_type::regular)
       paths_.insert(file.path());
     else if (type == fs::file_type::not_found || type == fs::file_type::none)
-      leave_out(file.path(), error ? error.message() : "a link to a file that is not there");
+      leave_out(file.path(),
+                type == fs::file_type::none ? error.message() : "a link that leads nowhere");
     else
       leave_out(file.path(), "it is no regular file");
     if (paths_.size() < kMostFiles) return;
@@ -192,7 +213,7 @@ class Search {
             file,
             1,
             certificate.issuer() + ' ' + certificate.serial(),
-            certificate.is_ca() ? WallTime() : certificate.not_before()};
+            certificate.not_before()};
   }
 
   Status look_into_pem(const fs::path& file, BytesView octets) {
@@ -208,7 +229,11 @@ class Search {
       DDSSEC_ASSIGN_OR_RETURN(const auto revoked, crl.revoked());
       for (const auto& entry : revoked) revoked_.insert(crl.issuer() + ' ' + entry.serial);
       if (crl.next_update())
-        add({"revocation list", crl.issuer(), *crl.next_update(), file},
+        add({.kind = "revocation list",
+             .subject = crl.issuer(),
+             .end = *crl.next_update(),
+             .file = file,
+             .begin = crl.this_update()},
             to_hex(sha256(as_bytes(crl.pem()))));
     }
     return {};
@@ -226,7 +251,11 @@ class Search {
     DDSSEC_ASSIGN_OR_RETURN(const auto document,
                             governance::read_permissions(form.unverified_text, form.first_line));
     for (const auto& grant : document.grants)
-      add({"permissions", grant.subject_name, grant.validity.not_after, file},
+      add({.kind = "permissions",
+           .subject = grant.subject_name,
+           .end = grant.validity.not_after,
+           .file = file,
+           .begin = grant.validity.not_before},
           to_hex(sha256(octets)) + grant.subject_name);
     return signers;
   }
@@ -250,6 +279,8 @@ class Search {
   std::map<std::string, Ending> signers_;  ///< inside signatures: listed where no file holds them
   std::set<fs::path> paths_;
   std::set<std::string> seen_;
+  std::set<std::string> searched_;  ///< folders, by their paths without links
+  std::set<fs::path> links_;        ///< to folders
   std::set<std::string> revoked_;  ///< as Ending::id
   std::vector<Error> unreadable_;
   std::size_t hits_ = 0;
@@ -275,6 +306,7 @@ Result<Report> expiry(const Arguments& arguments, const Context& context) {
   auto paths = arguments.all("PATHS");
   if (paths.empty()) paths = {"."};
   for (const auto& path : paths) search.look_at(path);
+  search.check_links();
   const auto now = context.clock.now();
   const auto horizon = now + within;
   Report report;

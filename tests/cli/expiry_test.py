@@ -2,6 +2,7 @@
 """expiry: one table of everything that ends."""
 
 import os
+import re
 import subprocess
 
 from transcript import Transcript, main
@@ -42,6 +43,47 @@ class Expiry(Transcript):
     def test_a_certificate_that_begins_later_is_not_well(self):
         early = self.entries("demo/talker/cert.pem", "--now", "2026-11-19T00:00:00Z", exit=1)
         self.assertEqual([e["state"] for e in early], ["not yet"])
+
+    def test_permissions_that_begin_later_are_not_well(self):
+        self.run_program("permissions", "new", "--cert", "demo/talker/cert.pem", "--publish", "x", "-o", "p.xml", *NOW)
+        xml = (self.at / "p.xml").read_text()
+        (self.at / "p.xml").write_text(re.sub("(<not_before>)[^<]*", r"\g<1>2027-03-01T00:00:00Z", xml))
+        self.run_program("permissions", "sign", "p.xml", "--ca", "demo", "-o", "permissions.p7s", *NOW)
+        early = self.entries("permissions.p7s", *NOW, exit=1)
+        self.assertEqual([(e["kind"], e["state"]) for e in early if e["state"] != "ok"], [("permissions", "not yet")])
+        self.entries("permissions.p7s", "--now", "2027-03-02T00:00:00Z")
+
+    def test_each_kind_that_begins_later_is_not_well(self):
+        early = self.entries("demo", "--now", "2026-11-19T00:00:00Z", exit=1)
+        self.assertEqual({(e["kind"], e["state"]) for e in early},
+                         {(kind, "not yet") for kind in ("CA", "certificate", "permissions", "revocation list")})
+
+    def test_a_folder_behind_a_link_is_no_reason_for_success(self):
+        """In the fleet there is only a link to the folder of a robot whose documents have ended."""
+        late = ("--now", "2027-11-22T00:00:00Z")
+        (self.at / "fleet").mkdir()
+        (self.at / "demo/ca").rename(self.at / "fleet/ca")
+        (self.at / "fleet/old.robot").symlink_to("../demo/talker")
+        for words in ((), ("-q",), late):
+            told = self.json("expiry", "fleet", *words, *(() if words == late else NOW), exit=1 if words == late else 3)
+            link, = told["diagnostics"]
+            self.assertEqual((link["id"], link["file"]), ("file_unreadable", "fleet/old.robot"))
+            self.assertIn(f"search {self.at.resolve()}/demo/talker as well", link["message"])
+        for paths in (("fleet", "demo"), ("demo", "fleet"), ("fleet", "fleet/old.robot"), ()):
+            self.assertEqual(self.json("expiry", *paths, *NOW)["diagnostics"], [])
+            self.json("expiry", *paths, *late, exit=1)
+
+    def test_a_link_that_once_led_to_a_folder_is_told(self):
+        (self.at / "demo/old").symlink_to("gone")
+        out = self.json("expiry", "demo", *NOW, exit=3)
+        self.assertEqual([d["file"] for d in out["diagnostics"]], ["demo/old"])
+        self.assertIn("leads nowhere", out["diagnostics"][0]["message"])
+
+    def test_a_link_to_a_folder_above_ends(self):
+        (self.at / "demo/up").symlink_to("..")
+        (self.at / "demo/all").symlink_to("/")
+        out = self.json("expiry", "demo", *NOW, exit=3)
+        self.assertEqual([d["file"] for d in out["diagnostics"]], ["demo/all", "demo/up"])
 
     def test_quiet_shows_only_what_ends(self):
         self.assertEqual(self.run_program("expiry", "-q", "demo", *NOW).stdout, "")
