@@ -72,6 +72,9 @@ int finish(rtps::Keeper& keeper, EventSink& events) {
   if (const auto count = keeper.dropped(); count > 0)
     std::printf("Not kept: %llu samples that are too large\n",
                 static_cast<unsigned long long>(count));
+  if (const auto count = keeper.abandoned(); count > 0)
+    std::printf("Not kept: %llu samples that waited for room when their writers left\n",
+                static_cast<unsigned long long>(count));
   if (stored && unstored == 0) {
     std::printf("Done: %zu topics kept\n", topics);
     return kDone;
@@ -82,7 +85,8 @@ int finish(rtps::Keeper& keeper, EventSink& events) {
       Event(Error(Code::rtps_samples_not_stored,
                   {.expected = "all samples in the store",
                    .found = std::to_string(unstored) + " that are not: " +
-                            (stored ? "still on their way" : stored.error().to_sentence())})));
+                            (stored ? "the share of their identity is full, or they came last"
+                                    : stored.error().to_sentence())})));
   return kNotStored;
 }
 

@@ -173,6 +173,20 @@ std::uint64_t DurableStore::left_out() const {
   return left_out_;
 }
 
+bool DurableStore::is_crowded(const GuidPrefix& identity) const {
+  const std::lock_guard held(mutex_);
+  return crowded_.contains(identity);
+}
+
+void DurableStore::look_for_room(Time now) {
+  {
+    const std::lock_guard held(mutex_);
+    now_ = now;
+    is_looking_ = true;
+  }
+  work_.notify_one();
+}
+
 bool DurableStore::is_behind() const {
   const std::lock_guard held(mutex_);
   return over();
@@ -203,7 +217,7 @@ Status DurableStore::wait_for_room(std::chrono::nanoseconds most) {
 
 void DurableStore::run() {
   std::unique_lock held(mutex_);
-  const auto has_work = [&] { return !pending_.empty() || !failed_.empty(); };
+  const auto has_work = [&] { return !pending_.empty() || !failed_.empty() || is_looking_; };
   for (;;) {
     work_.wait(held, [&] { return stopping_ || has_work(); });
     if (has_work()) commit(held);
@@ -230,7 +244,8 @@ void DurableStore::report(const Error* failure, std::uint64_t beyond_limits,
          .expected = "at most as many octets as are free in the store, and as many samples of "
                      "a topic as are free in it",
          .found = std::to_string(samples) + " samples more",
-         .note = "they are not kept; another event follows when they are twice as many"})));
+         .note = "they are not acknowledged and wait for room; another event follows when they are "
+                 "twice as many"})));
 } catch (...) {
   return;
 }
@@ -250,16 +265,19 @@ void DurableStore::commit(std::unique_lock<std::mutex>& held) {
   group.swap(is_again ? failed_ : pending_);
   const auto octets = std::exchange(is_again ? failed_octets_ : octets_, 0);
   const auto now = now_;
+  is_looking_ = false;
   held.unlock();
   std::unique_lock store(store_mutex_);
   auto written = write(group, now);
-  const auto beyond_limits = store_.left_out(), left_out = beyond_limits + store_.over_share();
-  const auto refusals = store_.take_refusals();
+  const auto left_out = store_.left_out();
+  const auto refusals = store_.shares().take_news();
+  auto crowded = store_.shares().crowded();
   const auto effects = store_.take_effects();
   store.unlock();
-  report(!written && status_ ? &written.error() : nullptr, beyond_limits, refusals);
+  report(!written && status_ ? &written.error() : nullptr, left_out, refusals);
   held.lock();
   left_out_ = left_out;
+  crowded_.swap(crowded);
   status_ = std::move(written);
   if (status_) {
     note(held, effects);

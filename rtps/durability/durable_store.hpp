@@ -44,17 +44,21 @@ class DurableStore {
   /// removed.
   void close_stream(StreamId stream);
 
-  /// Never waits. Returns a number that committed() reaches when the change is stored, or was left
-  /// out. `identity`: see StoredChange.
+  /// Never waits. Returns a number that committed() reaches when the change is stored, was left
+  /// out, or was refused (take_effects). `identity`: see StoredChange.
   std::uint64_t append(StreamId stream, const Change& change, Time now,
                        const std::optional<GuidPrefix>& identity = {});
   /// The number of appended changes that are stored, in the order of append.
   std::uint64_t committed() const;
   /// The number of appended changes that are not stored yet.
   std::uint64_t pending() const;
-  /// The number of changes that were left out because of the limits of DURABILITY_SERVICE or the
-  /// share of an identity; never reset.
+  /// The number of changes that were left out because of the limits of DURABILITY_SERVICE; never
+  /// reset.
   std::uint64_t left_out() const;
+  /// True if changes of the identity were refused because its share is full, and still is.
+  bool is_crowded(const GuidPrefix& identity) const;
+  /// Looks soon for samples that are due to be removed, and for room for crowded identities.
+  void look_for_room(Time now);
   /// True if the queue has reached its limit.
   bool is_behind() const;
   /// The result of the last group. An error lasts until a group is committed again.
@@ -104,6 +108,8 @@ class DurableStore {
   std::uint64_t appended_ = 0, committed_ = 0, groups_ = 0;
   std::uint64_t beyond_limits_ = 0, left_out_ = 0;
   Status status_;
+  std::set<GuidPrefix> crowded_;
+  bool is_looking_ = false;
   std::set<StreamId> open_;
   std::map<StreamId, std::vector<StoreEffect>> effects_;  ///< of open streams
   std::map<StreamId, std::uint64_t> last_;  ///< the number of the last change appended to each

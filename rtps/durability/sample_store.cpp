@@ -288,9 +288,8 @@ Status SampleStore::read_index(StreamId id, Stream& stream) {
     KeyHash hash{};
     std::ranges::copy(key, hash.begin());
     const auto octets = StoreShares::cost(static_cast<std::size_t>(rows.number(4)));
-    count(stream,
-          stream.instances[hash].emplace_back(rows.number(0), static_cast<std::uint32_t>(octets),
-                                              account_of(rows.octets(5))));
+    stream.count(stream.instances[hash].emplace_back(
+        rows.number(0), static_cast<std::uint32_t>(octets), account_of(rows.octets(5))));
     stream.ended.remove(hash);
     if (rows.number(2) == 0 || stream.service.cleanup_delay.is_infinite()) continue;
     const auto since = std::chrono::seconds(rows.number(3));
@@ -345,11 +344,6 @@ bool SampleStore::has_place(const Stream& stream, StoreShares::Account account,
   if (account == StoreShares::kNone || !shared || freed > 0) return true;
   const auto own = stream.samples_of.find(account);
   return own == stream.samples_of.end() || own->second + stream.samples < most_samples_;
-}
-
-void SampleStore::count(Stream& stream, const Row& row) {
-  ++stream.samples;
-  if (row.account != StoreShares::kNone) ++stream.samples_of[row.account];
 }
 
 std::unexpected<Error> SampleStore::damaged(std::int64_t row) const {
@@ -420,14 +414,16 @@ Status SampleStore::commit(std::span<const StoredChange> changes, Time now) {
     return transaction.commit();
   };
   if (is_stale_) DDSSEC_RETURN_IF_ERROR(reload());
-  const auto left_out = left_out_, over_share = over_share_;
+  const auto left_out = left_out_;
   is_stale_ = true;  // also if an exception ends what follows
   auto written = write();
   is_stale_ = !written;
-  if (written) committed_ += changes.size();
-  if (written) return written;
+  if (written) {
+    committed_ += changes.size();
+    look_for_room();
+    return written;
+  }
   left_out_ = left_out;
-  over_share_ = over_share;
   DDSSEC_RETURN_IF_ERROR(reload());
   return written;
 }
@@ -452,11 +448,13 @@ Status SampleStore::add(StreamId id, Stream& stream, const StoredChange& stored,
   const auto& change = stored.change;
   const auto key = change.key_hash.value_or(KeyHash{});
   if (!change.is_alive() && !change.status.disposed) return {};
+  const auto account = stored.identity ? shares_.account(*stored.identity) : StoreShares::kNone;
+  if (shares_.is_behind(account, id.value, key))
+    return refuse(id, stream, account, change), Status{};
   if (change.status.disposed && stream.service.cleanup_delay == kDurationZero)
     return erase_instance(id, stream, key);
   const auto held = stream.instances.find(key);
   std::size_t count = 0, freed = 0, own = 0;
-  const auto account = stored.identity ? shares_.account(*stored.identity) : StoreShares::kNone;
   if (held != stream.instances.end()) count = replaced(stream, held->second);
   for (std::size_t i = 0; i < count; ++i)
     if (held->second[i].account == account) freed += held->second[i].octets, ++own;
@@ -465,17 +463,31 @@ Status SampleStore::add(StreamId id, Stream& stream, const StoredChange& stored,
   if (has_space) {
     DDSSEC_ASSIGN_OR_RETURN(has_space, has_share(account, octets, freed));
   }
-  if (!has_space) {
-    ++over_share_;
-    shares_.refuse(account);
-    return change.status.disposed ? erase_instance(id, stream, key) : Status{};
-  }
+  if (!has_space && change.status.disposed) return erase_instance(id, stream, key);
+  if (!has_space) return refuse(id, stream, account, change), Status{};
   for (; count > 0; --count) {
     DDSSEC_RETURN_IF_ERROR(erase_row(id, stream, held->second.front()));
     held->second.pop_front();
   }
   if (!has_room(stream, key)) return ++left_out_, Status{};
   return insert(id, stream, stored, now);
+}
+
+void SampleStore::refuse(StreamId id, const Stream& stream, StoreShares::Account account,
+                         const Change& change) {
+  shares_.refuse(account, {.stream = id.value,
+                           .instance = change.key_hash.value_or(KeyHash{}),
+                           .octets = StoreShares::cost(change.payload.size())});
+  if (stream.watched) effects_.push_back({.stream = id, .stored = place_, .is_refused = true});
+}
+
+void SampleStore::look_for_room() {
+  shares_.look_again([&](StoreShares::Account account, const StoreShares::Refused& first) {
+    const auto stream = streams_.find({first.stream});
+    if (stream == streams_.end()) return true;
+    const auto fits = has_share(account, first.octets, 0);
+    return fits && *fits && has_place(stream->second, account, 0);
+  });
 }
 
 Status SampleStore::insert(StreamId id, Stream& stream, const StoredChange& stored, Time now) {
@@ -504,8 +516,8 @@ Status SampleStore::insert(StreamId id, Stream& stream, const StoredChange& stor
   const auto octets = StoreShares::cost(change.payload.size());
   shares_.add(account, octets);
   free_ -= std::min(free_, 2 * octets);
-  count(stream,
-        stream.instances[key].emplace_back(last_row_, static_cast<std::uint32_t>(octets), account));
+  stream.count(
+      stream.instances[key].emplace_back(last_row_, static_cast<std::uint32_t>(octets), account));
   if (stream.watched) effects_.push_back({id, last_row_, place_});
   stream.ended.remove(key);
   const auto delay = stream.service.cleanup_delay;

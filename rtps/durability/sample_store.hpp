@@ -50,6 +50,9 @@ struct StoreEffect {
   /// The change that the row holds now, by its place among all that were committed (from 1).
   /// 0: the row was removed.
   std::uint64_t stored = 0;
+  /// There is no row: `stored` did not fit the share of its identity. It can be committed again
+  /// when the identity is no longer crowded.
+  bool is_refused = false;
 };
 
 /// The samples of a stream, and the rows that hold them.
@@ -110,9 +113,7 @@ class SampleStore {
   std::size_t size(StreamId stream) const;
   /// The number of changes that did not fit the limits; never reset.
   std::uint64_t left_out() const { return left_out_; }
-  /// The number of changes that did not fit the share of their identity; never reset.
-  std::uint64_t over_share() const { return over_share_; }
-  std::vector<StoreShares::Refusals> take_refusals() { return shares_.take_news(); }
+  StoreShares& shares() { return shares_; }
   const std::string& path() const { return path_; }
 
  private:
@@ -146,6 +147,11 @@ class SampleStore {
     std::size_t samples = 0;
     std::map<StoreShares::Account, std::size_t> samples_of;  ///< without those of kNone
     bool watched = false;
+
+    void count(const Row& row) {
+      ++samples;
+      if (row.account != StoreShares::kNone) ++samples_of[row.account];
+    }
   };
 
   SampleStore(Database database, std::string path)
@@ -167,13 +173,15 @@ class SampleStore {
   Status read_shares();
   StoreShares::Account account_of(BytesView identity);
   Status add(StreamId id, Stream& stream, const StoredChange& stored, Time now);
+  void refuse(StreamId id, const Stream& stream, StoreShares::Account account,
+              const Change& change);
+  void look_for_room();
   Status insert(StreamId id, Stream& stream, const StoredChange& stored, Time now);
   /// With KEEP_LAST: how many of an instance's rows the next one replaces.
   static std::size_t replaced(const Stream& stream, const Rows& rows);
   Result<bool> has_share(StoreShares::Account account, std::size_t octets, std::size_t freed);
   /// The same for the samples of a stream. `freed`: how many of its own the next one replaces.
   bool has_place(const Stream& stream, StoreShares::Account account, std::size_t freed) const;
-  void count(Stream& stream, const Row& row);
   Status measure_room();
   bool has_room(const Stream& stream, const KeyHash& key) const;
   Status erase_instance(StreamId id, Stream& stream, const KeyHash& key);
@@ -190,7 +198,7 @@ class SampleStore {
   /// Octets: the current estimate, and the value when it was last measured.
   std::size_t free_ = 0, measured_free_ = 0;
   std::int64_t last_row_ = 0, last_stream_ = 0;
-  std::uint64_t left_out_ = 0, over_share_ = 0;
+  std::uint64_t left_out_ = 0;
   std::size_t most_samples_ = kMostSamples;
   std::uint64_t committed_ = 0;  ///< number of changes, including those that were left out
   std::uint64_t place_ = 0;      ///< of the change that is being committed

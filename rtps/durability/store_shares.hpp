@@ -4,9 +4,12 @@
 #pragma once
 
 #include <map>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "base/ids.hpp"
+#include "rtps/reliability/change.hpp"
 
 namespace ddssec::rtps {
 
@@ -32,7 +35,26 @@ class StoreShares {
     GuidPrefix identity;
     std::uint64_t samples;  ///< total so far
   };
-  void refuse(Account account);
+  /// A change that does not fit a share.
+  struct Refused {
+    std::int64_t stream;
+    KeyHash instance;
+    std::size_t octets;
+  };
+  /// From now on the account is crowded.
+  void refuse(Account account, const Refused& change);
+  /// How often changes were refused; never reset.
+  std::uint64_t refused() const { return refused_; }
+  /// True if an earlier change of this instance was refused, so that this one must come later.
+  bool is_behind(Account account, std::int64_t stream, const KeyHash& instance) const;
+  /// The identities whose accounts are crowded.
+  std::set<GuidPrefix> crowded() const;
+  /// Ends that for the accounts whose first refused change fits now.
+  template <class Fits>
+  void look_again(Fits fits) {
+    std::erase_if(crowds_,
+                  [&](const auto& crowd) { return fits(crowd.first, crowd.second.first); });
+  }
   /// The identities whose refusals have doubled since the last report.
   std::vector<Refusals> take_news() { return std::exchange(news_, {}); }
 
@@ -45,6 +67,12 @@ class StoreShares {
   std::vector<Share> shares_{1};
   std::map<GuidPrefix, Account> accounts_;
   std::vector<Refusals> news_;
+  struct Crowd {
+    Refused first;
+    std::set<std::pair<std::int64_t, KeyHash>> instances;
+  };
+  std::map<Account, Crowd> crowds_;
+  std::uint64_t refused_ = 0;
 };
 
 }  // namespace ddssec::rtps

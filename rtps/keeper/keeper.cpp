@@ -295,6 +295,11 @@ std::uint64_t Keeper::sum(Count count) const {
 std::uint64_t Keeper::without_key() const { return sum(&KeptTopic::without_key); }
 std::uint64_t Keeper::dropped() const { return sum(&KeptTopic::dropped); }
 std::uint64_t Keeper::left_out() const { return store_->left_out() + sum(&KeptTopic::left_out); }
+
+std::uint64_t Keeper::abandoned() const { return sum(&KeptTopic::abandoned); }
+
+std::uint64_t Keeper::unstored() const { return store_->pending() + sum(&KeptTopic::waiting); }
+
 std::uint64_t Keeper::served() const { return sum(&KeptTopic::served); }
 std::uint64_t Keeper::served_octets() const { return sum(&KeptTopic::served_octets); }
 

@@ -51,15 +51,20 @@ class Keeper final : private DataReaderListener {
   /// Number of samples that were not kept because their type has keys and they have no key hash.
   std::uint64_t without_key() const;
   /// Number of samples that were not kept: dropped() because they were larger than readers accept,
-  /// left_out() because of the limits of DURABILITY_SERVICE or the share of their identity.
+  /// left_out() because of the limits of DURABILITY_SERVICE.
   std::uint64_t dropped() const;
   std::uint64_t left_out() const;
   /// What late joiners get: the number of samples, and the octets of their payloads. At most what
   /// the store holds.
   std::uint64_t served() const;
   std::uint64_t served_octets() const;
+  /// Number of samples that still waited for room when their writers left: not kept, and never
+  /// acknowledged. A writer that comes back offers them again.
+  std::uint64_t abandoned() const;
   /// Number of samples that are not in the store yet, and so were not acknowledged.
-  std::uint64_t unstored() const { return store_->pending(); }
+  /// Those that wait for room in the share of their identity count, also if their writers alone
+  /// have them.
+  std::uint64_t unstored() const;
   /// Waits until everything that arrived before is stored. Errors: those of DurableStore::flush.
   Status flush(std::chrono::nanoseconds most) { return store_->flush(most); }
   /// See DomainParticipant.

@@ -148,28 +148,38 @@ bool KeptTopic::on_change(Change& change) {
     return true;
   }
   if (store_.is_behind()) return false;  // the writer offers it again
+  const auto identity = identity_of(change.writer.prefix);
+  if (is_crowded(identity)) return defer(context_.now());
   const auto claimed = claim(change);
   if (claimed == Claim::no_room) ++left_out_;
-  if (claimed == Claim::owned) keep(change);
-  if (claimed != Claim::later) return true;
+  if (claimed == Claim::owned) keep(change, identity);
+  return claimed != Claim::later || defer(context_.now());
+}
+
+bool KeptTopic::defer(MonotonicTime now) {
   deferred_ = true;
-  look_again(context_.now());
+  look_again(now);
   return false;
 }
 
-void KeptTopic::keep(Change& change) {
+bool KeptTopic::is_crowded(const std::optional<GuidPrefix>& identity) const {
+  return identity && (store_.is_crowded(*identity) ||
+                      std::ranges::find(refused_, identity, &Unstored::identity) != refused_.end());
+}
+
+void KeptTopic::keep(Change& change, const std::optional<GuidPrefix>& identity) {
   seen_.add(SeenOriginals::of(change));
   if (!std::exchange(has_samples_, true)) on_first_sample_();
   change.original = change.origin();
   change.coherence = {};
   const auto [now, wall] = context_.moment();
   if (!change.source_time) change.source_time = wall;
-  const auto number = store_.append(*stream_, change, wall, identity_of(change.writer.prefix));
+  const auto number = store_.append(*stream_, change, wall, identity);
   const auto writer = change.writer;
   const auto original = change.sequence_number;
   if (owners_ && change.status.unregistered)
     owners_->release(change.key_hash.value_or(KeyHash{}), writer);
-  unstored_.push_back({number, writer, original, server().write(change, now)});
+  unstored_.push_back({number, writer, original, server().write(change, now), identity});
   look_again(now);
 }
 
@@ -214,12 +224,24 @@ void KeptTopic::on_alive(const Guid& writer) {
 }
 
 SequenceNumber KeptTopic::first_unstored(const Guid& writer, SequenceNumber next) {
-  const auto at = std::ranges::find(unstored_, writer, &Unstored::writer);
-  return at == unstored_.end() ? next : at->change;
+  for (const auto* list : {&refused_, &unstored_})
+    if (const auto at = std::ranges::find(*list, writer, &Unstored::writer); at != list->end())
+      return at->change;
+  return next;
 }
 
 StatefulWriter& KeptTopic::server() const {
   return *context_.protocol().local_endpoints().writer(writer_);
+}
+
+std::uint64_t KeptTopic::waiting() const {
+  const auto* reader = context_.protocol().local_endpoints().reader(reader_);
+  return refused_.size() + (reader == nullptr ? 0 : reader->refused());
+}
+
+std::uint64_t KeptTopic::abandoned() const {
+  const auto* reader = context_.protocol().local_endpoints().reader(reader_);
+  return reader == nullptr ? 0 : reader->abandoned();
 }
 
 std::uint64_t KeptTopic::served() const { return server().history().size(); }
@@ -234,8 +256,8 @@ void KeptTopic::serve(const std::vector<StoreEffect>& effects) {
     }
     const auto at = std::ranges::lower_bound(unstored_, effect.stored, {}, &Unstored::number);
     if (at == unstored_.end() || at->number != effect.stored) continue;
-    at->stored = true;
-    rows_[effect.row] = at->served;
+    at->state = effect.is_refused ? Unstored::State::refused : Unstored::State::stored;
+    if (!effect.is_refused) rows_[effect.row] = at->served;
   }
 }
 
@@ -261,7 +283,9 @@ void KeptTopic::on_time(MonotonicTime now) {
   std::set<Guid> writers;
   for (; !unstored_.empty() && unstored_.front().number <= stored; unstored_.pop_front()) {
     writers.insert(unstored_.front().writer);
-    if (!unstored_.front().stored) server().discard(unstored_.front().served);
+    using enum Unstored::State;
+    if (unstored_.front().state == under_way) server().discard(unstored_.front().served);
+    if (unstored_.front().state == refused) refused_.push_back(std::move(unstored_.front()));
   }
   auto* reader = context_.protocol().local_endpoints().reader(reader_);
   const bool deferred = std::exchange(deferred_, false);
@@ -269,7 +293,29 @@ void KeptTopic::on_time(MonotonicTime now) {
     reader->offer_again();
     for (const auto& writer : writers) reader->acknowledge_again(writer);
   }
+  store_refused();
   look_again(now);
+}
+
+// All of an identity together, after all that it sent before: so they keep their order.
+void KeptTopic::store_refused() {
+  if (refused_.empty()) return;
+  const auto wall = context_.moment().wall;
+  deferred_ = true;
+  store_.look_for_room(wall);
+  std::set<std::optional<GuidPrefix>> ready;
+  for (const auto& one : refused_)
+    if (!store_.is_crowded(*one.identity)) ready.insert(one.identity);
+  for (const auto& one : unstored_) ready.erase(one.identity);
+  std::erase_if(refused_, [&](Unstored& one) {
+    if (!ready.contains(one.identity)) return false;
+    const auto* change = server().history().find(one.served);
+    if (change == nullptr) return true;  // a later sample of the instance has replaced it
+    one.number = store_.append(*stream_, *change, wall, one.identity);
+    one.state = Unstored::State::under_way;
+    unstored_.push_back(one);
+    return true;
+  });
 }
 
 void KeptTopic::on_sample_dropped(const Guid& writer, std::uint32_t octets) {

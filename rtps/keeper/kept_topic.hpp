@@ -40,6 +40,10 @@ class KeptTopic final : private EndpointListener, private Timed {
   std::uint64_t dropped() const { return dropped_; }
   /// Number of samples whose instances found no place among the owned ones.
   std::uint64_t left_out() const { return left_out_; }
+  /// Number of samples that wait for room, or until it is known who owns their instance.
+  std::uint64_t waiting() const;
+  /// Number of those that waited when their writers left.
+  std::uint64_t abandoned() const;
   /// What late joiners get: the number of samples, and the octets of their payloads.
   std::uint64_t served() const;
   std::uint64_t served_octets() const;
@@ -64,13 +68,19 @@ class KeptTopic final : private EndpointListener, private Timed {
   void serve(const std::vector<StoreEffect>& effects);
   void look_again(MonotonicTime now);
   SequenceNumber first_unstored(const Guid& writer, SequenceNumber next);
+  /// True if samples of this identity must wait for room in its share.
+  bool is_crowded(const std::optional<GuidPrefix>& identity) const;
+  /// Lets the writer offer the change again later.
+  bool defer(MonotonicTime now);
+  /// Stores what was refused, once there is room.
+  void store_refused();
   void on_signal(const Guid& writer, std::shared_ptr<LivelinessSignal> signal) override;
   void on_alive(const Guid& writer) override;
   void on_acknowledged() override {}
   EndpointRequest request(Qos qos) const;
   void expect_owners(const std::vector<Change>& history);
   InstanceOwners::Claim claim(const Change& change);
-  void keep(Change& change);
+  void keep(Change& change, const std::optional<GuidPrefix>& identity);
   /// False: the writer reaches other readers, or needs other permissions.
   bool has_scope_of(const EndpointData& writer) const;
   /// The identity whose share of the store a sample uses.
@@ -96,9 +106,12 @@ class KeptTopic final : private EndpointListener, private Timed {
     Guid writer;
     SequenceNumber change;
     SequenceNumber served;  ///< its number in what is served
-    bool stored = false;
+    std::optional<GuidPrefix> identity;
+    enum class State : std::uint8_t { under_way, stored, refused } state = State::under_way;
   };
   std::deque<Unstored> unstored_;
+  /// In the order in which they came. No later sample of these identities is taken meanwhile.
+  std::deque<Unstored> refused_;
   /// What is served, by its row in the store.
   std::map<std::int64_t, SequenceNumber> rows_;
 };

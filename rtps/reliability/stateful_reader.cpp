@@ -57,6 +57,7 @@ void StatefulReader::unmatch(const Guid& writer, const std::optional<Sha256Diges
   if (at == writers_.end()) return;
   auto& proxy = at->second;
   if (proxy.local() != nullptr) proxy.local()->detach(guid_);
+  abandoned_ += proxy.refused();
   if (keys) past_.add(at->first, proxy.held().identity(), proxy.position(*keys));
   writers_.erase(at);
 }
@@ -180,6 +181,12 @@ void StatefulReader::offer_again() {
     if (proxy.local() != nullptr) proxy.local()->feed(guid_);
     if (proxy.offer_again()) acknowledge(proxy, proxy.announced());
   }
+}
+
+std::uint64_t StatefulReader::refused() const {
+  std::uint64_t out = 0;
+  for (const auto& [guid, proxy] : writers_) out += proxy.refused();
+  return out;
 }
 
 // Neither final nor with anything missing: all known vendors answer with a HEARTBEAT. (Fast DDS

@@ -93,6 +93,11 @@ class StatefulReader final : private Timed {
 
   /// There is room again: offers what was refused for now, and acknowledges it if it is taken.
   void offer_again();
+  /// The number of changes that wait behind one that was refused for now.
+  std::uint64_t refused() const;
+  /// The number of those that waited when their writers left; never reset. A writer that comes back
+  /// offers them again.
+  std::uint64_t abandoned() const { return abandoned_; }
   /// True once everything has arrived that the matched reliable writers held when they were first
   /// heard.
   bool has_history() const;
@@ -129,6 +134,7 @@ class StatefulReader final : private Timed {
   WriterProxy::Common common_;
   std::map<Guid, WriterProxy> writers_;
   PastWriters past_;
+  std::uint64_t abandoned_ = 0;
 };
 
 }  // namespace ddssec::rtps

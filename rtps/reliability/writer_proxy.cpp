@@ -53,6 +53,12 @@ bool WriterProxy::offer_again() {
   return next_ != before;
 }
 
+std::uint64_t WriterProxy::refused() const {
+  if (waits_ || early_.empty() || early_.first() != next_) return 0;
+  const auto announced = announced_ < next_ ? 0 : announced_.value - next_.value + 1;
+  return std::max<std::uint64_t>(early_.size(), static_cast<std::uint64_t>(announced));
+}
+
 // Changes that a late joiner could never have received are not lost.
 void WriterProxy::note_lost(SequenceNumber until) {
   const bool counts = std::exchange(started_, true) && until > next_ && common_.lost;

@@ -95,6 +95,9 @@ class WriterProxy {
   SequenceNumberSet missing(SequenceNumber base, SequenceNumber last) const;
 
   std::size_t early() const { return early_.size(); }
+  /// The number of changes that the writer has for this reader, if the next one was refused for
+  /// now.
+  std::uint64_t refused() const;
   const HeldOctets::Account& held() const { return held_; }
   /// Gives up the latest change or sample that is held; it is requested again. Does nothing if
   /// nothing is held.

@@ -349,12 +349,12 @@ TEST_F(ShareTest, OneIdentityLeavesRoomForAnother) {
     const auto first = fill(1, octets, most);
     EXPECT_LT(first * cost, kMost * 3 / 4) << octets;
     EXPECT_GT(first * cost, kMost / 5) << octets;
-    EXPECT_EQ(store->over_share(), (most + 9) / 10 * 10 - first);
+    EXPECT_EQ(store->shares().refused(), (most + 9) / 10 * 10 - first);
     EXPECT_EQ(fill(1, octets, 10), 0u);
     const auto second = fill(2, octets, most);
     EXPECT_GT(second * cost, kMost / 12) << octets;
     EXPECT_EQ(store->left_out(), 0u);
-    const auto refusals = store->take_refusals();
+    const auto refusals = store->shares().take_news();
     EXPECT_EQ(std::ranges::count(refusals, 1u, &StoreShares::Refusals::samples), 2);
     EXPECT_LT(refusals.size(), 40u);
     open();  // it is known of before, too
@@ -369,15 +369,18 @@ TEST_F(ShareTest, OneIdentityLeavesPlacesOfAStreamForAnother) {
   open();
   store->limit_samples(100);
   EXPECT_EQ(fill(1, 10, 200, 7), 50u);
-  EXPECT_EQ(store->over_share(), 150u);
+  EXPECT_EQ(store->shares().refused(), 150u);
   EXPECT_EQ(fill(2, 10, 100), 25u);
   EXPECT_EQ(store->left_out(), 0u);
-  EXPECT_EQ(std::ranges::count(store->take_refusals(), 1u, &StoreShares::Refusals::samples), 2);
+  EXPECT_EQ(std::ranges::count(store->shares().take_news(), 1u, &StoreShares::Refusals::samples),
+            2);
   open();
   store->limit_samples(100);
   EXPECT_EQ(fill(1, 10, 10), 0u) << "what is stored from before counts";
   EXPECT_EQ(fill(3, 10, 20), 13u);
-  ASSERT_TRUE(store->commit({{StoredChange{id, dispose(0), identity(1)}}}, seconds(2)));
+  EXPECT_TRUE(store->shares().crowded().contains(identity(1)));
+  ASSERT_TRUE(store->commit({{StoredChange{id, dispose(0), identity(2)}}}, seconds(2)));
+  EXPECT_FALSE(store->shares().crowded().contains(identity(1)));
   EXPECT_GT(fill(1, 10, 10), 0u) << "what is removed makes room";
 }
 
@@ -386,10 +389,10 @@ TEST_F(ShareTest, WithKeepLastOwnSamplesGiveWayInAFullStream) {
   open();
   store->limit_samples(100);
   EXPECT_EQ(fill(1, 10, 100, 100), 50u);
-  const auto refused = store->over_share();
+  const auto refused = store->shares().refused();
   fill(1, 10, 50, 50);
   EXPECT_EQ(store->size(id), 50u);
-  EXPECT_EQ(store->over_share(), refused);
+  EXPECT_EQ(store->shares().refused(), refused);
 }
 
 TEST_F(ShareTest, WhatCommitsDoToAWatchedStreamIsNoted) {
@@ -414,19 +417,24 @@ TEST_F(ShareTest, WithKeepLastWhatGoesMakesRoom) {
   service = keep_last(1);
   open();
   fill(1, 60000, 100, 100);
-  const auto refused = store->over_share();
+  const auto refused = store->shares().refused();
   EXPECT_GT(refused, 0u);
   const auto held = store->size(id);
   fill(1, 60000, 10, 10);
   EXPECT_EQ(store->size(id), held);
-  EXPECT_EQ(store->over_share(), refused);
+  EXPECT_EQ(store->shares().refused(), refused);
 }
 
 TEST_F(ShareTest, WithoutRoomTheEndOfAnInstanceRemovesIt) {
   open();
-  fill(1, 60000, 100, 2);
+  fill(1, 60000, 10, 10);
+  fill(1, 60000, 100, 1);
   const auto held = store->size(id);
-  ASSERT_TRUE(store->commit({{StoredChange{id, dispose(0), identity(1)}}}, seconds(2)));
+  auto end = dispose(0);
+  ASSERT_TRUE(store->commit({{StoredChange{id, end, identity(1)}}}, seconds(2)));
+  EXPECT_EQ(store->size(id), held) << "samples of this instance wait";
+  end.key_hash->fill(5);
+  ASSERT_TRUE(store->commit({{StoredChange{id, end, identity(1)}}}, seconds(2)));
   EXPECT_LT(store->size(id), held);
   EXPECT_GT(store->size(id), 0u);
 }
