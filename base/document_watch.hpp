@@ -36,6 +36,9 @@ class DocumentWatch {
   /// two looks in a row: What::refused, with what is wrong.
   Result<bool> look(std::chrono::nanoseconds now, const Take& take);
 
+  /// The next look reads the file, whatever the interval is.
+  void look_now() { watch_.look_now(); }
+
   /// The file as it is now, whether it has changed or not. For a caller that takes it together with
   /// another one, and then calls note_read. Errors: those of ddssec::load.
   Result<Bytes> read() const;

@@ -29,6 +29,12 @@ class FileWatch {
   /// Call it if the content could not be used: the next query then reports a change in any case.
   void look_again() { is_settled_ = false; }
 
+  /// The next query does not wait for the interval, and reports a change in any case.
+  void look_now() {
+    looked_.reset();
+    is_settled_ = false;
+  }
+
  private:
   /// Device, inode, size, and seconds and nanoseconds of the last change to the content and to the
   /// inode.

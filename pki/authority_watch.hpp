@@ -25,6 +25,9 @@ class AuthorityWatch {
   /// what `take` refused, or ca_put_back.
   Result<bool> look(std::chrono::nanoseconds now, const Authorities& in_force, const Take& take);
 
+  /// The next look reads the file, whatever the interval is.
+  void look_now() { file_.look_now(); }
+
   /// The path of the file, or the name of the property if it is none.
   const std::string& name() const { return file_.name(); }
 

@@ -418,13 +418,25 @@ std::vector<PermissionsHandle> Plugin::peers_of_only(const Participants& gone, c
   return peers;
 }
 
-/// Before anything is judged by the documents in force.
+/// Before anything is judged by the documents in force. Each participant looks at its files in a
+/// rhythm of its own. Before one of them ends, all look: participants with the same files end
+/// together, and what was put into place before the end counts.
 void Plugin::renew_documents(const Entries& all, PermissionsHandle which) {
-  for (const auto& [handle, holder] : all) {
-    if (holder->remote() || (which && handle != which)) continue;
-    for (const auto& event : holder->renew(documents_, environment_.clock))
-      environment_.events.raise(event_about({}, event));
-  }
+  Entries own;
+  std::ranges::copy_if(all, std::back_inserter(own), [&](const auto& one) {
+    return !one.second->remote() && (!which || one.first == which);
+  });
+  const auto renew = [&] {
+    for (const auto& [handle, holder] : own)
+      for (const auto& event : holder->renew(documents_, environment_.clock))
+        environment_.events.raise(event_about({}, event));
+  };
+  renew();
+  const WallTime now = environment_.clock.now();
+  const auto ends = [&](const auto& one) { return one.second->newly_ended(now).has_value(); };
+  if (std::ranges::none_of(own, ends)) return;
+  for (const auto& [handle, holder] : own) holder->look_now();
+  renew();
 }
 
 std::vector<PermissionsHandle> Plugin::expire(PermissionsHandle local) {

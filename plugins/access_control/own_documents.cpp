@@ -59,6 +59,13 @@ void OwnDocuments::note_read(Bytes governance, BytesView permissions) {
   governance_in_force_ = std::move(governance);
 }
 
+void OwnDocuments::look_now() {
+  authorities_.look_now();
+  governance_.look_now();
+  permissions_.look_now();
+  identity_authorities_.look_now();
+}
+
 std::vector<Error> OwnDocuments::renew(PermissionsHolder& holder, Participant& participant,
                                        DocumentCache& documents, const Clock& clock) {
   const Renewal now{holder, participant, documents, clock};

@@ -28,6 +28,9 @@ class OwnDocuments {
   /// Before the files are read for the first time.
   OwnDocuments(const DocumentPlaces& places, const Options& options, std::chrono::seconds interval);
 
+  /// The next renew() reads the files, whatever the interval is.
+  void look_now();
+
   /// These octets are in force.
   void note_read(Bytes governance, BytesView permissions);
 

@@ -146,6 +146,11 @@ std::vector<Error> PermissionsHolder::renew(DocumentCache& documents, const Cloc
   return own_documents_->renew(*this, *participant_, documents, clock);
 }
 
+void PermissionsHolder::look_now() {
+  const std::lock_guard lock(renewal_mutex_);
+  if (own_documents_) own_documents_->look_now();
+}
+
 /// The lock is held.
 Status PermissionsHolder::check_follows(const Grant& renewed) const {
   // The host has cut the participant off, and keeps to that.

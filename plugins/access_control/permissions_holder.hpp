@@ -49,6 +49,8 @@ class PermissionsHolder {
   /// Of a local participant: takes the documents that were put in place of those in force. Returns
   /// events, as OwnDocuments::renew does.
   std::vector<Error> renew(DocumentCache& documents, const Clock& clock);
+  /// Of a local participant: the next renew() reads the files, whatever the poll interval is.
+  void look_now();
   /// Renewed permissions, with the file, come into force if they have a grant for the subject that
   /// is valid now and does not begin earlier than the one in force: an older document that was put
   /// back would give again what was taken away. They may give less, and end earlier. Error:

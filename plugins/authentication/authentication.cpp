@@ -104,11 +104,29 @@ bool PkiDh::has_outlived(const std::vector<IdentityTable::Ended>& all,
          std::ranges::find(all, pair->local_handle, &IdentityTable::Ended::handle) == all.end();
 }
 
+/// What the files of local identities say now. Each identity looks at its files in a rhythm of its
+/// own. Before one of them ends, all look: identities with the same files end together, and what was
+/// put into place before the end counts.
+Revocations PkiDh::look_at_files(IdentityHandle local) {
+  renew_identities(table_, local, stores_, environment_);
+  auto revocations = find_revocations(table_, local, stores_, environment_);
+  const auto own = table_.locals(local);
+  const auto is_own = [&](IdentityHandle handle) {
+    return std::ranges::find(own, handle, &IdentityTable::OurOwn::handle) != own.end();
+  };
+  const auto ended = table_.ended_by(environment_.clock.now(), local);
+  if (std::ranges::none_of(revocations.identities, is_own, &IdentityTable::Revoked::handle) &&
+      std::ranges::none_of(ended, is_own, &IdentityTable::Ended::handle))
+    return revocations;
+  for (const auto& one : own) one.identity->look_now();
+  renew_identities(table_, local, stores_, environment_);
+  return find_revocations(table_, local, stores_, environment_);
+}
+
 std::vector<IdentityHandle> PkiDh::expire(IdentityHandle local) {
   drop_credentials_given_out();
-  renew_identities(table_, local, stores_, environment_);
+  const auto revocations = look_at_files(local);
   const auto now = environment_.clock.now();
-  const auto revocations = find_revocations(table_, local, stores_, environment_);
   const auto all = table_.ended_by(now, local);
   // Without the memory to tell, none is marked: the next call finds them again.
   std::vector<IdentityHandle> handles;

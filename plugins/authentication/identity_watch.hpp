@@ -44,6 +44,12 @@ class IdentityWatch {
   Result<std::optional<Found>> look(std::chrono::nanoseconds now, const Found& in_force,
                                     const Accept& accept);
 
+  /// The next look reads the files, whatever the interval is.
+  void look_now() {
+    certificate_.look_now();
+    key_.look_now();
+  }
+
   /// The files as they are now, whether they have changed or not. Errors: those of pki.
   Result<Found> read(const Found& in_force) const;
 

@@ -394,6 +394,13 @@ Status LocalIdentity::take_together(const std::vector<pki::Certificate>& next,
   return {};
 }
 
+void LocalIdentity::look_now() {
+  const std::scoped_lock lock(renewal_mutex_);
+  watch_.look_now();
+  authorities_.look_now();
+  revocation_lists_.look_now();
+}
+
 // ---- what is presented
 
 Sha256Digest LocalIdentity::hash_of(const std::shared_ptr<const Presented>& presented,

@@ -101,6 +101,9 @@ class LocalIdentity {
   /// Their subjects, for a person.
   std::string authorities() const { return pki::describe(own_trust()->anchors()); }
 
+  /// The next renew_... calls read the files, whatever the poll interval is.
+  void look_now();
+
   /// What came into force and no peer was judged by yet.
   struct Unapplied {
     std::uint64_t renewal;  ///< how often lists or CAs came into force

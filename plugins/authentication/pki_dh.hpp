@@ -21,6 +21,8 @@ using spi::ValidationResult;
 /// DDS-Security 1.2, clause 10.3.3: the lower GUID, octet by octet, begins.
 inline bool initiates(const Guid& local, const Guid& remote) { return local < remote; }
 
+struct Revocations;  // revocation.hpp
+
 class PkiDh final : public spi::Authentication {
  public:
   PkiDh(const Environment& environment, const Options& options)
@@ -63,6 +65,8 @@ class PkiDh final : public spi::Authentication {
   std::vector<IdentityHandle> expire(IdentityHandle local) override;
 
  private:
+  Revocations look_at_files(IdentityHandle local);
+
   template <class T>
   Result<T> reported(Result<T> result, const PeerName& peer = {}) const {
     if (!result) environment_.events.raise(event_about(peer, result.error()));

@@ -54,6 +54,11 @@ class RevocationLists {
   Result<bool> look(const Clock& clock, const std::vector<pki::Certificate>& anchors,
                     const Accept& accept);
 
+  /// The next look reads every file, whatever the interval is.
+  void look_now() {
+    for (auto& place : places_) place.watch.look_now();
+  }
+
   /// The lists as they are in the files now, whether they have changed or not. For a caller that
   /// takes them together with CAs: these are `anchors`. Errors: those of ddssec::load and
   /// Crl::all_from, crl_file_empty.

@@ -1,7 +1,10 @@
 #include "plugins/cyclonedds/access_control_adapter.hpp"
 
 #include <atomic>
+#include <optional>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "base/rollback.hpp"
 #include "plugins/cyclonedds/endpoint_scope.hpp"
@@ -487,19 +490,29 @@ TypeLookup AccessControlAdapter::type_lookup() const {
 
 void AccessControlAdapter::listen(const dds_security_access_control_listener* listener) {
   if (listener == nullptr || listener->on_revoke_permissions == nullptr) return timer_.stop();
-  const auto revoke = listener->on_revoke_permissions;
-  auto tasks = ExpiryTimer::tasks_of(*engine_, [this, revoke](std::int64_t handle) {
-    const auto own = facts_.identity_of({handle});
-    if (!own) return static_cast<void>(revoke(this, handle));
+  const auto revoke = [this, tell = listener->on_revoke_permissions](spi::PermissionsHandle one) {
+    tell(this, one.value);
+  };
+  timer_.start({.revoke_ended =
+                    [this, revoke](const std::stop_token& stop) {
+                      say_clock_steps(*host_, PluginKind::access_control);
+                      revoke_ended(stop, revoke);
+                    },
+                .next_expiry = [this] { return engine_->next_expiry(); }});
+}
+
+/// All local participants are cut off before the host is told of one: none of them counts as
+/// another that is still valid.
+void AccessControlAdapter::revoke_ended(const std::stop_token& stop, const Revoke& revoke) {
+  std::vector<std::pair<spi::PermissionsHandle, std::optional<spi::IdentityHandle>>> ended;
+  for (const auto handle : engine_->expire()) ended.emplace_back(handle, facts_.identity_of(handle));
+  for (const auto& [handle, own] : ended) {
+    if (!own) continue;
     facts_.cut_off(*own, Code::grant_expired);
     cut_off_cryptography(*own);
-    if (facts_.has_others(*own)) revoke(this, handle);
-  });
-  tasks.revoke_ended = [this, revoke_ended = std::move(tasks.revoke_ended)](const auto& stop) {
-    say_clock_steps(*host_, PluginKind::access_control);
-    revoke_ended(stop);
-  };
-  timer_.start(std::move(tasks));
+  }
+  for (const auto& [handle, own] : ended)
+    if (!stop.stop_requested() && (!own || facts_.has_others(*own))) revoke(handle);
 }
 
 }  // namespace ddssec::cyclonedds

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
+#include <stop_token>
 
 #include "plugins/cyclonedds/closed_readers.hpp"
 #include "plugins/cyclonedds/context.hpp"
@@ -62,6 +64,8 @@ class AccessControlAdapter final : public dds_security_access_control {
   void listen(const dds_security_access_control_listener* listener);
 
  private:
+  using Revoke = std::function<void(spi::PermissionsHandle)>;
+  void revoke_ended(const std::stop_token& stop, const Revoke& revoke);
   /// Adds this adapter to, or removes it from, the list of adapters in the process.
   void enlist();
   void delist();

@@ -493,7 +493,8 @@ void AuthenticationAdapter::send_resets() {
 
 bool AuthenticationAdapter::has_others(spi::IdentityHandle local) const {
   return std::ranges::any_of(farewells_.locals(), [&](const auto& other) {
-    return other.handle != local && !remotes_.has_ended(other.handle);
+    return other.handle != local && !remotes_.has_ended(other.handle) &&
+           !holds(GovernanceFact::is_cut_off, other.handle);
   });
 }
 

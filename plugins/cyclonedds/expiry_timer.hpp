@@ -32,17 +32,6 @@ class ExpiryTimer {
   ExpiryTimer(const ExpiryTimer&) = delete;
   ExpiryTimer& operator=(const ExpiryTimer&) = delete;
 
-  /// The tasks for an engine with `expire` and `next_expiry`, which must outlive the timer.
-  template <class Engine>
-  static Tasks tasks_of(Engine& engine, std::function<void(std::int64_t)> revoke) {
-    return {.revoke_ended =
-                [&engine, revoke = std::move(revoke)](const std::stop_token& stop) {
-                  for (const auto handle : engine.expire())
-                    if (!stop.stop_requested()) revoke(handle.value);
-                },
-            .next_expiry = [&engine] { return engine.next_expiry(); }};
-  }
-
   /// Replaces the tasks of an earlier start.
   void start(Tasks tasks);
   /// Stops the thread and returns when it has ended; afterwards nothing more is called. If it is

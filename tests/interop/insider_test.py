@@ -82,8 +82,10 @@ class World:
         self._selector.register(peer.process.stdout, selectors.EVENT_READ, peer)
 
     def honest(self, role, starts, more=()):
+        return self.honest_with(role, self.side.arguments(self.pki, self.keys, starts), more)
+
+    def honest_with(self, role, words, more=()):
         events = {"DDSSEC_EVENT_LOG": os.path.join(self.folder, f"{role}.events"), **self.settings}
-        words = self.side.arguments(self.pki, self.keys, starts)
         return self.start(role, self.kind, ["--" + role, "--payload", str(HONEST), "--timeout", "200", *more, *words], events)
 
     def insider(self, role, tamper, permissions):

@@ -110,17 +110,22 @@ static const char* created(dds_entity_t entity) {
   return entity >= 0 ? "created" : dds_strretcode(-entity);
 }
 
-static void watch_late(struct cyclone* cyclone) {
-  if (cyclone->late.at == 0 || dds_time() < cyclone->late.at) return;
-  cyclone->late.at = 0;
-  const dds_entity_t participant = cyclone->late.participant;
-  const dds_entity_t topic = dds_get_topic(cyclone->endpoint);
+static void make_further(const char* whose, dds_entity_t participant, dds_entity_t endpoint) {
+  const dds_entity_t topic = dds_get_topic(endpoint);
   const dds_entity_t further =
       dds_create_topic(participant, &interop_Shape_desc, "Further", NULL, NULL);
   const dds_entity_t writer = dds_create_writer(participant, topic, NULL, NULL);
   const dds_entity_t reader = dds_create_reader(participant, topic, NULL, NULL);
-  peer_say("late: topic %s, writer %s, reader %s", created(further), created(writer),
+  peer_say("%s: topic %s, writer %s, reader %s", whose, created(further), created(writer),
            created(reader));
+}
+
+static void watch_late(struct cyclone* cyclone) {
+  if (cyclone->late.at == 0 || dds_time() < cyclone->late.at) return;
+  cyclone->late.at = 0;
+  if (cyclone->companion.participant != 0)
+    make_further("late companion", cyclone->companion.participant, cyclone->companion.reader);
+  make_further("late", cyclone->late.participant, cyclone->endpoint);
 }
 
 static bool take_sample(void* self, struct peer_sample* sample) {

@@ -123,6 +123,18 @@ TEST_F(Renewal, EarlierEnd_IsTaken) {
   EXPECT_EQ(plugin->next_expiry(), kNow + 1h);
 }
 
+TEST_F(Renewal, DocumentPutBetweenTheLastLookAndTheEnd_IsTakenByAllWithTheFile) {
+  const auto second = from_file();
+  ASSERT_TRUE(second);
+  clock.advance(24h - 3s);
+  EXPECT_THAT(plugin->expire(), IsEmpty());
+  folder_.replace("permissions.p7s", document({"t", "u"}, 1h, 48h));
+  clock.advance(3s);
+  EXPECT_THAT(plugin->expire(), IsEmpty());
+  EXPECT_TRUE(may_publish("u"));
+  EXPECT_EQ(plugin->renewals(*second), 1u);
+}
+
 TEST_F(Renewal, EarlierBegin_IsRefusedAsARollBack) {
   expect_refused(document({"t", "u"}, -25h, 48h), to_string(kNow - 24h) + " or later");
 }

@@ -349,5 +349,51 @@ TEST_F(Unprepared, FolderOfAuthorities_NoListIsLookedFor) {
   EXPECT_TRUE(codes().empty());
 }
 
+// ---- two participants of one process with the same files
+
+/// The second is made between two looks of the first, so that it looks at other times.
+struct TwoRhythms : Unprepared {
+  TwoRhythms() {
+    identity = make_identity(test_ca(), "CN=alice,O=Example", {}, {kNow - 24h, kEnd});
+    set(identity.properties, property::kFilesPollInterval, "5");
+    const auto path = folder.write("cert.pem", identity.certificate.pem());
+    set(identity.properties, property::kIdentityCertificate, "file:" + path);
+    first.emplace(engine, identity, 1);
+    pass(7s);
+    second.emplace(engine, identity, 2);
+    pass(10s);
+  }
+  /// Who ended at the first look at which one did.
+  std::vector<IdentityHandle> pass(std::chrono::seconds time) {
+    for (; time > 0s; time -= 1s) {
+      engine.clock.advance(1s);
+      if (auto ended = engine->expire(); !ended.empty()) return ended;
+    }
+    return {};
+  }
+  static constexpr auto kEnd = kNow + std::chrono::days(100);
+  std::optional<Participant> first, second;
+};
+
+TEST_F(TwoRhythms, ListThatNamesBoth_EndsBothAtOnce) {
+  for (int i = 0; i < 4; ++i) {
+    folder.replace("crl.pem", pem({static_cast<std::uint64_t>(i + 1), {}}));
+    EXPECT_THAT(pass(6s), testing::IsEmpty());
+    pass(std::chrono::seconds(i));  // at another distance from the next look of each
+  }
+  folder.replace("crl.pem", pem({9, {identity.certificate}}));
+  EXPECT_THAT(pass(6s), testing::UnorderedElementsAre(first->handle, second->handle));
+}
+
+TEST_F(TwoRhythms, CertificateRenewedJustBeforeItsEnd_IsTakenByBoth) {
+  const auto renewed = make_identity(test_ca(), "CN=alice,O=Example", {}, {kNow, kEnd + 24h});
+  engine.clock.advance(kEnd - engine.clock.now() - 8s);
+  pass(7s);
+  folder.replace("cert.pem", renewed.certificate.pem());
+  EXPECT_THAT(pass(20s), testing::IsEmpty());
+  EXPECT_TRUE(engine->identity_token(first->handle));
+  EXPECT_TRUE(engine->identity_token(second->handle));
+}
+
 }  // namespace
 }  // namespace ddssec::authentication

@@ -1,7 +1,9 @@
 // A local participant whose certificate or permissions have ended: the host is not told, since it
 // would delete the participant beneath the application's entities. Our plugins refuse it.
+#include <algorithm>
 #include <atomic>
 #include <thread>
+#include <vector>
 
 #include "plugins/cyclonedds/access_control_adapter.hpp"
 #include "plugins/cyclonedds/authentication_adapter.hpp"
@@ -9,6 +11,7 @@
 
 static std::atomic<DDS_Security_IdentityHandle> cut_off_in_cryptography{0};
 static std::atomic<DDS_Security_IdentityHandle> cut_off_in_access_control{0};
+static std::atomic<DDS_Security_IdentityHandle> ended_in_access_control{0};
 
 namespace ddssec::cyclonedds {
 namespace {
@@ -65,6 +68,32 @@ TEST(CutOff, TheHostIsToldWhereTheProcessHasOthersInTheDomain) {
   ASSERT_EQ(c->set_listener(c, &listener, nullptr), 1);
   EXPECT_TRUE(soon([] { return revoked == kOwn.value; }));
   EXPECT_EQ(c->set_listener(c, nullptr, nullptr), 1);
+}
+
+// The other one's permissions have ended: it is not valid any more.
+TEST(CutOff, TheHostIsNotToldWhereAccessControlHasCutOffTheOthers) {
+  Harness<AuthenticationAdapter, MockAuthentication, spi::Authentication> harness;
+  auto* c = static_cast<dds_security_authentication*>(&harness.adapter);
+  harness.adapter.farewells().add_local(kOwn, {{1}});
+  harness.adapter.farewells().add_local({6}, {{2}});
+  harness.adapter.remotes().note(kOwn, {{{0x81}}, kEntityIdParticipant}, kRemote);
+  ended_in_access_control = 6;
+  ON_CALL(*harness.engine, expire).WillByDefault([](auto) { return std::vector{kOwn, kRemote}; });
+  static std::atomic<bool> told_of_own{false};
+  told = 0;
+  const dds_security_authentication_listener listener{
+      [](const dds_security_authentication*,
+         const DDS_Security_IdentityHandle handle) -> DDS_Security_boolean {
+        if (handle == kOwn.value) told_of_own = true;
+        ++told;
+        return 1;
+      },
+      nullptr};
+  ASSERT_EQ(c->set_listener(c, &listener, nullptr), 1);
+  EXPECT_TRUE(soon([] { return told > 0; }));
+  EXPECT_EQ(c->set_listener(c, nullptr, nullptr), 1);
+  EXPECT_FALSE(told_of_own);
+  ended_in_access_control = 0;
 }
 
 struct CutOffPermissions : testing::Test {
@@ -145,6 +174,62 @@ TEST_F(CutOffPermissions, AreRevokedWhereTheProcessHasOthersInTheDomain) {
   EXPECT_EQ(c->set_listener(c, nullptr, nullptr), 1);
 }
 
+/// Two participants whose permissions end in one look, besides those of a peer, and perhaps a third
+/// that stays valid.
+struct CutOffTogether : CutOffPermissions {
+  CutOffTogether() {
+    ended().clear();
+    add(9, 6);
+    ON_CALL(engine, expire).WillByDefault([](auto) {
+      return std::vector<spi::PermissionsHandle>{{8}, {9}, {41}};
+    });
+  }
+  void add(std::int64_t permissions, std::int64_t local) {
+    ON_CALL(engine, validate_local_permissions).WillByDefault([permissions](auto&&...) {
+      return spi::PermissionsHandle{permissions};
+    });
+    EXPECT_EQ(c->validate_local_permissions(c, nullptr, local, 5, &qos, nullptr), permissions);
+  }
+  /// What the host is told of in the first look.
+  std::vector<std::int64_t> told_of() {
+    const dds_security_access_control_listener listener{
+        [](const dds_security_access_control*,
+           const DDS_Security_PermissionsHandle handle) -> DDS_Security_boolean {
+          ended().push_back(handle);
+          if (handle == 41) told = 1;
+          return 1;
+        }};
+    told = 0;
+    EXPECT_EQ(c->set_listener(c, &listener, nullptr), 1);
+    EXPECT_TRUE(soon([] { return told == 1; }));
+    EXPECT_EQ(c->set_listener(c, nullptr, nullptr), 1);
+    const auto first = std::ranges::find(ended(), 41);
+    return {ended().begin(), first == ended().end() ? first : first + 1};
+  }
+
+ private:
+  static std::vector<std::int64_t>& ended() {
+    static std::vector<std::int64_t> handles;
+    return handles;
+  }
+};
+
+TEST_F(CutOffTogether, NoneIsLeft_TheHostIsToldOfThePeerOnly) {
+  EXPECT_EQ(told_of(), (std::vector<std::int64_t>{41}));
+  EXPECT_FALSE(may_create());
+}
+
+TEST_F(CutOffTogether, AThirdIsLeft_TheHostIsToldOfAll) {
+  add(10, 7);
+  EXPECT_EQ(told_of(), (std::vector<std::int64_t>{8, 9, 41}));
+}
+
+TEST_F(CutOffTogether, Authentication_HearsWhoIsCutOff) {
+  EXPECT_FALSE(has(AccessControlAdapter::governance_facts_of(kOwn), GovernanceFact::is_cut_off));
+  told_of();
+  EXPECT_TRUE(has(AccessControlAdapter::governance_facts_of(kOwn), GovernanceFact::is_cut_off));
+}
+
 }  // namespace
 }  // namespace ddssec::cyclonedds
 
@@ -154,4 +239,8 @@ DDSSEC_EXPORT void ddssec_cut_off_cryptography(DDS_Security_IdentityHandle local
 }
 DDSSEC_EXPORT void ddssec_cut_off_access_control(DDS_Security_IdentityHandle local) {
   cut_off_in_access_control = local;
+}
+DDSSEC_EXPORT std::uint32_t ddssec_governance_facts_of(DDS_Security_IdentityHandle local) {
+  if (local == 0 || local != ended_in_access_control) return 0;
+  return static_cast<std::uint32_t>(ddssec::cyclonedds::GovernanceFact::is_cut_off);
 }

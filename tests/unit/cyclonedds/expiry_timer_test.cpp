@@ -45,26 +45,18 @@ TEST_F(Timer, NothingIsCalledAfterStop) {
   timer.stop();  // again
 }
 
-/// Three identities that end in one round.
-struct ThreeEnd {
-  struct Handle {
-    std::int64_t value;
-  };
-  std::vector<Handle> expire() {
-    return ++rounds == 1 ? std::vector<Handle>{{1}, {2}, {3}} : std::vector<Handle>{};
-  }
-  std::optional<WallTime> next_expiry() { return std::nullopt; }
-  std::atomic<int> rounds = 0;
-};
-
+// Three identities end in one round.
 TEST_F(Timer, ARevocationMayStopTheTimer) {
-  ThreeEnd engine;
   std::atomic<int> revocations = 0;
-  timer.start(ExpiryTimer::tasks_of(engine, [&](std::int64_t handle) {
-    ++revocations;
-    timer.stop();
-    revoked.set_value(handle);
-  }));
+  const auto revoke_ended = [&](const std::stop_token& stop) {
+    for (const int handle : {1, 2, 3}) {
+      if (stop.stop_requested()) return;
+      ++revocations;
+      timer.stop();
+      revoked.set_value(handle);
+    }
+  };
+  timer.start({.revoke_ended = revoke_ended, .next_expiry = tasks().next_expiry});
   auto future = revoked.get_future();
   ASSERT_EQ(future.wait_for(5s), std::future_status::ready);
   EXPECT_EQ(future.get(), 1);
