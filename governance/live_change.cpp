@@ -1,5 +1,6 @@
 #include "governance/live_change.hpp"
 
+#include <algorithm>
 #include <array>
 #include <string>
 
@@ -66,11 +67,26 @@ Status check_domain(const DomainRule& former, const DomainRule& next) {
   return check_algorithms(former, next);
 }
 
+Status check_discovery(const DomainRule& former, const TopicRule& added) {
+  if (added.enable_discovery_protection || !protects_all_discovery(former)) return {};
+  return fail(Code::governance_renewal_refused,
+              {.line = added.line,
+               .field = "enable_discovery_protection",
+               .expected = "true for every topic",
+               .found = "false for \"" + added.topic_expression + "\"",
+               .note = "participants that run hear no unprotected discovery"});
+}
+
 bool is_same(const TopicRule& a, const TopicRule& b) {
   return a.topic_expression == b.topic_expression && protect_alike(a, b);
 }
 
 }  // namespace
+
+bool protects_all_discovery(const DomainRule& rule) {
+  return is_protected(rule.discovery_protection_kind) &&
+         std::ranges::all_of(rule.topic_rules, &TopicRule::enable_discovery_protection);
+}
 
 bool protect_alike(const TopicRule& a, const TopicRule& b) {
   return a.enable_discovery_protection == b.enable_discovery_protection &&
@@ -90,6 +106,7 @@ Result<AddedTopicRules> added_topic_rules(const DomainRule& former, const Domain
       ++awaited;
       continue;
     }
+    DDSSEC_RETURN_IF_ERROR(check_discovery(former, rule));
     out.are_last = out.are_last && awaited == former.topic_rules.end();
     out.rules.push_back(&rule);
   }

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "governance/live_change.hpp"
+
 namespace ddssec::access_control {
 namespace {
 
@@ -93,8 +95,6 @@ Status check_algorithms(const governance::AllowedAlgorithms& allowed) {
 }  // namespace
 
 spi::ParticipantSecurityAttributes participant_attributes(const governance::DomainRule& rule) {
-  const bool all_topics =
-      std::ranges::all_of(rule.topic_rules, &governance::TopicRule::enable_discovery_protection);
   return {.allow_unauthenticated_participants = rule.allow_unauthenticated_participants,
           .is_access_protected = rule.enable_join_access_control,
           .rtps = rule.rtps_protection_kind,
@@ -105,7 +105,7 @@ spi::ParticipantSecurityAttributes participant_attributes(const governance::Doma
                                  ? ciphers_in(rule.allowed_algorithms->symmetric_cipher)
                                  : spi::kAllCiphers,
           .is_key_revision_enabled = rule.enable_key_revision,
-          .is_all_discovery_protected = all_topics && is_protected(rule.discovery_protection_kind)};
+          .is_all_discovery_protected = governance::protects_all_discovery(rule)};
 }
 
 spi::EndpointSecurityAttributes endpoint_attributes(const governance::TopicRule& rule) {

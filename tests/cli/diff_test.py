@@ -6,9 +6,9 @@ from transcript import Transcript, main
 NOW = ("--now", "2026-11-21T00:00:00Z")
 
 
-def topic(expression, data="ENCRYPT", metadata="NONE"):
+def topic(expression, data="ENCRYPT", metadata="NONE", discovery="true"):
     return (f"<topic_rule><topic_expression>{expression}</topic_expression>\n"
-            "<enable_discovery_protection>true</enable_discovery_protection>\n"
+            f"<enable_discovery_protection>{discovery}</enable_discovery_protection>\n"
             "<enable_liveliness_protection>true</enable_liveliness_protection>\n"
             "<enable_read_access_control>true</enable_read_access_control>\n"
             "<enable_write_access_control>true</enable_write_access_control>\n"
@@ -116,6 +116,15 @@ class GovernanceDifferences(Differences):
         self.write(governance(topic("rt/x")), governance(topic("rt/x"), topic("rt/y")))
         self.assertEqual(self.diff()["live"]["ddssec"], "live")
         self.assertIn("running participants: on ddssec's plugins:  taken while they run", self.text())
+
+    def test_a_rule_that_opens_discovery_needs_a_restart(self):
+        closed, opened = topic("rt/x"), topic("rt/open", discovery="false")
+        self.write(governance(closed), governance(closed, opened))
+        out = self.diff()["live"]
+        self.assertEqual(out["ddssec"], "restart")
+        self.assertEqual(out["reason"], 'enable_discovery_protection: true for every topic became false for "rt/open"')
+        self.write(governance(closed, opened), governance(closed, opened, topic("rt/further", discovery="false")))
+        self.assertEqual(self.diff()["live"]["ddssec"], "live")
 
     def test_a_document_that_another_ca_signed_is_refused_while_they_run(self):
         now = ("--now", "2026-11-21T00:00:00Z")

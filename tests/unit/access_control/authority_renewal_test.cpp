@@ -302,6 +302,16 @@ TEST_F(AuthorityRenewal, RuleForATopicInUse_IsRefused) {
   EXPECT_EQ(data_of("open"), ProtectionKind::encrypt);
 }
 
+// The host has closed the unprotected discovery by which endpoints of the topic would be announced.
+TEST_F(AuthorityRenewal, RuleThatOpensDiscovery_IsRefused) {
+  auto open = open_rule();
+  open.enable_discovery_protection = false;
+  topic_rules().push_back(open);
+  folder_.replace("governance.p7s", governance(first()));
+  expect_refused(Code::governance_renewal_refused, folder_.path() + "/governance.p7s",
+                 "participants that run hear no unprotected discovery");
+}
+
 TEST_F(AuthorityRenewal, RuleThatLeftTheGovernance_IsRefusedAsARollBack) {
   const auto former = governance(first());
   topic_rules().insert(topic_rules().begin(), open_rule());

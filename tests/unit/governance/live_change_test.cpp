@@ -85,6 +85,35 @@ TEST(AddedTopicRules, AllowedAlgorithms_MustStay) {
   EXPECT_EQ(added.error().details().found, "ECDHE-CEUM+P256, ECDHE-CEUM+P384");
 }
 
+TEST(AddedTopicRules, RuleThatOpensDiscovery_IsRefusedWhereAllIsProtected) {
+  auto open = rule_for("open");
+  open.enable_discovery_protection = false;
+  open.line = 9;
+  const auto former = domain({rule_for("a")});
+  EXPECT_TRUE(protects_all_discovery(former));
+  for (const auto& next : {domain({rule_for("a"), open}), domain({open, rule_for("a")})}) {
+    EXPECT_FALSE(protects_all_discovery(next));
+    const auto added = added_topic_rules(former, next);
+    ASSERT_FALSE(added);
+    EXPECT_EQ(added.error().code(), Code::governance_renewal_refused);
+    EXPECT_EQ(added.error().details().field, "enable_discovery_protection");
+    EXPECT_EQ(added.error().details().found, "false for \"open\"");
+    EXPECT_EQ(added.error().details().line, 9);
+  }
+}
+
+TEST(AddedTopicRules, RuleThatOpensDiscovery_IsTakenWhereSomeIsOpen) {
+  auto open = rule_for("open"), further = rule_for("further");
+  open.enable_discovery_protection = further.enable_discovery_protection = false;
+  EXPECT_TRUE(added_topic_rules(domain({open}), domain({open, further})));
+  auto former = domain({rule_for("a")});
+  former.discovery_protection_kind = ProtectionKind::none;
+  auto next = former;
+  next.topic_rules.push_back(open);
+  EXPECT_FALSE(protects_all_discovery(former));
+  EXPECT_TRUE(added_topic_rules(former, next));
+}
+
 TEST(ProtectAlike, LooksAtEveryValue) {
   const auto rule = rule_for("a");
   EXPECT_TRUE(protect_alike(rule, rule_for("b")));
