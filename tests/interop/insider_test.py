@@ -88,12 +88,12 @@ class World:
         events = {"DDSSEC_EVENT_LOG": os.path.join(self.folder, f"{role}.events"), **self.settings}
         return self.start(role, self.kind, ["--" + role, "--payload", str(HONEST), "--timeout", "200", *more, *words], events)
 
-    def insider(self, role, tamper, permissions):
+    def insider(self, role, tamper, permissions, more=()):
         """Faster than the honest publisher, so that its numbers overtake the other's."""
         words = replace(self.side, permissions=permissions).of(INSIDER, self.pki, self.keys)
         plugins = ",".join(f"{part}={LIBRARY}" for part in ("auth", "ac", "crypto"))
         return self.start(f"insider-{role}", "stock",
-                          ["--" + role, "--payload", str(FORGED), "--interval", "20", "--plugins", plugins, *words],
+                          ["--" + role, "--payload", str(FORGED), "--interval", "20", "--plugins", plugins, *more, *words],
                           {"INSIDER_TAMPER": tamper, "INSIDER_VICTIM": prefix_begin(STARTER)})
 
     def until(self, what, is_so, patience=PATIENCE):
@@ -195,6 +195,33 @@ def announce(world):
         check("the insider reads", not samples(reader, HONEST))
         check("the insider writes", not samples(subscriber, FORGED))
     go_on(world, subscriber)
+
+
+def decoy(world):
+    """A subscriber in every partition. The insider may write in one, and does announce a writer there. A second writer, in
+    another partition, hides that it is access controlled."""
+    everywhere = Side(EVERYTHING, Permissions(partition="*"))
+    world.side = replace(everywhere, partition="*")
+    subscriber = world.honest("subscribe", False)
+    world.side = replace(everywhere, partition="Open")
+    world.honest("publish", True)
+    world.until("the honest pair talking", lambda: len(samples(subscriber, HONEST)) >= 3)
+    insider = world.insider("publish", "decoy", Permissions(partition="Open"), ["--partition", "Hidden", "--decoy", "Open"])
+    world.until("the announcement that hides", lambda: said(insider, "tampered"))
+    if world.kind == "ours":
+        world.passes(3)
+        check("the insider writes", not samples(subscriber, FORGED))
+        one_event_names(world, "match_not_permitted", insider, 1)
+    go_on(world, subscriber)
+
+
+def decoy_alone(world):
+    """The control: what the insider announces honestly it may write, so its samples come."""
+    everywhere = Side(EVERYTHING, Permissions(partition="*"))
+    world.side = replace(everywhere, partition="*")
+    subscriber = world.honest("subscribe", False)
+    world.insider("publish", "decoy", Permissions(partition="Open"), ["--partition", "Open", "--decoy", "Open"])
+    world.until("what it may write", lambda: len(samples(subscriber, FORGED)) >= 3)
 
 
 def honest_announcement(world):
@@ -331,6 +358,8 @@ def cases():
     for kind in ("ours", "ours-crypto", "ours-ac"):
         yield f"announce/{kind}", kind, EVERYTHING, announce
         yield f"honest/{kind}", kind, EVERYTHING, honest_announcement
+        yield f"decoy/{kind}", kind, EVERYTHING, decoy
+        yield f"decoy-alone/{kind}", kind, EVERYTHING, decoy_alone
         for tamper in ("participant", "endpoint"):
             yield f"tokens-{tamper}/{kind}", kind, EVERYTHING, lambda world, t=tamper: tokens(world, t)
         if kind != "ours-ac":

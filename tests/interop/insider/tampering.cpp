@@ -378,7 +378,8 @@ void smuggle_end_of_victim(Bytes& octets) {
 }  // namespace
 
 void tamper_with_submessage(Bytes& octets) {
-  if (tampers("announce")) hide_access_control(octets);
+  if (tampers("announce") || (tampers("decoy") && holds(octets, "Hidden")))
+    hide_access_control(octets);
   if (tampers("participant")) name_victim(octets, "dds.sec.participant_crypto_tokens", 24 + 4);
   // Of the application's writers: those of discovery it needs.
   if (tampers("endpoint") && is_of_writer_tokens(octets))

@@ -256,6 +256,16 @@ static int create_passing(dds_entity_t reader, const struct peer_options* option
   return 0;
 }
 
+// An endpoint that is not used, in a partition of its own.
+static dds_entity_t create_decoy(dds_entity_t participant, dds_entity_t topic,
+                                 const struct peer_options* options) {
+  if (options->decoy == NULL) return 0;
+  struct peer_options other = *options;
+  other.partition = options->decoy;
+  const dds_entity_t group = create_group(participant, &other);
+  return group < 0 ? group : create_endpoint(group, topic, &other);
+}
+
 // The endpoint of a participant that it makes too; peer_refused says what could not be made.
 static dds_entity_t join(const struct peer_options* options, dds_entity_t* participant) {
   *participant = create_participant(options);
@@ -263,6 +273,7 @@ static dds_entity_t join(const struct peer_options* options, dds_entity_t* parti
   const dds_entity_t topic =
       dds_create_topic(*participant, &interop_Shape_desc, options->topic, NULL, NULL);
   if (topic < 0) return -peer_refused("topic", dds_strretcode(-topic));
+  if (create_decoy(*participant, topic, options) < 0) return -peer_refused("decoy", "an error");
   const dds_entity_t group = create_group(*participant, options);
   if (group < 0) return -peer_refused("publisher or subscriber", dds_strretcode(-group));
   // With large announcements there are two endpoints: the later one shows that the first, which is

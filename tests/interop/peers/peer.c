@@ -59,6 +59,7 @@ static void usage(const char* program, int status) {
       "       [--plugins auth=NAME,ac=NAME,crypto=NAME]   (Cyclone DDS only)\n"
       "       [--companion CERTIFICATE,KEY,PERMISSIONS,SAMPLES]   (Cyclone DDS only)\n"
       "       [--user-data OCTETS]   (Cyclone DDS only)\n"
+      "       [--decoy PARTITION]   of an endpoint that is not used (Cyclone DDS only)\n"
       "       [--late SECONDS]   until a subscriber makes further entities (Cyclone DDS only)\n"
       "       [--passing READERS]   further ones, deleted after some seconds (Cyclone DDS only)\n"
       "       [--exit-after MS]   calls exit() and deletes nothing\n"
@@ -109,6 +110,7 @@ enum {
   OPT_TOPIC,
   OPT_DOMAIN,
   OPT_PARTITION,
+  OPT_DECOY,
   OPT_SAMPLES,
   OPT_PAYLOAD,
   OPT_TIMEOUT,
@@ -146,6 +148,7 @@ static const struct option table[] = {
     {"topic", 1, NULL, OPT_TOPIC},
     {"domain", 1, NULL, OPT_DOMAIN},
     {"partition", 1, NULL, OPT_PARTITION},
+    {"decoy", 1, NULL, OPT_DECOY},
     {"samples", 1, NULL, OPT_SAMPLES},
     {"payload", 1, NULL, OPT_PAYLOAD},
     {"timeout", 1, NULL, OPT_TIMEOUT},
@@ -195,6 +198,9 @@ static void apply(const char* program, int option, struct peer_options* options,
       break;
     case OPT_PARTITION:
       options->partition = optarg;
+      break;
+    case OPT_DECOY:
+      options->decoy = optarg;
       break;
     case OPT_SAMPLES:
       options->samples = number(program, optarg, MAX_SAMPLES);

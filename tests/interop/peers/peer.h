@@ -59,6 +59,7 @@ struct peer_options {
   const char* peer;     ///< address that is announced to by unicast
   const char* topic;
   const char* partition;  ///< NULL: the default partition
+  const char* decoy;      ///< of an endpoint that is not used; NULL: none (Cyclone DDS only)
   /// CERTIFICATE,KEY,PERMISSIONS,SAMPLES: a second participant of the process, which subscribes as
   /// well, knows no CRL and is deleted after so many samples (Cyclone DDS only); NULL: none
   char* companion;
