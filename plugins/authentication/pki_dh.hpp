@@ -93,6 +93,9 @@ class PkiDh final : public spi::Authentication {
                                 BytesView participant_data);
   Result<HandshakeStep> reply(const Token& request, IdentityHandle local, IdentityHandle remote,
                               BytesView participant_data);
+  Result<HandshakeStep> answer(const std::shared_ptr<Pair>& pair, const Token& request,
+                               BytesView participant_data);
+  void drop_excess(HandshakeHandle newest);
   Result<HandshakeStep> step(HandshakeHandle handle, const Token& message);
   Result<HandshakeContext> context(const Pair& pair) const;
   Status note_authenticated(const Pair& pair, const Established& done);
@@ -104,8 +107,8 @@ class PkiDh final : public spi::Authentication {
   void make_room(Pair& pair);
   HandshakeStep keep(const std::shared_ptr<Pair>& pair, HandshakeOutcome outcome,
                      BytesView participant_data, UnprovenOctets::Share unproven = {});
-  Result<UnprovenOctets::Share> share_of(const Pair& pair, const Token& request,
-                                         const HandshakeOutcome& outcome);
+  UnprovenOctets::Share share_of(const Pair& pair, const Token& request,
+                                 const HandshakeOutcome& outcome);
   /// `f(const Pair&, PairHandshake&, Established&)` under the pair's lock.
   template <class F>
   auto session(HandshakeHandle handle, F&& f) const

@@ -88,6 +88,7 @@ PkiDh::HandshakeStep PkiDh::keep(const std::shared_ptr<Pair>& pair, HandshakeOut
                      std::move(unproven)};
   pair->handshakes.reserve(pair->handshakes.size() + 1);
   const auto handle = kept.handle = table_.add_handshake(pair);
+  kept.unproven.belongs_to(handle);
   make_room(*pair);
   pair->handshakes.push_back(std::move(kept));
   return {handle, outcome.result, std::move(outcome.message)};
@@ -132,6 +133,14 @@ Result<PkiDh::HandshakeStep> PkiDh::reply(const Token& request, IdentityHandle l
   DDSSEC_ASSIGN_OR_RETURN(const auto pair, table_.pair(local, remote));
   DDSSEC_RETURN_IF_ERROR(
       check_role(!initiates(pair->local->guid(), pair->remote_guid), "begin_handshake_reply"));
+  auto step = answer(pair, request, participant_data);
+  // No lock of a pair is held: those to drop belong to others.
+  if (step) drop_excess(step->handle);
+  return step;
+}
+
+Result<PkiDh::HandshakeStep> PkiDh::answer(const std::shared_ptr<Pair>& pair, const Token& request,
+                                           BytesView participant_data) {
   const std::scoped_lock lock(pair->mutex);
   for (const auto& handshake : pair->handshakes) {
     if (!is_answer_to(handshake.state, request)) continue;
@@ -147,24 +156,40 @@ Result<PkiDh::HandshakeStep> PkiDh::reply(const Token& request, IdentityHandle l
   what.reply_keys = &pair->reply_keys;
   DDSSEC_RETURN_IF_ERROR(check_room(*pair));
   DDSSEC_ASSIGN_OR_RETURN(auto outcome, start_reply(what, request, participant_data));
-  DDSSEC_ASSIGN_OR_RETURN(auto share, share_of(*pair, request, outcome));
+  auto share = share_of(*pair, request, outcome);
   return keep(pair, std::move(outcome), participant_data, std::move(share));
 }
 
 /// What the request makes us keep.
-Result<UnprovenOctets::Share> PkiDh::share_of(const Pair& pair, const Token& request,
-                                              const HandshakeOutcome& outcome) {
+UnprovenOctets::Share PkiDh::share_of(const Pair& pair, const Token& request,
+                                      const HandshakeOutcome& outcome) {
   std::size_t octets = 0, free = 0;
   for (const auto& property : request.binary_properties) octets += property.value.size();
   for (const auto& handshake : pair.handshakes) free += handshake.unproven.free_octets();
   const auto& peer = std::get<AwaitFinal>(*outcome.next).peer;
-  auto share = unproven_.take(peer.certificate().subject_digest(), octets, free);
-  if (share) return *std::move(share);
-  return fail(Code::too_many_handshakes,
-              {.document = "handshake request",
-               .expected = "at most " + std::to_string(UnprovenOctets::kMostOfASubject) +
-                           " octets of a subject in requests that wait for their end",
-               .found = std::to_string(octets) + " more octets"});
+  return unproven_.take(peer.certificate().subject_digest(), octets, free);
+}
+
+/// The host finds that the handle of a dropped handshake is unknown, and begins anew.
+void PkiDh::drop_excess(HandshakeHandle newest) {
+  for (const auto handle : unproven_.excess(environment_.random, newest)) {
+    const auto pair = table_.pair_of(handle);
+    if (!pair) continue;
+    {
+      const std::scoped_lock lock((*pair)->mutex);
+      const auto is_it = [&](const auto& one) { return one.handle == handle && is_pending(one); };
+      if (std::erase_if((*pair)->handshakes, is_it) == 0) continue;
+      table_.remove_handshake(handle);
+    }
+    const Result<void> dropped =
+        fail(Code::too_many_handshakes,
+             {.document = "handshake request",
+              .expected = "at most " + std::to_string(UnprovenOctets::kMostOfASubject) +
+                          " octets of a subject in requests that wait for their end, and " +
+                          std::to_string(UnprovenOctets::kMost) + " of all",
+              .found = "more; this handshake is dropped, and begins anew"});
+    static_cast<void>(reported(dropped, (*pair)->remote_handle));
+  }
 }
 
 /// Our certificate may have ended since the handshake began, if it was renewed.

@@ -1,25 +1,33 @@
 // Limits the memory that unauthenticated peers can make the participant allocate: the documents in
 // their handshake requests. An attacker can present a recorded certificate under any number of
 // invented names.
+//
+// No request is refused because of other ones: the owner of a recorded certificate looks like the
+// attacker until its handshake ends. Instead, handshakes that wait for their end are dropped at
+// random. To keep the owner out, an attacker must send as much as the limit anew each time, between
+// our reply and the owner's answer.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <mutex>
-#include <optional>
 #include <utility>
+#include <vector>
 
+#include "base/clock.hpp"
 #include "base/hash.hpp"
+#include "plugins/spi/handles.hpp"
 
 namespace ddssec::authentication {
 
 /// The accounts. Thread-safe. Must outlive its shares.
 class UnprovenOctets {
  public:
-  /// The octets of one peer that are not counted, so that the use by other peers never blocks an
-  /// honest request.
+  /// The octets of one peer that are not counted: their handshakes are never dropped for room.
   static constexpr std::size_t kFreeOfAPeer = 64 * 1024;
-  static constexpr std::size_t kMostOfASubject = 2 * 1024 * 1024;
+  /// Several requests of the largest size that is accepted (some 1.2 MiB).
+  static constexpr std::size_t kMostOfASubject = 8 * 1024 * 1024;
   static constexpr std::size_t kMost = 16 * 1024 * 1024;
 
   /// A number of octets; returned at destruction.
@@ -33,38 +41,55 @@ class UnprovenOctets {
       return *this;
     }
     ~Share() {
-      if (of_ != nullptr) of_->give_back(subject_, octets_);
+      if (of_ != nullptr) of_->give_back(id_);
     }
 
     /// The octets of this share that are not counted.
     std::size_t free_octets() const { return of_ == nullptr ? octets_ : 0; }
+    /// The handshake that holds the octets. Before it is set, the share counts, but is not dropped.
+    void belongs_to(spi::HandshakeHandle handshake) const noexcept {
+      if (of_ != nullptr) of_->note_owner(id_, handshake);
+    }
 
    private:
     friend UnprovenOctets;
     explicit Share(std::size_t octets) : octets_(octets) {}
-    Share(UnprovenOctets& of, const Sha256Digest& subject, std::size_t octets)
-        : of_(&of), subject_(subject), octets_(octets) {}
+    Share(UnprovenOctets& of, std::uint64_t id, std::size_t octets)
+        : of_(&of), id_(id), octets_(octets) {}
     void swap(Share& other) noexcept {
       std::swap(of_, other.of_);
-      std::swap(subject_, other.subject_);
+      std::swap(id_, other.id_);
       std::swap(octets_, other.octets_);
     }
 
     UnprovenOctets* of_ = nullptr;  ///< null: the octets are not counted
-    Sha256Digest subject_ = {};
+    std::uint64_t id_ = 0;
     std::size_t octets_ = 0;
   };
 
   /// Takes a share of `octets` for a peer whose certificate has that subject. `free_octets`: the
-  /// uncounted octets that this peer already holds. Empty if the limit of that subject or of all is
-  /// reached.
-  std::optional<Share> take(const Sha256Digest& subject, std::size_t octets,
-                            std::size_t free_octets);
+  /// uncounted octets that this peer already holds.
+  Share take(const Sha256Digest& subject, std::size_t octets, std::size_t free_octets);
+
+  /// The handshakes to drop so that the limits hold again, after `newest` got its share. They are
+  /// not counted any more. First those of the same subject, then of any; never `newest`.
+  std::vector<spi::HandshakeHandle> excess(Random& random, spi::HandshakeHandle newest);
 
  private:
-  void give_back(const Sha256Digest& subject, std::size_t octets) noexcept;
+  struct Entry {
+    Sha256Digest subject;
+    std::size_t octets;
+    spi::HandshakeHandle owner = {};
+    bool is_counted = true;
+  };
+  void give_back(std::uint64_t id) noexcept;
+  void note_owner(std::uint64_t id, spi::HandshakeHandle owner) noexcept;
+  void uncount(Entry& entry) noexcept;
+  Entry* any_of(Random& random, spi::HandshakeHandle newest, const Sha256Digest* subject);
 
   std::mutex mutex_;
+  std::uint64_t last_id_ = 0;
+  std::map<std::uint64_t, Entry> entries_;
   std::map<Sha256Digest, std::size_t> by_subject_;
   std::size_t total_ = 0;
 };
