@@ -105,8 +105,8 @@ bool PkiDh::has_outlived(const std::vector<IdentityTable::Ended>& all,
 }
 
 /// What the files of local identities say now. Each identity looks at its files in a rhythm of its
-/// own. Before one of them ends, all look: identities with the same files end together, and what was
-/// put into place before the end counts.
+/// own. Before one of them ends, all look: identities with the same files end together, and what
+/// was put into place before the end counts.
 Revocations PkiDh::look_at_files(IdentityHandle local) {
   renew_identities(table_, local, stores_, environment_);
   auto revocations = find_revocations(table_, local, stores_, environment_);

@@ -69,8 +69,8 @@ std::vector<spi::HandshakeHandle> UnprovenOctets::excess(Random& random,
                                                          spi::HandshakeHandle newest) {
   std::vector<spi::HandshakeHandle> out;
   const std::scoped_lock lock(mutex_);
-  const auto own = std::ranges::find_if(
-      entries_, [&](const auto& one) { return one.second.owner == newest; });
+  const auto own =
+      std::ranges::find_if(entries_, [&](const auto& one) { return one.second.owner == newest; });
   if (own == entries_.end()) return out;
   const auto subject = own->second.subject;
   const auto drop_one = [&](const Sha256Digest* of) {

@@ -1,7 +1,7 @@
 // A participant with a valid certificate that does not keep to the rules: the three stock plugins,
 // with a few of their functions replaced. What it does is named by INSIDER_TAMPER:
 //   announce     its endpoints announce that nothing about them is access controlled
-//   decoy        the same of its endpoint in the partition "Hidden"; the others it announces honestly
+//   decoy        the same of its endpoint in the partition "Hidden"; the others are announced as is
 //   participant  its participant's key tokens name the victim as their source
 //   endpoint     its writers' key tokens name the victim as their source
 //   source       its protected messages go on in the victim's name

@@ -355,7 +355,8 @@ struct LargeDocuments {
         pairing(alice, bob) {
     Token credential{.class_id = std::string(spi::class_id::kPermissionsCredential)};
     credential.properties.push_back({"dds.perm.cert", std::string(octets, 'p'), false});
-    EXPECT_TRUE((*low().engine)->set_permissions_credential_and_token(low().handle, credential, {}));
+    EXPECT_TRUE(
+        (*low().engine)->set_permissions_credential_and_token(low().handle, credential, {}));
     request = pairing.two.request();
   }
   Participant& low() { return pairing.two.low; }
