@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -29,6 +30,10 @@ struct Options {
   /// Take a governance that demands pre-shared keys: the host protects messages by them. Otherwise
   /// such a document is refused, since nothing would be protected.
   bool host_has_pre_shared_keys = false;
+  /// Whether the host presents renewed permissions to peers; asked for each local participant. If
+  /// not, the permissions that it began with stay in force: what it does not present must not
+  /// count.
+  std::function<bool()> presents_renewed_permissions = [] { return true; };
 };
 
 /// How many judged documents, and octets of them, are kept for peers to come.

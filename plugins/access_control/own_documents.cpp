@@ -15,7 +15,7 @@ DocumentWatch::What what(const std::string& uri, const std::string& name, std::s
   return {.uri = uri, .name = name, .most = most, .refused = refused, .stays = stays};
 }
 
-/// `octets` if they fit, else the file as it is now if that fits; else why `octets` do not.
+/// Nothing if `octets` fit, else the file as it is now if that fits; else why `octets` do not.
 template <class Fits>
 Result<std::optional<Bytes>> one_that_fits(BytesView octets, const DocumentWatch& file,
                                            Fits&& fits) {
@@ -39,6 +39,7 @@ struct OwnDocuments::Renewal {
 OwnDocuments::OwnDocuments(const DocumentPlaces& places, const Options& options,
                            std::chrono::seconds interval)
     : options_(options),
+      permissions_stay_(!options.presents_renewed_permissions()),
       authorities_(what(places.permissions_ca, places.permissions_ca_name, 0,
                         Code::permissions_ca_renewal_refused, "the CAs read before stay in force"),
                    interval),
@@ -48,7 +49,7 @@ OwnDocuments::OwnDocuments(const DocumentPlaces& places, const Options& options,
       permissions_(
           what(places.permissions, places.permissions_name, pki::kMostSentPermissionsOctets,
                Code::permissions_renewal_refused, "the permissions read before stay in force"),
-          interval),
+          permissions_stay_ ? std::chrono::seconds(0) : interval),
       identity_authorities_(what(places.identity_ca, places.identity_ca, pki::kMostBundleOctets,
                                  Code::identity_ca_renewal_refused, ""),
                             interval) {}
@@ -118,6 +119,9 @@ Status OwnDocuments::take_authorities(const Renewal& now,
     return {};
   };
   const auto text = now.holder.text();
+  if (permissions_stay_) {
+    DDSSEC_RETURN_IF_ERROR(fits_permissions(as_bytes(text)));
+  }
   DDSSEC_ASSIGN_OR_RETURN(const auto permissions,
                           one_that_fits(as_bytes(text), permissions_, fits_permissions));
   if (permissions) {

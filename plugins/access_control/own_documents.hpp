@@ -38,7 +38,8 @@ class OwnDocuments {
   /// - Other permissions CAs, if the governance and the permissions of the participant are signed
   ///   by one of them: those in force, or else those in the files now, which then come into force.
   /// - A governance document that only adds topic rules, none of them for a topic in use.
-  /// - Renewed permissions, as PermissionsHolder::take has it.
+  /// - Renewed permissions, as PermissionsHolder::take has it; none if the host does not present
+  ///   them.
   /// - Further identity CAs, where the governance restricts algorithms. Authentication decides
   ///   which of them are trusted, and reports a file that cannot be used.
   /// Returns events: what was taken, and what cannot be used (once as long as the file stays the
@@ -57,6 +58,7 @@ class OwnDocuments {
   Result<Basis> judge_governance(const Renewal& now, const Basis& basis, BytesView file) const;
 
   const Options options_;
+  const bool permissions_stay_;
   pki::AuthorityWatch authorities_;
   DocumentWatch governance_;
   DocumentWatch permissions_;

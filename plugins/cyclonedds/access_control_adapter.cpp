@@ -41,15 +41,6 @@ Result<bool> is_carriers(Adapter& adapter, CPermissions handle, std::string_view
   return is_carrier_topic(name, participant_sec_attributes);
 }
 
-/// A stock authentication presents the permissions that the participant began with. What it does
-/// not present must not count here.
-spi::PropertyList without_renewal(spi::PropertyList properties) {
-  const std::string name(spi::property::kFilesPollInterval);
-  std::erase_if(properties, [&](const auto& one) { return one.name == name; });
-  properties.push_back({name, "0", false});
-  return properties;
-}
-
 CPermissions validate_local_permissions(Instance* instance, const dds_security_authentication*,
                                         const DDS_Security_IdentityHandle identity,
                                         const CDomain domain_id, const DDS_Security_Qos* qos,
@@ -58,10 +49,10 @@ CPermissions validate_local_permissions(Instance* instance, const dds_security_a
     DDSSEC_RETURN_IF_ERROR(require(qos));
     say_plugins_in_use(adapter.host(), PluginKind::access_control);
     DDSSEC_ASSIGN_OR_RETURN(auto property_list, properties_from(qos));
-    DDSSEC_ASSIGN_OR_RETURN(auto properties, with_process_properties(std::move(property_list)));
+    DDSSEC_ASSIGN_OR_RETURN(const auto properties,
+                            with_process_properties(std::move(property_list)));
     DDSSEC_ASSIGN_OR_RETURN(const auto clock_step_grace, spi::clock_step_grace(properties));
     adapter.host().calendar().set_grace(clock_step_grace);
-    if (!has_our_authentication()) properties = without_renewal(std::move(properties));
     DDSSEC_ASSIGN_OR_RETURN(const bool allow_shared_memory,
                             SharedMemoryGuard::is_allowed_by(properties));
     DDSSEC_ASSIGN_OR_RETURN(const auto flag_property,
@@ -505,7 +496,8 @@ void AccessControlAdapter::listen(const dds_security_access_control_listener* li
 /// another that is still valid.
 void AccessControlAdapter::revoke_ended(const std::stop_token& stop, const Revoke& revoke) {
   std::vector<std::pair<spi::PermissionsHandle, std::optional<spi::IdentityHandle>>> ended;
-  for (const auto handle : engine_->expire()) ended.emplace_back(handle, facts_.identity_of(handle));
+  for (const auto handle : engine_->expire())
+    ended.emplace_back(handle, facts_.identity_of(handle));
   for (const auto& [handle, own] : ended) {
     if (!own) continue;
     facts_.cut_off(*own, Code::grant_expired);

@@ -3,6 +3,7 @@
 #include "plugins/cyclonedds/access_control_adapter.hpp"
 #include "plugins/cyclonedds/entry.hpp"
 #include "plugins/cyclonedds/presence.hpp"
+#include "plugins/cyclonedds/process_questions.hpp"
 
 using namespace ddssec;
 using cyclonedds::AccessControlAdapter;
@@ -10,7 +11,9 @@ using cyclonedds::AccessControlAdapter;
 DDSSEC_EXPORT int init_access_control(const char*, void** context, ddsi_domaingv* domain) {
   return cyclonedds::init<AccessControlAdapter, dds_security_access_control>(
       context, domain, __builtin_return_address(0), [](const Environment& environment) {
-        return access_control::make_access_control(environment, {});
+        // A stock authentication presents the permissions that a participant began with.
+        return access_control::make_access_control(
+            environment, {.presents_renewed_permissions = cyclonedds::has_our_authentication});
       });
 }
 

@@ -353,5 +353,52 @@ TEST_F(AuthorityRenewal, MoreTopicsThanAreRemembered_LeaveOnlyRulesAtTheEnd) {
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewed));
 }
 
+// ---- a host that presents the permissions that it began with
+
+class PresentedOnce : public AuthorityRenewal {
+ protected:
+  PresentedOnce() {
+    make({.presents_renewed_permissions = [] { return false; }});
+    own_ = from_files();
+  }
+};
+
+TEST_F(PresentedOnce, RenewedPermissions_AreNotTaken) {
+  folder_.replace("permissions.p7s", permissions(first(), kTalker, -1h));
+  EXPECT_THAT(codes_after_looking(), IsEmpty());
+  EXPECT_EQ(plugin->renewals(*own_), 0u);
+}
+
+TEST_F(PresentedOnce, SecondCa_IsAcceptedUntilItLeaves) {
+  put({&first(), &second()});
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_ca_renewed));
+  const auto peer = remote(permissions(second(), kListener));
+  ASSERT_TRUE(peer);
+  EXPECT_TRUE(plugin->check_remote_participant(*peer, 0));
+  put({&first()});
+  EXPECT_THAT(look(), ElementsAre(*peer));
+  EXPECT_FALSE(accepts(second()));
+}
+
+// Otherwise it is taken together with the permissions that are in their file now.
+TEST_F(PresentedOnce, CaWithoutOverlap_IsRefused) {
+  sign_all(second());
+  put({&second()});
+  log.events.clear();
+  for (int i = 0; i < 3; ++i) look();
+  EXPECT_TRUE(std::ranges::any_of(log.events, [](const auto& event) {
+    return event.error.code() == Code::permissions_ca_renewal_refused;
+  }));
+  EXPECT_EQ(plugin->renewals(*own_), 0u);
+  EXPECT_TRUE(accepts(first()));
+  EXPECT_FALSE(accepts(second()));
+}
+
+TEST_F(PresentedOnce, FurtherTopicRules_AreTaken) {
+  topic_rules().push_back(open_rule());
+  folder_.replace("governance.p7s", governance(first()));
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewed));
+}
+
 }  // namespace
 }  // namespace ddssec::access_control

@@ -122,16 +122,6 @@ TEST_F(AccessControlAdapterTest, RenewedPermissions_AreTold_OnceForEachRenewal) 
   EXPECT_FALSE(renewed(kLocal, 1));
 }
 
-// What a stock authentication does not present must not count.
-TEST_F(AccessControlAdapterTest, WithoutOurAuthentication_NoFileIsLookedAtAgain) {
-  EXPECT_CALL(engine, validate_local_permissions)
-      .WillOnce([](auto, auto, const spi::PropertyList& properties, auto) -> Result<Handle> {
-        EXPECT_EQ(spi::property_value(properties, "org.ddssec.files_poll_interval"), "0");
-        return Handle{8};
-      });
-  EXPECT_NE(c->validate_local_permissions(c, nullptr, 1, 5, &qos, nullptr), 0);
-}
-
 TEST_F(AccessControlAdapterTest, ChecksPassTheQuestionAndTheAnswer) {
   EXPECT_CALL(engine, check_create_participant(Handle{8}, 5)).WillOnce(Return(Status{}));
   EXPECT_CALL(engine, check_create_datawriter(Handle{8}, 5, asks_for_topic()))
