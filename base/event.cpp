@@ -54,6 +54,15 @@ bool names_an_unproven_peer(const Event& event) {
   return names_a_peer && event.proof == PeerProof::claimed;
 }
 
+/// "2026-12-04T03:00:00.125Z"
+std::string in_utc(std::chrono::nanoseconds at) {
+  const auto whole = std::chrono::floor<std::chrono::seconds>(at);
+  const auto thousandths = std::chrono::floor<std::chrono::milliseconds>(at - whole).count();
+  auto out = ddssec::to_string(WallTime(whole));
+  out.pop_back();
+  return fmt::format("{}.{:03}Z", out, thousandths);
+}
+
 }  // namespace
 
 std::string Event::to_line() const {
@@ -67,10 +76,11 @@ std::string Event::to_line() const {
   return without_codes(line.substr(0, code)) + line.substr(code);
 }
 
-std::string Event::to_json() const {
+std::string Event::to_json(std::chrono::nanoseconds at) const {
   const auto& row = info(error.code());
   const auto& d = error.details();
-  nlohmann::ordered_json json = {{"code", static_cast<int>(error.code())},
+  nlohmann::ordered_json json = {{"time", in_utc(at)},
+                                 {"code", static_cast<int>(error.code())},
                                  {"name", row.name},
                                  {"severity", to_string(severity)},
                                  {"peer_subject", cut(peer_subject)},
@@ -86,6 +96,24 @@ std::string Event::to_json() const {
   // Peers choose some of these octets. Octets that are not UTF-8 are replaced instead of throwing,
   // and control characters are escaped for terminals.
   return json.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+}
+
+bool is_news(Code code) {
+  switch (code) {
+    case Code::rtps_joined:
+    case Code::rtps_peer_authenticated:
+    case Code::identity_renewed:
+    case Code::identity_ca_renewed:
+    case Code::peer_identity_renewed:
+    case Code::permissions_renewed:
+    case Code::permissions_ca_renewed:
+    case Code::peer_permissions_renewed:
+    case Code::governance_renewed:
+    case Code::crl_renewed:
+      return true;
+    default:
+      return false;
+  }
 }
 
 void RateLimitedSink::raise(const Event& event) {

@@ -49,11 +49,16 @@ struct Event {
   /// "claims to be". The line ends with the event's name and code in brackets. Earlier text that
   /// looks like that has "\x5b" in place of its bracket.
   std::string to_line() const;
-  /// A JSON object on one line, in ASCII: code, name, severity, peer_subject, peer_authenticated,
-  /// guid, document, line, field, expected, found, hint, sentence. Each text is at most 1024 octets
-  /// long, plus "..." for what was cut off.
-  std::string to_json() const;
+  /// A JSON object on one line, in ASCII: time, code, name, severity, peer_subject,
+  /// peer_authenticated, guid, document, line, field, expected, found, hint, sentence. Each text is
+  /// at most 1024 octets long, plus "..." for what was cut off. `at`: calendar time of the event
+  /// (Clock::wall), shown in UTC.
+  std::string to_json(std::chrono::nanoseconds at) const;
 };
+
+/// True for events below a warning that a person who runs a program wants to see in any case: who
+/// joined and met whom, and which documents were renewed.
+bool is_news(Code code);
 
 /// Receives events. `raise` is called from any thread; it must not block and must not call back
 /// into a plugin.

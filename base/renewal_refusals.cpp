@@ -6,7 +6,7 @@ Error renewal_refused(Code code, const Error& why, const std::string& path,
                       std::string_view stays) {
   auto details = why.details();
   details.document = path;
-  details.hint.clear();
+  if (why.code() != code) details.hint.clear();
   std::string note;
   const auto add = [&](std::string_view part) {
     if (!part.empty()) note += (note.empty() ? "" : "; ") + std::string(part);

@@ -47,7 +47,7 @@ Result<Report> version(const Arguments&, const Context&) {
 std::vector<Command> version_commands() {
   return {{.group = "",
            .name = "version",
-           .summary = "Prints the version, and the known flaws of the OpenSSL that runs.",
+           .summary = "Prints the version, and the known flaws of the OpenSSL in use.",
            .positionals = {},
            .options = {},
            .examples = {"ddssec version --format json"},

@@ -5,18 +5,11 @@
 
 namespace ddssec::secured {
 
-namespace {
-
-// Events below a warning that a user who starts a program for the first time needs to see.
-bool is_good_news(Code code) {
-  return code == Code::rtps_joined || code == Code::rtps_peer_authenticated;
-}
-
-}  // namespace
+namespace {}  // namespace
 
 void StandardErrorEvents::raise(const Event& event) {
   if (event.is_returned) return;
-  if (event.severity >= Severity::warning || is_good_news(event.error.code()))
+  if (event.severity >= Severity::warning || is_news(event.error.code()))
     std::fprintf(stderr, "%s\n", event.to_line().c_str());
 }
 

@@ -2,14 +2,15 @@
 // around them. `dds()` gives access to the rest of DDS.
 #pragma once
 
+#include "base/event_log.hpp"
 #include "rtps/dcps/domain_participant.hpp"
 #include "secured/engines.hpp"
 
 namespace ddssec::secured {
 
 /// Prints events to standard error, one line each: warnings and errors, the interfaces that a
-/// participant uses, and each peer that it authenticated. An error that a call returns to the
-/// application is not printed; the application reports it.
+/// participant uses, each peer that it authenticated, and documents that were renewed. An error
+/// that a call returns to the application is not printed; the application reports it.
 class StandardErrorEvents final : public EventSink {
  public:
   void raise(const Event& event) override;
@@ -22,7 +23,8 @@ class Participant {
  public:
   /// Joins a domain with the identity, permissions and governance in `folder`, which `ddssec init`
   /// creates. Refusals of peers are reported to `events`, which must outlive the participant; if it
-  /// is nullptr, they are printed to standard error.
+  /// is nullptr, they are printed to standard error. All events are also appended to the file that
+  /// the environment variable DDSSEC_EVENT_LOG names.
   /// Errors: file_not_found, file_unreadable, property_without_effect, those of the security
   /// plugins, those of rtps::DomainParticipant::create. Each message names the document and what to
   /// do.
@@ -67,7 +69,8 @@ class Participant {
     SystemRandom random;
     StandardErrorEvents standard_error;
     EventSink& events;
-    RateLimitedSink limited{events, clock};
+    LoggedEvents logged{events, EventLog::of_environment()};
+    RateLimitedSink limited{logged, clock};
     Engines engines{{clock, random, limited}};
     std::unique_ptr<rtps::DomainParticipant> participant = {};
     rtps::Publisher* publisher = nullptr;

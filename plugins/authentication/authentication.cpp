@@ -12,6 +12,26 @@
 #include "plugins/spi/property_names.hpp"
 
 namespace ddssec::authentication {
+namespace {
+
+constexpr auto kStartAgain =
+    "renew it (ddssec identity renew FOLDER --ca CA) and start this participant again";
+
+/// A peer that has renewed its certificate comes back at once, so its end is no error.
+Event event_of_end(const IdentityTable::Ended& ended, WallTime now) {
+  const bool is_own = ended.peer.subject.empty();
+  auto out = event_about(
+      ended.peer, Error(ended.with_ours ? Code::session_outlived_documents : Code::identity_ended,
+                        {.document = ended.whose,
+                         .field = "notAfter",
+                         .expected = "a time before " + to_string(ended.end),
+                         .found = to_string(now),
+                         .hint = is_own ? kStartAgain : ""}));
+  if (!is_own) out.severity = std::min(out.severity, Severity::warning);
+  return out;
+}
+
+}  // namespace
 
 Result<PkiDh::LocalIdentity> PkiDh::validate_local_identity(DomainId,
                                                             const spi::PropertyList& properties,
@@ -146,12 +166,7 @@ std::vector<IdentityHandle> PkiDh::expire(IdentityHandle local) {
   for (const auto& ended : all) {
     tell(ended.handle);
     if (ended.with_ours && !has_outlived(all, ended)) continue;
-    events.push_back(event_about(
-        ended.peer, Error(ended.with_ours ? Code::session_outlived_documents : Code::identity_ended,
-                          {.document = ended.whose,
-                           .field = "notAfter",
-                           .expected = "a time before " + to_string(ended.end),
-                           .found = to_string(now)})));
+    events.push_back(event_of_end(ended, now));
   }
   for (const auto& own : table_.locals(local))
     for (const auto& error : own.identity->ends_soon(now))

@@ -286,12 +286,14 @@ Status LocalIdentity::check_renewed(const IdentityWatch::Found& found, const Tru
                                     WallTime now) const {
   const auto former = certificate();
   const auto& renewed = found.certificate;
-  const auto differs = [](std::string_view field, std::string expected, std::string is) {
+  const auto differs = [](std::string_view field, std::string expected, std::string is,
+                          std::string_view hint = "") {
     return fail(Code::identity_renewal_refused,
                 {.document = std::string(property::kIdentityCertificate),
                  .field = std::string(field),
                  .expected = std::move(expected),
-                 .found = std::move(is)});
+                 .found = std::move(is),
+                 .hint = std::string(hint)});
   };
   if (renewed.subject_digest() != former.subject_digest())
     return differs("subject", former.subject(), renewed.subject());
@@ -303,7 +305,9 @@ Status LocalIdentity::check_renewed(const IdentityWatch::Found& found, const Tru
                    to_string(renewed.not_before()));
   if (renewed.not_after() < former.not_after())
     return differs("notAfter", to_string(former.not_after()) + " or later",
-                   to_string(renewed.not_after()));
+                   to_string(renewed.not_after()),
+                   "it ends before the one in force: renew it with more --days, or start the "
+                   "participant again to use it");
   DDSSEC_RETURN_IF_ERROR(check_belongs(found.key, renewed));
   DDSSEC_RETURN_IF_ERROR(in(trust.verify(renewed, now), property::kIdentityCertificate));
   return {};

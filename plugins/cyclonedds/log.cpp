@@ -1,13 +1,12 @@
 #include "plugins/cyclonedds/log.hpp"
 
-#include <atomic>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
 
 #include <dds/ddsrt/log.h>
 
-#include "plugins/cyclonedds/event_file.hpp"
+#include "base/event_log.hpp"
 #include "plugins/cyclonedds/host_entities.hpp"
 
 namespace ddssec::cyclonedds {
@@ -17,43 +16,16 @@ LogFunction as_log_function(void* symbol) { return reinterpret_cast<LogFunction>
 
 class HostLog final : public EventSink {
  public:
-  HostLog(LogFunction log, const char* json_path) : log_(log) {
-    if (json_path == nullptr || *json_path == '\0') return;
-    json_path_ = json_path;
-    json_ = std::make_unique<EventFile>(json_path);
-    if (json_->is_open()) return;
-    json_.reset();
-    log_line(about_the_file("a file, a FIFO with a reader, or a terminal", "something else"));
+  HostLog(LogFunction log, const char* json_path) : log_(log), json_(json_path) {
+    if (json_.trouble()) log_line(*json_.trouble());
   }
 
   void raise(const Event& event) override {
     log_line(event);
-    if (json_) append(event);
+    if (const auto about_the_file = json_.append(event)) log_line(*about_the_file);
   }
 
  private:
-  /// A full disk or a slow reader must not stop a refusal. The loss is reported once, and the
-  /// number of lost lines when lines can be written again.
-  void append(const Event& event) {
-    if (!json_->append(event.to_json())) {
-      if (lost_.fetch_add(1) == 0)
-        log_line(about_the_file("room for an event", "no room, or no reader that keeps up"));
-      return;
-    }
-    const auto lost = lost_.exchange(0);
-    if (lost == 0) return;
-    const auto told =
-        about_the_file("every event", std::to_string(lost) + " events before this one are lost");
-    log_line(told);
-    json_->append(told.to_json());
-  }
-
-  Event about_the_file(std::string expected, std::string found) const {
-    return Event(Error(
-        Code::event_log_unwritable,
-        {.document = json_path_, .expected = std::move(expected), .found = std::move(found)}));
-  }
-
   void log_line(const Event& event) const {
     const auto category = log_category(event);
     if (category == 0) return;
@@ -67,9 +39,7 @@ class HostLog final : public EventSink {
   }
 
   LogFunction log_;
-  std::string json_path_;
-  std::unique_ptr<EventFile> json_;
-  std::atomic<std::uint64_t> lost_ = 0;  ///< events, since lines went in
+  EventLog json_;
 };
 
 }  // namespace

@@ -4,6 +4,9 @@
 #include <charconv>
 #include <functional>
 #include <ranges>
+#include <utility>
+
+#include <fmt/format.h>
 
 #include "plugins/spi/property_names.hpp"
 
@@ -51,7 +54,9 @@ Result<WarningDays> warning_days(const PropertyList& properties) {
 bool EndWarning::is_due(WallTime begin, WallTime end, WallTime now) {
   if (end_ != end) last_day_.reset();
   end_ = end;
-  if (now >= end) return false;
+  if (now >= end || days_.empty()) return false;
+  if (days_.back() > (end - begin) / 3)
+    return end - now <= (end - begin) / 6 && !std::exchange(last_day_, days(0));
   const auto late = std::ranges::find_if(days_ | std::views::reverse, [&](days before) {
     return end - now <= before && before <= (end - begin) / 3;
   });
@@ -61,11 +66,16 @@ bool EndWarning::is_due(WallTime begin, WallTime end, WallTime now) {
 }
 
 std::string in_time(WallTime end, WallTime now) {
-  const auto whole = std::chrono::floor<days>(end - now).count();
-  const std::string left = whole < 1    ? "in less than a day"
-                           : whole == 1 ? "in 1 day"
-                                        : "in " + std::to_string(whole) + " days";
-  return ddssec::to_string(end) + ", " + left;
+  const auto left = end - now;
+  const auto in = [&](auto unit, const std::string& name) {
+    const auto whole = left / unit;
+    return fmt::format("{}, in {} {}{}", ddssec::to_string(end), whole, name,
+                       whole == 1 ? "" : "s");
+  };
+  if (left >= days(1)) return in(days(1), "day");
+  if (left >= std::chrono::hours(1)) return in(std::chrono::hours(1), "hour");
+  if (left >= std::chrono::minutes(1)) return in(std::chrono::minutes(1), "minute");
+  return in(std::chrono::seconds(1), "second");
 }
 
 }  // namespace ddssec::spi

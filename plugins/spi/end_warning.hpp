@@ -26,7 +26,8 @@ class EndWarning {
   /// True once for each of the days before `end`, and again for another `end`. Of several days that
   /// have passed, only the last one counts. A day that lies in the first two thirds of the time
   /// from `begin` to `end` does not count: what is meant to live for a week is not about to end
-  /// when it begins. False after the end, which has its own error. Needs no memory.
+  /// when it begins. If none counts, the validity is that short: the last sixth of it takes their
+  /// place. False after the end, which has its own error. Needs no memory.
   bool is_due(WallTime begin, WallTime end, WallTime now);
 
  private:
@@ -35,7 +36,8 @@ class EndWarning {
   std::optional<std::chrono::days> last_day_;  ///< for which it was due
 };
 
-/// For the "found" of a warning: "2026-12-04T03:00:00Z, in 6 days".
+/// For the "found" of a warning: "2026-12-04T03:00:00Z, in 6 days"; in hours, minutes or seconds if
+/// there is no whole day left.
 std::string in_time(WallTime end, WallTime now);
 
 }  // namespace ddssec::spi

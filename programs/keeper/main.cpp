@@ -4,6 +4,7 @@
 #include <csignal>
 #include <cstdio>
 
+#include "base/event_log.hpp"
 #include "rtps/keeper/keeper.hpp"
 #include "secured/engines.hpp"
 
@@ -95,7 +96,8 @@ int run(const Options& options) {
   const SystemClock clock;
   SystemRandom random;
   Log log;
-  RateLimitedSink events(log, clock);
+  LoggedEvents logged(log, EventLog::of_environment());
+  RateLimitedSink events(logged, clock);
   const Environment environment{clock, random, events};
   secured::Engines engines(environment);
   auto wanted = participant_options(options, engines);

@@ -3,11 +3,12 @@
 
 #include <functional>
 #include <memory>
+#include <peer_types.hpp>
 
 #include <nlohmann/json.hpp>
 
+#include "base/event_log.hpp"
 #include "programs/peer/options.hpp"
-#include <peer_types.hpp>
 #include "rtps/dcps/domain_participant.hpp"
 #include "secured/engines.hpp"
 
@@ -88,7 +89,8 @@ class Session final : private EventSink {
   const Options options_;
   SystemClock clock_;
   SystemRandom random_;
-  RateLimitedSink limited_{*this, clock_};
+  LoggedEvents logged_{*this, EventLog::of_environment()};
+  RateLimitedSink limited_{logged_, clock_};
   std::unique_ptr<secured::Engines> engines_;
   std::unique_ptr<rtps::DomainParticipant> participant_;
   rtps::AuthenticationCounters said_;

@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include "base/event_log.hpp"
 #include "programs/shapes/options.hpp"
 #include "programs/shapes/types.hpp"
 #include "rtps/dcps/domain_participant.hpp"
@@ -90,7 +91,8 @@ class Session final : private EventSink {
   const Options options_;
   SystemClock clock_;
   SystemRandom random_;
-  RateLimitedSink limited_{*this, clock_};
+  LoggedEvents logged_{*this, EventLog::of_environment()};
+  RateLimitedSink limited_{logged_, clock_};
   StatusLines lines_;
   secured::Engines engines_{{clock_, random_, limited_}};
   std::unique_ptr<rtps::DomainParticipant> participant_;

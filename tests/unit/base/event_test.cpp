@@ -8,6 +8,8 @@
 namespace ddssec {
 namespace {
 
+using namespace std::chrono_literals;
+
 struct Recorder : EventSink {
   void raise(const Event& event) override { events.push_back(event); }
   std::vector<Event> events;
@@ -37,7 +39,8 @@ TEST(RateLimitedSink, LetsTheSameEventThroughOncePerInterval) {
   EXPECT_EQ(recorder.events.size(), 4u);
 }
 
-// Programs do not print a returned event. The caller may report the same error in an event of its own.
+// Programs do not print a returned event. The caller may report the same error in an event of its
+// own.
 TEST(RateLimitedSink, AReturnedEvent_DoesNotSuppressTheSameOneThatIsNot) {
   Recorder recorder;
   ManualClock clock(kStart);
@@ -159,11 +162,11 @@ TEST(Event, OnlyAPeerThatAuthenticatedIsCalledByItsName) {
   auto of_bob = event("x", "CN=bob");
   EXPECT_TRUE(of_bob.to_line().starts_with("warning: peer claims to be \"CN=bob\" guid 01.02 "))
       << of_bob.to_line();
-  EXPECT_EQ(nlohmann::json::parse(of_bob.to_json())["peer_authenticated"], false);
+  EXPECT_EQ(nlohmann::json::parse(of_bob.to_json(0s))["peer_authenticated"], false);
   of_bob.proof = PeerProof::authenticated;
   EXPECT_TRUE(of_bob.to_line().starts_with("warning: peer \"CN=bob\" guid 01.02 "))
       << of_bob.to_line();
-  EXPECT_EQ(nlohmann::json::parse(of_bob.to_json())["peer_authenticated"], true);
+  EXPECT_EQ(nlohmann::json::parse(of_bob.to_json(0s))["peer_authenticated"], true);
 }
 
 // A certificate's subject, from anyone, is all that such a line needs.
@@ -202,7 +205,7 @@ TEST(Event, WhatAPeerSentIsNoLineOfOursAndNoControlSequence) {
   const std::string evil =
       "x\n0.1 [0] recv: operator logged in\r\x1b[31m\x7f\t\u009b31m\u202e\u2066";
   const Event of_evil(Error(Code::malformed, {evil, 0, evil, evil, evil, evil}), evil, evil);
-  for (const auto& line : {of_evil.to_line(), of_evil.to_json(), of_evil.error.to_sentence()}) {
+  for (const auto& line : {of_evil.to_line(), of_evil.to_json(0s), of_evil.error.to_sentence()}) {
     EXPECT_TRUE(std::ranges::none_of(line, [](unsigned char c) { return c < 0x20 || c == 0x7f; }))
         << line;
     for (const char* misleading : {"\u009b", "\u202e", "\u2066"})
@@ -212,13 +215,14 @@ TEST(Event, WhatAPeerSentIsNoLineOfOursAndNoControlSequence) {
 }
 
 TEST(Event, LongTextsOfStrangersAreCut) {
-  const auto line = event(std::string(100'000, 'x')).to_json();
+  const auto line = event(std::string(100'000, 'x')).to_json(0s);
   EXPECT_LT(line.size(), 10'000u);
   EXPECT_TRUE(nlohmann::json::accept(line));
 }
 
 TEST(Event, JsonHasEveryFieldAndSurvivesOctetsThatAreNotUtf8) {
-  const auto json = nlohmann::json::parse(event("\xff\xfe").to_json());
+  const auto json = nlohmann::json::parse(event("\xff\xfe").to_json(1'764'277'199'007ms));
+  EXPECT_EQ(json["time"], "2025-11-27T20:59:59.007Z");
   for (const char* key : {"code", "name", "severity", "peer_subject", "peer_authenticated", "guid",
                           "document", "line", "field", "expected", "found", "hint", "sentence"})
     EXPECT_TRUE(json.contains(key)) << key;

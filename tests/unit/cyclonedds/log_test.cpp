@@ -66,6 +66,7 @@ TEST_F(HostLog, AFileThatCannotBeWrittenIsSaidOnce) {
   log->raise(Event(Error(Code::malformed)));
   ASSERT_EQ(logged.size(), 2u);
   EXPECT_THAT(logged[0].text, testing::HasSubstr("event_log_unwritable"));
+  EXPECT_THAT(logged[0].text, testing::HasSubstr("No such file or directory"));
 }
 
 TEST_F(HostLog, AFullDisk_IsSaidOnce) {

@@ -155,6 +155,31 @@ TEST(StandardErrorEvents, PeersThatAuthenticatedArePrinted) {
             "[rtps_peer_authenticated 1726]\n");
 }
 
+TEST(StandardErrorEvents, RenewedDocumentsArePrinted) {
+  StandardErrorEvents events;
+  ::testing::internal::CaptureStderr();
+  events.raise(Event(Error(Code::identity_renewed)));
+  events.raise(Event(Error(Code::permissions_renewed)));
+  const auto printed = ::testing::internal::GetCapturedStderr();
+  EXPECT_THAT(printed, HasSubstr("[identity_renewed 1371]\n"));
+  EXPECT_THAT(printed, HasSubstr("[permissions_renewed 1435]\n"));
+}
+
+// Before, the variable had no effect for an embedded participant.
+TEST(SecuredParticipant, EventLogOfTheEnvironment_HasEachEvent) {
+  const Folder folder;
+  const auto file = folder.path / "events";
+  ::setenv("DDSSEC_EVENT_LOG", file.c_str(), 1);
+  test::Silent quiet;
+  EXPECT_FALSE(Participant::join(folder.path, {.domain_id = 122}, &quiet));
+  ::unsetenv("DDSSEC_EVENT_LOG");
+  std::ifstream lines(file);
+  std::string line;
+  ASSERT_TRUE(std::getline(lines, line));
+  EXPECT_THAT(line, ::testing::StartsWith("{\"time\":\"20"));
+  EXPECT_THAT(line, HasSubstr("identity_ca.pem"));
+}
+
 TEST(SecuredParticipant, Qos_ThatAnApplicationChanges_IsReliableFromTheStart) {
   EXPECT_EQ(Participant::reader_qos().reliability.kind, rtps::ReliabilityKind::reliable);
   EXPECT_EQ(Participant::writer_qos().reliability.kind, rtps::ReliabilityKind::reliable);

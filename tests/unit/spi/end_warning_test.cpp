@@ -84,7 +84,18 @@ TEST(EndWarning, ShortLife_IsNotWarnedOfFromTheStart) {
   EXPECT_FALSE(is_due(days(9)));
   EXPECT_FALSE(is_due(days(5)));
   EXPECT_TRUE(is_due(days(1)));
-  EXPECT_FALSE(EndWarning({days(1)}).is_due(kBegin, kBegin + 24h, kBegin + 23h));
+}
+
+TEST(EndWarning, ValidityTooShortForAllDays_IsWarnedOfInItsLastSixth) {
+  EndWarning warning({days(30), days(7), days(1)});
+  const auto is_due = [&](auto left) {
+    return warning.is_due(kBegin, kBegin + 48h, kBegin + 48h - left);
+  };
+  EXPECT_FALSE(is_due(24h));
+  EXPECT_FALSE(is_due(9h));
+  EXPECT_TRUE(is_due(8h));
+  EXPECT_FALSE(is_due(1h));
+  EXPECT_FALSE(is_due(0h));
 }
 
 TEST(EndWarning, WithoutDays_NothingIsDue) {
@@ -94,7 +105,9 @@ TEST(EndWarning, WithoutDays_NothingIsDue) {
 TEST(EndWarning, Words_SayEndAndDaysLeft) {
   EXPECT_EQ(in_time(kEnd, kEnd - days(6) - 1h), "2027-01-01T00:00:00Z, in 6 days");
   EXPECT_EQ(in_time(kEnd, kEnd - days(1)), "2027-01-01T00:00:00Z, in 1 day");
-  EXPECT_EQ(in_time(kEnd, kEnd - 23h), "2027-01-01T00:00:00Z, in less than a day");
+  EXPECT_EQ(in_time(kEnd, kEnd - 23h), "2027-01-01T00:00:00Z, in 23 hours");
+  EXPECT_EQ(in_time(kEnd, kEnd - 119s), "2027-01-01T00:00:00Z, in 1 minute");
+  EXPECT_EQ(in_time(kEnd, kEnd - 59s), "2027-01-01T00:00:00Z, in 59 seconds");
 }
 
 }  // namespace

@@ -1,13 +1,15 @@
-#include "plugins/cyclonedds/event_file.hpp"
+#include "base/event_file.hpp"
 
+#include <cerrno>
 #include <csignal>
 #include <ctime>
 #include <fcntl.h>
 #include <string>
 #include <sys/stat.h>
+#include <system_error>
 #include <unistd.h>
 
-namespace ddssec::cyclonedds {
+namespace ddssec {
 namespace {
 
 bool is_suitable(int file) {
@@ -22,7 +24,13 @@ int open_suitable(const char* path) {
       open(path, O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC | O_NONBLOCK | O_NOCTTY, 0640);
   if (file < 0 || is_suitable(file)) return file;
   close(file);
+  errno = 0;
   return -1;
+}
+
+std::string reason() {
+  if (errno == 0) return "something else";
+  return errno == ENXIO ? "a FIFO without a reader" : std::generic_category().message(errno);
 }
 
 /// Suppresses SIGPIPE, which a FIFO without a reader raises in the writing thread.
@@ -55,7 +63,9 @@ class WithoutSigpipe {
 
 }  // namespace
 
-EventFile::EventFile(const char* path) : file_(open_suitable(path)) {}
+EventFile::EventFile(const char* path) : file_(open_suitable(path)) {
+  if (file_ < 0) why_not_ = reason();
+}
 
 EventFile::~EventFile() {
   if (is_open()) close(file_);
@@ -71,4 +81,4 @@ bool EventFile::append(std::string_view line) {
   return is_whole;
 }
 
-}  // namespace ddssec::cyclonedds
+}  // namespace ddssec

@@ -1,10 +1,11 @@
-// The file that DDSSEC_EVENT_LOG names.
+// An output for lines that never blocks.
 #pragma once
 
 #include <atomic>
+#include <string>
 #include <string_view>
 
-namespace ddssec::cyclonedds {
+namespace ddssec {
 
 /// An output for lines: a regular file, a FIFO with a reader, a terminal or another character
 /// device. Neither opening nor writing ever blocks. Thread-safe.
@@ -18,6 +19,8 @@ class EventFile {
 
   /// False if the path is no such output or cannot be written, such as a FIFO without a reader.
   bool is_open() const { return file_ >= 0; }
+  /// If it is not open: what was found there.
+  const std::string& why_not() const { return why_not_; }
 
   /// Appends a line and its end in one write, so that several processes may share a file. The line
   /// is dropped if writing would block, if the reader has left, or if the disk is full. False: the
@@ -26,7 +29,8 @@ class EventFile {
 
  private:
   int file_;
+  std::string why_not_;
   std::atomic<bool> is_torn_ = false;  ///< the last line is incomplete
 };
 
-}  // namespace ddssec::cyclonedds
+}  // namespace ddssec
