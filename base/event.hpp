@@ -57,7 +57,7 @@ struct Event {
 };
 
 /// True for events below a warning that a person who runs a program wants to see in any case: who
-/// joined and met whom, and which documents were renewed.
+/// authenticated, and which documents were renewed.
 bool is_news(Code code);
 
 /// Receives events. `raise` is called from any thread; it must not block and must not call back

@@ -57,6 +57,13 @@ Result<JudgedPeer> JudgedPeer::renewed(BytesView certificate, BytesView permissi
     return fail(Code::guid_not_bound_to_subject, {.field = "c.id subject",
                                                   .expected = this->certificate().subject(),
                                                   .found = chain.certificate().subject()});
+  // As of a local certificate: an older one would bring back a key that was replaced for a reason.
+  if (chain.certificate().not_before() < this->certificate().not_before())
+    return fail(Code::peer_renewal_goes_back,
+                {.document = "certificate of " + this->certificate().subject(),
+                 .field = "notBefore",
+                 .expected = to_string(this->certificate().not_before()) + " or later",
+                 .found = to_string(chain.certificate().not_before())});
   auto out = *this;
   out.chain_ = std::move(chain);
   out.set_credential(permissions);

@@ -143,9 +143,10 @@ bool EndpointMatcher::match_all(RemoteParticipant& remote) {
     if (is_writer(own) == is_writer(data.guid.entity)) return;
     if (local.matched.contains(data.guid)) {
       const auto permission = core_.security->admit(own, Admission::Endpoint::of(data));
-      const bool is_relay = core_.security->keyring().is_relay_only(own, data.guid);
+      const bool is_relay =
+          core_.security->keyring().kind_of(own, data.guid) == Keyring::PairKind::relay_only;
       if (permission && permission->relay_only == is_relay) return;
-      forget(local, data.guid);
+      forget(local, data.guid, true);
       any_lost = true;
       if (!permission) return;
     }
@@ -234,7 +235,7 @@ void EndpointMatcher::match(LocalWriter& writer, RemoteParticipant& remote,
   const bool known = writer.matched.contains(data.guid);
   if (!known && !has_place(writer.matched, remote, data)) return;
   const auto verdict = judge(writer.data, *writer.listener, data);
-  if (verdict == Verdict::refused) return forget(writer, data.guid);
+  if (verdict == Verdict::refused) return forget(writer, data.guid, true);
   if (verdict == Verdict::awaits_keys) return;
   // A reader in this process gets each sample directly and filters by itself.
   const auto* near =
@@ -270,7 +271,7 @@ void EndpointMatcher::match(LocalReader& reader, RemoteParticipant& remote,
   if (known) remote.stop_watching(*reader.listener, data.guid);
   if (!known && !has_place(reader.matched, remote, data)) return;
   const auto verdict = judge(reader.data, *reader.listener, data);
-  if (verdict == Verdict::refused) return forget(reader, data.guid);
+  if (verdict == Verdict::refused) return forget(reader, data.guid, true);
   if (verdict == Verdict::awaits_keys) return;
   if (known) {
     reader.listener->on_matched(data);
@@ -292,8 +293,8 @@ void EndpointMatcher::match(LocalReader& reader, RemoteParticipant& remote,
   if (in_process) join_in_process(local_, *near, own, data.guid);
 }
 
-void EndpointMatcher::forget(LocalWriter& writer, const Guid& remote) {
-  if (core_.security) core_.security->keyring().part(writer.data.guid.entity, remote);
+void EndpointMatcher::forget(LocalWriter& writer, const Guid& remote, bool stays) {
+  if (core_.security) core_.security->keyring().part(writer.data.guid.entity, remote, stays);
   if (!writer.matched.remove(remote)) return;
   writer.unready.erase(remote);
   readiness_.remove(writer.data.guid, remote);
@@ -301,9 +302,9 @@ void EndpointMatcher::forget(LocalWriter& writer, const Guid& remote) {
   writer.listener->on_unmatched(remote);
 }
 
-void EndpointMatcher::forget(LocalReader& reader, const Guid& remote) {
+void EndpointMatcher::forget(LocalReader& reader, const Guid& remote, bool stays) {
   const auto keys = core_.keys_of(reader.data.guid.entity, remote);
-  if (core_.security) core_.security->keyring().part(reader.data.guid.entity, remote);
+  if (core_.security) core_.security->keyring().part(reader.data.guid.entity, remote, stays);
   if (!reader.matched.remove(remote)) return;
   if (auto* participant = remotes_.find_or_self(remote.prefix))
     participant->stop_watching(*reader.listener, remote);

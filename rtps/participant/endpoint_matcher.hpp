@@ -74,8 +74,9 @@ class EndpointMatcher {
   void match_own(LocalWriter& writer, LocalReader& reader);
   template <class Local>
   void match_remotes(Local& local);
-  void forget(LocalWriter& writer, const Guid& remote);
-  void forget(LocalReader& reader, const Guid& remote);
+  /// `stays`: the remote endpoint still exists, and may match again.
+  void forget(LocalWriter& writer, const Guid& remote, bool stays = false);
+  void forget(LocalReader& reader, const Guid& remote, bool stays = false);
   /// Called before a local endpoint is removed: `others` on its topic no longer match it.
   template <class Local>
   void part_from(const std::vector<Local*>& others, const Guid& endpoint);

@@ -11,6 +11,39 @@ bool needs_no_tokens(const SecurityCore& core, const Peer& peer) {
          !core.own->attributes().is_rtps_protected();
 }
 
+// An attacker can announce addresses of other hosts. A peer that has sent nothing gets messages at
+// the addresses from which it announced itself, and at one of the other addresses in turn.
+LocatorList addresses_of(const Peer& peer) {
+  const auto& all = peer.metatraffic;
+  if (peer.spoke || peer.state.association() != nullptr || peer.announced_by.size() != all.size())
+    return all;
+  LocatorList out, others;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    (SourceAddress(all[i]) == peer.announced_by[i] ? out : others).push_back(all[i]);
+  const auto turn = static_cast<std::size_t>(peer.state.handshake()->repetitions());
+  if (!others.empty()) out.push_back(others[turn % others.size()]);
+  return out;
+}
+
+/// Removes answers to the peer whose answers take the most, until there is room for another one.
+void make_room_for_answer(SecurityCore& core, const HandshakeAccount& account) {
+  const auto taken = [](const auto& one) {
+    auto* const handshake = one.second.state.handshake();
+    return handshake == nullptr ? 0 : handshake->answers().octets();
+  };
+  while (account.answer_octets >= Handshakes::kMaxAnswerOctets) {
+    const auto largest = std::ranges::max_element(core.peers, {}, taken);
+    if (largest == core.peers.end() || taken(*largest) == 0) return;
+    largest->second.state.handshake()->answers().give_way();
+  }
+}
+
+MonotonicTime pause_after_refusal(const Peer& peer) {
+  constexpr int kMostDoublings = 4;
+  const auto pause = Handshakes::kRefusedPause * (1 << std::min(peer.refusals, kMostDoublings));
+  return std::min<MonotonicTime>(pause, Handshakes::kLongestRefusedPause);
+}
+
 }  // namespace
 
 std::unique_ptr<PeerHandshake> Handshakes::handshake_with(const ParticipantData& data) {
@@ -46,29 +79,30 @@ void Handshakes::announced_again(const ParticipantData& data, const AnnouncedAdd
   peer->source = addresses.source;
   if (auto* handshake = peer->state.handshake(); handshake && data.vendor == kVendorDdssec)
     handshake->note_repeats_challenges();
-  if (!peer->state.is<peer::Refused>() || !starts_.take(peer->source, core_.now)) return;
-  // It may have been admitted without authentication.
-  core_.host.on_replaced(GuidPrefix(data.guid.prefix));
+  if (!peer->state.is<peer::Refused>()) return;
   peer->data = data;
-  peer->state.announce_again(handshake_with(data));
-  schedule(*peer);
+  try_again(*peer);
+}
+
+void Handshakes::try_again(Peer& peer) {
+  if (!peer.state.is<peer::Refused>()) return;
+  peer.again_at = core_.now + kRefusedPause;
+  if (!starts_.take(peer.source, core_.now)) return;
+  // It may have been admitted without authentication.
+  core_.host.on_replaced(GuidPrefix(peer.prefix()));
+  peer.state.announce_again(handshake_with(peer.data));
+  schedule(peer);
+}
+
+void Handshakes::try_all_again() {
+  for (auto& [prefix, peer] : core_.peers) {
+    peer.refusals = 0;
+    peer.again_at = core_.now;
+    schedule(peer);
+  }
 }
 
 // ---- messages
-
-// An attacker can announce addresses of other hosts. A peer that has sent nothing gets messages at
-// the addresses from which it announced itself, and at one of the other addresses in turn.
-LocatorList Handshakes::addresses_of(const Peer& peer) const {
-  const auto& all = peer.metatraffic;
-  if (peer.spoke || peer.state.association() != nullptr || peer.announced_by.size() != all.size())
-    return all;
-  LocatorList out, others;
-  for (std::size_t i = 0; i < all.size(); ++i)
-    (SourceAddress(all[i]) == peer.announced_by[i] ? out : others).push_back(all[i]);
-  const auto turn = static_cast<std::size_t>(peer.state.handshake()->repetitions());
-  if (!others.empty()) out.push_back(others[turn % others.size()]);
-  return out;
-}
 
 // Each message is sent separately, so that in a flood each has its own chance to be processed. A
 // message that may not be sent yet is held back until the peer sends more. An answer is not held
@@ -111,7 +145,12 @@ void Handshakes::note_earned(Peer& peer, std::size_t octets) {
 
 void Handshakes::on_stateless(const GuidPrefix& source, BytesView payload) {
   auto* peer = core_.find(source);
-  auto* handshake = peer == nullptr ? nullptr : peer->state.handshake();
+  if (peer == nullptr) return;
+  // It asks because its documents are new, or by habit.
+  const auto pause =
+      std::max<MonotonicTime>(kRefusedPause, (peer->again_at - peer->refused_at) / 4);
+  if (core_.now >= peer->refused_at + pause) try_again(*peer);
+  auto* handshake = peer->state.handshake();
   if (handshake == nullptr) return;
   const auto message = read_generic_message(payload);
   const bool ours = message && message->identity.source.prefix == source &&
@@ -156,7 +195,7 @@ void Handshakes::on_authentication(Peer& peer, const GenericMessage& message) {
   const auto weighed = handshake.weigh(message);
   if (weighed.effort == Effort::none) return;
   PeerHandshake::Messages out;
-  if (weighed.effort == Effort::request) make_room_for_answer();
+  if (weighed.effort == Effort::request) make_room_for_answer(core_, account_);
   const bool taken =
       may_spend(peer, weighed.effort) && handshake.receive(message, weighed, core_.now, out);
   if (handshake.started()) peer.state.begin();
@@ -166,18 +205,6 @@ void Handshakes::on_authentication(Peer& peer, const GenericMessage& message) {
   const bool is_new = advance(peer);
   if (!peer.state.is<peer::Refused>()) send(peer, out);
   if (is_new) open_channel(peer);
-}
-
-void Handshakes::make_room_for_answer() {
-  const auto taken = [](const auto& one) {
-    auto* const handshake = one.second.state.handshake();
-    return handshake == nullptr ? 0 : handshake->answers().octets();
-  };
-  while (account_.answer_octets >= kMaxAnswerOctets) {
-    const auto largest = std::ranges::max_element(core_.peers, {}, taken);
-    if (largest == core_.peers.end() || taken(*largest) == 0) return;
-    largest->second.state.handshake()->answers().give_way();
-  }
 }
 
 // Public-key work is limited before anything is proven. In a flood, peers that send little have a
@@ -320,6 +347,10 @@ void Handshakes::refuse(Peer& peer) {
   if (peer.state.association() != nullptr) revision_.request();
   if (!peer.state.refuse()) return;
   note_failure(peer);
+  peer.refused_at = core_.now;
+  peer.again_at = core_.now + pause_after_refusal(peer);
+  ++peer.refusals;
+  schedule(peer);
   if (!admitted) core_.host.on_refused(GuidPrefix(peer.prefix()));
 }
 
@@ -339,6 +370,7 @@ void Handshakes::tick() {
   next_ = kNever;
   for (auto at = core_.peers.begin(); at != core_.peers.end();) {
     const auto prefix = at->first;
+    if (core_.now >= at->second.again_at) try_again(at->second);
     if (at->second.state.handshake() != nullptr) tick(at->second);
     if (const auto* peer = core_.find(prefix)) schedule(*peer);
     at = core_.peers.upper_bound(prefix);
@@ -444,6 +476,7 @@ void Handshakes::admit_meanwhile(Peer& peer) {
 }
 
 void Handshakes::schedule(const Peer& peer) {
+  if (peer.state.is<peer::Refused>()) next_ = std::min(next_, peer.again_at);
   const auto* handshake = peer.state.handshake();
   if (handshake == nullptr) return;
   next_ =

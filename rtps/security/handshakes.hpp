@@ -65,6 +65,10 @@ class Handshakes {
   /// handshake may be forged.
   static constexpr MonotonicTime kProbePatience = std::chrono::seconds(2);
 
+  /// How long a refused peer waits for another try: first, and at most. Each time twice as long.
+  static constexpr MonotonicTime kRefusedPause = std::chrono::seconds(5);
+  static constexpr MonotonicTime kLongestRefusedPause = std::chrono::seconds(60);
+
   Handshakes(SecurityCore& core, const Admission& admission, KeyExchange& exchange,
              KeyRevision& revision)
       : core_(core), admission_(admission), exchange_(exchange), revision_(revision) {}
@@ -84,6 +88,8 @@ class Handshakes {
   /// This many more octets may be sent to the peer (AmplificationLimit).
   void note_earned(Peer& peer, std::size_t octets);
   void remove(const GuidPrefix& prefix) { fragments_.forget(prefix); }
+  /// The local documents were renewed: refused peers get another try at once.
+  void try_all_again();
 
   void on_stateless(const GuidPrefix& source, BytesView payload);
   void on_stateless_frag(const GuidPrefix& source, const DataFrag& frag, const SourceAddress& from);
@@ -100,14 +106,11 @@ class Handshakes {
   };
 
   std::unique_ptr<PeerHandshake> handshake_with(const ParticipantData& data);
-  LocatorList addresses_of(const Peer& peer) const;
   void send(Peer& peer, const PeerHandshake::Messages& messages);
   void on_auth_request(Peer& peer, const GenericMessage& message);
   void on_authentication(Peer& peer, const GenericMessage& message);
   bool may_spend(Peer& peer, Effort effort);
   void request_resend(const Peer& peer);
-  /// Removes answers to the peer whose answers take the most, until there is room for another one.
-  void make_room_for_answer();
 
   /// Makes the state transitions that the handshake has reached. Returns true if the peer has just
   /// been associated.
@@ -124,6 +127,8 @@ class Handshakes {
   void try_later(Peer& peer);
   void refuse(Peer& peer);
   void note_failure(Peer& peer);
+  /// Of a refused peer; does nothing if too many handshakes begin.
+  void try_again(Peer& peer);
 
   void tick(Peer& peer);
   bool may_tick(Peer& peer);

@@ -245,7 +245,7 @@ bool KeyExchange::on_endpoint_tokens(Peer& peer, GenericMessage message, std::si
                     is_reader(local.entity) == to_reader && is_writer(remote.entity) == to_reader;
   // Local endpoints exist before they are announced to others.
   if (!fits || core_.keyring.attributes(local.entity) == nullptr) return true;
-  if (core_.keyring.is_introduced(local.entity, remote)) {
+  if (core_.keyring.kind_of(local.entity, remote) != Keyring::PairKind::unknown) {
     if (apply_tokens(peer, message)) core_.host.on_keys(local.entity, remote);
     return true;
   }

@@ -161,8 +161,18 @@ Result<Keyring::Introduction> Keyring::introduce(const EntityId& id, const Guid&
   const auto at = locals_.find(id);
   if (at == locals_.end()) return fail(Code::crypto_not_matched);
   auto& local = at->second;
-  if (const auto known = local.pairs.find(remote); known != local.pairs.end())
-    return Introduction{known->second.ready};
+  if (const auto known = local.pairs.find(remote); known != local.pairs.end()) {
+    auto& pair = known->second;
+    if (!pair.suspended) return Introduction{pair.ready};
+    if (pair.relay_only == relay_only) {
+      // The remote endpoint gets the keys again: they may have been revised.
+      DDSSEC_ASSIGN_OR_RETURN(auto tokens, tokens_for(id, local, pair));
+      pair.suspended = false;
+      local.list(id, pair);
+      return Introduction{pair.ready, true, std::move(tokens)};
+    }
+    part(id, remote);
+  }
   Pair pair{.ready = true, .relay_only = relay_only};
   Introduction out{true, true};
   if (local.handle != 0) {
@@ -179,7 +189,7 @@ Result<Keyring::Introduction> Keyring::introduce(const EntityId& id, const Guid&
   return out;
 }
 
-void Keyring::part(const EntityId& id, const Guid& remote) {
+void Keyring::part(const EntityId& id, const Guid& remote, bool may_return) {
   const auto at = locals_.find(id);
   if (at == locals_.end()) return;
   const auto pair = at->second.pairs.find(remote);
@@ -187,6 +197,8 @@ void Keyring::part(const EntityId& id, const Guid& remote) {
   // The remote endpoint is of the other kind.
   const auto handle = pair->second.handle;
   at->second.unlist(id, pair->second);
+  pair->second.suspended = may_return && handle != 0 && !at->second.is_volatile;
+  if (pair->second.suspended) return;
   at->second.pairs.erase(pair);
   endpoint_of_.erase(handle);
   if (handle == 0) return;
@@ -196,16 +208,18 @@ void Keyring::part(const EntityId& id, const Guid& remote) {
     static_cast<void>(factory().unregister_datawriter({handle}));
 }
 
-bool Keyring::is_introduced(const EntityId& id, const Guid& remote) const {
+Keyring::PairKind Keyring::kind_of(const EntityId& id, const Guid& remote) const {
   const auto* local = find(id);
-  return local != nullptr && local->pairs.contains(remote);
+  if (local == nullptr) return PairKind::unknown;
+  const auto pair = local->pairs.find(remote);
+  if (pair == local->pairs.end()) return PairKind::unknown;
+  if (pair->second.suspended) return PairKind::suspended;
+  return pair->second.relay_only ? PairKind::relay_only : PairKind::ordinary;
 }
 
-bool Keyring::is_relay_only(const EntityId& id, const Guid& remote) const {
-  const auto* local = find(id);
-  if (local == nullptr) return false;
-  const auto pair = local->pairs.find(remote);
-  return pair != local->pairs.end() && pair->second.relay_only;
+bool Keyring::is_introduced(const EntityId& id, const Guid& remote) const {
+  const auto kind = kind_of(id, remote);
+  return kind == PairKind::ordinary || kind == PairKind::relay_only;
 }
 
 // If only payloads are protected, an attacker can change their sequence numbers.
@@ -264,6 +278,7 @@ Result<bool> Keyring::set_endpoint_tokens(const EntityId& id, const Guid& remote
     DDSSEC_RETURN_IF_ERROR(exchange().set_remote_datawriter_crypto_tokens({own}, {peer}, tokens));
   pair->second.keys = digest_of(tokens);
   const bool was_ready = std::exchange(pair->second.ready, true);
+  if (pair->second.suspended) return false;
   at->second.list(id, pair->second);
   return !was_ready;
 }
@@ -284,7 +299,7 @@ std::vector<std::pair<EntityId, Guid>> Keyring::pairs_with_keys(const GuidPrefix
     if (local.is_volatile) continue;
     for (auto at = local.pairs.lower_bound({prefix, {}}); at != local.pairs.end(); ++at) {
       if (at->first.prefix != prefix) break;
-      if (at->second.handle != 0) out.emplace_back(id, at->first);
+      if (at->second.handle != 0 && !at->second.suspended) out.emplace_back(id, at->first);
     }
   }
   return out;

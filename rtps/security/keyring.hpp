@@ -64,14 +64,18 @@ class Keyring final : public SendProtection {
   /// Registers a pair, or finds it.
   Result<Introduction> introduce(const EntityId& local, const Guid& remote,
                                  bool relay_only = false);
-  void part(const EntityId& local, const Guid& remote);
+  /// `may_return`: the pair is suspended. It may be introduced again, and the remote endpoint,
+  /// which need not know of that, does not send its keys again then. Nothing is protected for it
+  /// meanwhile.
+  void part(const EntityId& local, const Guid& remote, bool may_return = false);
+  enum class PairKind : std::uint8_t { unknown, ordinary, relay_only, suspended };
+  PairKind kind_of(const EntityId& local, const Guid& remote) const;
+  /// False for a pair that is suspended.
   bool is_introduced(const EntityId& local, const Guid& remote) const;
-  /// True if the pair was introduced like that.
-  bool is_relay_only(const EntityId& local, const Guid& remote) const;
   /// A digest of the keys that protect messages from the remote to the local endpoint. It stays the
   /// same as long as the keys do. Empty: the content is not authenticated.
   std::optional<Sha256Digest> keys_of(const EntityId& local, const Guid& remote) const;
-  /// Returns true if the pair has become ready.
+  /// Returns true if the pair has become ready. A suspended one stays so.
   Result<bool> set_endpoint_tokens(const EntityId& local, const Guid& remote,
                                    std::span<const spi::Token> tokens);
 
@@ -80,7 +84,8 @@ class Keyring final : public SendProtection {
   Status activate(spi::KeyRevision revision);
   bool is_revision_due() { return factory().is_key_revision_due(own_.crypto()); }
   void forget_former_keys() { factory().forget_former_keys(); }
-  /// The pairs of local endpoints with endpoints of that peer that have keys of their own.
+  /// The pairs of local endpoints with endpoints of that peer that have keys of their own, without
+  /// suspended ones.
   std::vector<std::pair<EntityId, Guid>> pairs_with_keys(const GuidPrefix& prefix) const;
   /// The tokens that the remote endpoint of such a pair needs: those in use, or those of the
   /// revision under way.
@@ -130,6 +135,7 @@ class Keyring final : public SendProtection {
     std::int64_t handle = 0;  ///< handle of the remote endpoint; 0: no keys at all
     bool ready = false;
     bool relay_only = false;
+    bool suspended = false;
     Sha256Digest keys = {};                 ///< digest of its latest tokens
     std::optional<std::size_t> place = {};  ///< index in the lists of ready pairs
   };

@@ -52,7 +52,7 @@ Result<BytesView> Keyring::open_payload(const EntityId& reader, const Guid& writ
   if (local == nullptr) return fail(Code::crypto_not_matched);
   if (!local->attributes.is_payload_protected() || payload.empty()) return payload;
   const auto pair = local->pairs.find(writer);
-  if (pair == local->pairs.end()) return fail(Code::crypto_not_matched);
+  if (pair == local->pairs.end() || pair->second.suspended) return fail(Code::crypto_not_matched);
   const auto size = transform().decode_serialized_payload({local->handle}, {pair->second.handle},
                                                           payload, scratch);
   if (!size) return undecodable(size.error(), writer.prefix);
@@ -126,7 +126,7 @@ Result<std::size_t> Keyring::protect_submessage(const EntityId& sender, const Gu
   std::int64_t one = 0;
   if (!to_all) {
     const auto pair = local->pairs.find(receiver);
-    if (pair == local->pairs.end()) return fail(Code::crypto_not_matched);
+    if (pair == local->pairs.end() || pair->second.suspended) return fail(Code::crypto_not_matched);
     one = pair->second.handle;
   }
   if (is_writer(sender)) {

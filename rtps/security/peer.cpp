@@ -20,6 +20,7 @@
 //   Waiting         --refusal---------------->  Refused
 //   AwaitingKeys    --refusal---------------->  Refused         its keys could not be made
 //   Refused         --another announcement--->  Announced
+//   Refused         --5 s to 60 s------------>  Announced       documents may have been renewed
 //   any other       --expired, revoked------->  Distrusted      keys stay until it is unmatched
 //
 // No transition leaves Distrusted: the participant is removed. Announcements and forged messages,

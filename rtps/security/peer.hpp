@@ -87,8 +87,9 @@ struct Joined {
   MonotonicTime next_probe{};             ///< earliest time for the next probe
   MonotonicTime probe_deadline = kNever;  ///< of the running probe
 };
-/// A signed document forbids it to join, or its identity token is invalid. Only a different
-/// announcement gives it another try.
+/// A signed document forbids it to join, or its identity token is invalid. It gets another try with
+/// a different announcement, and after a pause: documents of both sides are renewed while they run,
+/// and nothing announces that.
 struct Refused {};
 /// It is no longer trusted. Its keys stay registered, but unused, until its endpoints are
 /// unmatched.
@@ -164,6 +165,9 @@ struct Peer {
   std::size_t expected = 0;
   bool spoke = false;   ///< has sent at least one handshake message
   bool failed = false;  ///< something of it was refused, and that was counted
+  int refusals = 0;     ///< how often it was refused since the local documents were renewed
+  /// When it was refused, and when it gets another try.
+  MonotonicTime refused_at = {}, again_at = kNever;
 
   const GuidPrefix& prefix() const { return data.guid.prefix; }
   std::string name() const { return data.guid.to_string(); }

@@ -187,7 +187,10 @@ void Security::expire() {
     distrust(prefix);
     core_.host.on_ended(prefix);
   }
-  if (rights_changed) renewal_.on_own_rights_changed();
+  if (rights_changed) {
+    renewal_.on_own_rights_changed();
+    handshakes_.try_all_again();
+  }
   renewal_.offer();
 }
 

@@ -132,6 +132,18 @@ TEST_F(SessionRenewal, SecondRenewal_IsTakenToo) {
   EXPECT_EQ(bob()->next_expiry(), kNow + days(200));
 }
 
+// The peer could go back to a certificate with a key that was replaced for a reason.
+TEST_F(SessionRenewal, AnOlderCertificateThanTheOneInForce_IsRefused) {
+  put(renewed(3));
+  const auto first = *offer();
+  put(renewed(4, {kNow + 1s, kNow + days(200)}));
+  renew();
+  bob().events.events.clear();
+  EXPECT_CODE(bob()->take_renewal(at_bob_, first), peer_renewal_goes_back);
+  EXPECT_FALSE(bob().events.events.empty());
+  EXPECT_EQ(bob()->next_expiry(), kNow + days(200));
+}
+
 TEST_F(SessionRenewal, AnAnswerToAFormerOffer_IsRefused) {
   put(renewed(3));
   const auto first = offer();

@@ -165,5 +165,40 @@ TEST(DocumentRenewal, ARightThatIsGivenAgain_MatchesAgain) {
   EXPECT_TRUE(two.all_arrive() && two.one_session()) << two.text();
 }
 
+// Bob never knew of the loss, so he has no reason to send his keys again. Before, Alice waited for
+// them for good.
+TEST(DocumentRenewal, ARightThatIsGivenAgainBeforeThePeerHears_MatchesAgain) {
+  for (const bool revises : {false, true}) {
+    Renewed two(Short::permissions,
+                revises ? revising(everything(kEncrypt)) : everything(kEncrypt));
+    EXPECT_TRUE(two.all_arrive());
+    two.world.filter = [](const Node&, Bytes) { return std::vector<Bytes>{}; };
+    const auto take = [&](std::vector<std::string> topics) {
+      two.files.put(properties_of("CN=alice,O=Example", two.rules, std::move(topics), 48h));
+      two.advance(1s);
+    };
+    take({"Circle"});
+    EXPECT_EQ(two.a.listener.matched, 0);
+    EXPECT_EQ(two.b.listener.matched, 1);
+    take({"Circle", "Square"});
+    two.world.filter = {};
+    EXPECT_TRUE(two.world.run_until([&] { return two.matched(1); }, 2000)) << two.text();
+    EXPECT_TRUE(two.all_arrive()) << two.b.listener.changes.size() << " of " << two.written;
+    EXPECT_TRUE(two.one_session()) << two.text();
+  }
+}
+
+// Before, the two never met again, and nothing said so.
+TEST(DocumentRenewal, AClockThatWasWrongForAWhile_PartsNobodyForGood) {
+  Renewed two(Short::permissions);
+  const auto before = two.b.clock.now();
+  two.b.clock.set(before + 13h);
+  two.world.run(2000);
+  EXPECT_EQ(two.b.listener.matched, 0);
+  two.b.clock.set(before + 8s);
+  EXPECT_TRUE(two.world.run_until([&] { return two.matched(1); }, 20'000)) << two.text();
+  EXPECT_TRUE(two.all_arrive()) << two.text();
+}
+
 }  // namespace
 }  // namespace ddssec::rtps
