@@ -138,6 +138,16 @@ class Held {
   std::map<Sha256Digest, std::weak_ptr<const Certificate::Impl>> known_;
 };
 
+// Of a file without a certificate in PEM. Products read PEM only, and DER begins with a SEQUENCE.
+Error no_pem_block(BytesView octets) {
+  if (is_der(octets))
+    return Error(Code::certificate_malformed,
+                 {.expected = "PEM",
+                  .found = "DER",
+                  .hint = "write it as PEM: openssl x509 -inform DER -in FILE -out FILE.pem"});
+  return malformed("there is no PEM block CERTIFICATE");
+}
+
 Error too_large(std::size_t most, std::size_t found) {
   return Error(
       Code::certificate_too_large,
@@ -186,7 +196,7 @@ Result<Certificate> Certificate::from_pem(BytesView octets) {
   if (!octets.empty() && octets.back() == 0) octets = octets.first(octets.size() - 1);
   const BioPtr bio = bio_over(octets);
   DDSSEC_ASSIGN_OR_RETURN(auto certificate, next_certificate(bio.get()));
-  if (!certificate) return std::unexpected(malformed("there is no PEM block CERTIFICATE"));
+  if (!certificate) return std::unexpected(no_pem_block(octets));
   return *std::move(certificate);
 }
 
@@ -205,7 +215,7 @@ Result<std::vector<Certificate>> Certificate::bundle_from_pem(BytesView octets) 
                                " certificates in a file"});
     out.push_back(*std::move(certificate));
   }
-  if (out.empty()) return std::unexpected(malformed("there is no PEM block CERTIFICATE"));
+  if (out.empty()) return std::unexpected(no_pem_block(octets));
   return out;
 }
 

@@ -138,6 +138,15 @@ Result<KeyAlgorithm> judge_key(EVP_PKEY* key, std::string_view type) {
   return fail(Code::key_not_allowed, {.expected = kAllowed, .found = describe(key)});
 }
 
+bool is_der(BytesView octets) {
+  constexpr std::uint8_t kSequence = 0x30, kLongForm = 0x80, kMostLengthOctets = 4;
+  constexpr std::size_t kHeader = 2;  // of a short one
+  if (octets.size() < kHeader || octets[0] != kSequence) return false;
+  const auto length = octets[1];
+  return length < kLongForm ? octets.size() == kHeader + length
+                            : length > kLongForm && length <= kLongForm + kMostLengthOctets;
+}
+
 Result<std::optional<PemBlock>> next_pem_block(BIO* bio) {
   char* label = nullptr;
   char* header = nullptr;

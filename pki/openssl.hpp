@@ -149,6 +149,9 @@ struct PemBlock {
   Bytes der;
 };
 
+/// True if the octets begin with a SEQUENCE in DER, as certificates, lists and keys in DER do.
+bool is_der(BytesView octets);
+
 /// The next PEM block, without regard to text between blocks; nothing at the end. Refuses
 /// encrypted blocks (malformed).
 Result<std::optional<PemBlock>> next_pem_block(BIO* bio);

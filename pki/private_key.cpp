@@ -78,7 +78,12 @@ Result<PrivateKey> PrivateKey::from_pem(BytesView pem, const Passphrase* passphr
   if (request.asked)
     return openssl_failure(passphrase == nullptr ? Code::passphrase_missing
                                                  : Code::passphrase_wrong);
-  return openssl_failure(Code::private_key_malformed);
+  if (!is_der(pem)) return openssl_failure(Code::private_key_malformed);
+  take_openssl_reason();
+  return fail(Code::private_key_malformed,
+              {.expected = "PEM",
+               .found = "DER",
+               .hint = "write it as PEM: openssl pkey -inform DER -in FILE -out FILE.pem"});
 }
 
 Result<PrivateKey> PrivateKey::from_pem(const KeyPem& pem, const Passphrase* passphrase) {

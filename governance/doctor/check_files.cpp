@@ -65,7 +65,8 @@ void report_unloaded(const fs::path& path, const Error& error, Diagnosis& out) {
     case Code::file_unreadable:
       return say(Rule::DOC002, fmt::format("{}: {}", name_of(path), error.message()), error.hint());
     default:
-      return say(Rule::DOC002, fmt::format("{}: {}", name_of(path), error.message()));
+      return say(Rule::DOC002, fmt::format("{}: {}", name_of(path), error.message()),
+                 error.details().hint);
   }
 }
 

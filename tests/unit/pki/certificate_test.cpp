@@ -219,6 +219,21 @@ TEST(Certificate, OddOnesGetAClearVerdict) {
   EXPECT_EQ(verdict("scottishpower-bitstring-dn.pem"), "name_not_allowed");
 }
 
+TEST(Certificate, DerFile_IsNamedWithTheCommandThatConverts) {
+  const auto ca = make_ca();
+  const auto one = Certificate::from_pem(ca.certificate().der());
+  const auto bundle = Certificate::bundle_from_pem(ca.certificate().der());
+  ASSERT_FALSE(one || bundle);
+  for (const auto& error : {one.error(), bundle.error()}) {
+    EXPECT_EQ(error.code(), Code::certificate_malformed);
+    EXPECT_EQ(error.details().found, "DER");
+    EXPECT_EQ(error.hint(), "write it as PEM: openssl x509 -inform DER -in FILE -out FILE.pem");
+  }
+  const auto text = Certificate::from_pem(as_bytes("0 text"));
+  ASSERT_FALSE(text);
+  EXPECT_EQ(text.error().details().note, "there is no PEM block CERTIFICATE");
+}
+
 TEST(Bundle, HoldsEveryCertificateAndPassesOverOtherBlocks) {
   const auto a = make_ca("CN=a");
   const auto b = make_ca("CN=b");

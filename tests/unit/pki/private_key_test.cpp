@@ -1,5 +1,7 @@
 #include "pki/private_key.hpp"
 
+#include <gmock/gmock.h>
+
 #include "fixture.hpp"
 #include "pki/signature.hpp"
 
@@ -45,6 +47,24 @@ TEST_P(OwnKeys, SurviveWritingAndReading) {
   EXPECT_TRUE(closed->expose([](BytesView pem) {
     return as_text(pem).starts_with("-----BEGIN ENCRYPTED PRIVATE KEY-----");
   }));
+}
+
+TEST(PrivateKey, DerFile_IsNamedWithTheCommandThatConverts) {
+  // The head of a PKCS #8 key of P-256, and of a SEC 1 key of 119 octets.
+  Bytes pkcs8(138), sec1(121);
+  pkcs8[0] = sec1[0] = 0x30;
+  pkcs8[1] = 0x81;
+  pkcs8[2] = 135;
+  sec1[1] = 119;
+  for (const auto& der : {pkcs8, sec1}) {
+    const auto key = PrivateKey::from_pem(der);
+    EXPECT_CODE(key, private_key_malformed);
+    EXPECT_EQ(key.error().details().found, "DER");
+    EXPECT_THAT(key.error().hint(), ::testing::HasSubstr("openssl pkey -inform DER"));
+  }
+  const auto text = PrivateKey::from_pem(as_bytes("0 is no length"));
+  EXPECT_CODE(text, private_key_malformed);
+  EXPECT_EQ(text.error().details().found, "");
 }
 
 TEST(PrivateKey, OtherThingsAreRefused) {
