@@ -1,6 +1,8 @@
 #include "governance/refusal.hpp"
 
 #include <algorithm>
+#include <numeric>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -55,17 +57,62 @@ bool is_ros_name_of(std::string_view allowed, std::string_view topic) {
   return !topic.empty() && allowed.starts_with("rt/") && allowed.substr(3) == topic;
 }
 
+// How many edits are a typo: `length` is that of the name, or of an expression's longest part
+// without a wildcard.
+std::size_t most_edits(std::size_t length) { return length < 4 ? 0 : length < 7 ? 1 : 2; }
+
 // The distance of two names; empty if they are too different to be a typo.
 std::optional<std::size_t> distance(std::string_view allowed, std::string_view topic) {
   if (is_ros_name_of(allowed, topic) || is_ros_name_of(topic, allowed)) return 0;
   const auto lower = ascii_lower(allowed);
   const auto wanted = ascii_lower(topic);
   if (lower == wanted) return 0;
-  const std::size_t most = topic.size() < 4 ? 0 : topic.size() < 7 ? 1 : 2;
+  const auto most = most_edits(topic.size());
   const auto [shorter, longer] = std::minmax({lower.size(), wanted.size()});
   if (longer - shorter > most) return std::nullopt;
   const auto out = edit_distance(lower, wanted);
   return out <= most ? std::optional(out) : std::nullopt;
+}
+
+// Without the prefix of ROS 2, which most names have.
+std::size_t longest_part(std::string_view expression) {
+  std::size_t out = 0;
+  if (expression.starts_with("rt/")) expression.remove_prefix(3);
+  while (!expression.empty()) {
+    const auto end = std::min(expression.find_first_of("*?"), expression.size());
+    out = std::max(out, end);
+    expression.remove_prefix(std::min(end + 1, expression.size()));
+  }
+  return out;
+}
+
+// The fewest edits of a name after which an expression of "*", "?" and letters matches it.
+std::size_t edits_to_match(std::string_view expression, std::string_view name) {
+  std::vector<std::size_t> before(name.size() + 1), now(name.size() + 1);
+  std::iota(before.begin(), before.end(), std::size_t{0});
+  for (const char c : expression) {
+    now[0] = before[0] + (c == '*' ? 0 : 1);
+    for (std::size_t i = 1; i <= name.size(); ++i) {
+      const bool is_same = c == '?' || c == name[i - 1];
+      now[i] = c == '*'
+                   ? std::min(before[i], now[i - 1])
+                   : std::min({before[i - 1] + (is_same ? 0 : 1), before[i] + 1, now[i - 1] + 1});
+    }
+    std::swap(before, now);
+  }
+  return before.back();
+}
+
+// The same as distance() for an expression: the program's name, also with and without the prefix of
+// ROS 2.
+std::optional<std::size_t> distance_to_expression(std::string_view allowed,
+                                                  std::string_view topic) {
+  const auto expression = ascii_lower(allowed);
+  const auto wanted = ascii_lower(topic);
+  const auto plain = std::string_view(wanted).substr(wanted.starts_with('/') ? 1 : 0);
+  const auto out = std::min(edits_to_match(expression, wanted),
+                            edits_to_match(expression, "rt/" + std::string(plain)));
+  return out <= most_edits(longest_part(expression)) ? std::optional(out) : std::nullopt;
 }
 
 /// Finds the allowed name nearest to one that is not.
@@ -77,17 +124,23 @@ class Nearest {
     for (const auto& text : criteria.topics) {
       if (seen_ == kMostNames) return;
       ++seen_;
-      const bool is_name = text.text.size() <= kMostNameOctets &&
-                           text.text.find_first_of("*?[\\") == std::string::npos;
-      const auto far = is_name ? distance(text.text, topic_) : std::nullopt;
+      if (text.text.size() > kMostNameOctets) continue;
+      const auto far = distance_of(text.text);
       if (!far || (name_ && *far >= distance_)) continue;
       distance_ = *far;
       name_ = text.text;
     }
   }
   const std::optional<std::string>& name() const { return name_; }
+  bool is_expression() const { return name_ && name_->find_first_of("*?") != name_->npos; }
 
  private:
+  std::optional<std::size_t> distance_of(std::string_view allowed) const {
+    if (allowed.find_first_of("[\\") != allowed.npos) return std::nullopt;
+    const bool is_name = allowed.find_first_of("*?") == allowed.npos;
+    return is_name ? distance(allowed, topic_) : distance_to_expression(allowed, topic_);
+  }
+
   std::string_view topic_;
   std::size_t seen_ = 0;
   std::size_t distance_ = 0;
@@ -122,10 +175,19 @@ RefusalAdvice advice_on_name(const CompiledGrant& grant, Action action, std::str
   Nearest nearest(topic);
   for (const auto* criteria : grant.allowed(action)) nearest.look_at(*criteria);
   if (!nearest.name()) return {};
-  return {.because = fmt::format("{} is allowed", cut_name(*nearest.name())),
-          .hint = fmt::format("is {} meant? Correct the name in the program, or add {} to an "
-                              "allow_rule of the grant and sign the permissions again",
-                              cut_name(*nearest.name()), cut_name(topic))};
+  const auto allowed = cut_name(*nearest.name());
+  const auto question =
+      nearest.is_expression()
+          ? fmt::format(
+                "is a name that {0} matches meant? Correct the name in the program, correct "
+                "{0} in the grant",
+                allowed)
+          : fmt::format("is {} meant? Correct the name in the program", allowed);
+  return {
+      .because = fmt::format("{} is allowed", allowed),
+      .hint = fmt::format("{}, or add {} to an allow_rule of the grant{} sign the permissions "
+                          "again",
+                          question, cut_name(topic), nearest.is_expression() ? ", and" : " and")};
 }
 
 RefusalAdvice advice_on(const CompiledGrant& grant, Action action, const Request& request,

@@ -24,8 +24,9 @@ std::string partitions_of(const Criteria& criteria);
 RefusalAdvice advice_on_endpoint(const CompiledGrant& grant, Action action, const Request& request,
                                  const Verdict& verdict);
 
-/// Advice for a topic that no rule names: whether its name is similar to one in an allow_rule (a
-/// typo, another case, the prefix of ROS 2 missing). It compares many names, so do not call it for
+/// Advice for a topic that no rule names: whether its name is similar to one in an allow_rule, or
+/// to names that an expression of "*" and "?" there matches (a typo in either, another case, the
+/// prefix of ROS 2 missing). It compares many names, so do not call it for
 /// a peer's request.
 RefusalAdvice advice_on_name(const CompiledGrant& grant, Action action, std::string_view topic);
 

@@ -62,6 +62,21 @@ TEST(RefusalAdvice, ProposesANameThatIsClose) {
   EXPECT_EQ(advice(grant, {.topic = std::string(100'000, 'a')}).hint, "");
 }
 
+TEST(RefusalAdvice, NameNearToAnExpression_IsProposed) {
+  const auto grant = compiled(publishes({"DDSPref*", "rt/chat*", "Cam?ra"}));
+  for (const auto* typed : {"DDSPerfRDataKS", "ddsprefA", "DDSPrfX"})
+    EXPECT_THAT(advice(grant, {.topic = typed}).hint,
+                HasSubstr("is a name that \"DDSPref*\" matches meant?"))
+        << typed;
+  for (const auto* typed : {"chatter", "/chatter", "rt/Chatter", "rt/chtter"})
+    EXPECT_EQ(advice(grant, {.topic = typed}).because, "\"rt/chat*\" is allowed") << typed;
+  for (const auto* typed : {"DDSOther", "rt/camera", "Square", "", "Comara"})
+    EXPECT_EQ(advice(grant, {.topic = typed}).hint, "") << typed;
+  const auto other = compiled(publishes({"*x", "?", "[ab]cdefgh*"}));
+  EXPECT_EQ(advice(other, {.topic = "xcdefghi"}).hint, "");
+  EXPECT_EQ(advice(compiled(publishes({std::string(129, 'a') + "*"})), {.topic = "b"}).hint, "");
+}
+
 TEST(RefusalAdvice, IsSilentAboutDenyRules) {
   auto rule = publishes({"a"}, "p");
   rule.allow = false;
