@@ -42,6 +42,7 @@ void Findings::add(ddssec::Rule rule, const Note& note, std::vector<std::string>
        .line = note.line,
        .path = note.path,
        .vendors = std::move(vendors)});
+  count_[rule] += note.more;
 }
 
 void Findings::add_if_unportable(ddssec::Rule rule, const Text& expression,

@@ -38,6 +38,7 @@ struct Note {
   std::string path;        ///< of the element, such as /dds/permissions/grant[2]
   std::string text;        ///< the element and what is special about it
   std::string value = {};  ///< value of an element without children, including surrounding blanks
+  std::size_t more = 0;    ///< places of the same text that have no note of their own
   bool operator==(const Note&) const = default;
 };
 

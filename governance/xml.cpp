@@ -202,9 +202,15 @@ bool XmlChildren::in_order() const {
 }
 
 void add_note(std::vector<Note>& notes, NoteKind kind, XmlElement at, std::string_view text) {
-  if (notes.size() == kMostNotes) return;
-  notes.push_back({kind, at.line(), at.path(), in_brackets(at.name()) + " " + std::string(text),
-                   at.raw_text().value_or(std::string())});
+  auto words = in_brackets(at.name()) + " " + std::string(text);
+  if (notes.size() < kMostNotes) {
+    notes.push_back(
+        {kind, at.line(), at.path(), std::move(words), at.raw_text().value_or(std::string())});
+    return;
+  }
+  const auto last = std::find_if(notes.rbegin(), notes.rend(),
+                                 [&](const Note& note) { return note.text == words; });
+  if (last != notes.rend()) ++last->more;
 }
 
 }  // namespace ddssec::governance

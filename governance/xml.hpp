@@ -114,7 +114,7 @@ class XmlChildren {
 /// The largest number of notes for one document.
 inline constexpr std::size_t kMostNotes = 100;
 
-/// Adds a note unless there are kMostNotes.
+/// Adds a note. Above kMostNotes it only counts the place, in the last note of the same text.
 void add_note(std::vector<Note>& notes, NoteKind kind, XmlElement at, std::string_view text);
 
 }  // namespace ddssec::governance

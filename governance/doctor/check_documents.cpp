@@ -307,7 +307,7 @@ void report_unreadable(const Subject& subject, Diagnosis& out) {
 // Reports the first of each kind in full, with the number of others.
 void report_notes(const Subject& subject, Diagnosis& out) {
   std::map<std::string_view, std::size_t> counts;
-  for (const auto& note : *subject.notes) ++counts[note.text];
+  for (const auto& note : *subject.notes) counts[note.text] += 1 + note.more;
   for (const auto& note : *subject.notes) {
     if (note.kind == NoteKind::no_zone || note.kind == NoteKind::fraction)
       continue;  // has a rule of its own

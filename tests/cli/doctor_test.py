@@ -249,6 +249,20 @@ class Golden(WithoutLists):
             lines = (self.at / "talker/governance.p7s").read_text().splitlines()
             self.assertIn("<enable_read_access_control>1<", lines[told[0]["line"] - 1])
 
+    def test_places_above_the_limit_of_notes_are_counted(self):
+        folder = Folder(Workshop(self.at / "shop"), self.at / "talker", "/CN=talker", "talker")
+        begin, end = GOVERNANCE.index("<topic_rule>"), GOVERNANCE.index("</topic_access_rules>")
+        rule = (GOVERNANCE[begin:end].replace("<enable_read_access_control>true<", "<enable_read_access_control>1<")
+                .replace("<enable_write_access_control>true<", "<enable_write_access_control>1<"))
+        rules = "".join(rule.replace(">*<", f">t{number}<") for number in range(400))
+        folder.sign("governance", GOVERNANCE[:begin] + rules + rule + GOVERNANCE[end:])
+        told = [d["message"] for d in self.json("doctor", "talker", exit=None)["diagnostics"] if d["id"] == "DOC037"]
+        self.assertEqual(len(told), 2)
+        for message in told:
+            self.assertIn("(and at 400 other places)", message)
+        told = self.json("governance", "lint", "talker", exit=None)["diagnostics"]
+        self.assertIn(f"(and {2 * 401 - 20} more like this)", "".join(d["message"] for d in told if d["id"] == "GOV023"))
+
     # Not among the folders for the products: their verdict depends on the patch level of OpenSSL.
     def test_a_delta_revocation_list_is_refused(self):
         folder = self.at / "delta"
