@@ -385,15 +385,16 @@ void check_one(const LoadedFolder& folder, const Subject& subject, Diagnosis& ou
 }
 
 void check_size_for_fastdds(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
-  const auto size = folder.permissions.file.size();
-  if (size <= kMostFastDdsPermissionsOctets) return out.pass(Rule::DOC110);
+  const auto size = handshake_octets(folder);
+  if (size <= kMostFastDdsHandshakeOctets) return out.pass(Rule::DOC110);
   out.report(
       {.fastdds = Outcome::late},
       {.rule = Rule::DOC110,
        .message = fmt::format(
-           "the signed permissions have {} octets: participants of {} do not authenticate one "
-           "whose permissions have more than about {} octets",
-           size, name(Vendor::fastdds, settings.lineup), kMostFastDdsPermissionsOctets),
+           "the signed permissions have {} octets, with the certificate {}: participants of {} do "
+           "not authenticate one for which these are more than about {} octets",
+           folder.permissions.file.size(), size, name(Vendor::fastdds, settings.lineup),
+           kMostFastDdsHandshakeOctets),
        .document = folder.paths.permissions});
 }
 

@@ -121,6 +121,11 @@ Status believes(Vendor judge, BytesView file, const Certificates& cas, BytesView
   return proof ? Status() : std::unexpected(proof.error());
 }
 
+std::size_t handshake_octets(const LoadedFolder& folder) {
+  return folder.permissions.file.size() +
+         (folder.certificate ? folder.certificate->pem().size() : 0);
+}
+
 bool LoadedFolder::is_empty() const {
   return !is_there(paths.identity_ca) && !is_there(paths.certificate) && !is_there(paths.key) &&
          !is_there(paths.permissions_ca) && !is_there(paths.governance) &&

@@ -90,6 +90,9 @@ struct LoadedFolder {
 Status believes(Vendor judge, BytesView file, const Result<std::vector<pki::Certificate>>& cas,
                 BytesView ca_file, WallTime now);
 
+/// The octets of the certificate and the signed permissions, which a handshake message holds.
+std::size_t handshake_octets(const LoadedFolder& folder);
+
 /// True for the error about a key on another 256-bit curve, such as secp256k1. Cyclone DDS checks
 /// only the size of an EC key: 0.10.2 accepts it (measured).
 bool is_key_of_another_curve(const Error& error);

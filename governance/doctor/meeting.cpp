@@ -178,10 +178,11 @@ Status judge_permissions_of(const Party& judge, const Party& subject, WallTime n
                 {.expected = fmt::format("at most {} octets", pki::kMostSentPermissionsOctets),
                  .found = fmt::format("{} octets", document.file.size())});
   const bool is_fastdds = judge.vendor == Vendor::fastdds && subject.vendor == Vendor::fastdds;
-  if (is_fastdds && document.file.size() > kMostFastDdsPermissionsOctets)
+  if (is_fastdds && handshake_octets(subject.folder) > kMostFastDdsHandshakeOctets)
     return fail(Code::permissions_too_large,
-                {.expected = fmt::format("at most {} octets", kMostFastDdsPermissionsOctets),
-                 .found = fmt::format("{} octets", document.file.size()),
+                {.expected = fmt::format("at most {} octets with the certificate",
+                                         kMostFastDdsHandshakeOctets),
+                 .found = fmt::format("{} octets", handshake_octets(subject.folder)),
                  .note = "Fast DDS does not authenticate a Fast DDS participant with more"});
   DDSSEC_RETURN_IF_ERROR(believes(judge.vendor, document.file, judge.folder.permissions_cas,
                                   judge.folder.permissions_ca_file, now));

@@ -29,8 +29,8 @@ def in_zone(now, hours, zone):
 
 DENIED_ELSEWHERE = rule("deny", 1, TOPIC) + rule("allow", 0, "*")
 DENIED_ELSEWHERE_LATER = rule("allow", 0, "*") + rule("deny", 1, TOPIC)
-SHORT = rule("allow", 0, TOPIC, *long_names(100))
-LONG = rule("allow", 0, TOPIC, *long_names(300))
+SHORT = rule("allow", 0, TOPIC, *long_names(139))
+LONG = rule("allow", 0, TOPIC, *long_names(144))
 
 
 def rows(now):
