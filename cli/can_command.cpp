@@ -153,8 +153,12 @@ std::optional<Answer> by_revocation(const pki::ParticipantFolder& folder) {
                   fmt::format("the certificate is revoked by list {} of the CA", number_text(list)),
                   file, 0};
   };
-  if (newer && governance::doctor::names(newer->list, *certificate))
-    return answer(newer->list, newer->file);
+  if (newer && governance::doctor::names(newer->list, *certificate)) {
+    auto out = answer(newer->list, newer->file);
+    out.because += ", which crl.pem here lacks: participants without that list still accept it";
+    out.hint = "give the participants the list, and they refuse it: ddssec crl distribute --ca CA";
+    return out;
+  }
   for (const auto& list : *own)
     if (!is_superseded(list, *own, *cas) && governance::doctor::names(list, *certificate))
       return answer(list, folder.crl);

@@ -265,24 +265,33 @@ std::string own_list(const LoadedFolder& folder) {
                      to_string(folder.crls->front().number().value_or(0)));
 }
 
-// A revocation by the list of another key of the CA counts once that key is the only one.
+// No product reads the CA's own list: the participant starts, and its peers accept it until they
+// get the list (measured). A revocation by the list of another key of the CA counts once that key
+// is the only one.
 void report_revoked(const LoadedFolder& folder, const CaList& newer, Diagnosis& out) {
   const auto& certificate = *folder.certificate;
   const bool counts = is_of_its_ca(newer.list, certificate, *folder.identity_cas);
   Finding finding{
       .rule = Rule::DOC024,
-      .message = fmt::format("{} of {} (serial {}) is revoked by list {} of the CA{}, {}; {}",
-                             name_of(folder.paths.certificate), certificate.subject(),
-                             certificate.serial(), to_string(newer.list.number().value_or(0)),
-                             counts ? "" : "'s successor", newer.file.string(),
-                             counts ? own_list(folder)
-                                    : "participants accept it while the former CA is in their files"),
+      .message = fmt::format(
+          "{} of {} (serial {}) is revoked by list {} of the CA{}, {}; {}",
+          name_of(folder.paths.certificate), certificate.subject(), certificate.serial(),
+          to_string(newer.list.number().value_or(0)), counts ? "" : "'s successor",
+          newer.file.string(),
+          counts ? own_list(folder) + "; participants that do not have that list yet accept it"
+                 : "participants accept it while the former CA is in their files"),
       .document = newer.file};
-  if (!counts) {
-    finding.hint = "if the overlap has not ended, end it now: ddssec ca rotate CA --role identity --end";
+  if (counts) {
+    finding.hint =
+        "give the participants the list, and they refuse it: ddssec crl distribute --ca CA; if its "
+        "holder is still to be trusted, remove the folder and issue the participant again, with a "
+        "new key";
+  } else {
+    finding.hint =
+        "if the overlap has not ended, end it now: ddssec ca rotate CA --role identity --end";
     finding.severity = Severity::warning;
   }
-  out.report(counts ? kNobody : Outcomes(), std::move(finding));
+  out.report(counts ? Outcomes::all(Outcome::unsafe) : Outcomes(), std::move(finding));
 }
 
 // The CA's own list, if it lies beside the participant and is newer than the participant's.

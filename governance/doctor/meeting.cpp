@@ -29,58 +29,6 @@ void add_finding(const MeetingScene& scene, Rule rule, const Judgement& judgemen
                                 .hint = std::move(hint)});
 }
 
-std::string files_missing(const LoadedFolder& folder) {
-  return fmt::format("{} holds none of the files of a secured participant",
-                     folder.paths.folder.string());
-}
-
-// True if the check concerns single topics or peers: the participant starts and uses the others.
-bool is_about_some(const Check& check, Vendor vendor) {
-  return check.outcomes.of(vendor) == Outcome::late &&
-         (check.rule == Rule::DOC052 || check.rule == Rule::DOC053 || check.rule == Rule::DOC109 ||
-          check.rule == Rule::DOC110);
-}
-
-// A finding of the party's own diagnosis that prevents its start.
-const Finding* first_obstacle(const Diagnosis& diagnosis, Vendor vendor) {
-  for (const auto& check : diagnosis.checks())
-    if (check.outcomes.of(vendor) >= Outcome::late && !check.findings.empty() &&
-        !is_about_some(check, vendor))
-      return &check.findings.front();
-  return nullptr;
-}
-
-void judge_start(const MeetingScene& scene, int index) {
-  const auto& party = scene.party(index);
-  const auto& folder = party.folder;
-  Judgement out{.judge = index, .about = index, .ok = true};
-  if (folder.is_empty()) {
-    const auto& other = scene.party(1 - index);
-    out.ok = false;
-    out.reason = "has no security";
-    out.document = folder.paths.folder.string();
-    scene.out.start.push_back(out);
-    return add_finding(scene, Rule::DOC087, out,
-                       fmt::format("{}: {} runs without security and {} with it; neither would see "
-                                   "the other, and neither would say so",
-                                   files_missing(folder), party.name, other.name));
-  }
-  auto settings = scene.settings;
-  settings.lineup = party.lineup;
-  const auto diagnosis = diagnose(folder, settings);
-  if (const auto* why = first_obstacle(diagnosis, party.vendor)) {
-    out.ok = false;
-    out.reason = fmt::format("{}: {}", info(why->rule).id, why->message);
-    out.document = why->document;
-    out.line = why->line;
-    add_finding(scene, Rule::DOC090, out,
-                fmt::format("{} cannot start on its own with {}: {}", party.name, party.product(),
-                            out.reason),
-                why->hint);
-  }
-  scene.out.start.push_back(out);
-}
-
 // The judgement of `judge` about the other's certificate.
 Status judge_certificate(const Party& judge, const Party& subject, WallTime now) {
   const auto& certificate = subject.folder.certificate;

@@ -30,6 +30,9 @@ struct TopicOfInterest {
   std::string expression = {};
 };
 
+/// Whether a party starts on its own, and whether the CA has revoked it without its peers knowing.
+void judge_start(const MeetingScene& scene, int index);
+
 /// The names to check if none are given; sets topics_complete.
 std::vector<TopicOfInterest> topics_of_interest(const MeetingScene& scene);
 /// Checks both directions of one topic. If the topic was named by the caller, the result says which

@@ -66,6 +66,35 @@ class Revocation(Transcript):
         told = self.run_program("identity", "revoke", "listener", "--ca", "ca", *LATER).stdout
         self.assertNotIn("no list so far", told)
 
+    # Measured: no product reads the list in the CA's folder (interop: a stock pair goes on talking).
+    def test_before_the_list_is_distributed_peers_accept_a_revoked_participant(self):
+        for vendor in ("cyclonedds", "fastdds", "ddssec"):
+            self.assertTrue(self.meet(vendor, 0)["result"]["talk"])
+        self.run_program("identity", "revoke", "demo/x", "--ca", "demo", *NOW)
+        for vendor in ("cyclonedds", "fastdds", "ddssec"):
+            answer = self.meet(vendor, 0)
+            (told,) = [one for one in answer["diagnostics"] if one["id"] == "DOC024"]
+            self.assertEqual(told["severity"], "warning")
+            self.assertRegex(told["message"], "^x: cert.pem of CN=x .* is revoked by list 2 of the CA, .*; crl.pem here is "
+                             "list 1; participants that do not have that list yet accept it$")
+            self.assertIn("ddssec crl distribute", told["hint"])
+            verdicts = self.json("doctor", "demo/x", "--vendor", vendor, *NOW, exit=1)["result"]["verdicts"]
+            self.assertEqual(list(verdicts.values()), ["unsafe"])
+        told = self.json("can", "demo/x", "publish", "Square", *NOW, exit=1)
+        self.assertIn("which crl.pem here lacks: participants without that list still accept it", told["result"]["because"])
+        self.assertIn("ddssec crl distribute", told["diagnostics"][0]["hint"])
+        self.run_program("crl", "distribute", "--ca", "demo", *NOW)
+        for vendor in ("cyclonedds", "fastdds", "ddssec"):
+            self.assertFalse(self.meet(vendor, 1)["result"]["talk"])
+
+    def meet(self, vendor, exit):
+        if not (self.at / "demo").exists():
+            self.run_program("init", "demo", *NOW)
+            for name in ("x", "y"):
+                self.run_program("identity", "issue", name, "--ca", "demo", "-o", f"demo/{name}", "--publish", "Square",
+                                 "--subscribe", "Square", "--governance", "demo/governance.p7s", *NOW)
+        return self.json("check", "demo/x", "demo/y", "--topics", "Square", "--vendor", vendor, *NOW, exit=exit)
+
     def test_revoke_makes_a_list_that_openssl_believes(self):
         out = self.json("identity", "revoke", "talker", "--ca", "ca", "--reason", "keyCompromise",
                         *LATER)
