@@ -123,6 +123,18 @@ bool is_compatible_class(std::string_view class_id) {
   return version.empty() || version == ":1" || version.starts_with(":1.");
 }
 
+/// The handshake sends the document, and takes no longer one. Said here, where the file is known.
+Status check_own_size(const DocumentPlaces& places, BytesView file) {
+  if (file.size() <= pki::kMostSentPermissionsOctets) return {};
+  return fail(Code::file_too_large,
+              {.document = places.permissions_name,
+               .expected = fmt::format("at most {} octets, since peers are sent it",
+                                       pki::kMostSentPermissionsOctets),
+               .found = fmt::format("{}", file.size()),
+               .hint = "give each participant a document with its own grant only, and cover topics "
+                       "with expressions such as Sensor*"});
+}
+
 }  // namespace
 
 Result<std::shared_ptr<const governance::CompiledGovernance>> compile_governance(
@@ -162,6 +174,7 @@ Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context
   DDSSEC_ASSIGN_OR_RETURN(
       const auto file,
       pki::load(places.permissions, spi::property::kPermissions, pki::kMostDocumentOctets));
+  DDSSEC_RETURN_IF_ERROR(check_own_size(places, file));
   own->note_read(std::move(governance_file), file);
   DDSSEC_ASSIGN_OR_RETURN(auto document,
                           in_document(context.documents.permissions(*basis.ca, file, context.now),

@@ -27,6 +27,17 @@ TEST_F(LocalPermissions, OtherOrderOfTheSubjectIsTheSameSubject) {
   EXPECT_TRUE(local(open_permissions("O=Example, CN=talker")));
 }
 
+TEST_F(LocalPermissions, LongerThanPeersAreSent_AreRefusedByTheirName) {
+  std::vector<governance::Rule> rules = {rule(true)};
+  std::string long_name(1000, 'x');
+  rules[0].publish = {topics(std::vector<std::string>(1050, long_name))};
+  const auto result = local(signed_permissions({grant(kTalker, rules)}));
+  EXPECT_CODE(result, file_too_large);
+  EXPECT_EQ(result.error().details().document, spi::property::kPermissions);
+  EXPECT_EQ(result.error().details().expected, "at most 1048576 octets, since peers are sent it");
+  EXPECT_EQ(log.only(), Code::file_too_large);
+}
+
 TEST_F(LocalPermissions, AreNotMadeUpWhenNothingIsConfigured) {
   EXPECT_REFUSED(plugin->validate_local_permissions(kLocalIdentity, 0, {}), access_not_configured);
 }
