@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/tool_code.hpp"
+#include "cli/agent_hook.hpp"
 #include "cli/agent_schedule.hpp"
 #include "cli/ca_overlap.hpp"
 #include "cli/documents.hpp"
@@ -140,6 +141,7 @@ Status check_asker(const RenewalRequest& request, const fs::path& trust, bool is
   const auto key = is_rekeying ? pki::RequestedKey::any : pki::RequestedKey::same;
   DDSSEC_RETURN_IF_ERROR(check_renewal_request(as_bytes(request.request), old, key));
   if (trust.empty()) return {};
+  DDSSEC_RETURN_IF_ERROR(check_trust_file(trust));
   DDSSEC_ASSIGN_OR_RETURN(const auto certificates, read_certificates(trust));
   for (const auto& ca : certificates)
     if (old.is_issued_by(ca)) return {};

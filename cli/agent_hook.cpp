@@ -61,34 +61,34 @@ bool is_trusted(const struct stat& status) {
 
 // In a folder with the sticky bit only the owner of a file can replace it. A link is one that was
 // put there after the path was resolved.
-Status check_place(const fs::path& program) {
-  for (auto folder = program.parent_path();; folder = folder.parent_path()) {
+Status check_place(const fs::path& file, Code unsafe) {
+  for (auto folder = file.parent_path();; folder = folder.parent_path()) {
     struct stat status {};
     const bool is_known = ::lstat(folder.c_str(), &status) == 0 && S_ISDIR(status.st_mode);
     const bool is_open = (status.st_mode & 022) != 0 && (status.st_mode & S_ISVTX) == 0;
     if (!is_known || !is_trusted(status) || is_open)
       return fail(
-          tool_code::hook_unsafe,
+          unsafe,
           {.document = folder,
-           .expected = "a folder of root or of this user that no other user can write, "
-                       "since the hook is in it",
+           .expected = fmt::format("a folder of root or of this user that no other user can write, "
+                                   "since {} is in it",
+                                   file.string()),
            .found = fmt::format("user {}, mode {:04o}", status.st_uid, status.st_mode & 07777)});
     if (folder == folder.root_path()) return {};
   }
 }
 
-// A user who can change the program has the rights of the agent. `program` has no links.
-Status check_program(const fs::path& program) {
+// `file` has no links.
+Status check_file(const fs::path& file, Code unsafe, Code unreadable) {
   struct stat status {};
-  if (::lstat(program.c_str(), &status) != 0)
-    return fail(tool_code::hook_failed,
-                {.document = program, .note = std::generic_category().message(errno)});
+  if (::lstat(file.c_str(), &status) != 0)
+    return fail(unreadable, {.document = file, .note = std::generic_category().message(errno)});
   if (S_ISREG(status.st_mode) && is_trusted(status) && (status.st_mode & 022) == 0)
-    return check_place(program);
-  return fail(tool_code::hook_unsafe, {.document = program,
-                                       .expected = "a file of root or of this user, mode 0755",
-                                       .found = fmt::format("user {}, mode {:04o}", status.st_uid,
-                                                            status.st_mode & 07777)});
+    return check_place(file, unsafe);
+  return fail(unsafe, {.document = file,
+                       .expected = "a file of root or of this user that no other user can write",
+                       .found = fmt::format("user {}, mode {:04o}", status.st_uid,
+                                            status.st_mode & 07777)});
 }
 
 std::vector<char*> pointers_to(std::vector<std::string>& texts) {
@@ -137,13 +137,21 @@ Result<Hook> hook_of(const Arguments& arguments) {
   return Hook{std::move(words), std::move(variables), std::chrono::seconds(seconds)};
 }
 
+Status check_trust_file(const fs::path& file) {
+  std::error_code error;
+  const auto path = fs::canonical(file, error);
+  if (error) return fail(Code::file_unreadable, {.document = file, .note = error.message()});
+  return check_file(path, tool_code::trust_unsafe, Code::file_unreadable);
+}
+
 // A hook need not read the request, so an end of its input is no failure.
 Result<std::string> run_hook(const Hook& hook, const HookRequest& request, HeldSignals& signals) {
   std::error_code error;
   const auto program = fs::canonical(hook.words.front(), error);
   if (error)
     return fail(tool_code::hook_failed, {.document = hook.words.front(), .note = error.message()});
-  DDSSEC_RETURN_IF_ERROR(check_program(program));
+  // A user who can change the program has the rights of the agent.
+  DDSSEC_RETURN_IF_ERROR(check_file(program, tool_code::hook_unsafe, tool_code::hook_failed));
   const auto deadline = std::chrono::steady_clock::now() + hook.timeout;
   DDSSEC_ASSIGN_OR_RETURN(auto child, ChildProcess::start(signals, [&](int in, int out) {
                             return become_hook(hook, program, request, in, out);

@@ -26,6 +26,10 @@ struct Hook {
 /// that mean something to a shell are refused, because none reads them. Error: usage.
 Result<Hook> hook_of(const Arguments& arguments);
 
+/// Success if no user but this one and root can change the file of --trust. Errors: trust_unsafe,
+/// file_unreadable.
+Status check_trust_file(const std::filesystem::path& file);
+
 /// The request that a hook is run for.
 struct HookRequest {
   std::filesystem::path folder;  ///< of the participant, DDSSEC_FOLDER

@@ -158,7 +158,8 @@ std::string_view severity_word(Severity severity) {
 Exit exit_of(Code code) {
   if (code == tool_code::keystore_unseen) return Exit::unreadable;
   if (code == tool_code::not_confirmed || code == tool_code::folder_untrusted ||
-      code == tool_code::hook_unsafe || code == tool_code::link_untrusted)
+      code == tool_code::hook_unsafe || code == tool_code::trust_unsafe ||
+      code == tool_code::link_untrusted)
     return Exit::refused;
   switch (code) {
     case Code::usage:

@@ -315,7 +315,7 @@ class Folders(AgentTest):
         hook = self.signing_hook()
         self.at.chmod(0o777)
         event = self.refused("hook_unsafe", "--hook", hook, *self.LATER, exit=4)
-        self.assertIn("the hook is in it", event["message"])
+        self.assertIn("/hook is in it", event["message"])
 
     @NEEDS_ROOT
     def test_files_are_read_with_the_rights_of_the_folders_owner(self):
@@ -351,8 +351,15 @@ class Folders(AgentTest):
         self.refused("issuer_unknown", "--hook", hook, *trust, *self.LATER)
         (self.talker / "cert.pem").write_bytes((self.at / "demo/listener/cert.pem").read_bytes())
         self.refused("key_mismatch", "--hook", hook, *trust, *self.LATER)
-        self.assertFalse((self.at / "asked").exists())
         (self.talker / "cert.pem").write_bytes(own)
+        file = self.at / "demo/ca/identity/ca.pem"
+        for path, mode in ((file, 0o666), (file.parent, 0o777)):
+            before = path.stat().st_mode & 0o777
+            path.chmod(mode)
+            event = self.refused("trust_unsafe", "--hook", hook, *trust, *self.LATER, exit=4)
+            self.assertIn(f"mode {mode:04o}", event["message"])
+            path.chmod(before)
+        self.assertFalse((self.at / "asked").exists())
         self.assertEqual(self.once("--hook", hook, *trust, *self.LATER)[0]["event"], "renewed")
 
     @NEEDS_ROOT
