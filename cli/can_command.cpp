@@ -218,6 +218,22 @@ void note_refused_topic(const Question& question, Report& report) {
        .severity = Severity::warning});
 }
 
+// A note if only the plugins within Cyclone DDS refuse the endpoint, and the folder does not say
+// that they are used: a program may name them in its QoS.
+void note_drop_in(const Question& question, Report& report) {
+  const auto& folder = question.folder;
+  if (!folder.governance.model || runs_drop_in(folder)) return;
+  constexpr auto ours = doctor::Vendor::ours;
+  const auto* const rules = doctor::domain_rule_as(ours, *folder.governance.model, question.domain);
+  const auto* const rule =
+      rules != nullptr ? doctor::topic_rule_as(ours, *rules, question.request.topic) : nullptr;
+  if (rule == nullptr) return;
+  auto finding = refused_by_drop_in(folder, *rules, *rule, question.action);
+  if (!finding) return;
+  finding->severity = Severity::warning;
+  report.findings.push_back(*std::move(finding));
+}
+
 // All steps as in check: identity, grant, joining, topic rule and rights.
 Result<Answer> answer_to(const Question& question) {
   if (auto answer = by_revocation(question.folder.paths)) return *std::move(answer);
@@ -299,7 +315,10 @@ Result<Report> can(const Arguments& arguments, const Context& context) {
                                                              .found = answer.because,
                                                              .hint = answer.hint});
   note_stock_products(folder, report);
-  if (answer.allowed) note_refused_topic(question, report);
+  if (answer.allowed) {
+    note_refused_topic(question, report);
+    note_drop_in(question, report);
+  }
   return report;
 }
 

@@ -15,8 +15,9 @@ namespace ddssec::cli {
 struct Positional {
   std::string_view name;  ///< as help shows it, such as "DIR"
   std::string_view summary;
-  bool optional = false;  ///< may be left out
-  bool repeated = false;  ///< may be given more than once; only the last one of a command
+  bool optional = false;         ///< may be left out
+  bool repeated = false;         ///< may be given more than once; only the last one of a command
+  std::string_view unless = {};  ///< the option that must be given if this is left out
 };
 
 /// An argument that is identified by its name.

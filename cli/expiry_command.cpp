@@ -59,6 +59,9 @@ class Search {
     paths_.clear();
     is_full_ = false;
     if (hits_ + unreadable_.size() > before) return;
+    if (is_folder_)
+      return leave_out(path,
+                       fmt::format("{} is expected in the folder, and there is none", kKinds));
     unreadable_.emplace_back(Code::file_not_found,
                              ErrorDetails{.document = path, .expected = kKinds});
   }
@@ -281,7 +284,7 @@ class Search {
   std::set<std::string> seen_;
   std::set<std::string> searched_;  ///< folders, by their paths without links
   std::set<fs::path> links_;        ///< to folders
-  std::set<std::string> revoked_;  ///< as Ending::id
+  std::set<std::string> revoked_;   ///< as Ending::id
   std::vector<Error> unreadable_;
   std::size_t hits_ = 0;
   bool is_full_ = false;

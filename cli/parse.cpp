@@ -66,6 +66,7 @@ class CommandLine {
     std::vector<std::string> values;
     CLI::Option* option;
     bool required = false;
+    std::string_view unless = {};
   };
 
   void add(const Option& option) {
@@ -85,6 +86,7 @@ class CommandLine {
     slot.option = app_.add_option(slot.name, slot.values)->required(!positional.optional);
     if (!positional.repeated) slot.option->expected(1)->allow_extra_args(false);
     slot.required = !positional.optional;
+    slot.unless = positional.unless;
   }
 
   // If nothing follows the equals sign, CLI11 takes the next word, which would be another option's
@@ -138,12 +140,22 @@ class CommandLine {
   std::vector<std::string> missing() const {
     std::vector<std::string> out;
     for (const auto& slot : slots_) {
-      if (!slot.required || slot.option->count() > 0) continue;
-      const auto* option = option_named(slot.name);
-      out.push_back(option == nullptr ? slot.name
-                                      : fmt::format("{} {}", option->name, option->value));
+      if (slot.option->count() > 0) continue;
+      if (slot.required) out.push_back(shown(slot.name));
+      if (!slot.unless.empty() && !is_given(slot.unless))
+        out.push_back(fmt::format("{} (or {})", slot.name, shown(slot.unless)));
     }
     return out;
+  }
+  // An option with its value.
+  std::string shown(std::string_view name) const {
+    const auto* option = option_named(name);
+    return option == nullptr ? std::string(name)
+                             : fmt::format("{} {}", option->name, option->value);
+  }
+  bool is_given(std::string_view name) const {
+    const auto slot = std::ranges::find(slots_, name, &Slot::name);
+    return slot != slots_.end() && slot->option->count() > 0;
   }
 
   std::unexpected<Error> explained(const CLI::ParseError& error) const {

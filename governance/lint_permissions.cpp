@@ -162,6 +162,30 @@ void check_spelling(Findings& out, const GrantPlace& place) {
   out.add(std::move(finding));
 }
 
+// Cyclone DDS compares such letters as RFC 2253 escapes them, Fast DDS as they are (measured).
+void check_letters(Findings& out, const GrantPlace& place) {
+  const auto& grant = place.grant();
+  const auto is_beyond_ascii = [](char c) { return static_cast<unsigned char>(c) >= 0x80; };
+  const auto name = pki::SubjectName::parse(grant.subject_name);
+  if (grant.subject_is_expression || !name) return;
+  const bool is_in_ascii = std::ranges::none_of(name->attributes(), [&](const auto& attribute) {
+    return std::ranges::any_of(attribute.value, is_beyond_ascii);
+  });
+  if (is_in_ascii) return;
+  const bool is_escaped = std::ranges::none_of(grant.subject_name, is_beyond_ascii);
+  auto finding = place.about(
+      PERM011,
+      fmt::format("the subject name {} has letters beyond ASCII, {}: {} does not recognise "
+                  "the certificate by it",
+                  in_quotes(grant.subject_name), is_escaped ? "escaped" : "not escaped",
+                  is_escaped ? "Fast DDS" : "Cyclone DDS"));
+  finding.hint =
+      "name participants in ASCII, or give Fast DDS a document of its own: it reads the letters "
+      "themselves, and Cyclone DDS their escapes such as \\C3\\A9";
+  finding.vendors = {is_escaped ? kFastDds : kCyclone};
+  out.add(std::move(finding));
+}
+
 // One grant must be for the certificate, in its own spelling.
 void check_subject(Findings& out, const std::vector<GrantPlace>& places,
                    const pki::Certificate& certificate) {
@@ -228,6 +252,7 @@ std::vector<Finding> lint(const Permissions& permissions, const PermissionsUse& 
     check_dates(out, place, use);
     check_names(out, place);
     if (!use.certificate) check_spelling(out, place);
+    check_letters(out, place);
     lint_dead_rules(out, place);
     lint_unmatchable(out, place);
     lint_rights(out, place, use.governance);

@@ -72,7 +72,7 @@ class Contract(Transcript):
 
     def test_all_that_is_missing_is_said_at_once_with_an_example(self):
         told = self.refused("usage", 2, "identity", "issue")["message"]
-        self.assertIn("missing arguments --ca DIR and -o DIR; for example: ddssec identity issue talker --ca ca", told)
+        self.assertIn("missing arguments --ca DIR, -o DIR and NAME (or --from FILE); for example: ddssec identity issue talker --ca ca", told)
         told = self.refused("usage", 2, "governance", "new", "out.xml")["message"]
         self.assertIn('missing argument -o FILE; "out.xml" is one argument too many; for example: ddssec', told)
         told = self.refused("usage", 2, "permissions", "sign", "foo.xml")["message"]

@@ -147,8 +147,11 @@ class Expiry(Transcript):
         (self.at / "empty/notes.txt").write_text("no certificate")
         told = self.json("expiry", "demo", "empty", "empty/notes.txt", *NOW, exit=3)
         self.assertEqual([(d["id"], d["file"]) for d in told["diagnostics"]],
-                         [("file_not_found", "empty"), ("file_not_found", "empty/notes.txt")])
-        self.assertIn("expected a certificate, a revocation list or permissions", told["diagnostics"][0]["message"])
+                         [("file_unreadable", "empty"), ("file_not_found", "empty/notes.txt")])
+        kinds = "a certificate, a revocation list or permissions"
+        self.assertIn(f"{kinds} is expected in the folder, and there is none", told["diagnostics"][0]["message"])
+        self.assertNotIn("meant?", told["diagnostics"][0].get("hint", ""))
+        self.assertIn(f"expected {kinds}", told["diagnostics"][1]["message"])
         self.assertEqual(len(told["result"]["entries"]), 7)
         self.assertEqual(len(self.entries("demo", "demo", "demo/talker/cert.pem", *NOW)), 7)
 

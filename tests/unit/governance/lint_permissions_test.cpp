@@ -457,6 +457,17 @@ TEST(LintPermissions, NamesThatATerminalShowsInAnotherWay) {
                   .empty());
 }
 
+TEST(LintPermissions, SubjectBeyondAscii_NamesTheProductThatDoesNotRecogniseIt) {
+  for (const auto& [subject, vendor] :
+       {std::pair{"CN=caf\xc3\xa9", "cyclonedds"}, std::pair{"CN=caf\\C3\\A9", "fastdds"}}) {
+    const auto found = only(changed([&](Grant& grant) { grant.subject_name = subject; }));
+    EXPECT_EQ(found.rule, ddssec::Rule::PERM011);
+    EXPECT_EQ(found.vendors, std::vector<std::string>{vendor});
+  }
+  EXPECT_TRUE(
+      lint_but_joining(changed([](Grant& grant) { grant.subject_name = "CN=cafe"; })).empty());
+}
+
 TEST(LintPermissions, NamesOfRos) {
   EXPECT_EQ(only(with(rights({"/chatter"}))).rule, ddssec::Rule::PERM034);
 }
