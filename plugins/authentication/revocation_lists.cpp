@@ -210,15 +210,21 @@ std::string RevocationLists::description() const {
 
 Result<bool> RevocationLists::look(const Clock& clock, const std::vector<pki::Certificate>& anchors,
                                    const Accept& accept) {
+  // What is wrong in one place must not keep another one from being read.
+  Result<bool> out = false;
   for (auto& place : places_) {
     if (!place.watch.may_have_changed(clock.monotonic())) continue;
-    DDSSEC_ASSIGN_OR_RETURN(const bool renewed, look_at(place, {anchors, clock.now(), accept}));
-    if (!renewed) continue;
-    // What was the newest elsewhere may be older now.
-    for (auto& other : places_) other.watch.look_again();
+    auto renewed = look_at(place, {anchors, clock.now(), accept});
+    if (!renewed && out) out = std::move(renewed);
+    if (!renewed || !*renewed) continue;
+    // What was the newest elsewhere may be older now, and what was wrong there is not told yet.
+    for (auto& other : places_) {
+      other.watch.look_again();
+      other.told.reset();
+    }
     return true;
   }
-  return false;
+  return out;
 }
 
 Result<bool> RevocationLists::look_at(Place& place, const Question& question) {

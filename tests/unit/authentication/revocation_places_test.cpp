@@ -253,6 +253,22 @@ TEST_F(TwoPlaces, FileThatDisappears_IsReportedAndItsListStays) {
   EXPECT_THAT(told(), testing::IsEmpty());
 }
 
+// Before, the other place was not read for as long as this one was wrong in a new way at each look.
+TEST_F(TwoPlaces, FileThatIsWrongAtEachLook_DoesNotHideTheOther) {
+  folder.write("crl.pem", pem({1}));
+  elsewhere.write("crl.pem", pem({1}));
+  ASSERT_OK(create());
+  told();
+  bool ended = false;
+  for (int i = 0; i < 5; ++i) {
+    folder.replace("crl.pem", "nothing " + std::to_string(i));
+    if (i == 2) elsewhere.replace("crl.pem", revokes_alice());
+    engine.clock.advance(1s);
+    ended |= !engine->expire().empty();
+  }
+  EXPECT_TRUE(ended);
+}
+
 TEST_F(TwoPlaces, ForgedList_ReplacesNone) {
   folder.write("crl.pem", pem({5}));
   const auto forger = make_ca();  // of the same name
