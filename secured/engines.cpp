@@ -39,11 +39,15 @@ Result<spi::PropertyList> folder_properties(const std::filesystem::path& path) {
   add(is_meant(folder.crl) ? property::kCrl : property::kLaterCrl, folder.crl);
   if (!is_meant(folder.properties)) return out;
   DDSSEC_ASSIGN_OR_RETURN(auto file_properties, spi::read_property_file(folder.properties));
+  const auto without_effect = [&](const std::string& name, std::string why) {
+    return fail(Code::property_without_effect,
+                {.document = folder.properties.string(), .field = name, .note = std::move(why)});
+  };
   for (auto& further : file_properties) {
     if (spi::find_property(out, further.name) != nullptr)
-      return fail(Code::property_without_effect, {.document = folder.properties.string(),
-                                                  .field = further.name,
-                                                  .note = "a file of the folder goes before it"});
+      return without_effect(further.name, "a file of the folder goes before it");
+    if (further.name == property::kClockStepGrace)
+      return without_effect(further.name, "an embedded participant believes the clock at once");
     out.push_back(std::move(further));
   }
   return out;

@@ -108,7 +108,8 @@ Result<spi::SessionFacts> PkiDh::note_renewal_taken(HandshakeHandle handle, cons
   using Facts = Result<spi::SessionFacts>;
   return reported(
       session(handle, [&](const Pair& pair, PairHandshake& handshake, Established& done) -> Facts {
-        DDSSEC_RETURN_IF_ERROR(check_answer(handshake.offer, answer));
+        if (const auto fits = check_answer(handshake.offer, answer); !fits)
+          return std::unexpected(fits.error().in("answer of " + done.peer.certificate().subject()));
         const auto former = std::exchange(done.own, handshake.offer->documents);
         if (auto noted = note_authenticated(pair, done); !noted) {
           done.own = former;

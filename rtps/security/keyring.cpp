@@ -163,7 +163,7 @@ Result<Keyring::Introduction> Keyring::introduce(const EntityId& id, const Guid&
   auto& local = at->second;
   if (const auto known = local.pairs.find(remote); known != local.pairs.end()) {
     auto& pair = known->second;
-    if (!pair.suspended) return Introduction{pair.ready};
+    if (pair.relay_only == relay_only && !pair.suspended) return Introduction{pair.ready};
     if (pair.relay_only == relay_only) {
       // The remote endpoint gets the keys again: they may have been revised.
       DDSSEC_ASSIGN_OR_RETURN(auto tokens, tokens_for(id, local, pair));

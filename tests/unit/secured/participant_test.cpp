@@ -85,6 +85,12 @@ TEST(FolderProperties, AFurtherOneThatAFileOfTheFolderSets_IsRefused) {
   EXPECT_THAT(refused.error().to_sentence(), HasSubstr("org.ddssec.auth.later_crl"));
 }
 
+TEST(FolderProperties, OneForCycloneDdsOnly_IsRefused) {
+  const Folder folder;
+  std::ofstream(folder.path / "security.properties") << "org.ddssec.clock_step_grace = 30\n";
+  EXPECT_EQ(folder_properties(folder.path).error().code(), Code::property_without_effect);
+}
+
 TEST(SecuredParticipant, WithoutAFolderThereIsNone) {
   test::Silent quiet;
   const auto participant = Participant::join("/nowhere/at/all", {.domain_id = 122}, &quiet);
