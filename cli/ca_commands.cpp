@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "cli/ca_folder.hpp"
+#include "cli/ca_progress.hpp"
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
@@ -277,6 +278,9 @@ Result<Report> ca_show(const Arguments& arguments, const Context& context) {
     DDSSEC_ASSIGN_OR_RETURN(auto one,
                             show_one(ca_paths(given, role), is_one_ca(given) ? Json() : Json(role),
                                      context.clock.now()));
+    DDSSEC_ASSIGN_OR_RETURN(auto rotation, shown_rotation(given, role, context.clock.now()));
+    one.result["rotation"] = std::move(rotation.result);
+    one.text += rotation.text;
     if (one.exit != Exit::done) report.exit = one.exit;
     const auto title = roles.size() > 1 ? fmt::format("{} CA\n", role) : "";
     report.text += fmt::format("{}{}{}", report.text.empty() ? "" : "\n", title, one.text);

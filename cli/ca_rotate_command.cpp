@@ -1,85 +1,39 @@
 // ca rotate: replaces a CA and its key, for participants with separate folders; at once, or with an
 // overlap in which both count.
+#include <algorithm>
 #include <filesystem>
-#include <set>
 
 #include <fmt/format.h>
 
 #include "base/tool_code.hpp"
+#include "cli/ca_followers.hpp"
 #include "cli/ca_overlap.hpp"
+#include "cli/ca_progress.hpp"
 #include "cli/ca_rotation.hpp"
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
 #include "cli/list_dates.hpp"
-#include "cli/logged_certificate.hpp"
 #include "cli/near.hpp"
 #include "cli/options.hpp"
 #include "cli/participant.hpp"
-#include "cli/participant_places.hpp"
 
 namespace ddssec::cli {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// The participants that change with the CA, and those in the log that cannot be found.
-struct Known {
-  std::vector<Follower> here;
-  std::vector<std::string> elsewhere;  ///< folders, or subjects of CAs below
-};
-
-Follower follower_in(const fs::path& folder) {
-  return {folder.string(), pki::participant_folder(folder)};
-}
-
-// A folder may have been moved, or may now belong to another CA's participant. An unreadable folder
-// counts as found: the rotation reports it.
-bool is_participant_of(const pki::Certificate& ca, const pki::IssueLog& log,
-                       const fs::path& folder) {
-  const auto certificate = read_certificate(folder / "cert.pem");
-  if (!certificate) return certificate.error().code() != Code::file_not_found;
-  return certificate->is_issued_by(ca) || is_logged(*certificate, log);
-}
-
-Known known_to(const CaPaths& ca, const pki::IssueLog& log, const pki::Certificate& identity,
-               WallTime now) {
-  const LoggedFolders folders(ca, log);
-  Known out;
-  std::set<std::string> seen;
-  std::set<fs::path> seen_here;
-  for (const auto& issued : log.issued()) {
-    const auto place = issued.folder.empty() ? issued.subject : issued.place();
-    if (!seen.insert(place).second) continue;
-    const bool has_folder = !issued.folder.empty() && issued.file.empty();
-    const auto folder = has_folder ? folders.today(issued.folder) : fs::path();
-    const bool is_here = !folder.empty() && !folders.is_of_another_copy(folder) &&
-                         is_participant_of(identity, log, folder);
-    if (is_here && seen_here.insert(folder).second)  // moved, it has two names in the log
-      out.here.push_back(follower_in(folder));
-    else if (is_here)
-      continue;
-    else if (!issued.revoked && now < issued.not_after)
-      out.elsewhere.push_back(place);
-  }
-  return out;
-}
-
 // The folders of the command line, or all folders in the identity CA's log.
-Result<Known> followers_of(const Arguments& arguments, const fs::path& given, WallTime now) {
-  Known out;
+Result<KnownFollowers> followers_of(const Arguments& arguments, const fs::path& given,
+                                    WallTime now) {
+  KnownFollowers out;
   for (const auto& folder : arguments.all("DIRS")) {
     DDSSEC_RETURN_IF_ERROR(check_participant_folder(folder));
     out.here.push_back(follower_in(folder));
     out.here.back().is_named = true;
   }
   if (!out.here.empty()) return out;
-  const auto paths = ca_paths(given, "identity");
-  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(paths));
-  if (!log.issued().empty()) {
-    DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(paths.certificate));
-    out = known_to(paths, log, certificate, now);
-  }
+  DDSSEC_ASSIGN_OR_RETURN(out, known_followers(given, now));
   if (!out.here.empty()) return out;
   return fail(Code::usage, {.field = "DIRS",
                             .note = "no participant's folder that the CA's log knows is here: "
@@ -240,16 +194,14 @@ Result<Step> step_of(const Arguments& arguments) {
 }
 
 // The successor is in place already, and its file has both.
-Result<Succession> on_the_way(const OpenCa& ca, Step step, const pki::Passphrase* passphrase) {
-  DDSSEC_ASSIGN_OR_RETURN(auto overlap, read_overlap(ca.paths));
-  if (!overlap) return fail(tool_code::no_overlap, {.document = ca.paths.certificate});
-  auto trust = step == Step::end ? overlap->next_only() : overlap->next_first();
-  return Succession{.old = ca,
-                    .ca = ca.authority,
-                    .trust_pem = std::move(trust),
-                    .passphrase = passphrase,
-                    .step = step,
-                    .overlap = std::move(overlap)};
+Succession on_the_way(const OpenCa& ca, Step step, const Overlap& overlap,
+                      const pki::Passphrase* passphrase) {
+  return {.old = ca,
+          .ca = ca.authority,
+          .trust_pem = step == Step::end ? overlap.next_only() : overlap.next_first(),
+          .passphrase = passphrase,
+          .step = step,
+          .overlap = overlap};
 }
 
 // With a new key.
@@ -261,8 +213,6 @@ Result<Succession> with_successor(const OpenCa& old, const Successor& successor,
                     .passphrase = nullptr,
                     .step = step};
   if (step == Step::replace) return change;
-  DDSSEC_ASSIGN_OR_RETURN(const auto overlap, read_overlap(old.paths));
-  if (overlap) return fail(tool_code::overlap_under_way, {.document = overlap_file(old.paths)});
   DDSSEC_ASSIGN_OR_RETURN(const auto span_of_time, duration(arguments, "--overlap"));
   const auto until = context.clock.now() + span_of_time;
   DDSSEC_ASSIGN_OR_RETURN(auto next,
@@ -287,23 +237,131 @@ Report not_due(const std::string& role, const OpenCa& ca, const Overlap& overlap
                      {"elsewhere", Json::array()}}};
 }
 
-Result<Report> follow(const std::string& role, const Succession& change, const Arguments& arguments,
+// What it means for a participant that a step cannot write its folder, and what to do then.
+std::string lead_out(const std::string& role, Step step, const std::string& given) {
+  const auto command = fmt::format("ddssec ca rotate {} --role {}", given, role);
+  const auto again = "make its folder writable, then: " + command;
+  switch (step) {
+    case Step::replace:
+      break;
+    case Step::begin:
+      return fmt::format(
+          "the participant keeps its old files, and does not accept those that move before it has "
+          "the successor; {} --overlap TIME",
+          again);
+    case Step::move:
+      return fmt::format("the participant keeps its old files, which count until --end; {} --move",
+                         again);
+    case Step::end:
+      return fmt::format(
+          "the participant keeps its old files, and still trusts the former CA; {} "
+          "--end",
+          again);
+  }
+  return fmt::format(
+      "the participant keeps its old files and meets no other one until it has new ones; {} --end",
+      again);
+}
+
+/// One step for the participants that it is for.
+struct Work {
+  Succession change;
+  KnownFollowers known;
+  std::vector<Error> warnings = {};
+};
+
+// Those of the log that the command line does not name.
+Result<std::vector<Follower>> unnamed(const Arguments& arguments, WallTime now) {
+  const fs::path given = arguments.text("DIR");
+  if (arguments.all("DIRS").empty()) return std::vector<Follower>();
+  DDSSEC_ASSIGN_OR_RETURN(auto known, known_followers(given, now));
+  std::erase_if(known.here, [&](const Follower& follower) {
+    return std::ranges::any_of(arguments.all("DIRS"), [&](const std::string& folder) {
+      std::error_code ignored;
+      return fs::equivalent(folder, follower.files.folder, ignored);
+    });
+  });
+  return known.here;
+}
+
+// --move works on folders that --overlap did not name, and --end may name fewer than --move.
+Result<std::vector<Error>> warnings_of(Step step, const std::string& role,
+                                       const std::vector<Follower>& followers,
+                                       const Arguments& arguments, WallTime now) {
+  std::vector<Error> out;
+  if (step != Step::move && step != Step::end) return out;
+  const fs::path given = arguments.text("DIR");
+  DDSSEC_ASSIGN_OR_RETURN(const auto progress, RotationProgress::of(given, role, now));
+  DDSSEC_ASSIGN_OR_RETURN(auto others, unnamed(arguments, now));
+  const bool is_end = step == Step::end;
+  if (!is_end) others.insert(others.end(), followers.begin(), followers.end());
+  const auto code = is_end ? tool_code::rotation_unfinished : tool_code::successor_unknown;
+  for (const auto& one : is_end ? progress.not_ended(others) : progress.without_successor(others))
+    out.emplace_back(code, ErrorDetails{.document = one.files.folder});
+  return out;
+}
+
+Result<Report> follow(const std::string& role, const Work& work, const Arguments& arguments,
                       const Context& context) {
   const fs::path given = arguments.text("DIR");
-  DDSSEC_ASSIGN_OR_RETURN(const auto known, followers_of(arguments, given, context.clock.now()));
+  const auto& change = work.change;
   Replacement out;
   DDSSEC_ASSIGN_OR_RETURN(
-      auto followed, role == "identity" ? follow_identity_ca(out, change, known.here, context)
-                                        : follow_permissions_ca(out, change, known.here,
+      auto followed, role == "identity" ? follow_identity_ca(out, change, work.known.here, context)
+                                        : follow_permissions_ca(out, change, work.known.here,
                                                                 shared_documents(given), context));
   DDSSEC_ASSIGN_OR_RETURN(auto files, put_in_place(out, followed));
   // If this fails, nothing is wrong: the former CA is not in the CA's file any more.
   const bool is_over = change.step == Step::end || change.step == Step::replace;
   std::error_code ignored;
   if (is_over && !writes_nothing()) fs::remove(overlap_file(change.old.paths), ignored);
-  auto report = report_of(role, change, followed, known.elsewhere, given.string());
+  auto report = report_of(role, change, followed, work.known.elsewhere, given.string());
+  report.errors.insert(report.errors.end(), work.warnings.begin(), work.warnings.end());
   report.files_written = std::move(files);
   return report;
+}
+
+std::unexpected<Error> nothing_left(Step step, const OpenCa& ca, std::size_t unmoved,
+                                    std::size_t all) {
+  if (step == Step::end) return fail(tool_code::no_overlap, {.document = ca.paths.certificate});
+  const auto next = unmoved == 0 ? "--end" : "--move; when all have moved, --end";
+  return fail(tool_code::overlap_under_way,
+              {.document = overlap_file(ca.paths),
+               .note = moved_words(all - unmoved, all),
+               .hint = fmt::format("the next step is ddssec ca rotate CA --role ROLE {}", next)});
+}
+
+/// --overlap or --end once more, for the folders that it did not reach. `waiting`: those whose
+/// files waited beside their places before the CA was opened, which put them in place.
+Result<Work> made_again(const OpenCa& ca, Step step, const RotationProgress& progress,
+                        KnownFollowers known, const std::vector<Follower>& waiting) {
+  const bool is_begin = step == Step::begin;
+  auto left = is_begin ? progress.without_successor(known.here) : progress.not_ended(known.here);
+  if (left.empty()) left = waiting;
+  if (left.empty())
+    return nothing_left(step, ca, progress.not_moved(known.here).size(), known.here.size());
+  auto overlap =
+      is_begin ? *progress.overlap() : Overlap{progress.next(), {}, ca.certificate().not_after()};
+  Succession change{.old = ca,
+                    .ca = ca.authority,
+                    .trust_pem = is_begin ? overlap.former_first() : overlap.next_only(),
+                    .passphrase = nullptr,
+                    .step = step,
+                    .overlap = std::move(overlap),
+                    .is_repeated = true};
+  known.here = std::move(left);
+  return Work{std::move(change), std::move(known)};
+}
+
+// The folders that an earlier --end, or a rotation at once, did not reach.
+std::vector<Follower> left_before(const std::string& role, Step step, const Arguments& arguments,
+                                  WallTime now) {
+  if (step != Step::end) return {};
+  const fs::path given = arguments.text("DIR");
+  const auto progress = RotationProgress::of(given, role, now);
+  const auto known = followers_of(arguments, given, now);
+  if (!progress || !known || progress->overlap()) return {};
+  return progress->not_ended(known->here);
 }
 
 Result<Report> ca_rotate(const Arguments& arguments, const Context& context) {
@@ -312,26 +370,38 @@ Result<Report> ca_rotate(const Arguments& arguments, const Context& context) {
   DDSSEC_ASSIGN_OR_RETURN(const auto step, step_of(arguments));
   DDSSEC_RETURN_IF_ERROR(check_no_other_kind(given));
   const auto now = context.clock.now();
+  const auto waiting = left_before(role, step, arguments, now);
   CaOpener opener(arguments);
   DDSSEC_ASSIGN_OR_RETURN(const auto old, opener.open(ca_paths(given, role)));
   if (const auto log = ca_paths(given, "identity"); is_there(log.certificate))
     DDSSEC_RETURN_IF_ERROR(check_list_date(now, log, arguments));
   if (old.authority.key().in_token()) return fail(Code::key_in_token, {.document = old.paths.key});
-  if (step == Step::move || step == Step::end) {
-    DDSSEC_ASSIGN_OR_RETURN(auto change, on_the_way(old, step, opener.used_passphrase()));
-    if (arguments.has("--when-due") && now < change.overlap->until)
-      return not_due(role, old, *change.overlap);
-    change.takes_unlogged = arguments.has("--unlogged");
-    return follow(role, change, arguments, context);
+  DDSSEC_ASSIGN_OR_RETURN(auto overlap, read_overlap(old.paths));
+  if (step == Step::end && overlap && arguments.has("--when-due") && now < overlap->until)
+    return not_due(role, old, *overlap);
+  const auto run = [&](Work work) -> Result<Report> {
+    work.change.takes_unlogged = arguments.has("--unlogged");
+    work.change.lead_out = lead_out(role, step, given.string());
+    DDSSEC_ASSIGN_OR_RETURN(work.warnings,
+                            warnings_of(step, role, work.known.here, arguments, now));
+    return follow(role, work, arguments, context);
+  };
+  if (step == Step::move && !overlap)
+    return fail(tool_code::no_overlap, {.document = old.paths.certificate});
+  // Before a CA above has logged a successor.
+  DDSSEC_ASSIGN_OR_RETURN(auto known, followers_of(arguments, given, now));
+  if ((step == Step::begin && overlap) || (step == Step::end && !overlap)) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto progress, RotationProgress::of(given, role, now));
+    DDSSEC_ASSIGN_OR_RETURN(auto work, made_again(old, step, progress, std::move(known), waiting));
+    return run(std::move(work));
   }
-  DDSSEC_RETURN_IF_ERROR(
-      followers_of(arguments, given, now));  // before a CA above has logged a successor
+  if (step == Step::move || step == Step::end)
+    return run({on_the_way(old, step, *overlap, opener.used_passphrase()), std::move(known)});
   DDSSEC_ASSIGN_OR_RETURN(const auto successor,
                           successor_of(old.certificate(), arguments, context));
   DDSSEC_ASSIGN_OR_RETURN(auto change, with_successor(old, successor, step, arguments, context));
   change.passphrase = opener.used_passphrase();
-  change.takes_unlogged = arguments.has("--unlogged");
-  return follow(role, change, arguments, context);
+  return run({std::move(change), std::move(known)});
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ Status put_key_of_ca(Replacement& out, const Succession& change) {
 Status put_ca(Replacement& out, const Succession& change) {
   const auto& paths = change.old.paths;
   const bool is_begin = change.step == Step::begin;
-  if (change.step == Step::move) return {};
+  if (change.step == Step::move || change.is_repeated) return {};
   if (is_begin || change.step == Step::replace) DDSSEC_RETURN_IF_ERROR(put_key_of_ca(out, change));
   const auto trust = is_begin ? change.overlap->next_first() : change.trust_pem;
   DDSSEC_RETURN_IF_ERROR(out.put(paths.certificate, as_bytes(trust), 0644, Links::replaced));
@@ -54,6 +54,14 @@ class SignerAnew {
   /// The document of a file, for sign(). Errors: those of document_of().
   Result<DocumentOfCa> read(const fs::path& file) const {
     return document_of(file, change_.old, log_, change_.takes_unlogged, context_.clock.now());
+  }
+  /// The same for a follower, which an earlier rotation may not have reached.
+  Result<DocumentOfCa> read(const fs::path& file, const Follower& follower) const {
+    auto document = read(file);
+    if (document) return document;
+    auto former =
+        document_of_former_key(file, follower.files.permissions_ca, change_.old, log_, now());
+    return former ? std::move(former) : std::move(document);
   }
 
   Status sign(const fs::path& file, const DocumentOfCa& document) {
@@ -151,7 +159,7 @@ OwnDocuments documents_of(const Follower& follower, const std::vector<fs::path>&
   const auto& files = follower.files;
   OwnDocuments out;
   const auto add = [&](const fs::path& file) {
-    auto document = signer.read(file);
+    auto document = signer.read(file, follower);
     if (document)
       out.sound.emplace(file, *std::move(document));
     else
@@ -164,18 +172,21 @@ OwnDocuments documents_of(const Follower& follower, const std::vector<fs::path>&
 }
 
 // Adds the consequence for every follower that keeps its old files.
-Error left_behind(const Error& error) {
+Error left_behind(const Error& error, const std::string& lead_out) {
   auto details = error.details();
-  if (details.hint.empty())
-    details.hint =
-        "the participant keeps its old files and meets no other one until it has new ones; make "
-        "its folder writable, then rotate the CA once more";
+  if (details.hint.empty()) details.hint = lead_out;
   return Error(error.code(), std::move(details));
 }
 
 bool is_unwritable(const Error& error) {
   return error.code() == Code::file_unwritable || error.code() == Code::would_overwrite ||
          error.code() == tool_code::link_untrusted;
+}
+
+Followed nothing_yet(const Succession& change) {
+  Followed out;
+  if (!change.lead_out.empty()) out.lead_out = change.lead_out;
+  return out;
 }
 
 /// Drafts the files of the followers one after the other: all files of a follower, or none.
@@ -197,7 +208,7 @@ class Following {
     const auto& error = drafted.error();
     if (error.code() == Code::interrupted) return drafted;
     auto& left = is_unwritable(error) ? followed_.unwritten : followed_.doubtful;
-    left.push_back(is_unwritable(error) ? left_behind(error) : error);
+    left.push_back(is_unwritable(error) ? left_behind(error, followed_.lead_out) : error);
     return {};
   }
 
@@ -220,7 +231,7 @@ Result<std::vector<WrittenFile>> put_in_place(Replacement& out, Followed& follow
   DDSSEC_ASSIGN_OR_RETURN(auto files, out.commit());
   for (const auto& [name, error] : out.failures()) {
     std::erase(followed.again, name);
-    followed.unwritten.push_back(left_behind(error));
+    followed.unwritten.push_back(left_behind(error, followed.lead_out));
   }
   return files;
 }
@@ -265,7 +276,7 @@ bool keeps_documents(const Follower& follower, const Succession& change, WallTim
 Result<Followed> follow_with(Replacement& out, SignerAnew& signer, const Succession& change,
                              const std::vector<Follower>& followers,
                              const std::vector<fs::path>& shared) {
-  Followed followed;
+  auto followed = nothing_yet(change);
   Following following(out, followed);
   for (const auto& follower : followers)
     DDSSEC_RETURN_IF_ERROR(following.add(follower, [&]() -> Status {
@@ -288,7 +299,8 @@ Result<Followed> follow_permissions_ca(Replacement& out, const Succession& chang
   DDSSEC_ASSIGN_OR_RETURN(const auto log, read_signing_log(change.old.paths));
   SignerAnew signer(out, change, log, context);
   DDSSEC_RETURN_IF_ERROR(put_ca(out, change));
-  const bool is_first_step = change.step == Step::replace || change.step == Step::begin;
+  const bool is_first_step =
+      !change.is_repeated && (change.step == Step::replace || change.step == Step::begin);
   for (const auto& file : is_first_step ? shared : std::vector<fs::path>()) {
     DDSSEC_ASSIGN_OR_RETURN(const auto document, signer.read(file));
     DDSSEC_RETURN_IF_ERROR(signer.sign(file, document));
@@ -382,8 +394,10 @@ std::string to_pem(const std::vector<pki::Crl>& lists) {
 /// The former CA's key is replaced when the overlap begins: its last list is valid for longer.
 Result<std::vector<pki::Crl>> lists_beside(const Succession& change, const pki::IssueLog& log,
                                            const Context& context) {
-  if (change.step == Step::move) return lists_of_former(change.old.paths, *change.overlap);
-  if (change.step != Step::begin) return std::vector<pki::Crl>();
+  const bool is_begin = change.step == Step::begin;
+  if (change.step == Step::move || (is_begin && change.is_repeated))
+    return lists_of_former(change.old.paths, *change.overlap);
+  if (!is_begin) return std::vector<pki::Crl>();
   const auto now = context.clock.now();
   const auto days = std::chrono::ceil<std::chrono::days>(change.overlap->until - now);
   DDSSEC_ASSIGN_OR_RETURN(
@@ -404,7 +418,7 @@ Result<Followed> follow_identity_ca(Replacement& out, const Succession& change,
   DDSSEC_RETURN_IF_ERROR(put_ca(out, change));
   DDSSEC_ASSIGN_OR_RETURN(const auto of_former, lists_beside(change, log, context));
   DDSSEC_RETURN_IF_ERROR(out.put_public(paths.crl, crl.pem() + to_pem(of_former)));
-  Followed followed;
+  auto followed = nothing_yet(change);
   std::string lines;
   DDSSEC_ASSIGN_OR_RETURN(const auto trusted,
                           pki::Certificate::bundle_from_pem(as_bytes(change.trust_pem)));

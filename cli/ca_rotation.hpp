@@ -39,6 +39,10 @@ struct Succession {
   bool takes_unlogged = false;        ///< also handle what the old CA's log does not contain
   Step step = Step::replace;
   std::optional<Overlap> overlap = {};  ///< for every step but Step::replace
+  /// The step was made already, and is made for followers that it did not reach: nothing is written
+  /// for the CA itself.
+  bool is_repeated = false;
+  std::string lead_out = {};  ///< Followed::lead_out; empty: the default
 };
 
 /// The result for each follower, by name.
@@ -49,6 +53,11 @@ struct Followed {
   std::vector<Error> doubtful;
   std::vector<Error> unwritten = {};       ///< left unchanged: their folders cannot be written
   std::vector<std::string> unlogged = {};  ///< documents signed although the log lacks them
+  /// What it means that a follower is left unchanged because its folder cannot be written, and what
+  /// to do then.
+  std::string lead_out =
+      "the participant keeps its old files and meets no other one until it has new ones; make its "
+      "folder writable, then rotate the CA once more";
 };
 
 /// Puts the new CA in place, and then the files of each follower. A follower whose files cannot be

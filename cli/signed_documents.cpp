@@ -93,6 +93,17 @@ Result<DocumentOfCa> document_of(const fs::path& file, const OpenCa& ca, const p
   return out;
 }
 
+Result<DocumentOfCa> document_of_former_key(const fs::path& file, const fs::path& trusted,
+                                            const OpenCa& ca, const pki::SigningLog& log,
+                                            WallTime now) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto anchors, read_certificates(trusted));
+  DDSSEC_ASSIGN_OR_RETURN(const auto proof, verified(file, trusted, within(anchors.front(), now)));
+  DDSSEC_RETURN_IF_ERROR(check_standing(log.standing(proof.content(), proof.signer()), file, ca));
+  DocumentOfCa out{std::string(as_text(proof.content())), true};
+  std::erase(out.text, '\r');
+  return out;
+}
+
 bool is_signed_by(const fs::path& file, std::string_view trust_pem, WallTime now) {
   const auto octets = read_file(file, pki::kMostDocumentOctets);
   auto anchors = pki::Certificate::bundle_from_pem(as_bytes(trust_pem));

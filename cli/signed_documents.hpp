@@ -42,6 +42,14 @@ struct DocumentOfCa {
 Result<DocumentOfCa> document_of(const std::filesystem::path& file, const OpenCa& ca,
                                  const pki::SigningLog& log, bool takes_unlogged, WallTime now);
 
+/// The same for a document that a former key of the CA signed, of a participant that an earlier
+/// rotation did not reach. It is verified with the participant's own CA file, `trusted`; its text
+/// and the key that signed it must be in the CA's log. Errors: document_unlogged,
+/// document_superseded, those of verified().
+Result<DocumentOfCa> document_of_former_key(const std::filesystem::path& file,
+                                            const std::filesystem::path& trusted, const OpenCa& ca,
+                                            const pki::SigningLog& log, WallTime now);
+
 /// True if a CA signed the document; the CA's certificate is the first in `trust_pem`. Verified at
 /// a time at which the CA was valid.
 bool is_signed_by(const std::filesystem::path& file, std::string_view trust_pem, WallTime now);

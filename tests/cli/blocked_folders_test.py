@@ -156,6 +156,88 @@ class Sticky(Blocked):
 
 
 @NEEDS_ROOT
+class Unwritable(Blocked):
+    """Only bravo's owner may write bravo's folder, so that not even a draft can be made there."""
+
+    def setUp(self):
+        super().setUp()
+        self.share()
+
+    def step(self, role, *words, exit=0):
+        return self.administrator("ca", "rotate", "demo", "--role", role, *words, exit=exit)
+
+    def left(self, role):
+        rotation = self.json("ca", "show", "demo", "--role", role, *NOW)["result"]["rotation"]
+        return rotation and [pathlib.Path(folder).name for folder in rotation["left"]]
+
+    def trusted(self, role, name="bravo"):
+        return (self.at / f"demo/{name}/{role}_ca.pem").read_text().count("BEGIN CERTIFICATE")
+
+    def without_bravo(self, role, *words):
+        (self.at / "demo/bravo").chmod(0o755)
+        before = {p: p.read_bytes() for p in (self.at / "demo/bravo").iterdir()}
+        done = self.step(role, *words, exit=5)
+        self.assertIn("error[file_unwritable]", done.stderr)
+        self.assertEqual({p: p.read_bytes() for p in (self.at / "demo/bravo").iterdir()}, before)
+        (self.at / "demo/bravo").chmod(0o2775)
+        return done.stderr
+
+    def test_EachStepOfAnOverlap_MadeAgain_ReachesTheFolder(self):
+        for role in ("permissions", "identity"):
+            key = (self.at / f"demo/ca/{role}/ca.key.pem").read_bytes()
+            self.assertIn(f"ddssec ca rotate demo --role {role} --overlap TIME",
+                          self.without_bravo(role, "--overlap", "30d"))
+            self.assertEqual((self.trusted(role), self.trusted(role, "alpha")), (1, 2))
+            key, before = (self.at / f"demo/ca/{role}/ca.key.pem").read_bytes(), key
+            self.assertNotEqual(key, before)
+            self.assertIn("both count in 1 folder", self.step(role, "--overlap", "30d").stdout)
+            self.assertEqual(self.trusted(role), 2)
+            self.assertIn(f"ddssec ca rotate demo --role {role} --move", self.without_bravo(role, "--move"))
+            self.assertEqual(self.left(role), ["bravo"])
+            self.step(role, "--move")
+            self.assertEqual(self.left(role), [])
+            told = self.without_bravo(role, "--end")
+            self.assertIn("still trusts the former CA", told)
+            self.assertIn(f"ddssec ca rotate demo --role {role} --end", told)
+            self.assertEqual((self.trusted(role), self.left(role)), (2, ["bravo"]))
+            self.assertIn("alone counts in 1 folder", self.step(role, "--end").stdout)
+            self.assertEqual((self.trusted(role), self.left(role)), (1, None))
+            self.assertIn("error[no_overlap]", self.step(role, "--end", exit=1).stderr)
+            self.assertEqual((self.at / f"demo/ca/{role}/ca.key.pem").read_bytes(), key, "no further rotation")
+            self.assertEqual(self.current(role), list(NAMES))
+        self.meet("alpha", "bravo")
+
+    def test_End_OfAFolderThatHadNotMovedEither_ReachesIt(self):
+        for role in ("permissions", "identity"):
+            self.step(role, "--overlap", "30d")
+            self.without_bravo(role, "--end")
+            self.assertNotIn("bravo", self.current(role))
+            self.step(role, "demo/bravo", "--end")
+            self.assertEqual((self.current(role), self.left(role)), (list(NAMES), None))
+        self.meet("alpha", "bravo")
+
+    def test_RotationAtOnce_IsCompletedByEnd(self):
+        for role in ("permissions", "identity"):
+            self.assertIn(f"then: ddssec ca rotate demo --role {role} --end", self.without_bravo(role))
+            self.assertEqual(self.left(role), ["bravo"])
+            key = (self.at / f"demo/ca/{role}/ca.key.pem").read_bytes()
+            self.step(role, "--end")
+            self.assertEqual((self.current(role), self.left(role)), (list(NAMES), None))
+            self.assertEqual((self.at / f"demo/ca/{role}/ca.key.pem").read_bytes(), key)
+        self.meet("alpha", "bravo")
+
+    def test_End_WithFilesThatWaitBesideTheirPlaces_PutsThemInPlace(self):
+        for role in ("permissions", "identity"):
+            self.step(role, "--overlap", "30d")
+            (self.at / "demo/bravo").chmod(0o3775)
+            self.step(role, "--end", exit=5)
+            self.assertNotEqual(self.drafts(), [])
+            (self.at / "demo/bravo").chmod(0o2775)
+            self.assertIn("alone counts in 1 folder", self.step(role, "--end").stdout)
+            self.assertEqual((self.current(role), self.left(role), self.drafts()), (list(NAMES), None, []))
+
+
+@NEEDS_ROOT
 class Removed(Blocked):
     """bravo's owner removes drafts from the folder."""
 

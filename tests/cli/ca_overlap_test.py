@@ -133,6 +133,83 @@ class Overlap(Transcript):
             record.write_text(text)
             self.refused("overlap_unreadable", 1, "ca", "rotate", "demo", "--role", "identity", "--end", *NOW)
 
+    def rotation(self, role):
+        return self.json("ca", "show", "demo", "--role", role, *NOW)["result"]["rotation"]
+
+    def folders(self, *names):
+        return [str(self.at / "demo" / name) for name in names]
+
+    def test_CaShow_InAnOverlap_TellsWhoHasMovedAndTheNextStep(self):
+        for role in ROLES:
+            self.assertIsNone(self.rotation(role))
+            self.rotate(role, "--overlap", "30d")
+            told = self.rotation(role)
+            self.assertEqual((told["until"], told["folders"], len(told["former"])), ("2026-12-21T00:00:00Z", 2, 1))
+            self.assertEqual(told["left"], self.folders("talker", "listener"))
+            self.rotate(role, "demo/talker", "--move")
+            self.assertEqual(self.rotation(role)["left"], self.folders("listener"))
+            text = self.run_program("ca", "show", "demo", "--role", role, *NOW).stdout
+            self.assertIn("until 2026-12-21; 1 of 2 folders has moved", text)
+            self.assertIn(f"ddssec ca rotate demo --role {role} --move", text)
+            again = ("ca", "rotate", "demo", "--role", role, "--overlap", "1d", *NOW)
+            told = self.refused("overlap_under_way", 1, *again)
+            self.assertIn("1 of 2 folders has moved", told["message"])
+            self.assertIn("--move; when all have moved, --end", told["hint"])
+            self.rotate(role, "--move")
+            self.assertTrue(self.refused("overlap_under_way", 1, *again)["hint"].endswith("--role ROLE --end"))
+            self.assertIn("--end", self.run_program("ca", "show", "demo", "--role", role, *NOW).stdout)
+            self.rotate(role, "--end")
+            self.assertIsNone(self.rotation(role))
+
+    def only_warning(self, words, answer, file):
+        self.assertEqual([(f"{d['severity']}[{d['id']}]", d["file"]) for d in answer["diagnostics"]], [(words, file)])
+
+    def test_End_WhileAFolderIsAway_IsCompletedByTheNextEnd(self):
+        for role in ROLES:
+            self.rotate(role, "--overlap", "30d")
+            (self.at / "demo/listener").rename(self.at / "away")
+            out = self.rotate(role, "--end")
+            self.assertEqual((out["folders"], out["elsewhere"]), (self.folders("talker"), self.folders("listener")))
+            (self.at / "away").rename(self.at / "demo/listener")
+            self.assertEqual(self.rotation(role)["left"], self.folders("listener"))
+            self.assertIsNone(self.rotation(role)["until"])
+            key = self.text(f"demo/ca/{role}/ca.key.pem")
+            self.assertEqual(self.rotate(role, "--end")["folders"], self.folders("listener"))
+            self.assertEqual(self.text(f"demo/ca/{role}/ca.key.pem"), key)
+            self.assertEqual(self.text(f"demo/listener/{role}_ca.pem"), self.text(f"demo/ca/{role}/ca.pem"))
+            self.assertIsNone(self.rotation(role))
+            self.refused("no_overlap", 1, "ca", "rotate", "demo", "--role", role, "--end", *NOW)
+        self.assertTrue(self.talks("demo/talker", "demo/listener"))
+
+    def test_End_OfOneFolder_WarnsOfTheOthers(self):
+        for role in ROLES:
+            self.rotate(role, "--overlap", "30d")
+            answer = self.json("ca", "rotate", "demo", "demo/talker", "--role", role, "--end", *NOW)
+            self.only_warning("warning[rotation_unfinished]", answer, *self.folders("listener"))
+            self.rotate(role, "--end")
+        self.assertTrue(self.talks("demo/talker", "demo/listener"))
+
+    def test_Overlap_OfOneFolder_IsCompletedByTheNextOverlapAndMoveWarns(self):
+        for role in ROLES:
+            self.rotate(role, "demo/talker", "--overlap", "30d")
+            answer = self.json("ca", "rotate", "demo", "demo/talker", "--role", role, "--move", *NOW)
+            self.only_warning("warning[successor_unknown]", answer, *self.folders("listener"))
+            key = self.text(f"demo/ca/{role}/ca.key.pem")
+            out = self.rotate(role, "--overlap", "1d")
+            self.assertEqual((out["folders"], out["until"]), (self.folders("listener"), "2026-12-21T00:00:00Z"))
+            self.assertEqual(self.text(f"demo/ca/{role}/ca.key.pem"), key)
+            self.assertEqual(len(self.certificates(f"demo/listener/{role}_ca.pem")), 2)
+            self.assertTrue(self.talks("demo/talker", "demo/listener"))
+            self.assertEqual(self.json("ca", "rotate", "demo", "--role", role, "--move", *NOW)["diagnostics"], [])
+            self.rotate(role, "--end")
+
+    def test_RevokedParticipant_IsNotLeftAfterTheEnd(self):
+        self.rotate("identity", "--overlap", "30d")
+        self.json("identity", "revoke", "demo/talker", "--ca", "demo", *NOW, exit=1)
+        self.rotate("identity", "--end")
+        self.assertIsNone(self.rotation("identity"))
+        self.refused("no_overlap", 1, "ca", "rotate", "demo", "--role", "identity", "--end", *NOW)
+
     def test_a_participant_that_has_not_moved_is_not_renewed(self):
         self.both("--overlap", "30d")
         self.refused("not_moved_yet", 1, "identity", "renew", "demo/talker", "--ca", "demo", "--permissions", *NOW)

@@ -1,0 +1,61 @@
+#include "cli/ca_followers.hpp"
+
+#include <set>
+
+#include "cli/documents.hpp"
+#include "cli/inputs.hpp"
+#include "cli/logged_certificate.hpp"
+#include "cli/participant_places.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A folder may have been moved, or may now belong to another CA's participant. An unreadable folder
+// counts as found: the rotation reports it.
+bool is_participant_of(const pki::Certificate& ca, const pki::IssueLog& log,
+                       const fs::path& folder) {
+  const auto certificate = read_certificate(folder / "cert.pem");
+  if (!certificate) return certificate.error().code() != Code::file_not_found;
+  return certificate->is_issued_by(ca) || is_logged(*certificate, log);
+}
+
+KnownFollowers known_to(const CaPaths& ca, const pki::IssueLog& log,
+                        const pki::Certificate& identity, WallTime now) {
+  const LoggedFolders folders(ca, log);
+  KnownFollowers out;
+  std::set<std::string> seen;
+  std::set<fs::path> seen_here;
+  for (const auto& issued : log.issued()) {
+    const auto place = issued.folder.empty() ? issued.subject : issued.place();
+    if (!seen.insert(place).second) continue;
+    const bool has_folder = !issued.folder.empty() && issued.file.empty();
+    const auto folder = has_folder ? folders.today(issued.folder) : fs::path();
+    const bool is_here = !folder.empty() && !folders.is_of_another_copy(folder) &&
+                         is_participant_of(identity, log, folder);
+    if (is_here && seen_here.insert(folder).second)  // moved, it has two names in the log
+      out.here.push_back(follower_in(folder));
+    else if (is_here)
+      continue;
+    else if (!issued.revoked && now < issued.not_after)
+      out.elsewhere.push_back(place);
+  }
+  return out;
+}
+
+}  // namespace
+
+Follower follower_in(const fs::path& folder) {
+  return {folder.string(), pki::participant_folder(folder)};
+}
+
+Result<KnownFollowers> known_followers(const fs::path& given, WallTime now) {
+  const auto paths = ca_paths(given, "identity");
+  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(paths));
+  if (log.issued().empty()) return KnownFollowers();
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(paths.certificate));
+  return known_to(paths, log, certificate, now);
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,147 @@
+#include "cli/ca_progress.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include "cli/documents.hpp"
+#include "cli/inputs.hpp"
+#include "cli/logged_certificate.hpp"
+#include "cli/signed_documents.hpp"
+#include "pki/key_digest.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+template <class Predicate>
+std::vector<Follower> those(const std::vector<Follower>& followers, Predicate predicate) {
+  std::vector<Follower> out;
+  std::ranges::copy_if(followers, std::back_inserter(out), predicate);
+  return out;
+}
+
+Json names_of(const std::vector<Follower>& followers) {
+  Json out = Json::array();
+  for (const auto& follower : followers) out.push_back(follower.name);
+  return out;
+}
+
+}  // namespace
+
+Result<RotationProgress> RotationProgress::of(const fs::path& given, const std::string& role,
+                                              WallTime now) {
+  RotationProgress out;
+  out.paths_ = ca_paths(given, "identity");
+  out.is_identity_ = role == "identity";
+  out.now_ = now;
+  DDSSEC_ASSIGN_OR_RETURN(out.log_, read_issue_log(out.paths_));
+  const auto own = ca_paths(given, role);
+  DDSSEC_ASSIGN_OR_RETURN(out.overlap_, read_overlap(own));
+  DDSSEC_ASSIGN_OR_RETURN(out.next_, read_certificates(own.certificate));
+  if (out.overlap_) out.next_ = out.overlap_->next;
+  return out;
+}
+
+const fs::path& RotationProgress::ca_file(const Follower& follower) const {
+  return is_identity_ ? follower.files.identity_ca : follower.files.permissions_ca;
+}
+
+bool RotationProgress::is_same_ca(const pki::Certificate& other) const {
+  return other.subject() == next_.front().subject() &&
+         pki::key_digest(other) == pki::key_digest(next_.front());
+}
+
+bool RotationProgress::accepts_successor(const Follower& follower) const {
+  const auto& file = ca_file(follower);
+  if (!is_there(file)) return true;  // a rotation makes no file that is missing
+  const auto trusted = read_certificates(file);
+  return trusted && std::ranges::any_of(*trusted, [&](const auto& one) { return is_same_ca(one); });
+}
+
+bool RotationProgress::trusts_former(const Follower& follower) const {
+  const auto& file = ca_file(follower);
+  if (!is_there(file)) return false;
+  const auto trusted = read_certificates(file);
+  return !trusted || std::ranges::any_of(*trusted, [&](const auto& one) {
+    return one.subject() == next_.front().subject() && !is_same_ca(one);
+  });
+}
+
+bool RotationProgress::has_moved(const Follower& follower) const {
+  const auto& files = follower.files;
+  if (is_identity_) {
+    const auto certificate = read_certificate(files.certificate);
+    return certificate && certificate->is_issued_by(next_.front());
+  }
+  return std::ranges::all_of(
+      std::vector{files.permissions, files.governance},
+      [&](const auto& one) { return !is_there(one) || is_signed_by(one, to_pem(next_), now_); });
+}
+
+// A revoked participant gets no certificate of the successor.
+bool RotationProgress::is_revoked(const Follower& follower) const {
+  if (!is_identity_) return false;
+  const auto certificate = read_certificate(follower.files.certificate);
+  if (!certificate) return false;
+  const auto serial = revoked_serial(*certificate, paths_, log_, NextKey::same);
+  return serial && !serial->empty();
+}
+
+std::vector<Follower> RotationProgress::without_successor(
+    const std::vector<Follower>& followers) const {
+  return those(followers,
+               [&](const auto& one) { return !accepts_successor(one) && !is_revoked(one); });
+}
+
+std::vector<Follower> RotationProgress::not_moved(const std::vector<Follower>& followers) const {
+  return those(followers, [&](const auto& one) { return !has_moved(one) && !is_revoked(one); });
+}
+
+std::vector<Follower> RotationProgress::not_ended(const std::vector<Follower>& followers) const {
+  return those(followers, [&](const auto& one) {
+    const bool is_of_ca = is_there(ca_file(one)) && accepts_successor(one);
+    return (trusts_former(one) || (is_of_ca && !has_moved(one))) && !is_revoked(one);
+  });
+}
+
+std::string moved_words(std::size_t moved, std::size_t all) {
+  return fmt::format("{} of {} {} moved", moved, counted(all, "folder"),
+                     moved == 1 ? "has" : "have");
+}
+
+Result<ShownRotation> shown_rotation(const fs::path& given, const std::string& role, WallTime now) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto progress, RotationProgress::of(given, role, now));
+  DDSSEC_ASSIGN_OR_RETURN(const auto known, known_followers(given, now));
+  const auto& overlap = progress.overlap();
+  const auto left = overlap ? progress.not_moved(known.here) : progress.not_ended(known.here);
+  if (!overlap && left.empty()) return ShownRotation{"", Json()};
+  const auto all = known.here.size();
+  Json former = Json::array();
+  if (overlap)
+    for (const auto& one : overlap->former) former.push_back(to_hex(one.fingerprint()));
+  ShownRotation out;
+  out.result = {{"until", overlap ? Json(to_string(overlap->until)) : Json()},
+                {"former", former},
+                {"folders", all},
+                {"left", names_of(left)},
+                {"elsewhere", known.elsewhere}};
+  const auto step = overlap && !left.empty() ? "--move" : "--end";
+  out.text = overlap ? fmt::format(
+                           "overlap  this is the successor; the former CA counts beside it "
+                           "until {}; {}\n",
+                           date(overlap->until), moved_words(all - left.size(), all))
+                     : fmt::format(
+                           "rotation not finished: {} still {} what an earlier key of this CA "
+                           "issued or signed, or trusts that key\n",
+                           counted(left.size(), "folder"), left.size() == 1 ? "has" : "have");
+  for (const auto& one : left) out.text += fmt::format("  left   {}\n", one.name);
+  for (const auto& one : known.elsewhere) out.text += fmt::format("  not here  {}\n", one);
+  out.text +=
+      fmt::format("  next   ddssec ca rotate {} --role {} {}\n", given.string(), role, step);
+  return out;
+}
+
+}  // namespace ddssec::cli
