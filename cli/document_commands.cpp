@@ -7,9 +7,11 @@
 
 #include "cli/ca_folder.hpp"
 #include "cli/documents.hpp"
+#include "cli/granted_domains.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
 #include "cli/near.hpp"
+#include "cli/new_file.hpp"
 #include "cli/options.hpp"
 #include "cli/products.hpp"
 #include "cli/signed_documents.hpp"
@@ -43,6 +45,15 @@ Report not_signed(const fs::path& file, std::vector<Finding> findings) {
   return report;
 }
 
+// The governance document that is beside the result counts for the participant.
+std::vector<Finding> uncovered(const governance::Governance&, const fs::path&, const fs::path&) {
+  return {};
+}
+std::vector<Finding> uncovered(const governance::Permissions& document, const fs::path& to,
+                               const fs::path& file) {
+  return uncovered_grants(document, pki::participant_folder(folder_of(to)).governance, file);
+}
+
 // A document that cannot be parsed, or in which lint finds errors, must not be signed.
 template <class Kind>
 Result<Report> sign(const Arguments& arguments, const Context& context) {
@@ -59,6 +70,7 @@ Result<Report> sign(const Arguments& arguments, const Context& context) {
     if (governance::has_errors(findings)) return not_signed(from, std::move(findings));
     add_findings(report, std::move(findings), from);
   }
+  for (auto& finding : uncovered(document, to, from)) report.findings.push_back(std::move(finding));
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, CaOpener(arguments).open("permissions"));
   DDSSEC_ASSIGN_OR_RETURN(
       const auto signed_octets,

@@ -17,4 +17,11 @@ Result<std::vector<governance::DomainRange>> granted_domains(
     const Arguments& arguments, const std::filesystem::path& governance,
     std::vector<Finding>& findings);
 
+/// DOC050 as a warning for each grant that allows no domain of the governance document: a
+/// participant with it cannot start, and one that runs loses its rights. Empty if there is no such
+/// document. It is not verified.
+std::vector<Finding> uncovered_grants(const governance::Permissions& permissions,
+                                      const std::filesystem::path& governance,
+                                      const std::filesystem::path& file);
+
 }  // namespace ddssec::cli

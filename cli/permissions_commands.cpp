@@ -6,10 +6,13 @@
 
 #include "cli/ca_folder.hpp"
 #include "cli/documents.hpp"
+#include "cli/granted_domains.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
 #include "cli/near.hpp"
+#include "cli/new_file.hpp"
 #include "cli/options.hpp"
+#include "governance/doctor/domains.hpp"
 #include "governance/lint.hpp"
 #include "governance/read.hpp"
 #include "governance/rights.hpp"
@@ -20,11 +23,39 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Result<governance::Rights> rights_from(const Arguments& arguments) {
+// The governance document of the participant: beside the new document, or beside the certificate.
+fs::path governance_beside(const Arguments& arguments) {
+  const fs::path cert = arguments.text("--cert");
+  std::error_code ignored;
+  const auto folders = {folder_of(arguments.text("-o")),
+                        fs::is_directory(cert, ignored) ? cert : folder_of(cert)};
+  for (const auto& folder : folders)
+    if (const auto file = pki::participant_folder(folder).governance; is_there(file)) return file;
+  return {};
+}
+
+// Without --domain, the one domain of that governance document: a participant with permissions for
+// another one cannot start.
+Result<std::vector<governance::DomainRange>> domains_for(const Arguments& arguments,
+                                                         std::vector<Finding>& findings) {
+  const auto governance = governance_beside(arguments);
+  if (governance.empty())
+    return arguments.has("--domain") ? domain_ranges(arguments, "--domain")
+                                     : std::vector<governance::DomainRange>{{0, 0}};
+  DDSSEC_ASSIGN_OR_RETURN(auto out, granted_domains(arguments, governance, findings));
+  const bool is_one = out.size() == 1 && out.front().first == out.front().last;
+  if (arguments.has("--domain") || is_one) return out;
+  return fail(Code::usage, {.field = "--domain",
+                            .expected = "one of the domains of " + governance.string() + ": " +
+                                        governance::doctor::in_words(out),
+                            .found = "none"});
+}
+
+Result<governance::Rights> rights_from(const Arguments& arguments, Report& report) {
   if (arguments.has("--partition") && !arguments.has("--publish") && !arguments.has("--subscribe"))
     return fail(Code::usage, {.field = "--partition", .note = "it needs --publish or --subscribe"});
   governance::Rights out;
-  DDSSEC_ASSIGN_OR_RETURN(out.domains, domain_ranges(arguments, "--domain"));
+  DDSSEC_ASSIGN_OR_RETURN(out.domains, domains_for(arguments, report.findings));
   DDSSEC_ASSIGN_OR_RETURN(out.publish, topics_of(arguments, "--publish"));
   DDSSEC_ASSIGN_OR_RETURN(out.subscribe, topics_of(arguments, "--subscribe"));
   DDSSEC_ASSIGN_OR_RETURN(out.deny_publish, topics_of(arguments, "--deny-publish"));
@@ -79,13 +110,13 @@ Status check_issued_here(const pki::Certificate& certificate, const Arguments& a
 Result<Report> permissions_new(const Arguments& arguments, const Context& context) {
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate, certificate_of(arguments.text("--cert")));
   DDSSEC_RETURN_IF_ERROR(check_issued_here(certificate, arguments));
-  DDSSEC_ASSIGN_OR_RETURN(const auto rights, rights_from(arguments));
+  Report report;
+  DDSSEC_ASSIGN_OR_RETURN(const auto rights, rights_from(arguments, report));
   DDSSEC_ASSIGN_OR_RETURN(const auto validity, life(arguments, certificate, context.clock.now()));
   const auto grant = grant_of("participant", certificate, rights, validity);
   const auto xml = to_xml(governance::Permissions{.grants = {grant}});
   // The arguments may contain something that no document can.
   DDSSEC_ASSIGN_OR_RETURN(const auto document, governance::read_permissions(as_bytes(xml)));
-  Report report;
   add_findings(report, lint(document, {.now = context.clock.now(), .certificate = &certificate}),
                arguments.text("-o"));
   if (report.exit != Exit::done) {
@@ -123,14 +154,18 @@ std::vector<Command> permissions_commands() {
                     .summary = "the participant's certificate",
                     .required = true},
                    {.name = "-o", .value = "FILE", .summary = "the new document", .required = true},
-                   kDomains,
+                   repeated("--domain", "N|A-B",
+                            "a domain or a range of them; without it, that of governance.p7s in "
+                            "the folder of -o or of --cert; without one, 0"),
                    repeated("--publish", "GLOB", "topics it may write"),
                    repeated("--subscribe", "GLOB", "topics it may read"),
                    repeated("--deny-publish", "GLOB",
                             "topics it may not write, whatever else says"),
                    repeated("--deny-subscribe", "GLOB",
                             "topics it may not read, whatever else says"),
-                   repeated("--partition", "GLOB", "partitions of what it may write and read"),
+                   repeated("--partition", "GLOB",
+                            "partitions of what it may write and read; without it, only endpoints "
+                            "without a partition"),
                    {"--days", "N", "how long it is valid, if not as long as the certificate"},
                    {"--not-after", "TIME", "or until when (2027-11-21T00:00:00Z)"},
                    kReplace,

@@ -138,16 +138,16 @@ void check_fastdds_zones(const Scene& scene, const std::vector<Candidate>& all) 
   const bool is_valid_for_fastdds = is_valid(Vendor::fastdds);
   if (is_valid_for_fastdds == is_valid(Vendor::ours)) return;
   const auto& grant = *all.front().grant;
-  scene.out.report(
-      {.fastdds = is_valid_for_fastdds ? Outcome::unsafe : Outcome::fail},
-      {.rule = Rule::DOC042,
-       .message = fmt::format("grant \"{}\": {} ignores the zones of the dates, and so {} it now, {}",
-                              grant.name, name(Vendor::fastdds, scene.settings.lineup),
-                              is_valid_for_fastdds ? "takes" : "does not take", to_string(now)),
-       .document = scene.file(),
-       .line = grant.line,
-       .hint = std::string(kHintOfZones),
-       .severity = Severity::error});
+  scene.out.report({.fastdds = is_valid_for_fastdds ? Outcome::unsafe : Outcome::fail},
+                   {.rule = Rule::DOC042,
+                    .message = fmt::format(
+                        "grant \"{}\": {} ignores the zones of the dates, and so {} it now, {}",
+                        grant.name, name(Vendor::fastdds, scene.settings.lineup),
+                        is_valid_for_fastdds ? "takes" : "does not take", to_string(now)),
+                    .document = scene.file(),
+                    .line = grant.line,
+                    .hint = std::string(kHintOfZones),
+                    .severity = Severity::error});
 }
 
 void check_cyclones_end(const Scene& scene, const Grant& grant) {
@@ -173,17 +173,16 @@ void check_grant_dates(const Scene& scene, const std::vector<Candidate>& all) {
   auto outcomes = any ? measured(Variant::grant_second, scene.settings.lineup) : kNobody;
   if (validity_as(Vendor::fastdds, first->validity).contains(now)) outcomes.fastdds = Outcome::ok;
   scene.out.report(
-      outcomes,
-      {.rule = Rule::DOC040,
-       .message =
-           fmt::format("grant \"{}\" of {}: <{}> is {}, now it is {}{}", first->name,
-                       first->subject_name.substr(0, 256), early ? "not_before" : "not_after",
-                       to_string(early ? first->validity.not_before : first->validity.not_after),
-                       to_string(now),
-                       any ? "; a later grant is valid, but Cyclone DDS reads the first only" : ""),
-       .document = scene.file(),
-       .line = first->line,
-       .hint = hint_if_early(first->validity.not_before, now)});
+      outcomes, {.rule = Rule::DOC040,
+                 .message = fmt::format(
+                     "grant \"{}\" of {}: <{}> is {}, now it is {}{}", first->name,
+                     first->subject_name.substr(0, 256), early ? "not_before" : "not_after",
+                     to_string(early ? first->validity.not_before : first->validity.not_after),
+                     to_string(now),
+                     any ? "; a later grant is valid, but Cyclone DDS reads the first only" : ""),
+                 .document = scene.file(),
+                 .line = first->line,
+                 .hint = hint_if_early(first->validity.not_before, now)});
 }
 
 void check_local_time(const Scene& scene, const Grant& grant) {
@@ -240,6 +239,34 @@ void check_second_grant(const Scene& scene, const std::vector<Candidate>& all) {
                     .line = all[1].grant->line});
 }
 
+/// What to say, besides, of documents that have no domain in common.
+struct Culprit {
+  std::string words;
+  std::string hint;
+};
+
+// The governance document is the same for all participants, and the permissions are one's own.
+Culprit culprit_of(const LoadedFolder& folder, const Settings& settings) {
+  const auto found = contradiction_of(folder, settings.now);
+  if (!found) return {};
+  Culprit out{
+      fmt::format("; {}:{} allows only domain {}, and {}:{} covers only {}: the participant can "
+                  "start in neither, and the permissions are probably wrong",
+                  folder.paths.permissions.string(), found->line_of_permissions,
+                  in_words(found->granted), folder.paths.governance.string(),
+                  found->line_of_governance, in_words(found->governed)),
+      {}};
+  if (folder.paths.layout != pki::FolderLayout::sros2)
+    out.hint = fmt::format(
+        "sign permissions for domain {0}: ddssec permissions new --cert {1} --domain {0} ... "
+        "--replace --sign --ca CA -o {2} (name all topics of the participant); or, if the "
+        "governance document is wrong, add domain {3} to it and sign it again for all participants",
+        found->governed.front().first, folder.paths.certificate.string(),
+        fs::path(folder.paths.permissions).replace_extension("xml").string(),
+        in_words(found->granted));
+  return out;
+}
+
 void report_uncovered(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
   std::vector<DomainRange> all;
   for (const auto& rule : folder.governance.model->domain_rules)
@@ -247,11 +274,12 @@ void report_uncovered(const LoadedFolder& folder, const Settings& settings, Diag
   const auto& rules = folder.governance.model->domain_rules;
   auto outcomes = measured(Variant::governance_other_domain, settings.lineup);
   outcomes.ours = Outcome::fail;
+  const auto culprit = culprit_of(folder, settings);
   out.report(outcomes,
              {.rule = Rule::DOC050,
-              .message = fmt::format("no <domain_rule> of {} covers domain {}; they cover {}",
+              .message = fmt::format("no <domain_rule> of {} covers domain {}; they cover {}{}",
                                      folder.paths.governance.filename().string(), settings.domain,
-                                     in_words(normal(std::move(all)))),
+                                     in_words(normal(std::move(all))), culprit.words),
               .document = folder.paths.governance,
               .line = rules.empty() ? 0 : rules.front().domains.line,
               .hint = folder.paths.layout == pki::FolderLayout::sros2
@@ -259,7 +287,7 @@ void report_uncovered(const LoadedFolder& folder, const Settings& settings, Diag
                                         "(ROS_DOMAIN_ID), or make a keystore for this one: ddssec "
                                         "keystore create KEYSTORE --domain {}",
                                         settings.domain)
-                          : std::string()});
+                          : culprit.hint});
 }
 
 // Cyclone DDS and Fast DDS read a range without <max> as one domain, and then another rule or none
@@ -389,10 +417,13 @@ void check_join(const Scene& scene, const Grant& grant, const DomainRule* govern
   // That Fast DDS takes every default as DENY is DOC052's.
   if (compiled.judge_participant().allowed && grant.default_allow) outcomes.fastdds = Outcome::ok;
   if (!asks || outcomes.all_ok()) return scene.out.pass(Rule::DOC051);
-  scene.out.report(outcomes, {.rule = Rule::DOC051,
-                              .message = why_not_joining(grant, outcomes, scene.settings.domain),
-                              .document = scene.file(),
-                              .line = grant.line});
+  const auto culprit = culprit_of(scene.folder, scene.settings);
+  scene.out.report(
+      outcomes, {.rule = Rule::DOC051,
+                 .message = why_not_joining(grant, outcomes, scene.settings.domain) + culprit.words,
+                 .document = scene.file(),
+                 .line = grant.line,
+                 .hint = culprit.hint});
 }
 
 void check_default(const Scene& scene, const Grant& grant) {

@@ -28,13 +28,12 @@ DomainId domain_of(const Domains& named) {
   return named.empty() || contains(named, 0) ? 0 : named.front().first;
 }
 
-// Both lists are normal; so is the result. Where they contradict each other, one domain is as good
-// as another: what is wrong there is reported.
-Domains common(const Domains& a, const Domains& b) {
-  if (a.empty() || b.empty()) return a.empty() ? b : a;
-  auto both = intersection(a, b);
+// Both lists are normal; so is the result.
+Domains common(const Domains& governed, const Domains& granted) {
+  if (governed.empty() || granted.empty()) return governed.empty() ? granted : governed;
+  auto both = intersection(governed, granted);
   if (!both.empty()) return both;
-  const auto one = contains(b, 0) ? 0 : domain_of(a);
+  const auto one = domain_of(governed);
   return {{one, one}};
 }
 
@@ -78,6 +77,17 @@ Domains normal(Domains ranges) {
 
 Domains domains_of(const LoadedFolder& folder, WallTime now) {
   return common(governed(folder), granted(folder, now));
+}
+
+std::optional<Contradiction> contradiction_of(const LoadedFolder& folder, WallTime now) {
+  Contradiction out{governed(folder), granted(folder, now)};
+  if (out.governed.empty() || out.granted.empty()) return std::nullopt;
+  if (!intersection(out.governed, out.granted).empty()) return std::nullopt;
+  out.line_of_governance = folder.governance.model->domain_rules.front().domains.line;
+  const auto& rules = grant_of(folder, now)->rules;
+  const auto allows = std::ranges::find(rules, true, &governance::Rule::allow);
+  out.line_of_permissions = allows == rules.end() ? 0 : allows->domains.line;
+  return out;
 }
 
 DomainChoice choose_domain(std::span<const Domains> participants) {

@@ -1,6 +1,7 @@
 // The domains that a participant's documents cover.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,8 +14,20 @@ namespace ddssec::governance::doctor {
 using Domains = std::vector<DomainRange>;
 
 /// The domains that both the governance document and the allow rules of the participant's grant
-/// cover; those of either one if they have none in common; empty if neither can be read.
+/// cover; one of the governance document's if they have none in common, because all participants
+/// share that one; empty if neither can be read.
 Domains domains_of(const LoadedFolder& folder, WallTime now);
+
+/// The domains of the two documents, if they have none in common: the participant can start in
+/// none.
+struct Contradiction {
+  Domains governed;
+  Domains granted;
+  int line_of_governance = 0;  ///< of the first <domains> in each
+  int line_of_permissions = 0;
+};
+/// Empty if they have one in common, or if either one cannot be read.
+std::optional<Contradiction> contradiction_of(const LoadedFolder& folder, WallTime now);
 
 /// A chosen domain, and the alternatives.
 struct DomainChoice {

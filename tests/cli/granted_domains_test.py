@@ -41,6 +41,48 @@ class GrantedDomains(Transcript):
         self.assertIn("DOC050", told)
         self.assertIn("domain 3", told)
 
+    def new_permissions(self, folder, *words, exit=0):
+        return self.run_program("permissions", "new", "--cert", f"{folder}/cert.pem", "--publish", "U", "--replace", "--sign",
+                                "--ca", "ca", "-o", f"{folder}/permissions.xml", *words, *NOW, exit=exit)
+
+    def test_PermissionsNew_WithoutDomain_TakesThatOfTheGovernanceDocument(self):
+        self.issue("a", "--publish", "T", "--governance", self.governance("g", "--domain", "7"))
+        self.assertEqual(self.new_permissions("a").stderr, "")
+        self.assertEqual(self.domains("a"), [[7, 7]])
+        self.run_program("permissions", "new", "--cert", "a/cert.pem", "--publish", "U", "-o", "elsewhere.xml", *NOW)
+        self.assertEqual(self.domains("elsewhere.xml"), [[7, 7]])
+        told = self.new_permissions("a", "--domain", "0").stderr
+        self.assertIn("warning[DOC050]", told)
+        self.issue("b", "--publish", "T", "--governance", self.governance("h", "--domain", "5-7"))
+        self.assertIn("5-7", self.new_permissions("b", exit=2).stderr)
+        self.new_permissions("b", "--domain", "6")
+        self.assertEqual(self.domains("b"), [[6, 6]])
+
+    def test_DoctorAndCheck_OfPermissionsForAnotherDomain_NameThePermissions(self):
+        governance = self.governance("g", "--domain", "7")
+        self.issue("a", "--publish", "T", "--governance", governance)
+        self.issue("b", "--subscribe", "T", "--governance", governance)
+        self.new_permissions("a", "--domain", "0")
+        told, = [d for d in self.json("doctor", "a", *NOW, exit=1)["diagnostics"] if d["severity"] == "error"]
+        self.assertEqual((told["id"], told["file"]), ("DOC051", "a/permissions.p7s"))
+        self.assertRegex(told["message"], r"a/permissions.p7s:\d+ allows only domain 0, and a/governance.p7s:\d+ covers only 7")
+        self.assertIn("the permissions are probably wrong", told["message"])
+        self.assertIn("ddssec permissions new --cert a/cert.pem --domain 7", told["hint"])
+        told = self.json("check", "a", "b", *NOW, exit=1)["diagnostics"]
+        self.assertEqual({d["file"] for d in told if d["severity"] == "error"}, {"a/permissions.p7s"})
+        told = [d for d in self.json("doctor", "a", "--domain", "0", *NOW, exit=1)["diagnostics"] if d["id"] == "DOC050"]
+        self.assertIn("the permissions are probably wrong", told[0]["message"])
+        self.assertEqual(self.json("can", "a", "publish", "U", *NOW, exit=1)["result"]["domain"], 7)
+
+    def test_SignAndRenew_OfPermissionsForAnotherDomain_Warn(self):
+        self.issue("a", "--publish", "T", "--governance", self.governance("g", "--domain", "7"))
+        self.new_permissions("a", "--domain", "0")
+        for words in (("permissions", "sign", "a/permissions.xml", "--ca", "ca", "--replace"),
+                      ("identity", "renew", "a", "--ca", "ca", "--permissions", "--days", "400")):
+            told = self.json(*words, *NOW)["diagnostics"]
+            self.assertEqual([(d["id"], d["severity"]) for d in told], [("DOC050", "warning")], words)
+            self.assertIn("allows only domain 0", told[0]["message"])
+
     def test_an_enclave_gets_all_of_them(self):
         self.run_program("keystore", "create", "ks", "--domain", "3-5", "--no-passphrase", "-q", *NOW)
         self.run_program("keystore", "enclave", "ks", "/a", "--publish", "rt/chatter", *NOW)
