@@ -1,6 +1,7 @@
 #include "cli/agent_ca.hpp"
 
 #include <algorithm>
+#include <unistd.h>
 
 #include "base/tool_code.hpp"
 #include "cli/agent_hook.hpp"
@@ -9,6 +10,7 @@
 #include "cli/documents.hpp"
 #include "cli/extended_permissions.hpp"
 #include "cli/logged_certificate.hpp"
+#include "cli/new_file.hpp"
 #include "cli/participant.hpp"
 #include "cli/signed_documents.hpp"
 #include "governance/write.hpp"
@@ -36,6 +38,14 @@ Result<pki::Validity> next_validity(const Arguments& arguments, const pki::Certi
 Status check_later(const pki::Certificate& renewed, const pki::Certificate& old,
                    const pki::Certificate& ca, WallTime now) {
   if (renewed.not_after() > old.not_after() || is_from_the_future(old, now)) return {};
+  if (renewed.not_after() < ca.not_after())
+    return fail(tool_code::renewal_goes_back,
+                {.expected = "an end after " + to_string(old.not_after()),
+                 .found = to_string(renewed.not_after()),
+                 .note = "the time of --days ends before the certificate in place, and a "
+                         "participant that runs does not take such a one",
+                 .hint = "give more --days; or replace the certificate by a shorter one now, with "
+                         "ddssec identity renew FOLDER --days N, and restart the participant"});
   return fail(Code::outlives_ca,
               {.expected = "an end after " + to_string(old.not_after()),
                .found = to_string(ca.not_after()) + ", the end of " + ca.subject(),
@@ -133,6 +143,36 @@ Result<RenewalAnswer> renew_by_ca(const RenewalRequest& request, const fs::path&
   else
     out.problem = std::move(permissions).error();
   return out;
+}
+
+namespace {
+
+// A passphrase that must be typed, or that can be read only once, is kept for the renewal.
+bool can_be_read_again(const Arguments& arguments) {
+  std::error_code ignored;
+  if (arguments.has("--passphrase-file"))
+    return !fs::exists(arguments.text("--passphrase-file"), ignored) ||
+           fs::is_regular_file(arguments.text("--passphrase-file"), ignored);
+  return arguments.has("--passphrase-env") || (::isatty(STDIN_FILENO) == 0 && !writes_nothing());
+}
+
+Status prove_passphrase(const fs::path& key, const Arguments& arguments) {
+  if (key.extension() == ".p11" || !is_there(key)) return {};
+  DDSSEC_ASSIGN_OR_RETURN(const bool encrypted, is_encrypted(key));
+  if (!encrypted) return {};
+  DDSSEC_ASSIGN_OR_RETURN(const auto secret, passphrase(arguments, Typed::once));
+  DDSSEC_RETURN_IF_ERROR(read_key(key, &secret));
+  return {};
+}
+
+}  // namespace
+
+Status prove_passphrase(const Arguments& arguments) {
+  if (!can_be_read_again(arguments)) return {};
+  const fs::path given = arguments.text("--ca");
+  DDSSEC_RETURN_IF_ERROR(prove_passphrase(ca_paths(given, "identity").key, arguments));
+  if (!arguments.has("--permissions")) return {};
+  return prove_passphrase(ca_paths(given, "permissions").key, arguments);
 }
 
 Status check_asker(const RenewalRequest& request, const fs::path& trust, bool is_rekeying) {

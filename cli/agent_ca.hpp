@@ -18,6 +18,11 @@ Result<RenewalAnswer> renew_by_ca(const RenewalRequest& request,
                                   const std::filesystem::path& folder, const Arguments& arguments,
                                   const Context& context);
 
+/// Success if the passphrase of the options opens the keys of --ca (with --permissions both), as
+/// far as that can be tried. Not tried: a key in a token, which a wrong PIN may lock; a passphrase
+/// that is typed or comes from a pipe. Errors: those of passphrase() and read_key.
+Status prove_passphrase(const Arguments& arguments);
+
 /// Success if a request may be given to a hook: it has the subject of the certificate in the folder
 /// and, unless `is_rekeying`, its key. If `trust` is not empty, one of the CAs in that file must
 /// have issued the certificate. Else the owner of a folder could ask for any name. Errors: those of

@@ -35,7 +35,7 @@ Json event_members(const Error& error) {
   Json out = {{"code", row.name},
               {"number", static_cast<int>(row.code)},
               {"message", printable(message)},
-              {"hint", printable(error.hint())}};
+              {"hint", printable(hint_of(error))}};
   if (!details.document.empty()) out["file"] = details.document;
   return out;
 }

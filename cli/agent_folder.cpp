@@ -31,8 +31,10 @@ constexpr gid_t kNoGroup = 65534;
 std::unexpected<Error> unreadable(const fs::path& path, int error) {
   const auto code = error == ENOENT ? Code::file_not_found : Code::file_unreadable;
   ErrorDetails details{.document = path, .note = std::generic_category().message(error)};
-  if (error == ELOOP || error == ENOTDIR)
-    details.note = "it is no folder, or a link, which may be exchanged; name the folder itself";
+  if (error == ELOOP || error == ENOTDIR) {
+    details.note = "it is no folder, or a link, which may be exchanged";
+    details.hint = "name the folder itself, not a link to it";
+  }
   return fail(code, std::move(details));
 }
 

@@ -43,7 +43,7 @@ Json known_members(const Json& event) {
   Json out = Json::object();
   for (const auto* name : {"event", "subject", "serial", "not_after", "next", "sha256"})
     if (event.contains(name)) out[name] = text_in(event, name).substr(0, kMaxText);
-  for (const auto* name : {"rekeyed", "permissions_extended"})
+  for (const auto* name : {"rekeyed", "permissions_extended", "restart_needed"})
     if (event.contains(name)) out[name] = event[name] == true;
   if (event.contains("problem")) out["problem"] = error_to_json(error_from(event["problem"]));
   if (!event.contains("files")) return out;
@@ -110,7 +110,25 @@ Json Agent::mode() const {
   return {{"folders", folders_.size()}, {"by", hook_ ? "hook" : "ca"}, {"pid", ::getpid()}};
 }
 
+// In a process of its own, like each use of the CA's key. A passphrase that is wrong would be
+// noticed only when the first certificate is due.
+Status Agent::prove_ca() {
+  if (hook_) return {};
+  const auto json = from_process([&]() -> Result<Json> {
+    const auto status = prove_passphrase(arguments_);
+    if (!status) return std::unexpected(status.error());
+    return Json::object();
+  });
+  if (!json) return std::unexpected(json.error());
+  return {};
+}
+
 Report Agent::run_once() {
+  if (const auto proven = prove_ca(); !proven) {
+    auto out = report_of(proven.error());
+    out.result = {{"events", Json::array()}};
+    return out;
+  }
   for (auto& folder : folders_)
     if (!signals_.is_stopped()) tend(folder);
   if (signals_.is_stopped()) errors_.emplace_back(Code::interrupted);
@@ -122,6 +140,7 @@ Report Agent::run_once() {
 }
 
 Report Agent::run() {
+  if (const auto proven = prove_ca(); !proven) return report_of(proven.error());
   events_.report("started", mode());
   while (!signals_.is_stopped()) {
     if (signals_.take_reload()) look_at_all_now();

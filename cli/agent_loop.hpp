@@ -48,6 +48,7 @@ class Agent {
   Result<RenewalAnswer> ask_ca(const Folder& folder, const RenewalRequest& request);
   Result<RenewalAnswer> ask_own_ca(const Folder& folder, const RenewalRequest& request);
   Status check_request(const RenewalRequest& request);
+  Status prove_ca();
   Result<Json> from_process(const std::function<Result<Json>()>& work);
   void note_success(Folder& folder, Json event);
   void note_failure(Folder& folder, const Error& error);

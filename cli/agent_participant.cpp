@@ -87,6 +87,17 @@ void read_permissions_of(Participant& self) {
   self.permissions_end = found->grant.validity.not_after;
 }
 
+Result<pki::Certificate> certificate_to_renew(const fs::path& file) {
+  auto out = read_certificate(file);
+  if (out || out.error().code() != Code::file_not_found) return out;
+  return fail(
+      Code::file_not_found,
+      {.document = file,
+       .note = "there is no certificate to renew",
+       .hint = "name the folder of a participant, or issue its certificate: ddssec identity "
+               "issue NAME --ca CA -o FOLDER"});
+}
+
 Result<Participant> read_participant(const AgentTask& task, const LockedFolder* locked,
                                      const Context& context) {
   DDSSEC_RETURN_IF_ERROR(hold_folder(task.folder));
@@ -100,7 +111,7 @@ Result<Participant> read_participant(const AgentTask& task, const LockedFolder* 
   if (files.certificate.extension() == ".p11")
     return fail(Code::key_in_token, {.document = files.certificate,
                                      .note = "the certificate is in a token, not in a file"});
-  DDSSEC_ASSIGN_OR_RETURN(auto certificate, read_certificate(files.certificate));
+  DDSSEC_ASSIGN_OR_RETURN(auto certificate, certificate_to_renew(files.certificate));
   Participant out{task, context, std::move(files), std::move(certificate)};
   read_permissions_of(out);
   return out;
@@ -268,6 +279,7 @@ Result<Json> renew(const Participant& self, const AskCa& ask) {
   auto event = event_of("renewed", renewed, renewal_from(renewed, self.now()));
   event["rekeyed"] = self.task.is_rekeying;
   event["permissions_extended"] = !answer.permissions.empty();
+  event["restart_needed"] = self.certificate.not_after() <= self.now();
   event["files"] = to_json(files);
   event["sha256"] = to_hex(renewed.fingerprint());
   if (answer.problem) event["problem"] = error_to_json(*answer.problem);

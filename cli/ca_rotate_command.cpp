@@ -17,6 +17,7 @@
 #include "cli/near.hpp"
 #include "cli/options.hpp"
 #include "cli/participant.hpp"
+#include "cli/running_participant.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -301,6 +302,19 @@ Result<std::vector<Error>> warnings_of(Step step, const std::string& role,
   return out;
 }
 
+// Those that have new files, and run without taking them.
+void add_not_taken(const std::string& role, const std::vector<Follower>& followers,
+                   const Followed& followed, Report& report) {
+  for (const auto& follower : followers) {
+    if (std::ranges::find(followed.again, follower.name) == followed.again.end()) continue;
+    const auto certificate = read_certificate(follower.files.certificate);
+    const auto problem = role == "permissions" ? permissions_not_there(follower.files)
+                         : certificate         ? key_not_there(follower.files, *certificate)
+                                               : std::nullopt;
+    if (problem) report.errors.push_back(*problem);
+  }
+}
+
 Result<Report> follow(const std::string& role, const Work& work, const Arguments& arguments,
                       const Context& context) {
   const fs::path given = arguments.text("DIR");
@@ -317,6 +331,7 @@ Result<Report> follow(const std::string& role, const Work& work, const Arguments
   if (is_over && !writes_nothing()) fs::remove(overlap_file(change.old.paths), ignored);
   auto report = report_of(role, change, followed, work.known.elsewhere, given.string());
   report.errors.insert(report.errors.end(), work.warnings.begin(), work.warnings.end());
+  if (change.step != Step::begin) add_not_taken(role, work.known.here, followed, report);
   report.files_written = std::move(files);
   return report;
 }

@@ -10,6 +10,7 @@
 #include "cli/ca_overlap.hpp"
 #include "cli/documents.hpp"
 #include "cli/extended_permissions.hpp"
+#include "cli/granted_domains.hpp"
 #include "cli/groups.hpp"
 #include "cli/held_folder.hpp"
 #include "cli/inputs.hpp"
@@ -17,6 +18,7 @@
 #include "cli/near.hpp"
 #include "cli/options.hpp"
 #include "cli/participant.hpp"
+#include "cli/running_participant.hpp"
 #include "cli/signed_documents.hpp"
 #include "cli/transaction.hpp"
 #include "governance/write.hpp"
@@ -108,8 +110,8 @@ Result<governance::Permissions> put_extended(Replacement& out, const Renewal& jo
   const auto plain = fs::path(files.permissions).replace_extension("xml");
   if (is_there(plain)) DDSSEC_RETURN_IF_ERROR(out.put_public(plain, xml));
   DDSSEC_RETURN_IF_ERROR(out.put(files.permissions, octets, 0644));
-  DDSSEC_RETURN_IF_ERROR(log_signed(ca, as_bytes(xml),
-                                    job.recorded / files.permissions.filename(), now, old.text));
+  DDSSEC_RETURN_IF_ERROR(
+      log_signed(ca, as_bytes(xml), job.recorded / files.permissions.filename(), now, old.text));
   return document;
 }
 
@@ -243,11 +245,12 @@ Status renew_permissions(const Renewal& job, const pki::Certificate& renewed, Ca
   const auto end = seen ? seen->grant.validity.not_after : WallTime();
   if (is_asked && (!seen || end < renewed.not_after())) {
     DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open("permissions"));
-    DDSSEC_ASSIGN_OR_RETURN(const auto document,
-                            put_extended(out, job, renewed, ca));
+    DDSSEC_ASSIGN_OR_RETURN(const auto document, put_extended(out, job, renewed, ca));
     report.result["permissions_until"] = to_string(renewed.not_after());
     report.text += fmt::format("permissions extended to {}\n", date(renewed.not_after()));
     report.text += signed_in_words(document, job.path.parent_path());
+    for (auto& one : uncovered_grants(document, job.files.governance, job.files.permissions))
+      report.findings.push_back(std::move(one));
     return {};
   }
   if (!seen && is_there(job.files.permissions) && !permissions_ca(job.arguments).empty())
@@ -268,6 +271,24 @@ Status renew_permissions(const Renewal& job, const pki::Certificate& renewed, Ca
         seen->has_ended ? "--permissions --ended-permissions gives them again"
                         : "--permissions extends them as well");
   return {};
+}
+
+// What a participant that runs makes of it.
+void add_consequence(const Renewal& job, const pki::Certificate& renewed, Report& report) {
+  if (job.old.not_after() <= job.now()) {
+    report.text +=
+        "the identity had ended, and with it all connections: start the participant again\n";
+    return;
+  }
+  const bool is_in_place = job.path == job.files.certificate;
+  const auto problem =
+      certificate_not_taken(job.files, job.old, renewed, job.is_rekeying() || !is_in_place);
+  if (problem)
+    report.errors.push_back(*problem);
+  else
+    report.text +=
+        "a participant on ddssec's plugins takes it while it runs; with stock plugins, restart "
+        "it\n";
 }
 
 Result<Report> renew(Renewal job) {
@@ -296,11 +317,7 @@ Result<Report> renew(Renewal job) {
   DDSSEC_RETURN_IF_ERROR(log_issued(
       ca.paths,
       pki::IssueLog::issued_line(renewed, recorded.string(), now, path.filename().string())));
-  report.text += old.not_after() <= now
-                     ? "the identity had ended, and with it all connections: start the participant "
-                       "again\n"
-                     : "a participant on ddssec's plugins takes it while it runs; with stock "
-                       "plugins, restart it\n";
+  add_consequence(job, renewed, report);
   DDSSEC_ASSIGN_OR_RETURN(report.files_written, out.commit());
   return report;
 }

@@ -14,7 +14,7 @@ namespace {
 bool is_between(Code code, Code first, Code last) { return first <= code && code <= last; }
 
 // Some hints of the library mention a participant's properties, which the tool does not have.
-std::string_view hint_of(Code code) {
+std::string_view tool_hint_of(Code code) {
   switch (code) {
     case Code::file_not_found:
       return "check the path";
@@ -29,20 +29,6 @@ std::string_view hint_of(Code code) {
     default:
       return {};
   }
-}
-
-std::string hint_of(const Error& error, const std::string& help_on) {
-  const auto& details = error.details();
-  if (error.code() == Code::file_not_found && details.hint.empty())
-    if (const auto words = about_missing(details.document); !words.empty())
-      return fmt::format("{}: {}", hint_of(error.code()), words);
-  const auto own = hint_of(error.code());
-  if (!error.details().hint.empty() || own.empty()) {
-    const bool is_general = error.code() == Code::usage && error.details().hint.empty();
-    return is_general && !help_on.empty() ? fmt::format("ddssec {} --help says more", help_on)
-                                          : error.hint();
-  }
-  return std::string(own);
 }
 
 /// An error or a finding, as both forms of output show it.
@@ -148,6 +134,20 @@ Json to_array(const std::vector<T>& values) {
 }
 
 }  // namespace
+
+std::string hint_of(const Error& error, const std::string& help_on) {
+  const auto& details = error.details();
+  if (error.code() == Code::file_not_found && details.hint.empty())
+    if (const auto words = about_missing(details.document); !words.empty())
+      return fmt::format("{}: {}", tool_hint_of(error.code()), words);
+  const auto own = tool_hint_of(error.code());
+  if (!error.details().hint.empty() || own.empty()) {
+    const bool is_general = error.code() == Code::usage && error.details().hint.empty();
+    return is_general && !help_on.empty() ? fmt::format("ddssec {} --help says more", help_on)
+                                          : error.hint();
+  }
+  return std::string(own);
+}
 
 // Tools that read diagnostics know three words.
 std::string_view severity_word(Severity severity) {

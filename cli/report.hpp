@@ -68,6 +68,10 @@ struct Style {
 /// one, "  hint: what to do".
 std::string diagnostics_text(const Report& report, Style style = {});
 
+/// What to do about an error, in the words of the command line: some hints of the library mention a
+/// participant's properties. `help_on`: Report::help_on.
+std::string hint_of(const Error& error, const std::string& help_on = {});
+
 /// "1 folder", "3 folders".
 std::string counted(std::size_t count, std::string_view thing);
 

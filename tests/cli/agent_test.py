@@ -48,6 +48,31 @@ class OwnCa(AgentTest):
         self.renew("--days", "500")
         self.assertAlmostEqual((self.dates()[1] - datetime.datetime.now()).days, 800, delta=2)
 
+    def test_Days_ThatEndBeforeTheCertificateInPlace_AreSaidToGoBack(self):
+        event = self.refused("renewal_goes_back", "--ca", "demo", "--days", "5", *self.LATER)
+        self.assertIn("identity renew FOLDER --days N", event["hint"])
+        self.assertNotIn("ca renew", event["hint"])
+        self.assertEqual(self.once("--ca", "demo", "--days", "5", "--now", "+362d")[0]["event"], "renewed")
+
+    def test_FromAYearToDays_ByIdentityRenew_GoesOnInDays(self):
+        self.run_program("identity", "renew", "demo/talker", "--ca", "demo", "--days", "5")
+        self.assertEqual(self.once("--ca", "demo")[0]["event"], "current")
+        event, = self.once("--ca", "demo", "--now", "+4d")
+        self.assertEqual((event["event"], event["restart_needed"]), ("renewed", False))
+        self.assertAlmostEqual((self.dates()[1] - datetime.datetime.now()).days, 9, delta=1)
+
+    def test_Renewed_AfterTheEnd_SaysThatARestartIsNeeded(self):
+        event, = self.once("--ca", "demo", "--now", "+366d")
+        self.assertEqual((event["event"], event["restart_needed"]), ("renewed", True))
+
+    def test_MissingCertificate_IsSaidInTheWordsOfTheCommand(self):
+        (self.talker / "cert.pem").unlink()
+        event = self.refused("file_not_found", "--ca", "demo", exit=3)
+        self.assertIn("no certificate to renew", event["message"])
+        self.assertEqual(event["file"], "demo/talker/cert.pem")
+        self.assertIn("ddssec identity issue", event["hint"])
+        self.assertNotIn("/proc/", json.dumps(event))
+
     def test_permissions_are_extended_with_it(self):
         event, = self.renew("--permissions")
         self.assertTrue(event["permissions_extended"])
@@ -450,12 +475,28 @@ class Daemon(AgentTest):
                          environment={"PASS": "right horse"})
         self.run_program("identity", "issue", "x", "--ca", "locked", "-o", "x", "--days", "1", "--passphrase-env", "PASS",
                          "--now", "-1d", environment={"PASS": "right horse"})
-        agent = self.start("x", "--ca", "locked", "--passphrase-env", "PASS", PASS="wrong horse")
+        os.mkfifo(self.at / "pipe")  # which can be read only once, when it is needed
+        agent = self.start("x", "--ca", "locked", "--passphrase-file", "pipe")
+        (self.at / "pipe").write_text("wrong horse\n")
         event = agent.wait_for("failed")
+        self.assertIn("--passphrase-file", event["hint"])
         self.assertEqual((event["code"], event["again_in"]), ("passphrase_wrong", None))
         time.sleep(2)
         self.assertEqual(len(agent.events("failed")), 1)
         self.assertEqual(agent.end(), 0)
+
+    def test_AWrongPassphrase_IsFoundAtTheStart(self):
+        right, wrong = {"PASS": "right horse"}, {"PASS": "wrong horse"}
+        self.run_program("ca", "create", "locked", "--passphrase-env", "PASS", environment=right)
+        self.run_program("identity", "issue", "x", "--ca", "locked", "-o", "x", "--passphrase-env", "PASS", environment=right)
+        words = ("agent", "x", "--ca", "locked", "--passphrase-env", "PASS")
+        for more in ((), ("--once",), ("--once", "--dry-run"), ("--once", "--dry-run", "--permissions")):
+            done = self.run_program(*words, *more, exit=1, environment=wrong)
+            self.assertEqual(done.stdout, "")
+            self.assertIn("error[passphrase_wrong]", done.stderr)
+            self.assertIn("check what --passphrase-file or --passphrase-env gives", done.stderr)
+        self.assertEqual(self.once(*words[2:], folder="x", environment=right)[0]["event"], "current")
+        self.run_program(*words[:4], "--once", exit=4)
 
 
 if __name__ == "__main__":

@@ -138,6 +138,25 @@ class Identity(Transcript):
         request.unlink()
         self.refused("file_not_found", 3, *sign)
 
+    def renewed_but_not_taken(self, *words):
+        told = self.run_with_secret(self.run_program, "identity", "renew", "talker", "--ca", "ca", *words, *NOW)
+        self.assertIn("warning[renewal_not_taken]", told.stderr)
+        self.assertNotIn("takes it while it runs", told.stdout)
+        return told.stderr
+
+    def test_Renew_ThatARunningParticipantDoesNotTake_SaysSo(self):
+        self.run_with_secret(self.run_program, *self.issue("--publish", "x"))
+        told = self.renewed_but_not_taken("--days", "5", "--dry-run")
+        self.assertIn("expected an end not before 2027-11-21T00:00:00Z, found 2026-11-26T00:00:00Z", told)
+        self.assertIn("restart the participant to take the shorter one", told)
+        key = self.at / "talker/key.pem"
+        key.rename(self.at / "kept.pem")
+        self.assertIn("the private key is not in the folder", self.renewed_but_not_taken("--days", "500"))
+        self.renewed_but_not_taken("--days", "500", "--permissions")
+        (self.at / "kept.pem").rename(key)
+        told = self.run_with_secret(self.run_program, "identity", "renew", "talker", "--ca", "ca", "--days", "500", *NOW)
+        self.assertEqual(told.stderr, "")
+
     def test_renew_keeps_key_and_subject_and_says_when_permissions_end(self):
         self.run_with_secret(self.run_program, *self.issue("--publish", "x"))
         key = (self.at / "talker/key.pem").read_bytes()
