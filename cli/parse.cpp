@@ -136,6 +136,19 @@ class CommandLine {
     return {};
   }
 
+  // If only the last positional lacks, and the one before it holds a word that it cannot have, then
+  // that one was left out.
+  std::string left_out(const std::string& lacking) const {
+    const auto& positionals = command_.positionals;
+    if (positionals.size() < 2 || lacking != positionals.back().name) return lacking;
+    const auto before = std::string(positionals[positionals.size() - 2].name);
+    const auto slot = std::ranges::find(slots_, before, &Slot::name);
+    const auto words = choices_of(command_, before);
+    if (words.empty() || slot->values.empty()) return lacking;
+    const bool is_choice = (" " + words + " ").contains(" " + ascii_lower(slot->values[0]) + " ");
+    return is_choice ? lacking : before;
+  }
+
   // Everything that must be given and was not, in one sentence.
   std::vector<std::string> missing() const {
     std::vector<std::string> out;
@@ -145,6 +158,7 @@ class CommandLine {
       if (!slot.unless.empty() && !is_given(slot.unless))
         out.push_back(fmt::format("{} (or {})", slot.name, shown(slot.unless)));
     }
+    if (out.size() == 1) out[0] = left_out(out[0]);
     return out;
   }
   // An option with its value.
