@@ -9,6 +9,7 @@
 #include "governance/doctor/checks.hpp"
 #include "governance/doctor/measured.hpp"
 #include "pki/issue_log.hpp"
+#include "pki/key_digest.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {
@@ -329,6 +330,27 @@ void check_outdated_ca(const LoadedFolder& folder, Diagnosis& out) {
               .severity = Severity::warning});
 }
 
+// As in an overlap of `ca rotate`, whose end may not have reached this folder.
+void check_former_ca(const Result<std::vector<pki::Certificate>>& cas, const fs::path& file,
+                     std::string_view role, Diagnosis& out) {
+  if (!cas || cas->empty()) return;
+  const auto& own = cas->front();
+  const bool has_other_key = std::ranges::any_of(*cas, [&](const auto& other) {
+    return other.subject() == own.subject() && pki::key_digest(other) != pki::key_digest(own);
+  });
+  if (!has_other_key) return out.pass(Rule::DOC111);
+  out.report({},
+             {.rule = Rule::DOC111,
+              .message = fmt::format("{} has CAs of the name \"{}\" with different keys: the "
+                                     "participant accepts each of them",
+                                     file.filename().string(), own.subject()),
+              .document = file,
+              .hint = fmt::format("nothing, as long as the overlap of ca rotate lasts (ddssec ca "
+                                  "show CA); if it has ended: ddssec ca rotate CA --role {} "
+                                  "--end gives this folder the CA that counts",
+                                  role)});
+}
+
 // Of several lists of one CA the products do not read the same.
 void check_several_lists(const LoadedFolder& folder, Diagnosis& out) {
   if (!folder.crls) return;
@@ -451,6 +473,8 @@ void check_identity(const LoadedFolder& folder, const Settings& settings, Diagno
   check_several_lists(folder, out);
   check_ca_list(folder, out);
   check_outdated_ca(folder, out);
+  check_former_ca(folder.identity_cas, folder.paths.identity_ca, "identity", out);
+  check_former_ca(folder.permissions_cas, folder.paths.permissions_ca, "permissions", out);
 }
 
 }  // namespace ddssec::governance::doctor

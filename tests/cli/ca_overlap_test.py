@@ -203,6 +203,28 @@ class Overlap(Transcript):
             self.assertEqual(self.json("ca", "rotate", "demo", "--role", role, "--move", *NOW)["diagnostics"], [])
             self.rotate(role, "--end")
 
+    def test_MoveAndEnd_OfAFolderWithoutKeyOrPermissions_WarnThatItsParticipantDoesNotTakeThem(self):
+        missing = {"identity": "key.pem", "permissions": "permissions.p7s"}
+        for role, name in missing.items():
+            self.rotate(role, "--overlap", "30d")
+            (self.at / "demo/listener" / name).rename(self.at / name)
+            for step in ("--move", "--end"):
+                answer = self.json("ca", "rotate", "demo", "--role", role, step, *NOW)
+                self.only_warning("warning[renewal_not_taken]", answer, *self.folders(f"listener/{name}"))
+            (self.at / name).rename(self.at / "demo/listener" / name)
+
+    def test_Doctor_OfAFolderThatTheEndDidNotReach_TellsOfTheFormerCa(self):
+        for role in ROLES:
+            self.rotate(role, "--overlap", "30d")
+            (self.at / "demo/listener").rename(self.at / "away")
+            self.rotate(role, "--end")
+            (self.at / "away").rename(self.at / "demo/listener")
+        for words in (("doctor", "demo/listener"),):
+            told = [d for d in self.json(*words, *NOW, exit=None)["diagnostics"] if d["id"] == "DOC111"]
+            self.assertEqual([d["severity"] for d in told], ["note", "note"], words)
+            for role, one in zip(ROLES, told):
+                self.assertIn(f"ddssec ca rotate CA --role {role} --end", one["hint"])
+
     def test_RevokedParticipant_IsNotLeftAfterTheEnd(self):
         self.rotate("identity", "--overlap", "30d")
         self.json("identity", "revoke", "demo/talker", "--ca", "demo", *NOW, exit=1)
