@@ -7,7 +7,6 @@ constexpr auto note = Severity::informational;
 using enum Severity;
 
 constexpr OtherSeverity kOthers[] = {
-    {"DOC003", error, "where every user of the machine can read the key"},
     {"DOC004", error, "in a keystore, or in public/ of one"},
     {"DOC011", warning, "where the other product would take the grant"},
     {"DOC023", warning, "where the list is missing or the CA has a newer one"},

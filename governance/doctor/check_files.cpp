@@ -117,18 +117,11 @@ void check_mode(const fs::path& key, Diagnosis& out) {
   struct stat status {};
   if (::stat(key.c_str(), &status) != 0) return;
   if ((status.st_mode & 077) == 0 || !is_secret(key)) return out.pass(Rule::DOC003);
-  struct stat folder {};
-  const bool is_open = ::stat(key.parent_path().c_str(), &folder) == 0 &&
-                       (folder.st_mode & S_IXOTH) != 0 && (status.st_mode & 07) != 0;
-  out.report(
-      is_open ? Outcomes::all(Outcome::unsafe) : Outcomes{},
-      {.rule = Rule::DOC003,
-       .message = fmt::format("{} has mode {:04o}, {} can read or change it; it should have "
-                              "0600",
-                              name_of(key), status.st_mode & 07777,
-                              is_open ? "every user of this machine" : "others than its owner"),
-       .document = key,
-       .severity = is_open ? Severity::error : Severity::warning});
+  out.report({}, {.rule = Rule::DOC003,
+                  .message = fmt::format("{} has mode {:04o}, others than its owner can read or "
+                                         "change it; it should have 0600",
+                                         name_of(key), status.st_mode & 07777),
+                  .document = key});
 }
 
 // The folder's owner is the participant's user as a rule, and must be able to read the key.

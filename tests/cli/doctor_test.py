@@ -78,7 +78,7 @@ SENTENCES = {
                                   "dds.sec.crypto.rtps_psk_secret_passphrase"),
     "grant-expired": ("DOC040", "permissions.p7s", "not_after", "2021-01-01T00:00:00Z", "now"),
     "grant-twice": ("DOC043", "permissions.p7s", "CN=talker", "lines 12 and 22"),
-    "governance-other-domain": ("DOC050", "governance.p7s", "domain 0", "cover 1"),
+    "governance-other-domain": ("DOC051", "permissions.p7s", "only domain 0", "covers only 1"),
     "grant-other-domain": ("DOC051", "permissions.p7s", "domain 0", "for 7"),
     "grant-default-allow": ("DOC052", "permissions.p7s", "ALLOW", "DENY"),
     "grant-deny-one-way": ("DOC053", "permissions.p7s", '"Square"', "publish"),
@@ -234,7 +234,7 @@ class Golden(WithoutLists):
         shutil.copy(self.paths["crl-of-other-ca"] / "crl.pem", folder)
         (folder / "key.pem").unlink()
         found = [d["id"] for d in self.json("doctor", "broken", exit=1)["diagnostics"]]
-        self.assertEqual(found, ["DOC001", "DOC021", "DOC023", "DOC030", "DOC050"])
+        self.assertEqual(found, ["DOC001", "DOC021", "DOC023", "DOC030", "DOC051"])
 
     def test_a_spelling_is_told_once_with_the_number_of_its_other_places(self):
         folder = Folder(Workshop(self.at / "shop"), self.at / "talker", "/CN=talker", "talker")

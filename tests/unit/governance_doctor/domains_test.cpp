@@ -25,7 +25,7 @@ TEST_F(DomainsOfAFolder, AreThoseOfBothDocuments) {
 
 TEST_F(DomainsOfAFolder, AreOneIfTheDocumentsHaveNoneInCommon) {
   EXPECT_EQ(domains({{1, 3}}, {{5, 6}}), (Domains{{1, 1}}));
-  EXPECT_EQ(domains({{1, 3}}, {{0, 0}}), (Domains{{0, 0}}));
+  EXPECT_EQ(domains({{1, 3}}, {{0, 0}}), (Domains{{1, 1}}));
 }
 
 TEST_F(DomainsOfAFolder, ADefaultOfAllowIsForAllDomains) {
