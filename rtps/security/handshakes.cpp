@@ -95,6 +95,7 @@ void Handshakes::try_again(Peer& peer) {
 }
 
 void Handshakes::try_all_again() {
+  if (admission_.admits_unauthenticated()) return;
   for (auto& [prefix, peer] : core_.peers) {
     peer.refusals = 0;
     peer.again_at = core_.now;
@@ -348,7 +349,9 @@ void Handshakes::refuse(Peer& peer) {
   if (!peer.state.refuse()) return;
   note_failure(peer);
   peer.refused_at = core_.now;
-  peer.again_at = core_.now + pause_after_refusal(peer);
+  // One that takes part without authentication would be interrupted by each try.
+  peer.again_at =
+      admission_.admits_unauthenticated() ? kNever : core_.now + pause_after_refusal(peer);
   ++peer.refusals;
   schedule(peer);
   if (!admitted) core_.host.on_refused(GuidPrefix(peer.prefix()));
