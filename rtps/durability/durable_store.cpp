@@ -13,6 +13,11 @@ constexpr std::chrono::milliseconds kRetry{200};
 constexpr std::chrono::seconds kLongestOpen{5};
 constexpr std::uint32_t kMostAlike = 64;
 
+void take_one(std::map<GuidPrefix, std::size_t>& counts, const GuidPrefix& identity) {
+  if (const auto at = counts.find(identity); at != counts.end() && --at->second == 0)
+    counts.erase(at);
+}
+
 }  // namespace
 
 Result<std::unique_ptr<DurableStore>> DurableStore::open(const std::string& path, EventSink& events,
@@ -121,7 +126,9 @@ void DurableStore::note(std::unique_lock<std::mutex>& held,
 void DurableStore::close_stream(StreamId stream) {
   const std::lock_guard held(mutex_);
   open_.erase(stream);
-  effects_.erase(stream);
+  if (const auto effects = effects_.extract(stream))
+    for (const auto& effect : effects.mapped())
+      if (effect.is_refused) take_one(refused_, effect.identity);
   closed_.insert(stream);
 }
 
@@ -144,11 +151,11 @@ void DurableStore::forget_closed() {
 }
 
 std::uint64_t DurableStore::append(StreamId stream, const Change& change, Time now,
-                                   const std::optional<GuidPrefix>& identity) {
+                                   const std::optional<GuidPrefix>& identity, bool was_refused) {
   std::uint64_t number = 0;
   {
     const std::lock_guard held(mutex_);
-    pending_.push_back({stream, change, identity});
+    pending_.push_back({stream, change, identity, was_refused});
     octets_ += change.payload.size();
     now_ = now;
     number = ++appended_;
@@ -176,6 +183,37 @@ std::uint64_t DurableStore::left_out() const {
 bool DurableStore::is_crowded(const GuidPrefix& identity) const {
   const std::lock_guard held(mutex_);
   return crowded_.contains(identity);
+}
+
+bool DurableStore::has_refused(const GuidPrefix& identity) const {
+  const std::lock_guard held(mutex_);
+  return refused_.contains(identity);
+}
+
+void DurableStore::give_up_refused(const GuidPrefix& identity) {
+  const std::lock_guard held(mutex_);
+  take_one(refused_, identity);
+}
+
+// As in note(): the thread must not end. What belongs to a stream that was closed is given up.
+void DurableStore::count_refused(std::unique_lock<std::mutex>& held,
+                                 const std::vector<StoredChange>& group,
+                                 const std::vector<StoreEffect>& effects) {
+  const auto matters = [](const auto& one) { return one.is_refused; };
+  if (std::ranges::none_of(effects, matters) &&
+      std::ranges::none_of(group, &StoredChange::was_refused))
+    return;
+  for (;;) try {
+      auto next = refused_;
+      for (const auto& effect : effects)
+        if (effect.is_refused && open_.contains(effect.stream)) ++next[effect.identity];
+      for (const auto& change : group)
+        if (change.was_refused && change.identity) take_one(next, *change.identity);
+      refused_.swap(next);
+      return;
+    } catch (const std::bad_alloc&) {
+      work_.wait_for(held, kRetry);
+    }
 }
 
 void DurableStore::look_for_room(Time now) {
@@ -258,6 +296,13 @@ Status DurableStore::write(std::span<const StoredChange> group, Time now) {
   }
 }
 
+/// Empty: there was no memory to find out.
+std::optional<std::set<GuidPrefix>> DurableStore::crowded_now() noexcept try {
+  return store_.shares().crowded();
+} catch (const std::bad_alloc&) {
+  return std::nullopt;
+}
+
 // A group that fails is kept and committed before later ones.
 void DurableStore::commit(std::unique_lock<std::mutex>& held) {
   std::vector<StoredChange> group;
@@ -271,15 +316,16 @@ void DurableStore::commit(std::unique_lock<std::mutex>& held) {
   auto written = write(group, now);
   const auto left_out = store_.left_out();
   const auto refusals = store_.shares().take_news();
-  auto crowded = store_.shares().crowded();
+  auto crowded = crowded_now();
   const auto effects = store_.take_effects();
   store.unlock();
   report(!written && status_ ? &written.error() : nullptr, left_out, refusals);
   held.lock();
   left_out_ = left_out;
-  crowded_.swap(crowded);
+  if (crowded) crowded_.swap(*crowded);
   status_ = std::move(written);
   if (status_) {
+    count_refused(held, group, effects);
     note(held, effects);
     committed_ += group.size();
     ++groups_;

@@ -47,7 +47,7 @@ class DurableStore {
   /// Never waits. Returns a number that committed() reaches when the change is stored, was left
   /// out, or was refused (take_effects). `identity`: see StoredChange.
   std::uint64_t append(StreamId stream, const Change& change, Time now,
-                       const std::optional<GuidPrefix>& identity = {});
+                       const std::optional<GuidPrefix>& identity = {}, bool was_refused = false);
   /// The number of appended changes that are stored, in the order of append.
   std::uint64_t committed() const;
   /// The number of appended changes that are not stored yet.
@@ -57,6 +57,11 @@ class DurableStore {
   std::uint64_t left_out() const;
   /// True if changes of the identity were refused because its share is full, and still is.
   bool is_crowded(const GuidPrefix& identity) const;
+  /// True as long as refused changes of the identity are neither stored nor given up, in any
+  /// stream. Take no others of it meanwhile: so there are at most as many as the queue holds.
+  bool has_refused(const GuidPrefix& identity) const;
+  /// A refused change is not appended again.
+  void give_up_refused(const GuidPrefix& identity);
   /// Looks soon for samples that are due to be removed, and for room for crowded identities.
   void look_for_room(Time now);
   /// True if the queue has reached its limit.
@@ -83,6 +88,10 @@ class DurableStore {
   Status write(std::span<const StoredChange> group, Time now);
   void commit(std::unique_lock<std::mutex>& held);
   void note(std::unique_lock<std::mutex>& held, const std::vector<StoreEffect>& effects);
+  /// Counts what a committed group leaves refused.
+  void count_refused(std::unique_lock<std::mutex>& held, const std::vector<StoredChange>& group,
+                     const std::vector<StoreEffect>& effects);
+  std::optional<std::set<GuidPrefix>> crowded_now() noexcept;
   void report(const Error* failure, std::uint64_t beyond_limits,
               const std::vector<StoreShares::Refusals>& refusals) noexcept;
   /// `after`: the change that must be committed before.
@@ -109,6 +118,7 @@ class DurableStore {
   std::uint64_t beyond_limits_ = 0, left_out_ = 0;
   Status status_;
   std::set<GuidPrefix> crowded_;
+  std::map<GuidPrefix, std::size_t> refused_;  ///< number of changes
   bool is_looking_ = false;
   std::set<StreamId> open_;
   std::map<StreamId, std::vector<StoreEffect>> effects_;  ///< of open streams

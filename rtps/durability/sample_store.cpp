@@ -478,15 +478,25 @@ void SampleStore::refuse(StreamId id, const Stream& stream, StoreShares::Account
   shares_.refuse(account, {.stream = id.value,
                            .instance = change.key_hash.value_or(KeyHash{}),
                            .octets = StoreShares::cost(change.payload.size())});
-  if (stream.watched) effects_.push_back({.stream = id, .stored = place_, .is_refused = true});
+  if (stream.watched)
+    effects_.push_back({.stream = id,
+                        .stored = place_,
+                        .is_refused = true,
+                        .identity = shares_.identity(account)});
 }
 
 void SampleStore::look_for_room() {
   shares_.look_again([&](StoreShares::Account account, const StoreShares::Refused& first) {
     const auto stream = streams_.find({first.stream});
     if (stream == streams_.end()) return true;
-    const auto fits = has_share(account, first.octets, 0);
-    return fits && *fits && has_place(stream->second, account, 0);
+    // What it replaces makes room, as in add().
+    std::size_t freed = 0, own = 0;
+    if (const auto held = stream->second.instances.find(first.instance);
+        held != stream->second.instances.end())
+      for (std::size_t i = 0; i < replaced(stream->second, held->second); ++i)
+        if (held->second[i].account == account) freed += held->second[i].octets, ++own;
+    const auto fits = has_share(account, first.octets, freed);
+    return fits && *fits && has_place(stream->second, account, own);
   });
 }
 

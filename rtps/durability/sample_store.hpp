@@ -41,6 +41,7 @@ struct StoredChange {
   /// The identity whose share of the store it uses (ParticipantCore::identity_of). Empty: no limit
   /// applies.
   std::optional<GuidPrefix> identity = {};
+  bool was_refused = false;  ///< a commit has refused it before
 };
 
 /// Something that a commit did to a stream.
@@ -53,6 +54,7 @@ struct StoreEffect {
   /// There is no row: `stored` did not fit the share of its identity. It can be committed again
   /// when the identity is no longer crowded.
   bool is_refused = false;
+  GuidPrefix identity = {};  ///< of a refused change
 };
 
 /// The samples of a stream, and the rows that hold them.

@@ -71,6 +71,9 @@ KeptTopic::~KeptTopic() {
   for (const auto& guid : {reader_, writer_})
     if (guid != Guid{}) context_.protocol().remove(guid, context_.now());
   context_.reschedule();
+  for (const auto* list : {&refused_, &unstored_})
+    for (const auto& one : *list)
+      if (one.state == Unstored::State::refused) store_.give_up_refused(*one.identity);
   if (stream_) store_.close_stream(*stream_);
 }
 
@@ -163,8 +166,7 @@ bool KeptTopic::defer(MonotonicTime now) {
 }
 
 bool KeptTopic::is_crowded(const std::optional<GuidPrefix>& identity) const {
-  return identity && (store_.is_crowded(*identity) ||
-                      std::ranges::find(refused_, identity, &Unstored::identity) != refused_.end());
+  return identity && (store_.is_crowded(*identity) || store_.has_refused(*identity));
 }
 
 void KeptTopic::keep(Change& change, const std::optional<GuidPrefix>& identity) {
@@ -224,10 +226,9 @@ void KeptTopic::on_alive(const Guid& writer) {
 }
 
 SequenceNumber KeptTopic::first_unstored(const Guid& writer, SequenceNumber next) {
-  for (const auto* list : {&refused_, &unstored_})
-    if (const auto at = std::ranges::find(*list, writer, &Unstored::writer); at != list->end())
-      return at->change;
-  return next;
+  if (const auto at = first_refused_.find(writer); at != first_refused_.end()) return at->second;
+  const auto at = std::ranges::find(unstored_, writer, &Unstored::writer);
+  return at == unstored_.end() ? next : at->change;
 }
 
 StatefulWriter& KeptTopic::server() const {
@@ -285,7 +286,9 @@ void KeptTopic::on_time(MonotonicTime now) {
     writers.insert(unstored_.front().writer);
     using enum Unstored::State;
     if (unstored_.front().state == under_way) server().discard(unstored_.front().served);
-    if (unstored_.front().state == refused) refused_.push_back(std::move(unstored_.front()));
+    if (unstored_.front().state != refused) continue;
+    first_refused_.try_emplace(unstored_.front().writer, unstored_.front().change);
+    refused_.push_back(std::move(unstored_.front()));
   }
   auto* reader = context_.protocol().local_endpoints().reader(reader_);
   const bool deferred = std::exchange(deferred_, false);
@@ -300,9 +303,11 @@ void KeptTopic::on_time(MonotonicTime now) {
 // All of an identity together, after all that it sent before: so they keep their order.
 void KeptTopic::store_refused() {
   if (refused_.empty()) return;
-  const auto wall = context_.moment().wall;
   deferred_ = true;
-  store_.look_for_room(wall);
+  const auto moment = context_.moment();
+  if (moment.now < next_retry_) return;
+  next_retry_ = moment.now + kRareLook;
+  store_.look_for_room(moment.wall);
   std::set<std::optional<GuidPrefix>> ready;
   for (const auto& one : refused_)
     if (!store_.is_crowded(*one.identity)) ready.insert(one.identity);
@@ -310,12 +315,15 @@ void KeptTopic::store_refused() {
   std::erase_if(refused_, [&](Unstored& one) {
     if (!ready.contains(one.identity)) return false;
     const auto* change = server().history().find(one.served);
-    if (change == nullptr) return true;  // a later sample of the instance has replaced it
-    one.number = store_.append(*stream_, *change, wall, one.identity);
+    // A later sample of the instance may have replaced it.
+    if (change == nullptr) return store_.give_up_refused(*one.identity), true;
+    one.number = store_.append(*stream_, *change, moment.wall, one.identity, true);
     one.state = Unstored::State::under_way;
     unstored_.push_back(one);
     return true;
   });
+  first_refused_.clear();
+  for (const auto& one : refused_) first_refused_.try_emplace(one.writer, one.change);
 }
 
 void KeptTopic::on_sample_dropped(const Guid& writer, std::uint32_t octets) {

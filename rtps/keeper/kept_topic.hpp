@@ -112,6 +112,8 @@ class KeptTopic final : private EndpointListener, private Timed {
   std::deque<Unstored> unstored_;
   /// In the order in which they came. No later sample of these identities is taken meanwhile.
   std::deque<Unstored> refused_;
+  std::map<Guid, SequenceNumber> first_refused_;  ///< of each writer
+  MonotonicTime next_retry_{};
   /// What is served, by its row in the store.
   std::map<std::int64_t, SequenceNumber> rows_;
 };

@@ -413,6 +413,29 @@ TEST_F(ShareTest, WhatCommitsDoToAWatchedStreamIsNoted) {
   }
 }
 
+// Before, what the sample replaces did not count, and its identity stayed crowded for good.
+TEST_F(ShareTest, CrowdOfAReplacement_EndsWhenItFits) {
+  service = keep_last(1);
+  open();
+  const auto put = [&](std::uint8_t who, std::uint8_t key, std::size_t octets) {
+    Change change;
+    change.key_hash.emplace().fill(key);
+    change.payload = Payload::copy_of(Bytes(octets, who));
+    return store->commit({{StoredChange{id, change, identity(who)}}}, seconds(1)).has_value();
+  };
+  ASSERT_TRUE(put(1, 0, 1'500'000));
+  for (std::uint8_t key = 1; key <= 20; ++key) ASSERT_TRUE(put(2, key, 60'000));
+  ASSERT_FALSE(store->shares().crowded().contains(identity(1)));
+  ASSERT_TRUE(put(1, 0, 1'600'000));
+  ASSERT_TRUE(store->shares().crowded().contains(identity(1))) << "the test needs a fuller store";
+  for (std::uint8_t key = 1; key <= 20; ++key) {
+    auto end = dispose(0);
+    end.key_hash->fill(key);
+    ASSERT_TRUE(store->commit({{StoredChange{id, end, identity(2)}}}, seconds(2)));
+  }
+  EXPECT_FALSE(store->shares().crowded().contains(identity(1)));
+}
+
 TEST_F(ShareTest, WithKeepLastWhatGoesMakesRoom) {
   service = keep_last(1);
   open();
