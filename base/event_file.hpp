@@ -19,7 +19,7 @@ class EventFile {
 
   /// False if the path is no such output or cannot be written, such as a FIFO without a reader.
   bool is_open() const { return file_ >= 0; }
-  /// If it is not open: what was found there.
+  /// What is at the path, or the system's error, if the file could not be opened.
   const std::string& why_not() const { return why_not_; }
 
   /// Appends a line and its end in one write, so that several processes may share a file. The line

@@ -291,8 +291,8 @@ struct SmallSecuredKeeper : SecuredKeeper {
   }
 };
 
-// From then on nothing of any topic was kept, also after it had left. Later, what was too much for
-// it was acknowledged and dropped.
+// Before, one identity could fill the store, and the keeper kept no further sample of any topic.
+// A later version acknowledged the samples beyond the share and dropped them.
 TEST_F(SmallSecuredKeeper, BeyondAnIdentitysShare_Samples_AreNotAcknowledged) {
   write(*of_mallory, 0, 3000);
   ASSERT_TRUE(eventually([&] { return process.events.has(Code::rtps_store_failed); }));
