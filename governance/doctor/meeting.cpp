@@ -20,15 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void add_finding(const MeetingScene& scene, Rule rule, const Judgement& judgement,
-                 std::string message, std::string hint = {}) {
-  scene.out.findings.push_back({.rule = rule,
-                                .message = std::move(message),
-                                .document = judgement.document,
-                                .line = judgement.line,
-                                .hint = std::move(hint)});
-}
-
 // The judgement of `judge` about the other's certificate.
 Status judge_certificate(const Party& judge, const Party& subject, WallTime now) {
   const auto& certificate = subject.folder.certificate;
@@ -399,6 +390,15 @@ void report_no_topic(const MeetingScene& scene) {
 }
 
 }  // namespace
+
+void add_finding(const MeetingScene& scene, Rule rule, const Judgement& judgement,
+                 std::string message, std::string hint) {
+  scene.out.findings.push_back({.rule = rule,
+                                .message = std::move(message),
+                                .document = judgement.document,
+                                .line = judgement.line,
+                                .hint = std::move(hint)});
+}
 
 bool Meeting::joined() const {
   return all_ok(start) && all_ok(authentication) && all_ok(permissions) && all_ok(join) &&

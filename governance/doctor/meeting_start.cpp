@@ -9,15 +9,6 @@
 namespace ddssec::governance::doctor {
 namespace {
 
-void add_finding(const MeetingScene& scene, Rule rule, const Judgement& judgement,
-                 std::string message, std::string hint = {}) {
-  scene.out.findings.push_back({.rule = rule,
-                                .message = std::move(message),
-                                .document = judgement.document,
-                                .line = judgement.line,
-                                .hint = std::move(hint)});
-}
-
 std::string files_missing(const LoadedFolder& folder) {
   return fmt::format("{} holds none of the files of a secured participant",
                      folder.paths.folder.string());

@@ -30,6 +30,10 @@ struct TopicOfInterest {
   std::string expression = {};
 };
 
+/// Adds a finding about the place that was judged.
+void add_finding(const MeetingScene& scene, Rule rule, const Judgement& judgement,
+                 std::string message, std::string hint = {});
+
 /// Whether a party starts on its own, and whether the CA has revoked it without its peers knowing.
 void judge_start(const MeetingScene& scene, int index);
 
