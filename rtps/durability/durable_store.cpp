@@ -4,6 +4,7 @@
 #include <system_error>
 
 #include "base/background_thread.hpp"
+#include "base/rollback.hpp"
 
 namespace ddssec::rtps {
 namespace {
@@ -12,11 +13,6 @@ namespace {
 constexpr std::chrono::milliseconds kRetry{200};
 constexpr std::chrono::seconds kLongestOpen{5};
 constexpr std::uint32_t kMostAlike = 64;
-
-void take_one(std::map<GuidPrefix, std::size_t>& counts, const GuidPrefix& identity) {
-  if (const auto at = counts.find(identity); at != counts.end() && --at->second == 0)
-    counts.erase(at);
-}
 
 }  // namespace
 
@@ -29,9 +25,12 @@ Result<std::unique_ptr<DurableStore>> DurableStore::open(const std::string& path
 }
 
 DurableStore::DurableStore(SampleStore store, EventSink& events)
-    : store_(std::move(store)), events_(events) {}
+    : store_(std::move(store)), events_(events), index_(store_.last_row()) {}
 
 Status DurableStore::start() {
+  DDSSEC_RETURN_IF_ERROR(store_.read_shares(index_.shares()));
+  DDSSEC_ASSIGN_OR_RETURN(room_, store_.room());
+  index_.set_free(room_);
   try {
     thread_ = start_background_thread<std::thread>([this] { run(); });
   } catch (const std::system_error& error) {
@@ -62,13 +61,12 @@ Status DurableStore::wait(std::chrono::nanoseconds most, Ready ready) {
 }
 
 Result<DurableStore::Opened> DurableStore::open_stream(StreamKey key,
-                                                       const DurabilityService& service,
-                                                       bool watch) {
+                                                       const DurabilityService& service) {
   std::unique_lock store(store_mutex_, kLongestOpen);
   if (!store) return fail(Code::rtps_timeout, {.document = store_.path()});
   forget_closed();
   for (key.ordinal = 0; key.ordinal < kMostAlike; ++key.ordinal) {
-    DDSSEC_ASSIGN_OR_RETURN(const auto id, store_.stream(key, service));
+    DDSSEC_ASSIGN_OR_RETURN(const auto id, store_.stream(key));
     std::uint64_t before = 0;  // what an earlier writer appended
     {
       const std::lock_guard held(mutex_);
@@ -77,7 +75,7 @@ Result<DurableStore::Opened> DurableStore::open_stream(StreamKey key,
       if (const auto last = last_.find(id); last != last_.end()) before = last->second;
     }
     store.unlock();
-    auto opened = load(id, before, watch);
+    auto opened = load(id, service, before);
     if (!opened) close_stream(id);
     return opened;
   }
@@ -94,41 +92,20 @@ Result<bool> DurableStore::is_empty() {
   return count == 0;
 }
 
-Result<DurableStore::Opened> DurableStore::load(StreamId id, std::uint64_t after, bool watch) {
+Result<DurableStore::Opened> DurableStore::load(StreamId id, const DurabilityService& service,
+                                                std::uint64_t after) {
   DDSSEC_RETURN_IF_ERROR(wait(kLongestOpen, [&] { return committed_ >= after; }));
   const std::unique_lock store(store_mutex_, kLongestOpen);
   if (!store) return fail(Code::rtps_timeout, {.document = store_.path()});
-  if (watch) store_.watch(id);
   DDSSEC_ASSIGN_OR_RETURN(auto history, store_.load(id));
-  return Opened{id, std::move(history.changes), std::move(history.rows)};
-}
-
-std::vector<StoreEffect> DurableStore::take_effects(StreamId stream) {
   const std::lock_guard held(mutex_);
-  const auto at = effects_.find(stream);
-  if (at == effects_.end()) return {};
-  auto out = std::move(at->second);
-  effects_.erase(at);
-  return out;
-}
-
-// The thread must not end, and the owner of a stream must learn every effect.
-void DurableStore::note(std::unique_lock<std::mutex>& held,
-                        const std::vector<StoreEffect>& effects) {
-  for (auto at = effects.begin(); at != effects.end();) try {
-      if (open_.contains(at->stream)) effects_[at->stream].push_back(*at);
-      ++at;
-    } catch (const std::bad_alloc&) {
-      work_.wait_for(held, kRetry);
-    }
+  index_.open(id, service, history);
+  return Opened{id, std::move(history.changes), std::move(history.rows)};
 }
 
 void DurableStore::close_stream(StreamId stream) {
   const std::lock_guard held(mutex_);
   open_.erase(stream);
-  if (const auto effects = effects_.extract(stream))
-    for (const auto& effect : effects.mapped())
-      if (effect.is_refused) take_one(refused_, effect.identity);
   closed_.insert(stream);
 }
 
@@ -140,7 +117,10 @@ void DurableStore::forget_closed() {
     std::erase_if(closed_, [&](const auto stream) {
       const auto last = last_.find(stream);
       const bool is_over = last == last_.end() || last->second <= committed_;
-      if (is_over) gone.push_back(stream);
+      if (is_over) {
+        gone.push_back(stream);
+        index_.close(stream);
+      }
       if (is_over && last != last_.end()) last_.erase(last);
       return is_over;
     });
@@ -150,19 +130,45 @@ void DurableStore::forget_closed() {
   }
 }
 
-std::uint64_t DurableStore::append(StreamId stream, const Change& change, Time now,
-                                   const std::optional<GuidPrefix>& identity, bool was_refused) {
-  std::uint64_t number = 0;
+DurableStore::Appended DurableStore::append(StreamId stream, const Change& change, Time now,
+                                            const std::optional<GuidPrefix>& identity) {
+  const std::lock_guard held(mutex_);
+  last_.try_emplace(stream);
   {
-    const std::lock_guard held(mutex_);
-    pending_.push_back({stream, change, identity, was_refused});
-    octets_ += change.payload.size();
-    now_ = now;
-    number = ++appended_;
-    last_[stream] = number;
+    auto& stored = pending_.emplace_back(StoredChange{stream, change, identity});
+    Rollback undo([&] { pending_.pop_back(); });
+    Appended out{index_.add(stored, now)};
+    if (out.outcome.verdict != SampleIndex::Verdict::waits) {
+      undo.release();
+      out.number = count_pending(now);
+      return out;
+    }
   }
+  // What is being stored counts twice until it is stored: then there may be room.
+  if (identity && pending_.empty() && appended_ == committed_) index_.shares().refuse(*identity);
+  if (index_.shares().has_news()) work_.notify_one();
+  return {};
+}
+
+std::vector<std::int64_t> DurableStore::clean_up(StreamId stream, Time now) {
+  const std::lock_guard held(mutex_);
+  last_.try_emplace(stream);
+  auto& stored = pending_.emplace_back(StoredChange{stream});
+  Rollback undo([&] { pending_.pop_back(); });
+  auto removed = index_.clean_up(stored, now);
+  if (removed.empty()) return removed;
+  undo.release();
+  count_pending(now);
+  return removed;
+}
+
+std::uint64_t DurableStore::count_pending(Time now) {
+  const auto& last = pending_.back();
+  octets_ += last.change.payload.size();
+  now_ = now;
+  last_.find(last.stream)->second = ++appended_;
   work_.notify_one();
-  return number;
+  return appended_;
 }
 
 std::uint64_t DurableStore::committed() const {
@@ -177,52 +183,7 @@ std::uint64_t DurableStore::pending() const {
 
 std::uint64_t DurableStore::left_out() const {
   const std::lock_guard held(mutex_);
-  return left_out_;
-}
-
-bool DurableStore::is_crowded(const GuidPrefix& identity) const {
-  const std::lock_guard held(mutex_);
-  return crowded_.contains(identity);
-}
-
-bool DurableStore::has_refused(const GuidPrefix& identity) const {
-  const std::lock_guard held(mutex_);
-  return refused_.contains(identity);
-}
-
-void DurableStore::give_up_refused(const GuidPrefix& identity) {
-  const std::lock_guard held(mutex_);
-  take_one(refused_, identity);
-}
-
-// As in note(): the thread must not end. What belongs to a stream that was closed is given up.
-void DurableStore::count_refused(std::unique_lock<std::mutex>& held,
-                                 const std::vector<StoredChange>& group,
-                                 const std::vector<StoreEffect>& effects) {
-  const auto matters = [](const auto& one) { return one.is_refused; };
-  if (std::ranges::none_of(effects, matters) &&
-      std::ranges::none_of(group, &StoredChange::was_refused))
-    return;
-  for (;;) try {
-      auto next = refused_;
-      for (const auto& effect : effects)
-        if (effect.is_refused && open_.contains(effect.stream)) ++next[effect.identity];
-      for (const auto& change : group)
-        if (change.was_refused && change.identity) take_one(next, *change.identity);
-      refused_.swap(next);
-      return;
-    } catch (const std::bad_alloc&) {
-      work_.wait_for(held, kRetry);
-    }
-}
-
-void DurableStore::look_for_room(Time now) {
-  {
-    const std::lock_guard held(mutex_);
-    now_ = now;
-    is_looking_ = true;
-  }
-  work_.notify_one();
+  return index_.left_out();
 }
 
 bool DurableStore::is_behind() const {
@@ -255,7 +216,9 @@ Status DurableStore::wait_for_room(std::chrono::nanoseconds most) {
 
 void DurableStore::run() {
   std::unique_lock held(mutex_);
-  const auto has_work = [&] { return !pending_.empty() || !failed_.empty() || is_looking_; };
+  const auto has_work = [&] {
+    return !pending_.empty() || !failed_.empty() || index_.shares().has_news();
+  };
   for (;;) {
     work_.wait(held, [&] { return stopping_ || has_work(); });
     if (has_work()) commit(held);
@@ -265,15 +228,15 @@ void DurableStore::run() {
 }
 
 // An event that cannot be raised, for example without memory, must not end the thread.
-void DurableStore::report(const Error* failure, std::uint64_t beyond_limits,
+void DurableStore::report(const Error* failure, std::uint64_t left_out,
                           const std::vector<StoreShares::Refusals>& refusals) noexcept try {
   if (failure != nullptr) events_.raise(Event(*failure));
-  if (const auto more = beyond_limits - std::exchange(beyond_limits_, beyond_limits); more != 0)
+  if (const auto more = left_out - std::exchange(left_out_, left_out); more != 0)
     events_.raise(Event(Error(Code::rtps_store_failed, {.document = store_.path(),
                                                         .field = "DURABILITY_SERVICE",
                                                         .expected = "samples within its limits",
                                                         .found = std::to_string(more) + " more"})));
-  for (const auto& [identity, samples] : refusals)
+  for (const auto& [identity, times] : refusals)
     events_.raise(Event(Error(
         Code::rtps_store_failed,
         {.document = store_.path(),
@@ -281,14 +244,16 @@ void DurableStore::report(const Error* failure, std::uint64_t beyond_limits,
                   to_hex(BytesView(identity.octets).first(6)),
          .expected = "at most as many octets as are free in the store, and as many samples of "
                      "a topic as are free in it",
-         .found = std::to_string(samples) + " samples more",
-         .note = "they are not acknowledged and wait for room; another event follows when they are "
-                 "twice as many"})));
+         .found =
+             "a sample more, offered " + std::to_string(times) + (times == 1 ? " time" : " times"),
+         .note = "it is not acknowledged and waits with its writer until there is room; another "
+                 "event follows when samples were offered twice as often"})));
 } catch (...) {
   return;
 }
 
 Status DurableStore::write(std::span<const StoredChange> group, Time now) {
+  if (group.empty()) return {};
   try {
     return store_.commit(group, now);
   } catch (const std::exception&) {
@@ -297,10 +262,17 @@ Status DurableStore::write(std::span<const StoredChange> group, Time now) {
 }
 
 /// Empty: there was no memory to find out.
-std::optional<std::set<GuidPrefix>> DurableStore::crowded_now() noexcept try {
-  return store_.shares().crowded();
+std::optional<std::size_t> DurableStore::room_now() noexcept try {
+  const auto room = store_.room();
+  return room ? std::optional(*room) : std::nullopt;
 } catch (const std::bad_alloc&) {
   return std::nullopt;
+}
+
+void DurableStore::set_free() {
+  const auto octets =
+      octets_ + failed_octets_ + (pending_.size() + failed_.size()) * StoreShares::cost(0);
+  index_.set_free(room_ - std::min(room_, 2 * octets));
 }
 
 // A group that fails is kept and committed before later ones.
@@ -310,29 +282,25 @@ void DurableStore::commit(std::unique_lock<std::mutex>& held) {
   group.swap(is_again ? failed_ : pending_);
   const auto octets = std::exchange(is_again ? failed_octets_ : octets_, 0);
   const auto now = now_;
-  is_looking_ = false;
+  const auto left_out = index_.left_out();
+  const auto refusals = index_.shares().take_news();
   held.unlock();
   std::unique_lock store(store_mutex_);
   auto written = write(group, now);
-  const auto left_out = store_.left_out();
-  const auto refusals = store_.shares().take_news();
-  auto crowded = crowded_now();
-  const auto effects = store_.take_effects();
+  const auto room = room_now();
   store.unlock();
   report(!written && status_ ? &written.error() : nullptr, left_out, refusals);
   held.lock();
-  left_out_ = left_out;
-  if (crowded) crowded_.swap(*crowded);
   status_ = std::move(written);
   if (status_) {
-    count_refused(held, group, effects);
-    note(held, effects);
     committed_ += group.size();
     ++groups_;
+    if (room) room_ = *room;
   } else {
     failed_.swap(group);
     failed_octets_ = octets;
   }
+  set_free();
   done_.notify_all();
 }
 

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "base/event.hpp"
+#include "rtps/durability/sample_index.hpp"
 #include "rtps/durability/sample_store.hpp"
 
 namespace ddssec::rtps {
@@ -34,20 +35,23 @@ class DurableStore {
     std::vector<std::int64_t> rows;  ///< identify the samples of `history`
   };
   /// Opens the first stream of `key` that no other writer has open; its ordinal is chosen here.
-  /// `watch`: what commits do to the stream is noted, and the caller must take it again and again.
   /// A stream to which nothing is appended that is not committed can be opened on a full disk.
   /// Errors: those of SampleStore, and those of flush.
-  Result<Opened> open_stream(StreamKey key, const DurabilityService& service, bool watch = false);
-  /// In the order in which it happened. `stored` in an effect is the number that append returned.
-  std::vector<StoreEffect> take_effects(StreamId stream);
+  Result<Opened> open_stream(StreamKey key, const DurabilityService& service);
   /// Once everything that was appended to the stream is committed, a stream without samples is
   /// removed.
   void close_stream(StreamId stream);
 
-  /// Never waits. Returns a number that committed() reaches when the change is stored, was left
-  /// out, or was refused (take_effects). `identity`: see StoredChange.
-  std::uint64_t append(StreamId stream, const Change& change, Time now,
-                       const std::optional<GuidPrefix>& identity = {}, bool was_refused = false);
+  struct Appended {
+    SampleIndex::Outcome outcome;
+    std::uint64_t number = 0;  ///< committed() reaches it when this is stored
+  };
+  /// Never waits for a disk. What has the verdict `waits` was not appended: try again later.
+  /// `identity`: see StoredChange. `now`: calendar time.
+  Appended append(StreamId stream, const Change& change, Time now,
+                  const std::optional<GuidPrefix>& identity = {});
+  /// Removes the disposed instances whose service_cleanup_delay is over, and returns their samples.
+  std::vector<std::int64_t> clean_up(StreamId stream, Time now);
   /// The number of appended changes that are stored, in the order of append.
   std::uint64_t committed() const;
   /// The number of appended changes that are not stored yet.
@@ -55,15 +59,6 @@ class DurableStore {
   /// The number of changes that were left out because of the limits of DURABILITY_SERVICE; never
   /// reset.
   std::uint64_t left_out() const;
-  /// True if changes of the identity were refused because its share is full, and still is.
-  bool is_crowded(const GuidPrefix& identity) const;
-  /// True as long as refused changes of the identity are neither stored nor given up, in any
-  /// stream. Take no others of it meanwhile: so there are at most as many as the queue holds.
-  bool has_refused(const GuidPrefix& identity) const;
-  /// A refused change is not appended again.
-  void give_up_refused(const GuidPrefix& identity);
-  /// Looks soon for samples that are due to be removed, and for room for crowded identities.
-  void look_for_room(Time now);
   /// True if the queue has reached its limit.
   bool is_behind() const;
   /// The result of the last group. An error lasts until a group is committed again.
@@ -87,15 +82,14 @@ class DurableStore {
   void run();
   Status write(std::span<const StoredChange> group, Time now);
   void commit(std::unique_lock<std::mutex>& held);
-  void note(std::unique_lock<std::mutex>& held, const std::vector<StoreEffect>& effects);
-  /// Counts what a committed group leaves refused.
-  void count_refused(std::unique_lock<std::mutex>& held, const std::vector<StoredChange>& group,
-                     const std::vector<StoreEffect>& effects);
-  std::optional<std::set<GuidPrefix>> crowded_now() noexcept;
+  /// Counts what was pushed to pending_. The caller holds the mutex, as for set_free.
+  std::uint64_t count_pending(Time now);
+  void set_free();
+  std::optional<std::size_t> room_now() noexcept;
   void report(const Error* failure, std::uint64_t beyond_limits,
               const std::vector<StoreShares::Refusals>& refusals) noexcept;
   /// `after`: the change that must be committed before.
-  Result<Opened> load(StreamId id, std::uint64_t after, bool watch);
+  Result<Opened> load(StreamId id, const DurabilityService& service, std::uint64_t after);
   /// The caller holds the store's mutex.
   void forget_closed();
   bool over() const {
@@ -105,8 +99,8 @@ class DurableStore {
   template <class Ready>
   Status wait(std::chrono::nanoseconds most, Ready ready);
 
-  mutable std::mutex mutex_;      ///< protects everything but the store
-  std::timed_mutex store_mutex_;  ///< protects the store; locked first
+  mutable std::mutex mutex_;      ///< protects everything but store_
+  std::timed_mutex store_mutex_;  ///< protects store_; locked first
   std::condition_variable work_, done_;
   SampleStore store_;
   EventSink& events_;
@@ -115,13 +109,11 @@ class DurableStore {
   std::size_t octets_ = 0, failed_octets_ = 0;
   Time now_{};
   std::uint64_t appended_ = 0, committed_ = 0, groups_ = 0;
-  std::uint64_t beyond_limits_ = 0, left_out_ = 0;
+  std::uint64_t left_out_ = 0;  ///< that an event has named
   Status status_;
-  std::set<GuidPrefix> crowded_;
-  std::map<GuidPrefix, std::size_t> refused_;  ///< number of changes
-  bool is_looking_ = false;
+  SampleIndex index_;
+  std::size_t room_ = 0;  ///< octets that were free after the last commit
   std::set<StreamId> open_;
-  std::map<StreamId, std::vector<StoreEffect>> effects_;  ///< of open streams
   std::map<StreamId, std::uint64_t> last_;  ///< the number of the last change appended to each
   std::set<StreamId> closed_;               ///< not open any more, and not forgotten yet
   bool stopping_ = false;

@@ -34,10 +34,6 @@ std::string schema_of(std::int64_t version, std::string_view sql) {
   return out;
 }
 
-std::size_t limit_of(std::int32_t value, std::size_t otherwise) {
-  return value == kLengthUnlimited ? otherwise : static_cast<std::size_t>(value);
-}
-
 /// Includes the length of each name, so that different lists never give the same octets.
 Bytes partition_octets(const std::vector<std::string>& names) {
   Bytes out;
@@ -84,6 +80,12 @@ std::array<std::uint8_t, kSumSize> sum_of(std::int64_t row, StreamId stream, con
   std::array<std::uint8_t, kSumSize> out{};
   std::ranges::copy_n(digest.begin(), kSumSize, out.begin());
   return out;
+}
+
+/// Empty: no limit applies, or an earlier version stored the sample.
+std::optional<GuidPrefix> identity_from(BytesView octets) {
+  if (octets.size() != GuidPrefix{}.octets.size()) return std::nullopt;
+  return GuidPrefix::from(octets);
 }
 
 std::unexpected<Error> unusable(const std::string& path, std::string expected, std::string found) {
@@ -140,7 +142,7 @@ Status SampleStore::prepare(std::size_t most_octets) {
                           database_.number("SELECT max(coalesce((SELECT max(id) FROM stream), 0), "
                                            "coalesce((SELECT max(stream) FROM sample), 0))"));
   DDSSEC_ASSIGN_OR_RETURN(erase_, database_.prepare("DELETE FROM sample WHERE id = ?"));
-  return read_shares();
+  return {};
 }
 
 Status SampleStore::check_origin() {
@@ -238,112 +240,61 @@ Result<std::size_t> SampleStore::streams() {
   return static_cast<std::size_t>(rows) + static_cast<std::size_t>(without);
 }
 
-Result<StreamId> SampleStore::stream(const StreamKey& key, const DurabilityService& service) {
-  DDSSEC_ASSIGN_OR_RETURN(auto id, find(key));
-  if (!id) {
-    DDSSEC_ASSIGN_OR_RETURN(const auto stream_count, streams());
-    if (stream_count >= kMostStreams)
-      return fail(Code::rtps_store_failed, {.document = path_,
-                                            .field = "writers",
-                                            .expected = "at most " + std::to_string(kMostStreams),
-                                            .found = "one more"});
+Result<StreamId> SampleStore::stream(const StreamKey& key) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto id, find(key));
+  if (id) {
+    streams_.try_emplace(*id, Stream{key, true});  // otherwise it has no row yet
+    return *id;
   }
-  if (!id) id = StreamId{++last_stream_};
-  Stream stream;
-  stream.key = key;
-  DDSSEC_ASSIGN_OR_RETURN(const auto row, row_of(key));
-  stream.has_row = row.has_value();
-  stream.service = service;
-  DDSSEC_RETURN_IF_ERROR(read_index(*id, stream));
-  streams_[*id] = std::move(stream);
-  return *id;
+  DDSSEC_ASSIGN_OR_RETURN(const auto stream_count, streams());
+  if (stream_count >= kMostStreams)
+    return fail(Code::rtps_store_failed, {.document = path_,
+                                          .field = "writers",
+                                          .expected = "at most " + std::to_string(kMostStreams),
+                                          .found = "one more"});
+  const StreamId next{last_stream_ + 1};
+  streams_.emplace(next, Stream{key});
+  last_stream_ = next.value;
+  return next;
 }
 
 Status SampleStore::close(StreamId id) {
   const auto at = streams_.find(id);
   if (at == streams_.end()) return {};
-  const bool is_empty_row = at->second.has_row && at->second.samples == 0;
+  const bool has_row = at->second.has_row;
   streams_.erase(at);
-  if (!is_empty_row) return {};
+  if (!has_row) return {};
+  DDSSEC_ASSIGN_OR_RETURN(const auto samples,
+                          database_.number("SELECT count(*) FROM (SELECT 1 FROM sample WHERE "
+                                           "stream = " +
+                                           std::to_string(id.value) + " LIMIT 1)"));
+  if (samples != 0) return {};
   DDSSEC_ASSIGN_OR_RETURN(auto erase, database_.prepare("DELETE FROM stream WHERE id = ?"));
   return erase.bind(1, id.value).run();
 }
 
-Status SampleStore::read_index(StreamId id, Stream& stream) {
-  stream.instances.clear();
-  stream.ended.clear();
-  stream.samples = 0;
-  stream.samples_of.clear();
-  DDSSEC_ASSIGN_OR_RETURN(
-      auto rows,
-      database_.prepare("SELECT id, key, disposed, seconds, length(payload), identity FROM sample "
-                        "WHERE stream = ? ORDER BY id"));
-  rows.bind(1, id.value);
-  while (true) {
-    DDSSEC_ASSIGN_OR_RETURN(const auto has_row, rows.step());
-    if (!has_row) break;
-
-    const auto key = rows.octets(1);
-    if (key.size() != KeyHash{}.size()) return damaged(rows.number(0));
-    KeyHash hash{};
-    std::ranges::copy(key, hash.begin());
-    const auto octets = StoreShares::cost(static_cast<std::size_t>(rows.number(4)));
-    stream.count(stream.instances[hash].emplace_back(
-        rows.number(0), static_cast<std::uint32_t>(octets), account_of(rows.octets(5))));
-    stream.ended.remove(hash);
-    if (rows.number(2) == 0 || stream.service.cleanup_delay.is_infinite()) continue;
-    const auto since = std::chrono::seconds(rows.number(3));
-    stream.ended.add(hash, (since + stream.service.cleanup_delay.to_nanoseconds()).count());
-  }
-  return {};
-}
-
-StoreShares::Account SampleStore::account_of(BytesView identity) {
-  if (identity.size() != GuidPrefix{}.octets.size()) return StoreShares::kNone;
-  return shares_.account(GuidPrefix::from(identity));
-}
-
-Status SampleStore::read_shares() {
-  shares_.clear();
+Status SampleStore::read_shares(StoreShares& shares) {
   DDSSEC_ASSIGN_OR_RETURN(
       auto rows,
       database_.prepare(
           "SELECT identity, count(*), sum(length(payload)) FROM sample GROUP BY identity"));
   while (true) {
     DDSSEC_ASSIGN_OR_RETURN(const auto has_row, rows.step());
-    if (!has_row) break;
+    if (!has_row) return {};
 
+    const auto identity = identity_from(rows.octets(0));
     const auto count = static_cast<std::size_t>(rows.number(1));
-    shares_.add(account_of(rows.octets(0)),
-                static_cast<std::size_t>(rows.number(2)) + count * StoreShares::cost(0));
+    if (identity)
+      shares.add(shares.account(*identity),
+                 static_cast<std::size_t>(rows.number(2)) + count * StoreShares::cost(0));
   }
-  return measure_room();
 }
 
-Status SampleStore::measure_room() {
+Result<std::size_t> SampleStore::room() {
   DDSSEC_ASSIGN_OR_RETURN(const auto page_count, database_.number("PRAGMA page_count"));
   DDSSEC_ASSIGN_OR_RETURN(const auto freelist_count, database_.number("PRAGMA freelist_count"));
   const auto pages = page_count - freelist_count;
-  const auto used = std::min(static_cast<std::size_t>(pages), most_pages_);
-  free_ = measured_free_ = (most_pages_ - used) * kPageSize;
-  return {};
-}
-
-/// The number of pages that a sample will use is not known in advance, so the free room is measured
-/// from time to time.
-Result<bool> SampleStore::has_share(StoreShares::Account account, std::size_t octets,
-                                    std::size_t freed) {
-  if (account == StoreShares::kNone || octets <= freed) return true;
-  if (free_ < measured_free_ - measured_free_ / 16) DDSSEC_RETURN_IF_ERROR(measure_room());
-  return shares_.octets(account) - freed + octets <= free_;
-}
-
-bool SampleStore::has_place(const Stream& stream, StoreShares::Account account,
-                            std::size_t freed) const {
-  const bool shared = stream.service.limits.max_samples == kLengthUnlimited;
-  if (account == StoreShares::kNone || !shared || freed > 0) return true;
-  const auto own = stream.samples_of.find(account);
-  return own == stream.samples_of.end() || own->second + stream.samples < most_samples_;
+  return (most_pages_ - std::min(static_cast<std::size_t>(pages), most_pages_)) * kPageSize;
 }
 
 std::unexpected<Error> SampleStore::damaged(std::int64_t row) const {
@@ -354,7 +305,7 @@ Result<StoredHistory> SampleStore::load(StreamId stream) {
   DDSSEC_ASSIGN_OR_RETURN(
       auto rows,
       database_.prepare("SELECT id, key, keyed, disposed, seconds, fraction, payload, sum, "
-                        "writer, number FROM sample WHERE stream = ? ORDER BY id"));
+                        "writer, number, identity FROM sample WHERE stream = ? ORDER BY id"));
   rows.bind(1, stream.value);
   StoredHistory out;
   while (true) {
@@ -378,138 +329,42 @@ Result<StoredHistory> SampleStore::load(StreamId stream) {
       return damaged(rows.number(0));
     out.changes.push_back(std::move(change));
     out.rows.push_back(rows.number(0));
+    out.identities.push_back(identity_from(rows.octets(10)));
   }
   return out;
 }
 
 Status SampleStore::commit(std::span<const StoredChange> changes, Time now) {
-  const auto reload = [&]() -> Status {
-    effects_.clear();
-    for (auto& [id, stream] : streams_) {
-      DDSSEC_ASSIGN_OR_RETURN(const auto row, row_of(stream.key));
-      stream.has_row = row.has_value();
-      DDSSEC_RETURN_IF_ERROR(read_index(id, stream));
-    }
-    DDSSEC_RETURN_IF_ERROR(read_shares());
-    is_stale_ = false;
-    return {};
-  };
-  const auto write = [&]() -> Status {
+  std::vector<Stream*> made;
+  {
     DDSSEC_ASSIGN_OR_RETURN(auto transaction, Database::Transaction::begin(database_));
-    DDSSEC_RETURN_IF_ERROR(measure_room());
-    place_ = committed_;
     for (const auto& stored : changes) {
-      ++place_;
-      const auto id = stored.stream;
-      const auto found = streams_.find(id);
-      if (found == streams_.end()) continue;
-      auto& stream = found->second;
-      DDSSEC_RETURN_IF_ERROR(add(id, stream, stored, now));
-      if (stream.has_row || stream.samples == 0) continue;
-      DDSSEC_RETURN_IF_ERROR(insert_row(id, stream.key));
-      stream.has_row = true;
+      const auto stream = streams_.find(stored.stream);
+      if (stream == streams_.end()) continue;
+      for (const auto row : stored.removed) DDSSEC_RETURN_IF_ERROR(erase_.bind(1, row).run());
+      if (stored.row == 0) continue;
+      if (!stream->second.has_row && std::ranges::find(made, &stream->second) == made.end()) {
+        made.push_back(&stream->second);
+        DDSSEC_RETURN_IF_ERROR(insert_row(stored.stream, stream->second.key));
+      }
+      DDSSEC_RETURN_IF_ERROR(insert(stored, now));
     }
-    for (auto& [id, stream] : streams_)
-      DDSSEC_RETURN_IF_ERROR(clean_up(id, stream, now.to_nanoseconds().count()));
-    return transaction.commit();
-  };
-  if (is_stale_) DDSSEC_RETURN_IF_ERROR(reload());
-  const auto left_out = left_out_;
-  is_stale_ = true;  // also if an exception ends what follows
-  auto written = write();
-  is_stale_ = !written;
-  if (written) {
-    committed_ += changes.size();
-    look_for_room();
-    return written;
+    DDSSEC_RETURN_IF_ERROR(transaction.commit());
   }
-  left_out_ = left_out;
-  DDSSEC_RETURN_IF_ERROR(reload());
-  return written;
+  for (auto* stream : made) stream->has_row = true;
+  return {};
 }
 
-bool SampleStore::has_room(const Stream& stream, const KeyHash& key) const {
-  const auto& limits = stream.service.limits;
-  const auto held = stream.instances.find(key);
-  if (stream.samples >= limit_of(limits.max_samples, most_samples_)) return false;
-  if (held == stream.instances.end())
-    return stream.instances.size() < limit_of(limits.max_instances, most_samples_);
-  return held->second.size() < limit_of(limits.max_samples_per_instance, most_samples_);
-}
-
-std::size_t SampleStore::replaced(const Stream& stream, const Rows& rows) {
-  const auto& history = stream.service.history;
-  const auto depth = static_cast<std::size_t>(history.depth);
-  if (history.kind != HistoryKind::keep_last || rows.size() < depth) return 0;
-  return rows.size() - depth + 1;
-}
-
-Status SampleStore::add(StreamId id, Stream& stream, const StoredChange& stored, Time now) {
-  const auto& change = stored.change;
-  const auto key = change.key_hash.value_or(KeyHash{});
-  if (!change.is_alive() && !change.status.disposed) return {};
-  const auto account = stored.identity ? shares_.account(*stored.identity) : StoreShares::kNone;
-  if (shares_.is_behind(account, id.value, key))
-    return refuse(id, stream, account, change), Status{};
-  if (change.status.disposed && stream.service.cleanup_delay == kDurationZero)
-    return erase_instance(id, stream, key);
-  const auto held = stream.instances.find(key);
-  std::size_t count = 0, freed = 0, own = 0;
-  if (held != stream.instances.end()) count = replaced(stream, held->second);
-  for (std::size_t i = 0; i < count; ++i)
-    if (held->second[i].account == account) freed += held->second[i].octets, ++own;
-  const auto octets = StoreShares::cost(change.payload.size());
-  bool has_space = has_place(stream, account, own);
-  if (has_space) {
-    DDSSEC_ASSIGN_OR_RETURN(has_space, has_share(account, octets, freed));
-  }
-  if (!has_space && change.status.disposed) return erase_instance(id, stream, key);
-  if (!has_space) return refuse(id, stream, account, change), Status{};
-  for (; count > 0; --count) {
-    DDSSEC_RETURN_IF_ERROR(erase_row(id, stream, held->second.front()));
-    held->second.pop_front();
-  }
-  if (!has_room(stream, key)) return ++left_out_, Status{};
-  return insert(id, stream, stored, now);
-}
-
-void SampleStore::refuse(StreamId id, const Stream& stream, StoreShares::Account account,
-                         const Change& change) {
-  shares_.refuse(account, {.stream = id.value,
-                           .instance = change.key_hash.value_or(KeyHash{}),
-                           .octets = StoreShares::cost(change.payload.size())});
-  if (stream.watched)
-    effects_.push_back({.stream = id,
-                        .stored = place_,
-                        .is_refused = true,
-                        .identity = shares_.identity(account)});
-}
-
-void SampleStore::look_for_room() {
-  shares_.look_again([&](StoreShares::Account account, const StoreShares::Refused& first) {
-    const auto stream = streams_.find({first.stream});
-    if (stream == streams_.end()) return true;
-    // What it replaces makes room, as in add().
-    std::size_t freed = 0, own = 0;
-    if (const auto held = stream->second.instances.find(first.instance);
-        held != stream->second.instances.end())
-      for (std::size_t i = 0; i < replaced(stream->second, held->second); ++i)
-        if (held->second[i].account == account) freed += held->second[i].octets, ++own;
-    const auto fits = has_share(account, first.octets, freed);
-    return fits && *fits && has_place(stream->second, account, own);
-  });
-}
-
-Status SampleStore::insert(StreamId id, Stream& stream, const StoredChange& stored, Time now) {
+Status SampleStore::insert(const StoredChange& stored, Time now) {
   auto change = stored.change;
   const auto key = change.key_hash.value_or(KeyHash{});
   const auto time = change.source_time.value_or(now);
   change.source_time = time;
   change.status.unregistered = false;
-  const auto sum = sum_of(++last_row_, id, change);
+  const auto sum = sum_of(stored.row, stored.stream, change);
   const auto origin = change.origin();
   const auto writer = origin.writer.octets();
-  insert_.bind(1, id.value)
+  insert_.bind(1, stored.stream.value)
       .bind(2, BytesView(key))
       .bind(3, std::int64_t{change.key_hash.has_value()})
       .bind(4, std::int64_t{change.status.disposed})
@@ -517,83 +372,13 @@ Status SampleStore::insert(StreamId id, Stream& stream, const StoredChange& stor
       .bind(6, std::int64_t{time.fraction})
       .bind(7, change.payload.view())
       .bind(8, BytesView(sum))
-      .bind(9, last_row_)
+      .bind(9, stored.row)
       .bind(10, BytesView(writer))
       .bind(11, origin.number.value);
   if (stored.identity) insert_.bind(12, BytesView(stored.identity->octets));
   DDSSEC_RETURN_IF_ERROR(insert_.run());
-  const auto account = stored.identity ? shares_.account(*stored.identity) : StoreShares::kNone;
-  const auto octets = StoreShares::cost(change.payload.size());
-  shares_.add(account, octets);
-  free_ -= std::min(free_, 2 * octets);
-  stream.count(
-      stream.instances[key].emplace_back(last_row_, static_cast<std::uint32_t>(octets), account));
-  if (stream.watched) effects_.push_back({id, last_row_, place_});
-  stream.ended.remove(key);
-  const auto delay = stream.service.cleanup_delay;
-  if (change.status.disposed && !delay.is_infinite())
-    stream.ended.add(key, (now.to_nanoseconds() + delay.to_nanoseconds()).count());
+  last_row_ = std::max(last_row_, stored.row);
   return {};
-}
-
-Status SampleStore::erase_row(StreamId id, Stream& stream, const Row& row) {
-  DDSSEC_RETURN_IF_ERROR(erase_.bind(1, row.id).run());
-  shares_.remove(row.account, row.octets);
-  --stream.samples;
-  if (const auto own = stream.samples_of.find(row.account); own != stream.samples_of.end())
-    if (--own->second == 0) stream.samples_of.erase(own);
-  if (stream.watched) effects_.push_back({.stream = id, .row = row.id});
-  return {};
-}
-
-Status SampleStore::erase_instance(StreamId id, Stream& stream, const KeyHash& key) {
-  const auto held = stream.instances.find(key);
-  if (held == stream.instances.end()) return {};
-  for (const auto& row : held->second) DDSSEC_RETURN_IF_ERROR(erase_row(id, stream, row));
-  stream.instances.erase(held);
-  stream.ended.remove(key);
-  return {};
-}
-
-Status SampleStore::clean_up(StreamId id, Stream& stream, std::int64_t now) {
-  for (auto key = stream.ended.due(now); key; key = stream.ended.due(now)) {
-    stream.ended.remove(*key);
-    DDSSEC_RETURN_IF_ERROR(erase_instance(id, stream, *key));
-  }
-  return {};
-}
-
-void SampleStore::Ended::add(const KeyHash& key, std::int64_t due) {
-  remove(key);
-  by_key_.emplace(key, due);
-  by_time_.emplace(due, key);
-}
-
-void SampleStore::Ended::remove(const KeyHash& key) {
-  const auto at = by_key_.find(key);
-  if (at == by_key_.end()) return;
-  by_time_.erase({at->second, key});
-  by_key_.erase(at);
-}
-
-void SampleStore::Ended::clear() {
-  by_key_.clear();
-  by_time_.clear();
-}
-
-std::optional<KeyHash> SampleStore::Ended::due(std::int64_t now) const {
-  if (by_time_.empty() || by_time_.begin()->first > now) return std::nullopt;
-  return by_time_.begin()->second;
-}
-
-void SampleStore::watch(StreamId stream) {
-  if (const auto found = streams_.find(stream); found != streams_.end())
-    found->second.watched = true;
-}
-
-std::size_t SampleStore::size(StreamId stream) const {
-  const auto found = streams_.find(stream);
-  return found == streams_.end() ? 0 : found->second.samples;
 }
 
 }  // namespace ddssec::rtps

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <map>
-#include <set>
 #include <utility>
 #include <vector>
 
@@ -24,39 +23,19 @@ class StoreShares {
 
   /// `identity`: see ParticipantCore::identity_of.
   Account account(const GuidPrefix& identity);
-  const GuidPrefix& identity(Account account) const { return shares_[account].identity; }
   std::size_t octets(Account account) const { return shares_[account].octets; }
   void add(Account account, std::size_t octets) { shares_[account].octets += octets; }
   void remove(Account account, std::size_t octets) { shares_[account].octets -= octets; }
-  /// Sets all shares to 0. The accounts stay valid.
-  void clear();
 
   struct Refusals {
     GuidPrefix identity;
-    std::uint64_t samples;  ///< total so far
+    std::uint64_t times;  ///< total so far
   };
-  /// A change that does not fit a share.
-  struct Refused {
-    std::int64_t stream;
-    KeyHash instance;
-    std::size_t octets;
-  };
-  /// From now on the account is crowded.
-  void refuse(Account account, const Refused& change);
-  /// How often changes were refused; never reset.
-  std::uint64_t refused() const { return refused_; }
-  /// True if an earlier change of this instance was refused, so that this one must come later.
-  bool is_behind(Account account, std::int64_t stream, const KeyHash& instance) const;
-  /// The identities whose accounts are crowded.
-  std::set<GuidPrefix> crowded() const;
-  /// Ends that for the accounts whose first refused change fits now.
-  template <class Fits>
-  void look_again(Fits fits) {
-    std::erase_if(crowds_,
-                  [&](const auto& crowd) { return fits(crowd.first, crowd.second.first); });
-  }
+  /// A sample had no room.
+  void refuse(const GuidPrefix& identity);
   /// The identities whose refusals have doubled since the last report.
   std::vector<Refusals> take_news() { return std::exchange(news_, {}); }
+  bool has_news() const { return !news_.empty(); }
 
  private:
   struct Share {
@@ -67,12 +46,6 @@ class StoreShares {
   std::vector<Share> shares_{1};
   std::map<GuidPrefix, Account> accounts_;
   std::vector<Refusals> news_;
-  struct Crowd {
-    Refused first;
-    std::set<std::pair<std::int64_t, KeyHash>> instances;
-  };
-  std::map<Account, Crowd> crowds_;
-  std::uint64_t refused_ = 0;
 };
 
 }  // namespace ddssec::rtps

@@ -71,9 +71,6 @@ KeptTopic::~KeptTopic() {
   for (const auto& guid : {reader_, writer_})
     if (guid != Guid{}) context_.protocol().remove(guid, context_.now());
   context_.reschedule();
-  for (const auto* list : {&refused_, &unstored_})
-    for (const auto& one : *list)
-      if (one.state == Unstored::State::refused) store_.give_up_refused(*one.identity);
   if (stream_) store_.close_stream(*stream_);
 }
 
@@ -84,7 +81,7 @@ Status KeptTopic::open(DomainId domain, const std::string& domain_tag) {
                 .partition = like_.qos.partition,
                 .scope = scope_of(domain_tag, like_.qos.data_tags)};
   DDSSEC_ASSIGN_OR_RETURN(auto opened,
-                          store_.open_stream(std::move(key), like_.qos.durability_service, true));
+                          store_.open_stream(std::move(key), like_.qos.durability_service));
   stream_ = opened.id;
   const std::lock_guard held(context_.mutex());
   has_samples_ = !opened.history.empty();
@@ -150,13 +147,13 @@ bool KeptTopic::on_change(Change& change) {
     ++without_key_;
     return true;
   }
+  if (is_overtaken(change)) return true;
   if (store_.is_behind()) return false;  // the writer offers it again
-  const auto identity = identity_of(change.writer.prefix);
-  if (is_crowded(identity)) return defer(context_.now());
   const auto claimed = claim(change);
   if (claimed == Claim::no_room) ++left_out_;
-  if (claimed == Claim::owned) keep(change, identity);
-  return claimed != Claim::later || defer(context_.now());
+  if (claimed == Claim::later || (claimed == Claim::owned && !keep(change)))
+    return defer(context_.now());
+  return true;
 }
 
 bool KeptTopic::defer(MonotonicTime now) {
@@ -165,24 +162,34 @@ bool KeptTopic::defer(MonotonicTime now) {
   return false;
 }
 
-bool KeptTopic::is_crowded(const std::optional<GuidPrefix>& identity) const {
-  return identity && (store_.is_crowded(*identity) || store_.has_refused(*identity));
+/// With KEEP_ALL, only the end of its instance is in its way.
+bool KeptTopic::is_overtaken(const Change& change) const {
+  const bool keeps_all = like_.qos.durability_service.history.kind == HistoryKind::keep_all;
+  return overtaken_.is_overtaken(change, keeps_all);
 }
 
-void KeptTopic::keep(Change& change, const std::optional<GuidPrefix>& identity) {
-  seen_.add(SeenOriginals::of(change));
-  if (!std::exchange(has_samples_, true)) on_first_sample_();
+bool KeptTopic::keep(Change& change) {
+  const auto [now, wall] = context_.moment();
   change.original = change.origin();
   change.coherence = {};
-  const auto [now, wall] = context_.moment();
   if (!change.source_time) change.source_time = wall;
-  const auto number = store_.append(*stream_, change, wall, identity);
   const auto writer = change.writer;
   const auto original = change.sequence_number;
+  const auto kept = store_.append(*stream_, change, wall, identity_of(writer.prefix));
+  if (kept.outcome.verdict == SampleIndex::Verdict::waits) {
+    overtaken_.wait(writer);
+    return false;
+  }
+  overtaken_.note(change);
+  seen_.add(SeenOriginals::of(change));
+  if (!std::exchange(has_samples_, true)) on_first_sample_();
   if (owners_ && change.status.unregistered)
     owners_->release(change.key_hash.value_or(KeyHash{}), writer);
-  unstored_.push_back({number, writer, original, server().write(change, now), identity});
+  unstored_[writer].push_back({kept.number, original});
+  discard(kept.outcome.removed);
+  if (kept.outcome.row != 0) rows_[kept.outcome.row] = server().write(change, now);
   look_again(now);
+  return true;
 }
 
 /// Without security there are no identities. All participants that did not authenticate count as
@@ -206,6 +213,7 @@ void KeptTopic::on_matched(const EndpointData& remote) {
 
 void KeptTopic::on_unmatched(const Guid& remote) {
   writers_.erase(remote);
+  overtaken_.forget(remote);
   if (!owners_) return;
   owners_->remove_writer(remote);
   liveliness_.remove(remote);
@@ -225,10 +233,9 @@ void KeptTopic::on_alive(const Guid& writer) {
   look_again(now);
 }
 
-SequenceNumber KeptTopic::first_unstored(const Guid& writer, SequenceNumber next) {
-  if (const auto at = first_refused_.find(writer); at != first_refused_.end()) return at->second;
-  const auto at = std::ranges::find(unstored_, writer, &Unstored::writer);
-  return at == unstored_.end() ? next : at->change;
+SequenceNumber KeptTopic::first_unstored(const Guid& writer, SequenceNumber next) const {
+  const auto at = unstored_.find(writer);
+  return at == unstored_.end() ? next : at->second.front().change;
 }
 
 StatefulWriter& KeptTopic::server() const {
@@ -237,7 +244,7 @@ StatefulWriter& KeptTopic::server() const {
 
 std::uint64_t KeptTopic::waiting() const {
   const auto* reader = context_.protocol().local_endpoints().reader(reader_);
-  return refused_.size() + (reader == nullptr ? 0 : reader->refused());
+  return reader == nullptr ? 0 : reader->refused();
 }
 
 std::uint64_t KeptTopic::abandoned() const {
@@ -248,28 +255,18 @@ std::uint64_t KeptTopic::abandoned() const {
 std::uint64_t KeptTopic::served() const { return server().history().size(); }
 std::uint64_t KeptTopic::served_octets() const { return server().history().octets(); }
 
-void KeptTopic::serve(const std::vector<StoreEffect>& effects) {
-  auto& writer = server();
-  for (const auto& effect : effects) {
-    if (effect.stored == 0) {
-      if (const auto gone = rows_.extract(effect.row)) writer.discard(gone.mapped());
-      continue;
-    }
-    const auto at = std::ranges::lower_bound(unstored_, effect.stored, {}, &Unstored::number);
-    if (at == unstored_.end() || at->number != effect.stored) continue;
-    at->state = effect.is_refused ? Unstored::State::refused : Unstored::State::stored;
-    if (!effect.is_refused) rows_[effect.row] = at->served;
-  }
+void KeptTopic::discard(const std::vector<std::int64_t>& rows) {
+  for (const auto row : rows)
+    if (const auto gone = rows_.extract(row)) server().discard(gone.mapped());
 }
 
-// What is disposed is removed from the store after service_cleanup_delay, by any later commit.
+// What is disposed is removed from the store after service_cleanup_delay.
 void KeptTopic::look_again(MonotonicTime now) {
-  const auto delay = like_.qos.durability_service.cleanup_delay;
   auto next = liveliness_.next_tick();
   if (deferred_) next = std::min(next, now + kDeferredLook);
   if (!unstored_.empty())
     next = std::min(next, now + kLook);
-  else if (!rows_.empty() && delay != kDurationZero && !delay.is_infinite())
+  else if (has_delayed_ends())
     next = std::min(next, now + kRareLook);
   call_at(next);
 }
@@ -279,51 +276,39 @@ void KeptTopic::on_time(MonotonicTime now) {
     if (signal != nullptr) signal->notify(*this, writer);
     owners_->lose(writer);
   });
-  const auto stored = store_.committed();
-  serve(store_.take_effects(*stream_));
-  std::set<Guid> writers;
-  for (; !unstored_.empty() && unstored_.front().number <= stored; unstored_.pop_front()) {
-    writers.insert(unstored_.front().writer);
-    using enum Unstored::State;
-    if (unstored_.front().state == under_way) server().discard(unstored_.front().served);
-    if (unstored_.front().state != refused) continue;
-    first_refused_.try_emplace(unstored_.front().writer, unstored_.front().change);
-    refused_.push_back(std::move(unstored_.front()));
-  }
-  auto* reader = context_.protocol().local_endpoints().reader(reader_);
-  const bool deferred = std::exchange(deferred_, false);
-  if ((deferred || !writers.empty()) && reader != nullptr) {
-    reader->offer_again();
-    for (const auto& writer : writers) reader->acknowledge_again(writer);
-  }
-  store_refused();
+  if (has_delayed_ends()) discard(store_.clean_up(*stream_, context_.moment().wall));
+  const bool has_news = acknowledge_stored();
+  if (std::exchange(deferred_, false) || has_news) offer_again();
   look_again(now);
 }
 
-// All of an identity together, after all that it sent before: so they keep their order.
-void KeptTopic::store_refused() {
-  if (refused_.empty()) return;
-  deferred_ = true;
-  const auto moment = context_.moment();
-  if (moment.now < next_retry_) return;
-  next_retry_ = moment.now + kRareLook;
-  store_.look_for_room(moment.wall);
-  std::set<std::optional<GuidPrefix>> ready;
-  for (const auto& one : refused_)
-    if (!store_.is_crowded(*one.identity)) ready.insert(one.identity);
-  for (const auto& one : unstored_) ready.erase(one.identity);
-  std::erase_if(refused_, [&](Unstored& one) {
-    if (!ready.contains(one.identity)) return false;
-    const auto* change = server().history().find(one.served);
-    // A later sample of the instance may have replaced it.
-    if (change == nullptr) return store_.give_up_refused(*one.identity), true;
-    one.number = store_.append(*stream_, *change, moment.wall, one.identity, true);
-    one.state = Unstored::State::under_way;
-    unstored_.push_back(one);
-    return true;
-  });
-  first_refused_.clear();
-  for (const auto& one : refused_) first_refused_.try_emplace(one.writer, one.change);
+bool KeptTopic::has_delayed_ends() const {
+  const auto delay = like_.qos.durability_service.cleanup_delay;
+  return !rows_.empty() && delay != kDurationZero && !delay.is_infinite();
+}
+
+bool KeptTopic::acknowledge_stored() {
+  const auto stored = store_.committed();
+  auto* reader = context_.protocol().local_endpoints().reader(reader_);
+  bool has_news = false;
+  for (auto at = unstored_.begin(); at != unstored_.end();) {
+    const auto writer = at->first;
+    auto& queue = at->second;
+    const bool is_news = queue.front().number <= stored;
+    while (!queue.empty() && queue.front().number <= stored) queue.pop_front();
+    at = queue.empty() ? unstored_.erase(at) : std::next(at);
+    if (is_news && reader != nullptr) reader->acknowledge_again(writer);
+    has_news = has_news || is_news;
+  }
+  return has_news;
+}
+
+void KeptTopic::offer_again() {
+  auto* reader = context_.protocol().local_endpoints().reader(reader_);
+  if (reader == nullptr) return;
+  overtaken_.begin_pass();
+  reader->offer_again();
+  overtaken_.end_pass();
 }
 
 void KeptTopic::on_sample_dropped(const Guid& writer, std::uint32_t octets) {

@@ -3,6 +3,7 @@
 
 #include <deque>
 #include <functional>
+#include <map>
 #include <set>
 
 #include "rtps/dcps/liveliness.hpp"
@@ -10,6 +11,7 @@
 #include "rtps/dcps/seen_originals.hpp"
 #include "rtps/durability/durable_store.hpp"
 #include "rtps/keeper/instance_owners.hpp"
+#include "rtps/keeper/overtaken.hpp"
 
 namespace ddssec::rtps {
 
@@ -17,7 +19,8 @@ namespace ddssec::rtps {
 /// reaches no reader that the original writer does not match.
 /// A sample is acknowledged only when it is stored, because a writer may leave once its samples are
 /// acknowledged. Late joiners get what is stored, and what is being stored: the limits of the
-/// store, with the shares of all identities, are those of the memory as well. With OWNERSHIP
+/// store, with the shares of all identities, are those of the memory as well. A sample above the
+/// share of its identity stays with its writer until there is room. With OWNERSHIP
 /// EXCLUSIVE it keeps what a reader would have seen: the samples of the owner of each instance.
 /// Called by the participant, with its lock held.
 class KeptTopic final : private EndpointListener, private Timed {
@@ -64,23 +67,25 @@ class KeptTopic final : private EndpointListener, private Timed {
   void on_sample_dropped(const Guid& writer, std::uint32_t octets) override;
   void on_time(MonotonicTime now) override;
   StatefulWriter& server() const;
-  /// Does to what is served what was done to the store.
-  void serve(const std::vector<StoreEffect>& effects);
+  /// What the store removed is no longer served.
+  void discard(const std::vector<std::int64_t>& rows);
   void look_again(MonotonicTime now);
-  SequenceNumber first_unstored(const Guid& writer, SequenceNumber next);
-  /// True if samples of this identity must wait for room in its share.
-  bool is_crowded(const std::optional<GuidPrefix>& identity) const;
+  SequenceNumber first_unstored(const Guid& writer, SequenceNumber next) const;
+  /// Acknowledges what was stored. Returns false if nothing was.
+  bool acknowledge_stored();
+  bool has_delayed_ends() const;
   /// Lets the writer offer the change again later.
   bool defer(MonotonicTime now);
-  /// Stores what was refused, once there is room.
-  void store_refused();
+  void offer_again();
   void on_signal(const Guid& writer, std::shared_ptr<LivelinessSignal> signal) override;
   void on_alive(const Guid& writer) override;
   void on_acknowledged() override {}
   EndpointRequest request(Qos qos) const;
   void expect_owners(const std::vector<Change>& history);
   InstanceOwners::Claim claim(const Change& change);
-  void keep(Change& change, const std::optional<GuidPrefix>& identity);
+  /// Returns false if there is no room.
+  bool keep(Change& change);
+  bool is_overtaken(const Change& change) const;
   /// False: the writer reaches other readers, or needs other permissions.
   bool has_scope_of(const EndpointData& writer) const;
   /// The identity whose share of the store a sample uses.
@@ -99,21 +104,14 @@ class KeptTopic final : private EndpointListener, private Timed {
   std::set<Guid> writers_;                ///< that matched the reader, and whose samples are kept
   std::optional<InstanceOwners> owners_;  ///< only with OWNERSHIP EXCLUSIVE
   LivelinessMonitor liveliness_;          ///< the same: owners that are not alive own nothing
-  bool deferred_ = false;                 ///< a change waits for an owner to come back
-  /// Changes that are being stored.
+  bool deferred_ = false;                 ///< a change waits for room, or for an owner to come back
+  Overtaken overtaken_;
+  /// A change that is being stored.
   struct Unstored {
     std::uint64_t number;  ///< see DurableStore::append
-    Guid writer;
     SequenceNumber change;
-    SequenceNumber served;  ///< its number in what is served
-    std::optional<GuidPrefix> identity;
-    enum class State : std::uint8_t { under_way, stored, refused } state = State::under_way;
   };
-  std::deque<Unstored> unstored_;
-  /// In the order in which they came. No later sample of these identities is taken meanwhile.
-  std::deque<Unstored> refused_;
-  std::map<Guid, SequenceNumber> first_refused_;  ///< of each writer
-  MonotonicTime next_retry_{};
+  std::map<Guid, std::deque<Unstored>> unstored_;  ///< by writer
   /// What is served, by its row in the store.
   std::map<std::int64_t, SequenceNumber> rows_;
 };

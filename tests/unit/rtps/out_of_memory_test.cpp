@@ -92,15 +92,18 @@ INSTANTIATE_TEST_SUITE_P(Over, OutOfMemory, ::testing::Values(Way::network, Way:
                          name_of);
 
 TEST_F(StoreTest, AnyAllocationThatFailsWhileStoring_LeavesAStoreThatGoesOn) {
-  auto store = SampleStore::open(path);
+  auto store = IndexedStore::open(path);
   ASSERT_TRUE(store) << store.error().to_sentence();
-  const auto stream = store->stream(kMap, keep_last(2));
+  auto service = keep_last(2);
+  service.cleanup_delay = Duration{{10, 0}};
+  const auto stream = store->stream(kMap, service);
   ASSERT_TRUE(stream);
   std::uint32_t number = 0;
   bool all = false;
   for (std::int64_t after = 0; !all; ++after) {
     std::vector<StoredChange> group;
     for (int i = 0; i < 3; ++i) group.push_back({*stream, sample(number++, 5)});
+    group.push_back({*stream, dispose(number % 5)});
     memory::fail_after(after);
     try {
       static_cast<void>(store->commit(group, seconds(1)));
@@ -109,10 +112,11 @@ TEST_F(StoreTest, AnyAllocationThatFailsWhileStoring_LeavesAStoreThatGoesOn) {
     all = !memory::has_failed();
     memory::fail_after(-1);
     ASSERT_TRUE(store->commit(group, seconds(1))) << "after " << after;
-    const auto held = store->load(*stream);
+    const auto held = store->store.load(*stream);
     ASSERT_TRUE(held);
     EXPECT_EQ(held->changes.size(), store->size(*stream));
-    EXPECT_EQ(number_of(held->changes.back(), 5), number - 1);
+    EXPECT_TRUE(held->changes.back().status.disposed);
+    EXPECT_EQ(number_of(held->changes[held->changes.size() - 2], 5), number - 1);
   }
 }
 

@@ -21,6 +21,69 @@ struct StoreTest : ::testing::Test {
   const std::string path = folder / "samples";
 };
 
+/// A store with its index, as DurableStore has them, without its thread.
+class IndexedStore {
+ public:
+  static Result<IndexedStore> open(const std::string& path,
+                                   std::size_t most_octets = SampleStore::kDefaultOctets) {
+    DDSSEC_ASSIGN_OR_RETURN(auto store, SampleStore::open(path, most_octets));
+    IndexedStore out(std::move(store));
+    DDSSEC_RETURN_IF_ERROR(out.store.read_shares(out.index.shares()));
+    DDSSEC_ASSIGN_OR_RETURN(const auto room, out.store.room());
+    out.index.set_free(room);
+    return out;
+  }
+  Result<StreamId> stream(const StreamKey& key, const DurabilityService& service) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto id, store.stream(key));
+    DDSSEC_ASSIGN_OR_RETURN(const auto history, store.load(id));
+    index.open(id, service, history);
+    return id;
+  }
+  Status close(StreamId stream) {
+    index.close(stream);
+    return store.close(stream);
+  }
+  /// Stores the changes, except those that wait for room. After an error they are stored by the
+  /// next call.
+  Status commit(const std::vector<StoredChange>& changes, Time now) {
+    for (const auto& change : changes) {
+      pending.push_back(change);
+      try {
+        using enum SampleIndex::Verdict;
+        outcomes.push_back(index.add(pending.back(), now));
+        if (outcomes.back().verdict == waits) pending.pop_back(), ++waited;
+      } catch (const std::bad_alloc&) {
+        pending.pop_back();
+        throw;
+      }
+    }
+    return write(now);
+  }
+  Status clean_up(StreamId stream, Time now) {
+    pending.push_back({stream});
+    index.clean_up(pending.back(), now);
+    return write(now);
+  }
+  std::size_t size(StreamId stream) const { return index.size(stream); }
+  std::uint64_t left_out() const { return index.left_out(); }
+
+  SampleStore store;
+  SampleIndex index{store.last_row()};
+  std::vector<StoredChange> pending = {};
+  std::vector<SampleIndex::Outcome> outcomes = {};
+  std::size_t waited = 0;
+
+ private:
+  explicit IndexedStore(SampleStore opened) : store(std::move(opened)) {}
+  Status write(Time now) {
+    DDSSEC_RETURN_IF_ERROR(store.commit(pending, now));
+    pending.clear();
+    DDSSEC_ASSIGN_OR_RETURN(const auto room, store.room());
+    index.set_free(room);
+    return {};
+  }
+};
+
 inline const StreamKey kMap{.domain = 140, .topic = "Map", .type = "Grid"};
 
 inline DurabilityService keep_all() {

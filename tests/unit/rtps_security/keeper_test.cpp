@@ -261,7 +261,7 @@ TEST_F(SecuredKeeper, TopicsOfWritersThatAreNotAllowedTakeNoPlace) {
 }
 
 struct SmallSecuredKeeper : SecuredKeeper {
-  const Qos qos = durable(DurabilityKind::transient);
+  Qos qos = durable(DurabilityKind::transient);
   DataWriter<Sensor>* of_alice = nullptr;
   DataWriter<Sensor>* of_mallory = nullptr;
 
@@ -325,6 +325,48 @@ TEST_F(SmallSecuredKeeper, BeyondAnIdentitysShare_OnceThereIsRoom_AllIsStoredInO
   std::erase_if(got, [](std::int32_t value) { return value == 0 || value >= 1'000'000; });
   ASSERT_EQ(got.size(), 702u);
   EXPECT_EQ(std::vector(got.end() - 4, got.end()), (std::vector<std::int32_t>{699, 1, 2, 3}));
+}
+
+// Before, all that an identity sent waited, its own ends as well: it could not make room itself.
+TEST_F(SmallSecuredKeeper, BeyondAnIdentitysShare_ItsOwnEnds_MakeRoom) {
+  auto& other = mallory->writer(qos);
+  write(other, 0, 400);
+  write(*of_mallory, 10'000, 1500);
+  ASSERT_TRUE(stored_all_of(other));
+  ASSERT_FALSE(stored_all_of(*of_mallory)) << "the test needs a smaller store";
+  const auto waiting = keeper->unstored();
+  for (std::int32_t i = 0; i < 400; ++i) ASSERT_TRUE(other.dispose({i, 0}));
+  EXPECT_TRUE(stored_all_of(other));
+  run(100);
+  EXPECT_LE(keeper->unstored(), waiting - 300);
+}
+
+struct SmallKeepLastKeeper : SmallSecuredKeeper {
+  SmallKeepLastKeeper() { qos.history.depth = qos.durability_service.history.depth = 1; }
+};
+
+// Before, the sample that had waited replaced the later one, and brought the ended instance back.
+TEST_F(SmallKeepLastKeeper, ASample_ThatWaited_ReplacesNoLaterOneOfAnother) {
+  write(*of_alice, 1'000'000, 700);
+  ASSERT_TRUE(stored_all_of(*of_alice));
+  write(*of_mallory, 0, 700);
+  ASSERT_TRUE(of_mallory->write({1'000'000, -5}));
+  ASSERT_TRUE(of_mallory->write({1'000'001, -6}));
+  ASSERT_TRUE(of_mallory->write({1'000'002, -7}));
+  ASSERT_FALSE(stored_all_of(*of_mallory)) << "the test needs a smaller store";
+  ASSERT_TRUE(of_alice->write({1'000'000, -9}));
+  for (std::int32_t i = 1; i < 700; ++i) ASSERT_TRUE(of_alice->dispose({1'000'000 + i, 0}));
+  EXPECT_TRUE(stored_all_of(*of_alice));
+  EXPECT_TRUE(stored_all_of(*of_mallory)) << keeper->unstored();
+  ASSERT_TRUE(mallory->participant->delete_contained_entities());
+  mallory.reset();  // so that the keeper alone has its samples
+  ASSERT_TRUE(alice.participant->delete_contained_entities());
+  alice.topic = alice.participant->create_topic<Sensor>("Sensors").value();
+  run(50);
+  EXPECT_EQ(keeper->served(), 701u);
+  auto got = late_joiner(701);
+  std::erase_if(got, [](std::int32_t value) { return value >= 0; });
+  EXPECT_EQ(got, std::vector{-9});
 }
 
 }  // namespace

@@ -1,0 +1,112 @@
+// What is stored of each stream, in memory: decides whether a change is stored, and what it
+// replaces (DURABILITY_SERVICE: DDS 1.4, 2.2.3.5; shares of identities). No I/O, clock or lock.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "rtps/durability/store_shares.hpp"
+#include "rtps/durability/stored_change.hpp"
+#include "rtps/qos/qos.hpp"
+
+namespace ddssec::rtps {
+
+class SampleIndex {
+ public:
+  /// Limit for a stream without RESOURCE_LIMITS. Of it, one identity gets no more than is free.
+  static constexpr std::size_t kMostSamples = 1 << 20;
+
+  /// `last_row`: the last one that the store has used.
+  explicit SampleIndex(std::int64_t last_row = 0) : last_row_(last_row) {}
+
+  /// From now on the stream holds `history`, which the shares include already, and `service`
+  /// determines how much of it is kept.
+  void open(StreamId stream, const DurabilityService& service, const StoredHistory& history);
+  void close(StreamId stream) { streams_.erase(stream); }
+
+  enum class Verdict : std::uint8_t {
+    stored,    ///< in `row`
+    ended,     ///< no row: it ends an instance, or says nothing that is stored
+    left_out,  ///< above the limits of DURABILITY_SERVICE, and counted
+    waits,     ///< above the share of its identity, in octets or in samples of the stream
+  };
+  struct Outcome {
+    Verdict verdict = Verdict::waits;
+    std::int64_t row = 0;
+    std::vector<std::int64_t> removed = {};
+  };
+  /// `entry.stream`, `change` and `identity` are given; sets `row` and `removed`, and returns them
+  /// as well. With KEEP_LAST it replaces the oldest of its instance. The end of an instance that
+  /// has no room removes the instance. What waits or is left out changes nothing, nor does an
+  /// exception (std::bad_alloc). `now`: calendar time.
+  Outcome add(StoredChange& entry, Time now);
+  /// Removes the disposed instances of `entry.stream` whose service_cleanup_delay is over. Sets
+  /// `removed`, and returns it as well.
+  std::vector<std::int64_t> clean_up(StoredChange& entry, Time now);
+
+  StoreShares& shares() { return shares_; }
+  /// The number of octets that are free in the store, as long as nothing is added.
+  void set_free(std::size_t octets) { free_ = octets; }
+  /// The number of samples that are held of the stream.
+  std::size_t size(StreamId stream) const;
+  /// The number of changes that did not fit the limits of DURABILITY_SERVICE; never reset.
+  std::uint64_t left_out() const { return left_out_; }
+  /// For tests: another limit than kMostSamples.
+  void limit_samples(std::size_t most) { most_samples_ = most; }
+
+ private:
+  using Account = StoreShares::Account;
+  struct Row {
+    std::int64_t id;
+    std::uint32_t octets;
+    Account account;
+  };
+  using Rows = std::deque<Row>;
+  /// The disposed instances that have not been removed yet. Each costs the same, however many there
+  /// are.
+  class Ended {
+   public:
+    /// `due`: calendar time in nanoseconds.
+    void add(const KeyHash& key, std::int64_t due);
+    void remove(const KeyHash& key);
+    /// Those that are due at `now`.
+    std::vector<KeyHash> due(std::int64_t now) const;
+
+   private:
+    std::map<KeyHash, std::int64_t> by_key_;
+    std::set<std::pair<std::int64_t, KeyHash>> by_time_;
+  };
+  struct Stream {
+    DurabilityService service;
+    std::map<KeyHash, Rows> instances;
+    Ended ended;
+    std::size_t samples = 0;
+    std::map<Account, std::size_t> samples_of;
+  };
+
+  static Account account_of(StoreShares& shares, const std::optional<GuidPrefix>& identity);
+  /// With KEEP_LAST: how many of an instance's rows the next one replaces.
+  static std::size_t replaced(const Stream& stream, const Rows& rows);
+  static std::vector<std::int64_t> oldest(const Rows& rows, std::size_t count);
+  bool has_share(const Stream& stream, const KeyHash& key, Account account,
+                 std::size_t octets) const;
+  /// `replaced`: number of rows that go before.
+  bool has_room(const Stream& stream, const KeyHash& key, std::size_t replaced) const;
+  void insert(Stream& stream, const KeyHash& key, const Row& row,
+              std::optional<std::int64_t> ends_at);
+  void erase(Stream& stream, const Row& row);
+  void erase_oldest(Stream& stream, const KeyHash& key, std::size_t count);
+  void erase_instance(Stream& stream, const KeyHash& key);
+
+  std::map<StreamId, Stream> streams_;
+  StoreShares shares_;
+  std::size_t free_ = 0;
+  std::int64_t last_row_;
+  std::uint64_t left_out_ = 0;
+  std::size_t most_samples_ = kMostSamples;
+};
+
+}  // namespace ddssec::rtps

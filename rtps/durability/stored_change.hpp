@@ -1,0 +1,49 @@
+// What the parts of a store of samples tell each other.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/ids.hpp"
+#include "rtps/reliability/change.hpp"
+
+namespace ddssec::rtps {
+
+/// Identifies samples that belong together: those of one writer, before and after it was restarted.
+struct StreamKey {
+  std::uint32_t domain = 0;
+  std::string topic, type;
+  std::vector<std::string> partition = {};
+  /// Whatever else determines which readers may get the samples, such as the domain tag.
+  std::vector<std::string> scope = {};
+  /// Distinguishes writers of the participant for which all other members are equal.
+  std::uint32_t ordinal = 0;
+  bool operator==(const StreamKey&) const = default;
+};
+
+/// Identifies a stream in one opened store.
+struct StreamId {
+  std::int64_t value = 0;
+  auto operator<=>(const StreamId&) const = default;
+};
+
+/// What a commit does for one change.
+struct StoredChange {
+  StreamId stream = {};
+  Change change = {};
+  /// The identity whose share of the store it uses (ParticipantCore::identity_of). Empty: no limit
+  /// applies.
+  std::optional<GuidPrefix> identity = {};
+  std::int64_t row = 0;                    ///< where it is stored; 0: nowhere
+  std::vector<std::int64_t> removed = {};  ///< rows that go
+};
+
+/// The samples of a stream. All lists have the same length.
+struct StoredHistory {
+  std::vector<Change> changes;
+  std::vector<std::int64_t> rows;
+  std::vector<std::optional<GuidPrefix>> identities;
+};
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,297 @@
+// What a store keeps, and of whom: DURABILITY_SERVICE and the shares of identities.
+#include "rtps/durability/sample_index.hpp"
+
+#include <ctime>
+
+#include "tests/unit/rtps_durability/store_fixture.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace testing;
+using Numbers = std::vector<std::uint32_t>;
+using SampleIndexTest = StoreTest;
+
+TEST_F(SampleIndexTest, KeepLastKeepsTheLastOfEachInstance) {
+  auto opened = *IndexedStore::open(path);
+  const auto write = [&](std::uint32_t from, std::uint32_t to, std::int32_t depth) {
+    const auto id = *opened.stream(kMap, keep_last(depth));
+    std::vector<StoredChange> all;
+    for (auto i = from; i < to; ++i) all.push_back({id, sample(i, 3)});
+    ASSERT_TRUE(opened.commit(all, seconds(100)));
+  };
+  const auto stored = [&] {
+    return numbers(opened.store.load(*opened.store.stream(kMap))->changes, 3);
+  };
+  write(0, 10, 2);
+  EXPECT_EQ(stored(), (Numbers{4, 5, 6, 7, 8, 9}));
+  write(10, 11, 1);  // less from now on
+  EXPECT_EQ(stored(), (Numbers{5, 6, 8, 9, 10}));
+}
+
+TEST_F(SampleIndexTest, LimitsLeaveOutWhatDoesNotFit) {
+  auto service = keep_all();
+  service.limits = {.max_samples = 5, .max_instances = 2, .max_samples_per_instance = 3};
+  auto opened = *IndexedStore::open("");
+  const auto id = *opened.stream(kMap, service);
+  const auto write = [&](std::uint32_t number, std::uint8_t instance) {
+    auto change = sample(number);
+    change.key_hash->fill(instance);
+    ASSERT_TRUE(opened.commit({{StoredChange{id, change}}}, seconds(0)));
+  };
+  for (std::uint32_t i = 0; i < 4; ++i) write(i, 1);
+  EXPECT_EQ(opened.size(id), 3u);  // of an instance
+  for (std::uint32_t i = 0; i < 3; ++i) write(i, 2);
+  EXPECT_EQ(opened.size(id), 5u);  // in all
+  EXPECT_EQ(opened.left_out(), 2u);
+  auto end = dispose(0);
+  end.key_hash->fill(1);
+  ASSERT_TRUE(opened.commit({{StoredChange{id, end}}}, seconds(0)));
+  EXPECT_EQ(opened.size(id), 2u);
+  write(0, 3);
+  write(0, 4);
+  EXPECT_EQ(opened.size(id), 3u);  // instances
+  EXPECT_EQ(opened.left_out(), 3u);
+}
+
+// DDS 1.4, 2.2.3.5: service_cleanup_delay.
+TEST_F(SampleIndexTest, DisposedInstancesGoWhenTheirDelayIsOver) {
+  auto service = keep_all();
+  service.cleanup_delay = Duration{{10, 0}};
+  auto opened = *IndexedStore::open(path);
+  const auto id = *opened.stream(kMap, service);
+  ASSERT_TRUE(
+      opened.commit({{StoredChange{id, sample(0)}, StoredChange{id, dispose(0)}}}, seconds(0)));
+  EXPECT_EQ(opened.size(id), 2u);
+  const auto held = opened.store.load(id)->changes;
+  EXPECT_TRUE(held[1].status.disposed);
+  EXPECT_TRUE(held[1].key_only);
+  ASSERT_TRUE(opened.clean_up(id, seconds(9)));
+  EXPECT_EQ(opened.size(id), 2u);
+  ASSERT_TRUE(opened.clean_up(id, seconds(10)));
+  EXPECT_EQ(opened.size(id), 0u);
+}
+
+TEST_F(SampleIndexTest, AnInstanceThatComesBackStays) {
+  auto service = keep_all();
+  service.cleanup_delay = Duration{{10, 0}};
+  auto opened = *IndexedStore::open("");
+  const auto id = *opened.stream(kMap, service);
+  ASSERT_TRUE(opened.commit(
+      {{StoredChange{id, sample(0)}, StoredChange{id, dispose(0)}, StoredChange{id, sample(0)}}},
+      seconds(0)));
+  ASSERT_TRUE(opened.clean_up(id, seconds(100)));
+  EXPECT_EQ(opened.size(id), 3u);
+}
+
+TEST_F(SampleIndexTest, AnInstanceThatCameBackStaysAlsoInAStoreThatIsOpenedAgain) {
+  auto service = keep_all();
+  service.cleanup_delay = Duration{{10, 0}};
+  {
+    auto before = *IndexedStore::open(path);
+    const auto id = *before.stream(kMap, service);
+    ASSERT_TRUE(before.commit(
+        {{StoredChange{id, sample(0)}, StoredChange{id, dispose(0)}, StoredChange{id, sample(0)}}},
+        seconds(0)));
+  }
+  auto opened = *IndexedStore::open(path);
+  const auto id = *opened.stream(kMap, service);
+  ASSERT_TRUE(opened.clean_up(id, seconds(100)));
+  EXPECT_EQ(opened.size(id), 3u);
+}
+
+// With each one that was ended, samples of all topics were stored later.
+TEST_F(SampleIndexTest, ManyEndedInstancesCostEachTheirOwn) {
+  constexpr std::uint32_t kMany = 60'000;
+  auto service = keep_all();
+  service.cleanup_delay = Duration{{10, 0}};
+  auto opened = *IndexedStore::open("");
+  std::vector<StoredChange> group;
+  const auto id = *opened.stream(kMap, service);
+  for (std::uint32_t i = 0; i < kMany; ++i) {
+    group.push_back({id, dispose(0)});
+    auto& key = *group.back().change.key_hash;
+    for (std::size_t at = 0; at < 4; ++at) key[at] = static_cast<std::uint8_t>(i >> (8 * at));
+  }
+  const auto begin = std::clock();
+  ASSERT_TRUE(opened.commit(group, seconds(0)));
+  EXPECT_EQ(opened.size(id), kMany);
+  ASSERT_TRUE(opened.clean_up(id, seconds(10)));
+  EXPECT_EQ(opened.size(id), 0u);
+  EXPECT_LT(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC, 3);
+}
+
+TEST_F(SampleIndexTest, WithoutDelayDisposedInstancesGoAtOnce) {
+  auto opened = *IndexedStore::open("");
+  const auto id = *opened.stream(kMap, keep_all());
+  ASSERT_TRUE(
+      opened.commit({{StoredChange{id, sample(0)}, StoredChange{id, dispose(0)}}}, seconds(0)));
+  EXPECT_EQ(opened.size(id), 0u);
+}
+
+// No file of this process may grow beyond a size, as on a disk without room.
+GuidPrefix identity(std::uint8_t number) {
+  GuidPrefix out;
+  out.octets[0] = number;
+  return out;
+}
+
+/// Changes of identities, each ten in a commit.
+struct ShareTest : StoreTest {
+  static constexpr std::size_t kMost = std::size_t{4} << 20;
+  void open() {
+    store.reset();
+    store.emplace(*IndexedStore::open(path, kMost));
+    id = *store->stream(kMap, service);
+  }
+  /// How many samples of so many octets are kept of those it writes, a commit for each ten.
+  std::size_t fill(std::uint8_t who, std::size_t octets, std::size_t count,
+                   std::size_t instances = 1) {
+    const auto before = store->size(id);
+    const Bytes payload(octets, who);
+    for (std::size_t i = 0; i < count; i += 10) {
+      std::vector<StoredChange> group;
+      for (std::size_t n = i; n < i + 10; ++n) {
+        Change change;
+        change.key_hash.emplace().fill(static_cast<std::uint8_t>(n % instances));
+        change.payload = Payload::copy_of(payload);
+        group.push_back({id, change, identity(who)});
+      }
+      const auto written = store->commit(group, seconds(1));
+      EXPECT_TRUE(written) << written.error().to_sentence();
+    }
+    return store->size(id) - before;
+  }
+  DurabilityService service = keep_all();
+  std::optional<IndexedStore> store;
+  StreamId id;
+};
+
+// One identity filled a store, and nothing of any topic was kept from then on.
+TEST_F(ShareTest, OneIdentityLeavesRoomForAnother) {
+  for (const std::size_t octets : {0uz, 10uz, 1400uz, 2100uz, 5000uz, 60000uz}) {
+    std::filesystem::remove(path);
+    open();
+    const auto cost = StoreShares::cost(octets);
+    const auto most = kMost / cost;
+    const auto first = fill(1, octets, most);
+    EXPECT_LT(first * cost, kMost * 3 / 4) << octets;
+    EXPECT_GT(first * cost, kMost / 5) << octets;
+    EXPECT_EQ(store->waited, (most + 9) / 10 * 10 - first);
+    EXPECT_EQ(fill(1, octets, 10), 0u);
+    const auto second = fill(2, octets, most);
+    EXPECT_GT(second * cost, kMost / 12) << octets;
+    EXPECT_EQ(store->left_out(), 0u);
+    open();  // it is known of before, too
+    EXPECT_EQ(fill(1, octets, 10), 0u) << octets;
+    EXPECT_GT(fill(3, octets, most), 0u);
+  }
+}
+
+// One identity filled a stream with a million small samples. Samples of others were acknowledged
+// and not stored.
+TEST_F(ShareTest, OneIdentityLeavesPlacesOfAStreamForAnother) {
+  open();
+  store->index.limit_samples(100);
+  EXPECT_EQ(fill(1, 10, 200, 7), 50u);
+  EXPECT_EQ(store->waited, 150u);
+  EXPECT_EQ(fill(2, 10, 100), 25u);
+  EXPECT_EQ(store->left_out(), 0u);
+  open();
+  store->index.limit_samples(100);
+  EXPECT_EQ(fill(1, 10, 10), 0u) << "what is stored from before counts";
+  EXPECT_EQ(fill(3, 10, 20), 13u);
+  ASSERT_TRUE(store->commit({{StoredChange{id, dispose(0), identity(2)}}}, seconds(2)));
+  EXPECT_GT(fill(1, 10, 10), 0u) << "what is removed makes room";
+}
+
+TEST_F(ShareTest, WithKeepLastOwnSamplesGiveWayInAFullStream) {
+  service = keep_last(1);
+  open();
+  store->index.limit_samples(100);
+  EXPECT_EQ(fill(1, 10, 100, 100), 50u);
+  const auto waited = store->waited;
+  fill(1, 10, 50, 50);
+  EXPECT_EQ(store->size(id), 50u);
+  EXPECT_EQ(store->waited, waited);
+}
+
+TEST_F(ShareTest, AReplacement_NamesTheRowsThatGo) {
+  service = keep_last(1);
+  open();
+  fill(1, 10, 10, 10);
+  const auto rows = store->store.load(id)->rows;
+  ASSERT_EQ(rows.size(), 10u);
+  store->outcomes.clear();
+  fill(1, 10, 10, 10);
+  ASSERT_EQ(store->outcomes.size(), 10u);
+  for (std::size_t i = 0; i < 10; ++i) {
+    EXPECT_EQ(store->outcomes[i].removed, std::vector{rows[i]});
+    EXPECT_GT(store->outcomes[i].row, rows.back());
+  }
+}
+
+// What the sample replaces makes room. Before, it did not count, and the writer waited for good.
+TEST_F(ShareTest, AReplacement_ThatWaits_FitsWhenOthersLeave) {
+  service = keep_last(1);
+  open();
+  const auto put = [&](std::uint8_t who, std::uint8_t key, std::size_t octets) {
+    const auto waited = store->waited;
+    Change change;
+    change.key_hash.emplace().fill(key);
+    change.payload = Payload::copy_of(Bytes(octets, who));
+    EXPECT_TRUE(store->commit({{StoredChange{id, change, identity(who)}}}, seconds(1)));
+    return store->waited == waited;
+  };
+  ASSERT_TRUE(put(1, 0, 1'500'000));
+  for (std::uint8_t key = 1; key <= 20; ++key) ASSERT_TRUE(put(2, key, 30'000));
+  ASSERT_FALSE(put(1, 0, 2'300'000)) << "the test needs a fuller store";
+  EXPECT_TRUE(put(1, 30, 10)) << "what is small still fits";
+  for (std::uint8_t key = 1; key <= 20; ++key) {
+    auto end = dispose(0);
+    end.key_hash->fill(key);
+    ASSERT_TRUE(store->commit({{StoredChange{id, end, identity(2)}}}, seconds(2)));
+  }
+  EXPECT_TRUE(put(1, 0, 2'300'000));
+}
+
+TEST_F(ShareTest, WithKeepLastWhatGoesMakesRoom) {
+  service = keep_last(1);
+  open();
+  fill(1, 60000, 100, 100);
+  const auto waited = store->waited;
+  EXPECT_GT(waited, 0u);
+  const auto held = store->size(id);
+  fill(1, 60000, 10, 10);
+  EXPECT_EQ(store->size(id), held);
+  EXPECT_EQ(store->waited, waited);
+}
+
+TEST_F(ShareTest, WithoutRoomTheEndOfAnInstanceRemovesIt) {
+  service.cleanup_delay = Duration{{10, 0}};
+  open();
+  fill(1, 60000, 10, 10);
+  while (fill(1, 60000, 10, 1) > 0) {
+  }
+  while (fill(1, 0, 10, 1) > 0) {
+  }
+  const auto held = store->size(id);
+  auto end = dispose(0);
+  end.key_hash->fill(5);
+  ASSERT_TRUE(store->commit({{StoredChange{id, end, identity(1)}}}, seconds(2)));
+  EXPECT_EQ(store->size(id), held - 1);
+}
+
+TEST_F(ShareTest, OwnSamplesHaveNoBound) {
+  open();
+  const auto share = fill(1, 60000, 100);
+  fill(1, 60000, 10);
+  Change change;
+  change.payload = Payload::copy_of(Bytes(60000));
+  std::size_t own = 0;
+  while (own < 100 && store->commit({{StoredChange{id, change}}}, seconds(1))) ++own;
+  EXPECT_GT(own, share / 2);
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
