@@ -88,14 +88,11 @@ void Handshakes::try_again(Peer& peer) {
   if (!peer.state.is<peer::Refused>()) return;
   peer.again_at = core_.now + kRefusedPause;
   if (!starts_.take(peer.source, core_.now)) return;
-  // It may have been admitted without authentication.
-  core_.host.on_replaced(GuidPrefix(peer.prefix()));
   peer.state.announce_again(handshake_with(peer.data));
   schedule(peer);
 }
 
 void Handshakes::try_all_again() {
-  if (admission_.admits_unauthenticated()) return;
   for (auto& [prefix, peer] : core_.peers) {
     peer.refusals = 0;
     peer.again_at = core_.now;
@@ -234,7 +231,8 @@ bool Handshakes::advance(Peer& peer) {
   }
   if (!handshake.take_proof()) return false;
   const bool had_keys = peer.state.association() != nullptr;
-  if (had_keys || peer.state.is_admitted()) core_.host.on_replaced(GuidPrefix(peer.prefix()));
+  const bool was_admitted = peer.state.is_admitted();
+  if (had_keys) core_.host.on_replaced(GuidPrefix(peer.prefix()));
   if (!peer.state.replace()) return false;
   auto association = associate(peer);
   if (!association) {
@@ -245,6 +243,8 @@ bool Handshakes::advance(Peer& peer) {
       refuse(peer);
     return false;
   }
+  // Until here it took part as before: a refusal interrupts nothing.
+  if (was_admitted) core_.host.on_replaced(GuidPrefix(peer.prefix()));
   // The peer has returned and knows earlier keys: from here on it is watched like any other.
   revision_.drop_absent(peer.prefix());
   fragments_.forget(peer.prefix());
@@ -283,7 +283,7 @@ Error Handshakes::no_place_for(const Peer& peer) {
 }
 
 void Handshakes::try_later(Peer& peer) {
-  peer.state.refuse();
+  peer.state.refuse(peer.state.is_admitted());
   note_failure(peer);
   auto handshake = handshake_with(peer.data);
   handshake->start_at(core_.now + PeerHandshake::kResend);
@@ -344,17 +344,15 @@ void Handshakes::open_channel(Peer& peer) {
 }
 
 void Handshakes::refuse(Peer& peer) {
-  const bool admitted = peer.state.is_admitted();
+  const bool was_admitted = peer.state.is_admitted();
   if (peer.state.association() != nullptr) revision_.request();
-  if (!peer.state.refuse()) return;
+  if (!peer.state.refuse(admission_.admits_unauthenticated())) return;
   note_failure(peer);
   peer.refused_at = core_.now;
-  // One that takes part without authentication would be interrupted by each try.
-  peer.again_at =
-      admission_.admits_unauthenticated() ? kNever : core_.now + pause_after_refusal(peer);
+  peer.again_at = core_.now + pause_after_refusal(peer);
   ++peer.refusals;
   schedule(peer);
-  if (!admitted) core_.host.on_refused(GuidPrefix(peer.prefix()));
+  if (!was_admitted) core_.host.on_refused(GuidPrefix(peer.prefix()));
 }
 
 void Handshakes::note_failure(Peer& peer) {

@@ -58,7 +58,9 @@ struct AuthRequest {
   MonotonicTime deadline, next;
 };
 struct ProbeEnds {};
-struct Refusal {};
+struct Refusal {
+  bool admits;
+};
 struct AnotherAnnouncement {
   std::unique_ptr<PeerHandshake> handshake;
 };
@@ -86,13 +88,8 @@ Stays on(Waiting& state, const PatienceEnds&) {
   return kStays;
 }
 
-Stays on(Authenticating& state, const HandshakeFinished&) {
-  state.admitted = false;
-  return kStays;
-}
-Authenticating on(Waiting& state, const HandshakeFinished&) {
-  return {{std::move(state.handshake)}};
-}
+Stays on(Authenticating&, const HandshakeFinished&) { return kStays; }
+Authenticating on(Waiting& state, const HandshakeFinished&) { return {std::move(state)}; }
 Authenticating on(AwaitingKeys& state, const HandshakeFinished&) {
   return {{std::move(state.association.handshake)}};
 }
@@ -125,12 +122,14 @@ Stays on(Joined& state, const ProbeEnds&) {
   return kStays;
 }
 
-Refused on(Announced&, const Refusal&) { return {}; }
-Refused on(Authenticating&, const Refusal&) { return {}; }
-Refused on(Waiting&, const Refusal&) { return {}; }
-Refused on(AwaitingKeys&, const Refusal&) { return {}; }
+Refused on(Announced&, const Refusal& event) { return {event.admits}; }
+Refused on(Authenticating&, const Refusal& event) { return {event.admits}; }
+Refused on(Waiting&, const Refusal& event) { return {event.admits}; }
+Refused on(AwaitingKeys&, const Refusal& event) { return {event.admits}; }
 
-Announced on(Refused&, AnotherAnnouncement& event) { return {{std::move(event.handshake)}}; }
+Announced on(Refused& state, AnotherAnnouncement& event) {
+  return {{std::move(event.handshake), state.admits}};
+}
 
 /// From now on nothing is sent to the peer, or accepted from it.
 Distrusted without_channel(Association& association) {
@@ -185,7 +184,7 @@ bool PeerState::probe(MonotonicTime deadline, MonotonicTime next) {
   return take(AuthRequest{deadline, next});
 }
 bool PeerState::end_probe() { return take(ProbeEnds{}); }
-bool PeerState::refuse() { return take(Refusal{}); }
+bool PeerState::refuse(bool admits) { return take(Refusal{admits}); }
 bool PeerState::announce_again(std::unique_ptr<PeerHandshake> handshake) {
   return take(AnotherAnnouncement{std::move(handshake)});
 }
@@ -201,6 +200,7 @@ const Unproven* PeerState::unproven() const {
 }
 
 bool PeerState::is_admitted() const {
+  if (const auto* refused = std::get_if<Refused>(&state_)) return refused->admits;
   const auto* state = unproven();
   return state != nullptr && state->admitted;
 }

@@ -63,7 +63,8 @@ struct Association {
 /// Each state owns what it needs; leaving a state releases it.
 namespace peer {
 
-/// Nothing is proven. `admitted`: the peer takes part without authentication until it succeeds.
+/// Nothing is proven. `admitted`: the peer takes part without authentication until it succeeds and
+/// is permitted.
 struct Unproven {
   std::unique_ptr<PeerHandshake> handshake;
   bool admitted = false;
@@ -89,8 +90,11 @@ struct Joined {
 };
 /// A signed document forbids it to join, or its identity token is invalid. It gets another try with
 /// a different announcement, and after a pause: documents of both sides are renewed while they run,
-/// and nothing announces that.
-struct Refused {};
+/// and nothing announces that. `admits`: it takes part without authentication, also while it is
+/// tried again.
+struct Refused {
+  bool admits = false;
+};
 /// It is no longer trusted. Its keys stay registered, but unused, until its endpoints are
 /// unmatched.
 struct Distrusted {
@@ -108,7 +112,7 @@ class PeerState {
   bool begin();
   bool time_out();
   bool admit_unauthenticated();
-  /// A handshake was finished: everything that was agreed on before ends here.
+  /// A handshake was finished: what was agreed on by an earlier one ends here.
   bool replace();
   /// `association`: without its handshake, which is taken from the state that is left.
   bool associate(Association association, MonotonicTime now);
@@ -118,7 +122,8 @@ class PeerState {
   bool join();
   bool probe(MonotonicTime deadline, MonotonicTime next);
   bool end_probe();
-  bool refuse();
+  /// `admits`: it takes part without authentication from now on, or goes on so.
+  bool refuse(bool admits);
   bool announce_again(std::unique_ptr<PeerHandshake> handshake);
   bool distrust();
 
@@ -132,6 +137,7 @@ class PeerState {
   }
   const peer::Joined* joined() const { return std::get_if<peer::Joined>(&state_); }
   const peer::Unproven* unproven() const;
+  /// True if it takes part without authentication.
   bool is_admitted() const;
   /// Returns nullptr in states that ignore handshake messages.
   PeerHandshake* handshake() const;

@@ -36,12 +36,15 @@ class DocumentFiles {
 
 /// Alice writes, and her documents are in files; bob reads.
 struct Renewed {
-  explicit Renewed(Short first, const Rules& governance = everything(kEncrypt))
+  /// `b_is_ahead`: by how much bob's clock is wrong at first.
+  explicit Renewed(Short first, const Rules& governance = everything(kEncrypt),
+                   std::chrono::hours b_is_ahead = 0h)
       : rules(governance),
         files(member("alice", rules, first)),
         a(1, files.in(member("alice", rules, first))),
         b(2, member("bob", rules)) {
     world.nodes = {&a, &b};
+    b.clock.advance(b_is_ahead);
     auto qos = default_writer_qos();
     qos.history.kind = HistoryKind::keep_all;
     writer = a->create_writer(square(qos), a.listener, world.now).value();
@@ -197,6 +200,22 @@ TEST(DocumentRenewal, AClockThatWasWrongForAWhile_PartsNobodyForGood) {
   EXPECT_EQ(two.b.listener.matched, 0);
   two.b.clock.set(before + 8s);
   EXPECT_TRUE(two.world.run_until([&] { return two.matched(1); }, 20'000)) << two.text();
+  EXPECT_TRUE(two.all_arrive()) << two.text();
+}
+
+// Before: it was either not tried again, or each try ended its matches.
+TEST(DocumentRenewal, ARefusedPeer_ThatIsAdmitted_TakesPartUntilATrySucceeds) {
+  constexpr auto kWrong = 13h;
+  Renewed two(Short::certificate, Rules{.allow_unauthenticated = true, .access_control = false},
+              kWrong);
+  EXPECT_FALSE(two.b.knows(two.a));
+  two.world.run(6000);  // more than one try
+  EXPECT_EQ(two.b.listener.unmatched, 0) << two.text();
+  EXPECT_TRUE(two.all_arrive()) << two.text();
+  two.b.clock.advance(-kWrong);
+  EXPECT_TRUE(two.world.run_until([&] { return two.b.knows(two.a) && two.a.knows(two.b); }, 10'000))
+      << two.text();
+  EXPECT_TRUE(two.world.run_until([&] { return two.matched(1); }, 300)) << two.text();
   EXPECT_TRUE(two.all_arrive()) << two.text();
 }
 

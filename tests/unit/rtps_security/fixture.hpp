@@ -43,7 +43,7 @@ struct Events final : EventSink {
 };
 
 struct Listener final : EndpointListener {
-  int matched = 0;
+  int matched = 0, unmatched = 0;
   int alive = 0;
   int incompatible = 0;
   std::set<Guid> known;
@@ -53,6 +53,7 @@ struct Listener final : EndpointListener {
   }
   void on_unmatched(const Guid& remote) override {
     matched -= static_cast<int>(known.erase(remote));
+    ++unmatched;
     signals.erase(remote);
   }
   void on_incompatible_qos(const Guid&, const QosMismatch&) override { ++incompatible; }

@@ -106,7 +106,7 @@ class PeerEdges : public ::testing::Test {
         EXPECT_TRUE(out->join());
         break;
       case In::refused:
-        EXPECT_TRUE(out->refuse());
+        EXPECT_TRUE(out->refuse(false));
         break;
       case In::distrusted:
         EXPECT_TRUE(out->distrust());
@@ -137,7 +137,7 @@ class PeerEdges : public ::testing::Test {
       case Edge::end_probe:
         return state.end_probe();
       case Edge::refuse:
-        return state.refuse();
+        return state.refuse(false);
       case Edge::announce_again:
         return state.announce_again(handshake());
       case Edge::distrust:
@@ -220,7 +220,7 @@ TEST_F(PeerEdges, Refusal_GivesBackAll) {
   for (const auto from : {In::announced, In::authenticating, In::waiting, In::awaiting_keys}) {
     const auto peer = state(from);
     given_back();
-    ASSERT_TRUE(peer->refuse());
+    ASSERT_TRUE(peer->refuse(false));
     EXPECT_EQ(handshakes(), 0);
     EXPECT_EQ(peer->handshake(), nullptr);
     EXPECT_EQ(given_back(), from == In::awaiting_keys ? "keys permissions " : "");
@@ -238,7 +238,7 @@ TEST_F(PeerEdges, Distrusted_KeepsKeysForItsEndpointsUntilItDies) {
   EXPECT_EQ(handshakes(), 0);
 }
 
-TEST_F(PeerEdges, Admission_EndsWithAProof) {
+TEST_F(PeerEdges, Admission_EndsWithAnAssociation) {
   const auto peer = state(In::authenticating);
   EXPECT_FALSE(peer->is_admitted());
   ASSERT_TRUE(peer->admit_unauthenticated());
@@ -246,7 +246,21 @@ TEST_F(PeerEdges, Admission_EndsWithAProof) {
   ASSERT_TRUE(peer->time_out());
   EXPECT_TRUE(peer->is_admitted());
   ASSERT_TRUE(peer->replace());
+  EXPECT_TRUE(peer->is_admitted());
+  ASSERT_TRUE(peer->associate(association(), 1s));
   EXPECT_FALSE(peer->is_admitted());
+}
+
+TEST_F(PeerEdges, ARefusedPeer_ThatIsAdmitted_StaysSoWhileItIsTriedAgain) {
+  const auto peer = state(In::authenticating);
+  for (const bool admits : {true, false}) {
+    ASSERT_TRUE(peer->refuse(admits));
+    EXPECT_EQ(peer->is_admitted(), admits);
+    ASSERT_TRUE(peer->announce_again(handshake()));
+    EXPECT_EQ(peer->is_admitted(), admits);
+    ASSERT_TRUE(peer->begin());
+    EXPECT_EQ(peer->is_admitted(), admits);
+  }
 }
 
 TEST_F(PeerEdges, Probe_HasADeadlineUntilItEnds) {
