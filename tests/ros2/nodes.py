@@ -1,5 +1,8 @@
 """Runs the ROS 2 nodes of ../shared/ros2 (beside the source tree) in networks of their own, secured by a keystore
-that `ddssec` made, on stock plugins or on ours."""
+that `ddssec` made, on stock plugins or on ours.
+
+Usage: nodes.py ROS2      exit 77 with the reason if the nodes cannot run here
+"""
 
 import os
 import pathlib
@@ -10,6 +13,7 @@ import subprocess
 import sys
 import time
 
+sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "interop"))
 from pair import Namespace  # noqa: E402
 
@@ -41,6 +45,14 @@ def reason_not_to_run(ros2):
                             env={**os.environ, "LD_LIBRARY_PATH": str(ros2 / "lib")}).stdout
     missing = sorted({line.split()[0] for line in linked.splitlines() if "not found" in line})
     return f"the nodes need {', '.join(missing)} (scripts/bootstrap.sh --dev installs them on Debian 12)" if missing else None
+
+
+def refuse_to_run(ros2):
+    """The exit status: 77 with a line that says why, where the nodes cannot run; 0 where they can."""
+    reason = reason_not_to_run(ros2)
+    if reason:
+        print(f"NOT RUN: no ROS 2 node was tried on the plugins, since {reason}", flush=True)
+    return NOT_RUN if reason else 0
 
 
 class Keystore:
@@ -159,3 +171,7 @@ class Setting:
     def start(self, node, kind, keystore, *arguments, **words):
         self._nodes.append(Node(self, node, kind, keystore, *arguments, **words))
         return self._nodes[-1]
+
+
+if __name__ == "__main__":
+    sys.exit(refuse_to_run(pathlib.Path(sys.argv[1]).resolve()))

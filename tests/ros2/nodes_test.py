@@ -167,9 +167,8 @@ def tried(number, row, keystore, folder):
 
 
 def main():
-    if reason := nodes.reason_not_to_run(ROS2):
-        print(f"NOT RUN: no ROS 2 node was tried on the plugins, since {reason}", flush=True)
-        return nodes.NOT_RUN
+    if status := nodes.refuse_to_run(ROS2):
+        return status
     wanted = (sys.argv[3:] or [""])[0]
     with tempfile.TemporaryDirectory(prefix="ddssec-ros2-") as folder:
         keystore = Keystore(folder, BUILD / "bin" / "ddssec", ROS2)
