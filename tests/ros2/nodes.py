@@ -14,8 +14,10 @@ import sys
 import time
 
 sys.dont_write_bytecode = True
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "interop"))
+TESTS = pathlib.Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(TESTS / "interop"), str(TESTS / "cli")]
 from pair import Namespace  # noqa: E402
+from sros2_keystore import make_keystore as copy_of_sros2_keystore  # noqa: E402
 
 PATIENCE = 20.0  # seconds
 NOT_RUN = 77     # what ctest shows as skipped
@@ -82,7 +84,7 @@ class Keystore:
         check(done.returncode == 0, f"ddssec crl distribute: {done.stdout}{done.stderr}")
 
     def enclave(self, node):
-        return next(self.path.glob(f"enclaves/*/{node}"))
+        return next(self.path.glob(f"enclaves/**/{node}"))
 
     def copy(self, folder):
         """For a row that changes something that belongs to no CA. Its revocation lists are not its own."""
@@ -90,6 +92,14 @@ class Keystore:
         copied.path = pathlib.Path(folder) / "keystore"
         shutil.copytree(self.path, copied.path, symlinks=True)
         return copied
+
+
+def keystore_of_sros2(folder):
+    """A copy of tests/data/sros2, which sros2 made, with keys that every user can read, as sros2 leaves them."""
+    copied = Keystore.__new__(Keystore)
+    copied.path = pathlib.Path(folder) / "keystore"
+    copy_of_sros2_keystore(copied.path)
+    return copied
 
 
 class Node:

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Real ROS 2 nodes on our plugins, secured by a keystore of `ddssec` with strategy Enforce: they start, talk with
-nodes on stock plugins in every combination of roles, and are refused as they should be.
+"""Real ROS 2 nodes on our plugins, secured with strategy Enforce by a keystore of `ddssec` or of sros2: they start,
+talk with nodes on stock plugins in every combination of roles, and are refused as they should be.
 
 Usage: nodes_test.py BUILD ROS2 [FILTER]      exit 77 if the nodes cannot run here
 """
@@ -135,12 +135,17 @@ def denial_first(setting, _, publisher, subscriber):
     talk(setting, keystore, publisher, subscriber)
 
 
+def talk_with_sros2_keystore(setting, _, publisher, subscriber):
+    talk(setting, nodes.keystore_of_sros2(setting.folder), publisher, subscriber)
+
+
 def rows():
     both = (STOCK, OURS)
     for a in both:
         for b in both:
             yield f"talker {a}, listener {b}", talk, (a, b)
             yield f"server {a}, client {b}", call, (a, b)
+            yield f"sros2's keystore, talker {a}, listener {b}", talk_with_sros2_keystore, (a, b)
     yield "denial first, ours", denial_first, (OURS, OURS)
     yield "denial first, ours and stock", denial_first, (OURS, STOCK)
     for name, row in (("topic outside the policy", outside_the_policy), ("another enclave's private key", foreign_key),

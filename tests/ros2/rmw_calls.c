@@ -1,11 +1,14 @@
 // Makes the calls that rmw_cyclonedds_cpp makes for a context and a node, in its order, on Cyclone
 // DDS alone: a participant with the security properties in its QoS, readers of three builtin
-// topics, then the topics and endpoints of a node. Usage: rmw_calls ENCLAVE_FOLDER NODE [TOPIC]
-// TOPIC: written and read besides, as rt/TOPIC It prints "created", then "met" once a builtin
-// reader shows another participant, and ends with the end of standard input. A call that fails is
-// named; the exit status is then 1.
+// topics, then the topics and endpoints of a node.
+// Usage: rmw_calls ENCLAVE_FOLDER NODE [TOPIC [publish|subscribe]]
+// TOPIC: written and read besides, as rt/TOPIC, or only one of both; "publish" then writes samples,
+// and "subscribe" prints "heard" when one arrives.
+// It prints "created", then "met" once a builtin reader shows another participant, and ends with
+// the end of standard input. A call that fails is named; the exit status is then 1.
 #include <poll.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -76,13 +79,13 @@ static dds_entity_t topic_of(const struct node* node, const char* name) {
   return must(dds_create_topic(node->participant, &interop_Shape_desc, name, NULL, NULL),
               "dds_create_topic", name);
 }
-static void writes(const struct node* node, const char* name) {
-  must(dds_create_writer(node->publisher, topic_of(node, name), NULL, NULL), "dds_create_writer",
-       name);
+static dds_entity_t writes(const struct node* node, const char* name) {
+  return must(dds_create_writer(node->publisher, topic_of(node, name), NULL, NULL),
+              "dds_create_writer", name);
 }
-static void reads(const struct node* node, const char* name) {
-  must(dds_create_reader(node->subscriber, topic_of(node, name), NULL, NULL), "dds_create_reader",
-       name);
+static dds_entity_t reads(const struct node* node, const char* name) {
+  return must(dds_create_reader(node->subscriber, topic_of(node, name), NULL, NULL),
+              "dds_create_reader", name);
 }
 
 // A service is a topic for requests and one for replies.
@@ -113,6 +116,47 @@ static int32_t participants_seen(dds_entity_t reader) {
   return count;
 }
 
+static bool has_sample(dds_entity_t reader) {
+  void* samples[1] = {NULL};
+  dds_sample_info_t info;
+  const dds_return_t count = dds_take(reader, samples, &info, 1, 1);
+  if (count > 0) dds_return_loan(reader, samples, count);
+  return count > 0 && info.valid_data;
+}
+
+struct endpoints {
+  dds_entity_t writer, reader;  // 0 if there is none
+};
+
+// The endpoints that write samples and wait for one; of a node that does both, none.
+static struct endpoints create_own_topic(const struct node* node, int argc, char** argv) {
+  struct endpoints used = {0, 0};
+  if (argc < 4) return used;
+  char name[512];
+  snprintf(name, sizeof name, "rt/%s", argv[3]);
+  const char* const direction = argc > 4 ? argv[4] : "";
+  if (strcmp(direction, "subscribe") != 0) used.writer = writes(node, name);
+  if (strcmp(direction, "publish") != 0) used.reader = reads(node, name);
+  return argc > 4 ? used : (struct endpoints){0, 0};
+}
+
+static void run(dds_entity_t participants, struct endpoints own) {
+  struct pollfd input = {.fd = STDIN_FILENO, .events = POLLIN};
+  bool met = false, heard = false;
+  for (int waited = 0; waited < kPatience && poll(&input, 1, kLook) == 0; waited += kLook) {
+    if (!met && participants_seen(participants) > 1) {
+      met = true;
+      say("met");
+    }
+    const interop_Shape sample = {.color = "BLUE", .x = waited};
+    if (own.writer != 0) must(dds_write(own.writer, &sample), "dds_write", "");
+    if (own.reader != 0 && !heard && has_sample(own.reader)) {
+      heard = true;
+      say("heard");
+    }
+  }
+}
+
 int main(int argc, char** argv) {
   if (argc < 3) return 2;
   struct node node = {.participant = secured_participant(argv[1])};
@@ -130,19 +174,9 @@ int main(int argc, char** argv) {
   writes(&node, "ros_discovery_info");
   reads(&node, "ros_discovery_info");
   create_node(&node, argv[2]);
-  if (argc > 3) {
-    char name[512];
-    snprintf(name, sizeof name, "rt/%s", argv[3]);
-    writes(&node, name);
-    reads(&node, name);
-  }
+  const struct endpoints own = create_own_topic(&node, argc, argv);
   say("created");
-  struct pollfd input = {.fd = STDIN_FILENO, .events = POLLIN};
-  for (int waited = 0, met = 0; waited < kPatience && poll(&input, 1, kLook) == 0; waited += kLook)
-    if (!met && participants_seen(participants) > 1) {
-      met = 1;
-      say("met");
-    }
+  run(participants, own);
   must(dds_delete(node.participant), "dds_delete", "");
   return 0;
 }

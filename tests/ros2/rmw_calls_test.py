@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The calls of rmw_cyclonedds on stock and on our plugins, under permissions that allow the least: everything that
-a ROS 2 node needs is created, also Cyclone's builtin topics, which no policy names, and nothing else is.
+a ROS 2 node needs is created, also Cyclone's builtin topics, which no policy names, and nothing else is. The same with
+a keystore that sros2 made.
 
 Usage: rmw_calls_test.py BUILD      in a network of its own
 """
@@ -14,7 +15,7 @@ import time
 
 sys.dont_write_bytecode = True
 
-from nodes import OURS, PATIENCE, PLUGIN, PLUGINS, STOCK, Fault, check  # noqa: E402
+from nodes import OURS, PATIENCE, PLUGIN, PLUGINS, STOCK, Fault, check, keystore_of_sros2  # noqa: E402
 
 BUILD = pathlib.Path(sys.argv[1]).resolve()
 POLICY = pathlib.Path(__file__).resolve().parent / "node.policy.xml"
@@ -36,14 +37,16 @@ def make_keystore(folder):
 
 
 class Calls:
-    def __init__(self, kind, enclave, *topics):
+    """One running program; the enclave's last name is the node's."""
+
+    def __init__(self, kind, enclave, *topic):
         environment = {name: value for name, value in os.environ.items()
                        if not name.startswith(("CYCLONEDDS_", "DDSSEC_")) and name != "LD_LIBRARY_PATH"}
         if kind == OURS:
             environment["LD_LIBRARY_PATH"] = str(BUILD / "dropin")
         self.kind = kind
         self._log = tempfile.TemporaryFile("w+", encoding="utf-8")
-        self.process = subprocess.Popen([BUILD / "bin" / "rmw_calls", enclave, "least", *topics], env=environment,
+        self.process = subprocess.Popen([BUILD / "bin" / "rmw_calls", enclave, enclave.name, *topic], env=environment,
                                         stdin=subprocess.PIPE, stdout=self._log, stderr=subprocess.STDOUT)
 
     def log(self):
@@ -67,13 +70,7 @@ class Calls:
         return self.process.wait(PATIENCE)
 
 
-def meet(enclave, kinds):
-    both = [Calls(kind, enclave, "chatter") for kind in kinds]
-    for one in both:
-        one.until("created")
-        one.uses_what_is_meant()
-    for one in both:
-        one.until("met")
+def end_well(both):
     for one in both:
         status, log = one.ends(), one.log()
         check(status == 0, f"exit status {status} on {one.kind} plugins:\n{log}")
@@ -83,24 +80,64 @@ def meet(enclave, kinds):
         check(log.count("[plugins_in_use 1620]") == (one.kind == OURS), f"whose plugins are these?\n{log}")
 
 
-def refused(enclave, kind):
-    one = Calls(kind, enclave, "forbidden")
-    one.until("failed: dds_create_topic rt/forbidden: Not Allowed By Security")
+def meet(enclave, kinds):
+    both = [Calls(kind, enclave, "chatter") for kind in kinds]
+    for one in both:
+        one.until("created")
+        one.uses_what_is_meant()
+    for one in both:
+        one.until("met")
+    end_well(both)
+
+
+def hear(enclaves, kinds):
+    """The first of the two enclaves publishes, the second hears it."""
+    both = [Calls(kind, enclave, "chatter", direction)
+            for kind, enclave, direction in zip(kinds, enclaves, ("publish", "subscribe"))]
+    for one in both:
+        one.until("created")
+        one.uses_what_is_meant()
+    both[1].until("heard")
+    end_well(both)
+
+
+REFUSALS = {"dds_create_topic": "topic_not_allowed 1423]", "dds_create_reader": "subscribe_not_allowed 1422]"}
+
+
+def refused(call, kind, enclave, *topic):
+    one = Calls(kind, enclave, *topic)
+    one.until(f"failed: {call} rt/{topic[0]}: Not Allowed By Security")
     status, log = one.ends(), one.log()
     check(status == 1, f"exit status {status}")
-    check(kind == STOCK or log.count("topic_not_allowed 1423]") == 1, f"the reason is not said once:\n{log}")
+    check(kind == STOCK or log.count(REFUSALS[call]) == 1, f"the reason is not said once:\n{log}")
+
+
+def rows(folder):
+    (folder / "sros2").mkdir()
+    enclave, sros2 = make_keystore(folder), keystore_of_sros2(folder / "sros2")
+    talker, listener, wildcard = map(sros2.enclave, ("talker", "listener", "wildcard"))
+    for a, b in ((OURS, OURS), (OURS, STOCK), (STOCK, STOCK)):
+        yield f"{a} and {b}", meet, (enclave, (a, b))
+    for kind in (OURS, STOCK):
+        yield f"a topic outside the policy, {kind}", refused, ("dds_create_topic", kind, enclave, "forbidden")
+    for kinds in ((OURS, OURS), (OURS, STOCK), (STOCK, OURS), (STOCK, STOCK)):
+        named = f"sros2's keystore, {kinds[0]} to {kinds[1]}"
+        yield named, hear, ((talker, listener), kinds)
+        yield f"{named}, policy that allows all", hear, ((wildcard, wildcard), kinds)
+    for kind in (OURS, STOCK):
+        yield (f"sros2's keystore, the talker subscribes, {kind}", refused,
+               ("dds_create_reader", kind, talker, "chatter", "subscribe"))
+        yield (f"sros2's keystore, a topic outside the policy, {kind}", refused,
+               ("dds_create_topic", kind, talker, "forbidden", "publish"))
 
 
 def main():
     failed = 0
     with tempfile.TemporaryDirectory(prefix="ddssec-rmw-") as folder:
-        enclave = make_keystore(pathlib.Path(folder))
-        rows = [(f"{a} and {b}", meet, (a, b)) for a, b in ((OURS, OURS), (OURS, STOCK), (STOCK, STOCK))]
-        rows += [(f"a topic outside the policy, {kind}", refused, kind) for kind in (OURS, STOCK)]
-        for name, row, argument in rows:
+        for name, row, arguments in rows(pathlib.Path(folder)):
             begin, fault = time.monotonic(), None
             try:
-                row(enclave, argument)
+                row(*arguments)
             except (Fault, subprocess.TimeoutExpired) as one:
                 fault, failed = one, failed + 1
             print(f"{'FAILED' if fault else 'ok':8}{name} ({time.monotonic() - begin:.1f} s)"
