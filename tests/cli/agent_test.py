@@ -484,7 +484,7 @@ class Daemon(AgentTest):
         event = agent.wait_for("failed")
         self.assertIn("--passphrase-file", event["hint"])
         self.assertEqual((event["code"], event["again_in"]), ("passphrase_wrong", None))
-        time.sleep(2)
+        time.sleep(2)  # in which nothing may be tried: a first repetition comes sooner
         self.assertEqual(len(agent.events("failed")), 1)
         self.assertEqual(agent.end(), 0)
 

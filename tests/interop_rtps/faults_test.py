@@ -63,7 +63,7 @@ def partition(world, pair, secured):
     world.start(pair[0], "publish", ["--samples", count, "--timeout", LIMIT], secured)
     expect(subscriber.wait(lambda peer: len(peer.samples) >= half, 15), "no flow before the cut")
     world.network.do("cut")
-    time.sleep(3)
+    time.sleep(3)  # the cut itself: long enough for retransmissions into it, shorter than the lease
     before = len(subscriber.samples)
     expect(before < count, "all came before the cut")
     world.network.do("heal")
@@ -86,12 +86,12 @@ def keep_last(world, pair, secured):
     before = subscriber.numbers()
     expect(publisher.wait(lambda peer: peer.times("written"), 8) is not None,
            "the publisher waits for a reader although it keeps the last samples only")
-    time.sleep(0.2)
+    time.sleep(0.2)  # what was on its way before the cut
     before = subscriber.numbers()
     world.network.do("heal " + FAULTS)
     taken = subscriber.wait(lambda peer: count - 1 in peer.numbers(), 15)
     expect(taken is not None, f"the last sample did not come: {subscriber.numbers()[-5:]}")
-    time.sleep(0.2)
+    time.sleep(0.2)  # in which nothing else may come
     after = subscriber.numbers()[len(before):]
     expect(after == list(range(count - DEPTH, count)), f"after the heal came {after}")
     expect(before == sorted(set(before)), "out of order before the cut")

@@ -24,15 +24,22 @@ CASES = [
     ("other topic", ["--topic", "A"], ["--topic", "B"], (4, 4)),
 ]
 TIMEOUT = 8
+# Packets come to the capture in order: once this one is in its file, all before it are.
+LAST_PACKET = b"the capture's last packet"
 # What the vendors' libraries say when they cannot read us.
 COMPLAINTS = ("malformed", "Malformed")
+
+
+def send_last_packet(space):
+    script = f"import socket; socket.socket(type=socket.SOCK_DGRAM).sendto({LAST_PACKET!r}, ('127.0.0.1', 9))"
+    subprocess.run(space.enter([sys.executable, "-c", script]), check=True)
 
 
 class Capture:
     """tshark on the namespace's loopback; `faults` are the packets it calls malformed."""
 
     def __init__(self, space, path):
-        self.path = path
+        self.space, self.path = space, path
         self.process = subprocess.Popen(
             space.enter(["tshark", "-q", "-i", "lo", "-w", str(path)]),
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
@@ -47,10 +54,14 @@ class Capture:
         return read.stdout.splitlines()
 
     def faults(self, topics):
-        time.sleep(1.0)  # what the kernel still holds
+        send_last_packet(self.space)
+        end = time.monotonic() + TIMEOUT
+        while LAST_PACKET not in self.path.read_bytes() and time.monotonic() < end:
+            time.sleep(0.02)
         self.process.terminate()
         self.process.wait()
-        faults = [f"tshark calls packet {line} malformed" for line in self._packets("_ws.malformed")]
+        faults = [] if LAST_PACKET in self.path.read_bytes() else ["the capture lacks its last packet"]
+        faults += [f"tshark calls packet {line} malformed" for line in self._packets("_ws.malformed")]
         # The submessages that every pair must have exchanged, so that "no fault" means something.
         for kind, name in ((0x15, "DATA"), (0x07, "HEARTBEAT"), (0x06, "ACKNACK")):
             if not self._packets(f"rtps.vendorId == 0x01d5 && rtps.sm.id == {kind}"):

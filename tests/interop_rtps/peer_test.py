@@ -3,6 +3,7 @@
 
 import dataclasses
 import json
+import os
 import pathlib
 import shutil
 import signal
@@ -30,20 +31,33 @@ class PeerTest(unittest.TestCase):
         for process in self.running:
             if process.poll() is None:
                 process.kill()
-            process.communicate()
+            process.wait()
+            process.output.close()
         self.space.close()
 
     def start(self, *arguments):
         timeout = [] if "--timeout" in arguments else ["--timeout", "20"]
+        output = tempfile.TemporaryFile()
         process = subprocess.Popen(
-            self.space.enter([str(PEER), "--domain", "3", *timeout, *arguments]), text=True,
-            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+            self.space.enter([str(PEER), "--domain", "3", *timeout, *arguments]),
+            stdout=output, stderr=subprocess.DEVNULL)
+        process.output = output
         self.running.append(process)
         return process
 
+    def lines(self, process):
+        """What it said so far, without a line that it has begun."""
+        written = os.pread(process.output.fileno(), 1 << 26, 0)
+        return [json.loads(line) for line in written[:written.rfind(b"\n") + 1].splitlines()]
+
+    def wait_for(self, process, name):
+        end = time.monotonic() + 20
+        while not self.events(self.lines(process), name):
+            self.assertLess(time.monotonic(), end, f"no {name}: {self.lines(process)}")
+            time.sleep(0.02)
+
     def end(self, process):
-        output, _ = process.communicate(timeout=30)
-        return process.returncode, [json.loads(line) for line in output.splitlines()]
+        return process.wait(timeout=30), self.lines(process)
 
     def events(self, lines, name):
         return [line for line in lines if line["event"] == name]
@@ -118,7 +132,7 @@ class PeerTest(unittest.TestCase):
 
     def test_sigterm_ends_it(self):
         sub = self.start("--role", "sub", "--count", "1000")
-        time.sleep(0.5)
+        self.wait_for(sub, "participant_created")
         begin = time.monotonic()
         sub.send_signal(signal.SIGTERM)
         self.assertEqual(self.end(sub)[0], 1)
@@ -127,7 +141,7 @@ class PeerTest(unittest.TestCase):
     def test_a_killed_publisher_is_replaced_by_a_new_one(self):
         sub = self.start("--role", "sub", "--count", "30")
         first = self.start("--role", "pub", "--count", "1000")
-        time.sleep(0.6)
+        self.wait_for(sub, "sample")
         first.kill()
         self.start("--role", "pub", "--count", "30", "--color", "GREEN")
         self.assertEqual(self.end(sub)[0], 0)

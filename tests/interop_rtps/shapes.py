@@ -235,7 +235,7 @@ def keeper(case, security=lambda who: ""):
             written[kind] = pub.samples()
             says = f"topic Square, type ShapeType, partition {kind}: the keeper keeps the topic from now on"
             service.says(re.escape(says))
-        time.sleep(1)
+        # A publisher ends when all is acknowledged, and the keeper acknowledges what is stored.
         service.process.kill()
         service.process.wait()
         service, known = start()
