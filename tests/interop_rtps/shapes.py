@@ -294,7 +294,7 @@ def keeper_without_room(case):
         check("said why", any("are not in the store" in line and "limit" in line for line in service.lines))
         service, known = start(200_000)
         check(f"{known} topics", known == 1)
-        service.says("samples could not be stored.*reached its limit")
+        service.has_said("samples could not be stored.*reached its limit")
         service.process.kill()
         service.process.wait()
         check("the publisher's code", pub.interrupt() == 0)

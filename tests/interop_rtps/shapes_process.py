@@ -58,6 +58,10 @@ class Shapes:
                 break
         raise AssertionError(f"{self.arguments}: never said /{pattern}/, but {self.lines[-5:]}")
 
+    def has_said(self, pattern, seconds=PATIENCE):
+        """The same, but a line that was passed over counts too."""
+        return next(filter(None, (re.search(pattern, line) for line in self.lines)), None) or self.says(pattern, seconds)
+
     def hears(self, count, seconds=PATIENCE):
         """So many samples: (topic, color, size, last octet)."""
         out = []
