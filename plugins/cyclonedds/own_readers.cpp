@@ -31,6 +31,11 @@ std::optional<Guid> guid_from(BytesView octets) {
               EntityId::from(octets.subspan(GuidPrefix::size))};
 }
 
+std::size_t key_of(const EntityId& entity) {
+  return std::size_t{entity.octets[0]} << 16 | std::size_t{entity.octets[1]} << 8 |
+         entity.octets[2];
+}
+
 /// The content of a string or a sequence of octets, after its length.
 BytesView counted(const rtps::Parameter& parameter) {
   auto in = parameter.reader();
@@ -40,6 +45,17 @@ BytesView counted(const rtps::Parameter& parameter) {
 }
 
 }  // namespace
+
+void EntityKeys::insert(const EntityId& entity) {
+  const auto key = key_of(entity);
+  if (key >= has_.size()) has_.resize(key + 1);
+  has_[key] = true;
+}
+
+bool EntityKeys::contains(const EntityId& entity) const {
+  const auto key = key_of(entity);
+  return key < has_.size() && has_[key];
+}
 
 struct OwnReaders::Announcement {
   EntityId to = {};  ///< the peers' reader, or all
@@ -116,9 +132,8 @@ void OwnReaders::note(const Announcement& announcement) {
   if (reader == Guid{}) return;
   const std::lock_guard lock(mutex_);
   if (announcement.is_end) {
-    announced_.erase(reader);
-    ended_.insert(reader);
-  } else if (!ended_.contains(reader) && announced_.insert(reader).second) {
+    note_end(reader);
+  } else if (!has_ended(reader) && announced_.insert(reader).second) {
     ++count_;
   }
 }
@@ -135,15 +150,23 @@ std::uint64_t OwnReaders::count() const {
 
 void OwnReaders::ended(const Guid& reader) {
   const std::lock_guard lock(mutex_);
+  note_end(reader);
+}
+
+void OwnReaders::note_end(const Guid& reader) {
+  ended_[reader.prefix].insert(reader.entity);
   announced_.erase(reader);
-  ended_.insert(reader);
+}
+
+bool OwnReaders::has_ended(const Guid& reader) const {
+  const auto owner = ended_.find(reader.prefix);
+  return owner != ended_.end() && owner->second.contains(reader.entity);
 }
 
 void OwnReaders::forget(const GuidPrefix& participant) {
-  const auto is_below = [&](const Guid& reader) { return reader.prefix == participant; };
   const std::lock_guard lock(mutex_);
-  std::erase_if(announced_, is_below);
-  std::erase_if(ended_, is_below);
+  std::erase_if(announced_, [&](const Guid& reader) { return reader.prefix == participant; });
+  ended_.erase(participant);
 }
 
 }  // namespace ddssec::cyclonedds

@@ -13,6 +13,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -26,6 +27,17 @@ namespace ddssec::cyclonedds {
 
 /// The topic of carriers. Peers never receive it.
 inline constexpr std::string_view kCarrierTopic = "ddssec_end_of_reader";
+
+/// Entities of one participant, by their keys, in one bit each: at most 2 MiB. The host gives keys
+/// in ascending order, to entities of every kind.
+class EntityKeys {
+ public:
+  void insert(const EntityId& entity);
+  bool contains(const EntityId& entity) const;
+
+ private:
+  std::vector<bool> has_;
+};
 
 /// The readers that participants of one domain of this process announced by their protected writers
 /// of subscriptions. Thread-safe.
@@ -52,11 +64,14 @@ class OwnReaders {
   struct Announcement;
   static std::optional<Announcement> read(BytesView submessage);
   void note(const Announcement& announcement);
+  void note_end(const Guid& reader);
+  bool has_ended(const Guid& reader) const;
 
   mutable std::mutex mutex_;
   std::set<Guid> announced_;
-  /// At most as many as the host stores announcements of deleted readers; it never drops one.
-  std::set<Guid> ended_;
+  /// The host never drops the announcement of a deleted reader: it repeats all to a participant that
+  /// joins later. So none may be forgotten here while the owner lives, or its end is carried again.
+  std::map<GuidPrefix, EntityKeys> ended_;
   std::uint64_t count_ = 0;
 };
 

@@ -1,5 +1,6 @@
 #include "plugins/cyclonedds/own_readers.hpp"
 
+#include <malloc.h>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -147,6 +148,38 @@ TEST_F(OwnReaders_, ThatEndedAreNotAnnouncedAgain) {
   own.ended(kReader);
   said(announcement({}));  // the host tells whoever comes later of it
   EXPECT_EQ(own.announced(), std::vector{kOther});
+}
+
+Guid reader_with_key(std::uint32_t key) {
+  return {kOwn,
+          {{static_cast<std::uint8_t>(key >> 16), static_cast<std::uint8_t>(key >> 8),
+            static_cast<std::uint8_t>(key), 7}}};
+}
+
+// The host keeps their announcements, and repeats them to each participant that joins later.
+TEST_F(OwnReaders_, OwnReaders_OneHundredThousandDeleted_TakeABitEachAndStayEnded) {
+  constexpr std::uint32_t kDeleted = 100'000;
+  const auto before = ::mallinfo2().uordblks;
+  for (std::uint32_t key = 1; key <= kDeleted; ++key) {
+    said(announcement({.reader = reader_with_key(key)}));
+    own.ended(reader_with_key(key));
+  }
+  EXPECT_LT(::mallinfo2().uordblks, before + kDeleted);
+  for (std::uint32_t key = 1; key <= kDeleted; ++key)
+    said(announcement({.reader = reader_with_key(key)}));
+  EXPECT_TRUE(own.announced().empty());
+  EXPECT_EQ(own.count(), kDeleted);
+  said(announcement({.reader = reader_with_key(kDeleted + 1)}));
+  EXPECT_EQ(own.announced(), std::vector{reader_with_key(kDeleted + 1)});
+}
+
+TEST_F(OwnReaders_, OwnReaders_LargestKeyDeleted_OthersStayAnnounced) {
+  const auto last = reader_with_key(0xffffff);
+  said(announcement({}));
+  said(announcement({.reader = last}));
+  own.ended(last);
+  said(announcement({.reader = last}));
+  EXPECT_EQ(own.announced(), std::vector{kReader});
 }
 
 TEST_F(OwnReaders_, AreForgottenWithTheirParticipant) {
