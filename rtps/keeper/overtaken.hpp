@@ -10,8 +10,8 @@
 namespace ddssec::rtps {
 
 /// A sample that waited must neither replace a later one of the same instance nor bring an ended
-/// instance back. Later: by source timestamp. Timestamps count only for writers that waited, so
-/// that nobody keeps others out by one from the future.
+/// instance back. Later: by source timestamp. Timestamps count only for writers that waited:
+/// otherwise a timestamp from the future would keep all others out.
 class Overtaken {
  public:
   /// If more instances were written meanwhile, the oldest are forgotten.
