@@ -6,6 +6,8 @@ namespace ddssec::rtps {
 namespace {
 
 constexpr std::size_t kMaxSpare = 4096;
+// In a history of this length a sample's place is found without an index.
+constexpr std::int32_t kShortHistory = 32;
 
 std::size_t limit_of(std::int32_t value, std::size_t otherwise) {
   return value == kLengthUnlimited ? otherwise : static_cast<std::size_t>(value);
@@ -17,6 +19,10 @@ std::size_t index_of(bool is_read, ViewState view, InstanceState state) {
                                : state == InstanceState::not_alive_disposed ? 1
                                                                             : 2;
   return (instance * 2 + (view == ViewState::new_ ? 0 : 1)) * 2 + (is_read ? 1 : 0);
+}
+
+SourceOrder order_of(const HeldSample& sample) {
+  return {sample.change.source_time, sample.change.writer, sample.place};
 }
 
 }  // namespace
@@ -36,16 +42,14 @@ HeldSamples::const_iterator HeldInstance::oldest() const {
   return std::ranges::find_if(held, &HeldSample::valid);
 }
 
-HeldSamples::const_iterator HeldInstance::invalid_sample() const {
-  return std::ranges::find_if(held, [](const HeldSample& sample) { return !sample.valid; });
-}
-
 HeldInstances::HeldInstances(const Qos& qos)
     : history_(qos.history),
       max_samples_(limit_of(qos.resource_limits.max_samples, kMaxSamples)),
       max_instances_(limit_of(qos.resource_limits.max_instances, kMaxInstances)),
       max_per_instance_(limit_of(qos.resource_limits.max_samples_per_instance, kMaxSamples)),
       by_source_(qos.destination_order == DestinationOrderKind::by_source),
+      indexes_sources_(by_source_ &&
+                       (history_.kind == HistoryKind::keep_all || history_.depth > kShortHistory)),
       shares_(qos.resource_limits.max_instances == kLengthUnlimited),
       shares_samples_(qos.resource_limits.max_samples == kLengthUnlimited) {}
 
@@ -78,6 +82,10 @@ HeldInstances::Rejection HeldInstances::rejects(const HeldInstance* instance, co
                                                 const Payer& payer, std::size_t key_octets) const {
   using Reason = SampleRejectedReason;
   if (instance == nullptr && !has_room_for_instance(payer.identity))
+    return {Reason::by_instances_limit, true};
+  if ((change.is_alive() || change.status.disposed) &&
+      !joined_.has_room(change.writer, instance == nullptr ? InstanceHandle{} : instance->handle,
+                        payer.share))
     return {Reason::by_instances_limit, true};
   const bool replaces = change.is_alive() && instance != nullptr && is_full(*instance);
   Freed freed;
@@ -166,18 +174,13 @@ void HeldInstances::forget(HeldInstance& instance) {
   let_go(instance.share, instance.key_value.size());
   if (const auto& identity = instance.identity; shares_ && identity)
     if (--of_identity_.at(*identity) == 0) of_identity_.erase(*identity);
-  for (const auto& writer : instance.writers) joined_.erase({writer, instance.handle});
+  for (const auto& writer : instance.writers) joined_.remove(writer, instance.handle);
   instances_.erase(InstanceHandle(instance.handle));
 }
 
 void HeldInstances::insert(HeldInstance& instance, HeldSample held) {
-  auto before = instance.held.end();
-  if (by_source_ && held.valid && held.change.source_time) {
-    const auto order = [](const HeldSample& h) {
-      return std::pair(h.change.source_time, h.change.writer);
-    };
-    while (before != instance.held.begin() && order(held) < order(*std::prev(before))) --before;
-  }
+  held.place = ++places_;
+  const auto before = place_of(instance, held);
   ++instance.unread;
   if (arrivals_ != nullptr) held.arrival = ++*arrivals_;
   hold(held.share, held.change.payload.size());
@@ -193,9 +196,24 @@ void HeldInstances::insert(HeldInstance& instance, HeldSample held) {
     instance.held.splice(before, spare_, spare_.begin());
   }
   const auto at = std::prev(before);
+  if (indexes_sources_) instance.by_source.emplace(order_of(*at), at);
+  if (!at->valid) instance.invalid_at = at;
   if (at->expires != kNever)
     expiring_.emplace(std::pair(at->expires, at->expiry), Expiring{&instance, at});
   if (!instance.ready.linked()) instance.ready.append_to(ready_);
+}
+
+HeldSamples::iterator HeldInstances::place_of(HeldInstance& instance,
+                                              const HeldSample& sample) const {
+  auto before = instance.held.end();
+  if (!by_source_ || !sample.valid || !sample.change.source_time) return before;
+  if (indexes_sources_) {
+    const auto next = instance.by_source.upper_bound(order_of(sample));
+    return next == instance.by_source.end() ? before : next->second;
+  }
+  const auto order = order_of(sample);
+  while (before != instance.held.begin() && order < order_of(*std::prev(before))) --before;
+  return before;
 }
 
 void HeldInstances::insert_invalid(HeldInstance& instance, const Guid& writer,
@@ -218,6 +236,7 @@ HeldSamples::iterator HeldInstances::erase(HeldInstance& instance, HeldSamples::
   else
     --instance.invalid;
   if (at->expires != kNever) expiring_.erase({at->expires, at->expiry});
+  if (indexes_sources_) instance.by_source.erase(order_of(*at));
   const auto next = instance.held.erase(at, at);  // converts the const_iterator to an iterator
   if (spare_.size() >= kMaxSpare) return instance.held.erase(next);
   next->change.payload = {};
@@ -255,23 +274,16 @@ std::optional<Change> HeldInstances::take_held_back(HeldInstance& instance) {
   return std::exchange(instance.held_back, std::nullopt);
 }
 
-void HeldInstances::join(HeldInstance& instance, const Guid& writer) {
-  if (joined_.insert({writer, instance.handle}).second) instance.writers.push_back(writer);
+void HeldInstances::join(HeldInstance& instance, const Guid& writer, const HeldShareOf& share) {
+  if (!joined_.has_room(writer, instance.handle, share)) return;
+  if (joined_.add(writer, instance.handle, share)) instance.writers.push_back(writer);
 }
 
 bool HeldInstances::leave(HeldInstance& instance, const Guid& writer) {
   if (instance.owner == writer) instance.owner.reset();
   if (std::erase(instance.writers, writer) == 0) return false;
-  joined_.erase({writer, instance.handle});
+  joined_.remove(writer, instance.handle);
   return true;
-}
-
-std::vector<InstanceHandle> HeldInstances::joined_by(const Guid& writer) const {
-  std::vector<InstanceHandle> handles;
-  for (auto at = joined_.lower_bound({writer, {}}); at != joined_.end() && at->first == writer;
-       ++at)
-    handles.push_back(at->second);
-  return handles;
 }
 
 void HeldInstances::count(const HeldInstance& instance, int sign) {

@@ -10,9 +10,8 @@
 #include <set>
 #include <vector>
 
-#include "rtps/dcps/held_shares.hpp"
+#include "rtps/dcps/instance_writers.hpp"
 #include "rtps/dcps/link.hpp"
-#include "rtps/dcps/status.hpp"
 #include "rtps/qos/qos.hpp"
 #include "rtps/reliability/stateful_writer.hpp"
 
@@ -27,10 +26,19 @@ struct HeldSample {
   MonotonicTime expires = kNever;
   std::uint64_t expiry = 0;   ///< distinguishes samples that expire at the same time
   std::uint64_t arrival = 0;  ///< position in the order of arrival, if that order is kept
+  std::uint64_t place = 0;    ///< distinguishes samples in the order of source times
   HeldShareOf share = {};     ///< of its writer's identity
   std::int32_t generations() const { return disposed_generations + no_writers_generations; }
 };
 using HeldSamples = std::list<HeldSample>;
+
+/// A sample's place in the order of source times.
+struct SourceOrder {
+  std::optional<Time> time;
+  Guid writer;
+  std::uint64_t place;
+  auto operator<=>(const SourceOrder&) const = default;
+};
 
 struct HeldInstance;
 using InstanceTimes = std::multimap<MonotonicTime, HeldInstance*>;
@@ -59,7 +67,11 @@ struct HeldInstance {
   ViewState view = ViewState::new_;
   std::int32_t disposed_generations = 0, no_writers_generations = 0;
   HeldSamples held;
-  std::size_t unread = 0, invalid = 0;
+  std::size_t unread = 0;
+  std::size_t invalid = 0;           ///< 0 or 1
+  HeldSamples::iterator invalid_at;  ///< only if there is one
+  /// With DESTINATION_ORDER BY_SOURCE_TIMESTAMP and a long history: the samples in that order.
+  std::map<SourceOrder, HeldSamples::iterator> by_source;
   /// Of the first sample's writer; see ReaderCache::set_writer.
   std::optional<GuidPrefix> identity;
   HeldShareOf share;               ///< the same; its key counts for it
@@ -80,7 +92,7 @@ struct HeldInstance {
   InstanceTime purge;              ///< READER_DATA_LIFECYCLE
   std::size_t valid() const { return held.size() - invalid; }
   HeldSamples::const_iterator oldest() const;
-  HeldSamples::const_iterator invalid_sample() const;
+  HeldSamples::const_iterator invalid_sample() const { return invalid_at; }
 };
 
 /// Whether samples that belong together can be stored.
@@ -154,11 +166,15 @@ class HeldInstances {
                  const HeldShareOf& share = {});
   std::optional<Change> take_held_back(HeldInstance& instance);
 
-  void join(HeldInstance& instance, const Guid& writer);
+  /// Does nothing if there is no room.
+  void join(HeldInstance& instance, const Guid& writer, const HeldShareOf& share);
   /// Returns false if the writer was not one of the instance's writers.
   bool leave(HeldInstance& instance, const Guid& writer);
   /// The instances that the writer has joined.
-  std::vector<InstanceHandle> joined_by(const Guid& writer) const;
+  std::vector<InstanceHandle> joined_by(const Guid& writer) const {
+    return joined_.instances_of(writer);
+  }
+  std::size_t joins() const { return joined_.size(); }
 
   /// Numbers samples in the order of their arrival. `arrivals` is the counter, which other readers
   /// may share.
@@ -201,19 +217,20 @@ class HeldInstances {
   void hold(const HeldShareOf& share, std::size_t octets);
   void let_go(const HeldShareOf& share, std::size_t octets);
   void count_sample(const HeldSample& sample, int sign);
+  /// Where a sample belongs among those of its instance.
+  HeldSamples::iterator place_of(HeldInstance& instance, const HeldSample& sample) const;
 
   const History history_;
   const std::size_t max_samples_, max_instances_, max_per_instance_;
-  const bool by_source_, shares_, shares_samples_;
+  const bool by_source_, indexes_sources_, shares_, shares_samples_;
   std::uint64_t* arrivals_ = nullptr;
   LinkedList<HeldInstance> ready_, idle_;  ///< must outlive the instances that are in them
   std::map<InstanceHandle, HeldInstance> instances_;
   std::map<KeyHash, HeldInstance*> by_key_;
   std::map<GuidPrefix, std::size_t> of_identity_;  ///< number of instances; only if they are shared
-  /// The instances of each writer, so that removing a writer costs time only for its own instances.
-  std::set<std::pair<Guid, InstanceHandle>> joined_;
+  InstanceWriters joined_;
   std::map<std::pair<MonotonicTime, std::uint64_t>, Expiring> expiring_;
-  std::uint64_t expiries_ = 0;
+  std::uint64_t expiries_ = 0, places_ = 0;
   HeldSamples spare_;  ///< nodes for reuse, so that storing a sample allocates none
   std::size_t samples_ = 0, octets_ = 0;
   std::array<std::size_t, 12> counts_{};  ///< number of samples, by their three states

@@ -68,7 +68,7 @@ bool ReaderCache::is_wanted_again(const Change& change) {
   if (instance == nullptr || !may_own(*instance, change.writer)) return false;
   const auto& latest = instance->latest;
   if (latest.writer != change.writer || latest.number < change.sequence_number) return true;
-  held_.join(*instance, change.writer);
+  held_.join(*instance, change.writer, writer_of(change.writer).share);
   instance->owner = change.writer;
   return false;
 }
@@ -108,7 +108,7 @@ ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at, const H
     if (change.status.unregistered)
       leave(*instance, change.writer, at.now);
     else
-      held_.join(*instance, change.writer);
+      held_.join(*instance, change.writer, writer_of(change.writer).share);
     return dropped;
   }
   if (by_source_ && instance != nullptr && is_too_old(held_, *instance, change)) return dropped;
@@ -138,7 +138,7 @@ ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at, const H
 void ReaderCache::store_alive(Instance& instance, HeldSample sample, MonotonicTime now) {
   const Recount recount(held_, instance);
   revive(instance);
-  held_.join(instance, sample.change.writer);
+  held_.join(instance, sample.change.writer, sample.share);
   if (exclusive_) instance.owner = sample.change.writer;
   if (exclusive_) instance.latest = sample.change.origin();
   // The sample that reports the instance's end is obsolete once it has been read.
@@ -159,7 +159,7 @@ void ReaderCache::store_end(Instance& instance, const Change& change, MonotonicT
   const Recount recount(held_, instance);
   held_.hold_back(instance, std::nullopt);
   if (change.status.disposed) {
-    held_.join(instance, change.writer);
+    held_.join(instance, change.writer, writer_of(change.writer).share);
     if (exclusive_) instance.latest = change.origin();
     if (instance.state != InstanceState::not_alive_disposed) {
       if (instance.state == InstanceState::not_alive_no_writers) revive(instance);

@@ -141,13 +141,16 @@ bool EndpointMatcher::match_all(RemoteParticipant& remote) {
   const auto match_again = [&](auto& local, const EndpointData& data) {
     const auto& own = local.data.guid.entity;
     if (is_writer(own) == is_writer(data.guid.entity)) return;
-    if (local.matched.contains(data.guid)) {
+    // One that withholds its own keys has ours, though it is not matched.
+    auto& keyring = core_.security->keyring();
+    const bool is_matched = local.matched.contains(data.guid);
+    if (is_matched || keyring.is_introduced(own, data.guid)) {
       const auto permission = core_.security->admit(own, Admission::Endpoint::of(data));
-      const bool is_relay =
-          core_.security->keyring().kind_of(own, data.guid) == Keyring::PairKind::relay_only;
-      if (permission && permission->relay_only == is_relay) return;
-      forget(local, data.guid, true);
-      any_lost = true;
+      const bool is_relay = keyring.kind_of(own, data.guid) == Keyring::PairKind::relay_only;
+      const bool stays = permission && permission->relay_only == is_relay;
+      if (stays && is_matched) return;
+      if (!stays) forget(local, data.guid, true);
+      any_lost = any_lost || !stays;
       if (!permission) return;
     }
     match(local, remote, data);
@@ -191,18 +194,23 @@ std::optional<EndpointData> EndpointMatcher::endpoint_on(const std::string& topi
 
 // ---- both
 
-bool EndpointMatcher::has_place(const MatchTable& matched, RemoteParticipant& remote,
-                                const EndpointData& endpoint) {
+bool EndpointMatcher::has_place(const EntityId& local, const MatchTable& matched,
+                                RemoteParticipant& remote, const EndpointData& endpoint) {
   if (&remote == &remotes_.self()) return true;
-  if (matched.has_room(core_.identity_of(remote.prefix()))) return true;
+  const bool has_macs = core_.security && core_.security->keyring().levels(local).receiver_macs;
+  if (matched.has_room(core_.identity_of(remote.prefix()), has_macs)) return true;
   ++core_.counters.refused_discovery;
-  if (!std::exchange(remote.exceeds_matches, true))
-    core_.raise_about(Error(Code::rtps_too_many_endpoints,
-                            {.expected = fmt::format("at most {} endpoints of one identity that "
-                                                     "match one of ours",
-                                                     MatchTable::kMaxOfOne),
-                             .found = "more"}),
-                      endpoint);
+  if (std::exchange(remote.exceeds_matches, true)) return false;
+  auto expected = fmt::format("at most {} endpoints of one identity that match one of ours",
+                              MatchTable::kMaxOfOne);
+  if (has_macs)
+    expected += fmt::format(
+        ", and with origin authentication at most {} of all, and of one identity no more than "
+        "places are free",
+        MatchTable::kMaxWithMacs);
+  core_.raise_about(
+      Error(Code::rtps_too_many_endpoints, {.expected = std::move(expected), .found = "more"}),
+      endpoint);
   return false;
 }
 
@@ -233,7 +241,7 @@ void EndpointMatcher::match(LocalWriter& writer, RemoteParticipant& remote,
                             const EndpointData& data) {
   if (!is_reader(data.guid.entity)) return;
   const bool known = writer.matched.contains(data.guid);
-  if (!known && !has_place(writer.matched, remote, data)) return;
+  if (!known && !has_place(writer.data.guid.entity, writer.matched, remote, data)) return;
   const auto verdict = judge(writer.data, *writer.listener, data);
   if (verdict == Verdict::refused) return forget(writer, data.guid, true);
   if (verdict == Verdict::awaits_keys) return;
@@ -269,7 +277,7 @@ void EndpointMatcher::match(LocalReader& reader, RemoteParticipant& remote,
   auto& matched = remote.endpoints.find(data.guid.entity)->second.readers;
   const bool known = contains(matched, reader.protocol.get());
   if (known) remote.stop_watching(*reader.listener, data.guid);
-  if (!known && !has_place(reader.matched, remote, data)) return;
+  if (!known && !has_place(own.entity, reader.matched, remote, data)) return;
   const auto verdict = judge(reader.data, *reader.listener, data);
   if (verdict == Verdict::refused) return forget(reader, data.guid, true);
   if (verdict == Verdict::awaits_keys) return;

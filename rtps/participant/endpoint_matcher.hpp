@@ -63,7 +63,7 @@ class EndpointMatcher {
 
   /// Returns false if the identity of `remote` has reached its limit of matches with this endpoint.
   /// This is counted, and an event is raised once.
-  bool has_place(const MatchTable& matched, RemoteParticipant& remote,
+  bool has_place(const EntityId& local, const MatchTable& matched, RemoteParticipant& remote,
                  const EndpointData& endpoint);
   /// Access control is checked first, so that a participant that may not use the topic cannot
   /// change a local status.

@@ -16,9 +16,17 @@ class MatchTable {
   static constexpr std::size_t kMaxOfOne = 1024;
 
   bool contains(const Guid& remote) const { return matched_.contains(remote); }
-  bool has_room(const GuidPrefix& identity) const {
+  /// The limits for a local endpoint whose submessages carry a MAC for each match
+  /// (DDS-Security 1.2, clause 10.5.3.3.4). With them, a fragment and the MACs of all participants,
+  /// a datagram is full. One identity gets no more of the places than are free.
+  static constexpr std::size_t kMaxWithMacs = 1900;
+
+  /// `has_macs`: its submessages carry a MAC for each match.
+  bool has_room(const GuidPrefix& identity, bool has_macs = false) const {
     const auto known = counts_.find(identity);
-    return known == counts_.end() || known->second < kMaxOfOne;
+    const auto own = known == counts_.end() ? 0 : known->second;
+    if (own >= kMaxOfOne) return false;
+    return !has_macs || (matched_.size() < kMaxWithMacs && own < kMaxWithMacs - matched_.size());
   }
   void add(const Guid& remote, const GuidPrefix& identity) {
     if (matched_.try_emplace(remote, identity).second) ++counts_[identity];

@@ -1,5 +1,7 @@
 #include "rtps/reliability/message_sender.hpp"
 
+#include <algorithm>
+
 namespace ddssec::rtps {
 namespace {
 
@@ -25,7 +27,8 @@ bool MessageSender::leaves_time_unprotected(const EntityId& writer) const {
   return levels.submessage && levels.message != SendProtection::Wrap::participant_key;
 }
 
-void MessageSender::begin(const Destination& to, SendProtection::Wrap wrap) {
+void MessageSender::begin(const Destination& to, const SendProtection::Levels& levels) {
+  const auto wrap = levels.message;
   const auto& charged = to.charged.is_zero() ? to.prefix : to.charged;
   const auto limited = limit_.is_limited(charged) ? charged : GuidPrefix{};
   const bool other = !std::ranges::equal(to.locators, to_) || wrap != wrap_ || to.dscp != dscp_ ||
@@ -36,7 +39,7 @@ void MessageSender::begin(const Destination& to, SendProtection::Wrap wrap) {
     finish_message();
   const bool empty = out_.size() == 0;
   if (other) to_.assign(to.locators.begin(), to.locators.end());
-  if (empty) begin_message(to_, is_wrapped(wrap));
+  if (empty) begin_message(to_, levels);
   // INFO_DST applies until the next one or the end of the message.
   if ((empty && !to.prefix.is_zero()) || (!empty && to.prefix != destination_))
     write(out_, InfoDestination{to.prefix});
@@ -48,11 +51,14 @@ void MessageSender::begin(const Destination& to, SendProtection::Wrap wrap) {
   wrap_ = wrap;
 }
 
-void MessageSender::begin_message(std::span<const Locator> to, bool wrapped) {
+void MessageSender::begin_message(std::span<const Locator> to,
+                                  const SendProtection::Levels& levels) {
   const bool here =
       std::ranges::all_of(to, [&](const auto& locator) { return transport_.stays_here(locator); });
   if (here && protection_ == nullptr) slot_size_ = kLargestDatagram;
-  const auto room = protection_ != nullptr || here ? kLargestDatagram : kLargestMessage;
+  const bool wrapped = is_wrapped(levels.message);
+  auto room = protection_ != nullptr || here ? kLargestDatagram : kLargestMessage;
+  if (wrapped) room -= std::min(room / 2, levels.message_room);
   full_size_ = !here ? kLargestMessage : protection_ != nullptr ? kFullProtected : room;
   out_ = SpanWriter((wrapped ? MutableBytes(buffer_) : slot(waiting_)).first(room));
   write(out_, header_);

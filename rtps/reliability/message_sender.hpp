@@ -50,7 +50,8 @@ class MessageSender {
   /// protected messages.
   static constexpr std::size_t kLargestDatagram = 64000;
   /// A protected message of this many octets to receivers on this machine is full: the rest is room
-  /// for the last submessage and the receivers' MACs (DDS-Security 1.2, clause 10.5.3.3.4).
+  /// for the last submessage, and for the receivers' MACs (DDS-Security 1.2, clause 10.5.3.3.4)
+  /// unless they are many. Then the last submessage begins the next message.
   static constexpr std::size_t kFullProtected = 46000;
 
   /// Limits for full messages that wait for more of the same sample. They are low because
@@ -148,7 +149,7 @@ class MessageSender {
     const auto ends = ends_of(submessage);
     const auto levels = protection_ ? protection_->levels(as) : SendProtection::Levels{};
     for (int attempt = 0; attempt < 2; ++attempt) {
-      begin(to, levels.message);
+      begin(to, levels);
       const auto before = out_.size();
       if (time != nullptr) write(out_, *time);
       if (!write_protected(levels, {to.prefix, ends.to}, ends.from, submessage)) {
@@ -184,8 +185,8 @@ class MessageSender {
   }
   std::optional<BytesView> protected_payload(const EntityId& writer, BytesView plain);
   bool write_protected_submessage(const EntityId& sender, const Guid& receiver, BytesView plain);
-  void begin(const Destination& to, SendProtection::Wrap wrap);
-  void begin_message(std::span<const Locator> to, bool wrapped);
+  void begin(const Destination& to, const SendProtection::Levels& levels);
+  void begin_message(std::span<const Locator> to, const SendProtection::Levels& levels);
   /// The message waits for a flush, or until kMostWaiting messages wait.
   void finish_message();
   void wait_for_more(BytesView message);

@@ -17,6 +17,9 @@ class SendProtection {
     bool payload = false;
     bool submessage = false;
     Wrap message = Wrap::none;
+    /// How many octets protect_message adds at most, for all receivers that there are now.
+    std::size_t message_room = 0;
+    bool receiver_macs = false;  ///< a submessage carries a MAC for each matched endpoint
   };
 
   virtual ~SendProtection() = default;

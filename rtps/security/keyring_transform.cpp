@@ -102,13 +102,21 @@ bool Keyring::accepts_without_payload(const EntityId& id, const Guid& remote,
 // ---- SendProtection
 
 Keyring::Levels Keyring::levels(const EntityId& sender) const {
+  constexpr std::size_t kHeaderAndFooter = 128, kReceiverMac = 20;
+  constexpr std::size_t kMorePeers = 16;  // that may be added before the message is finished
   const auto* local = find(sender);
   // SPDP and the stateless endpoint: peers must be able to read them before authentication.
-  if (local == nullptr) return {.message = pre_shared_.wrap()};
-  const bool by_participant = own_.attributes().is_rtps_protected() && !local->is_volatile;
+  if (local == nullptr) return {.message = pre_shared_.wrap(), .message_room = kHeaderAndFooter};
+  const auto& participant = own_.attributes();
+  const bool by_participant = participant.is_rtps_protected() && !local->is_volatile;
+  const bool has_message_macs = by_participant && spi::is_origin_authenticated(participant.rtps);
+  const auto macs = has_message_macs ? kReceiverMac * (all_remotes_.size() + kMorePeers) : 0;
   return {.payload = local->attributes.is_payload_protected(),
           .submessage = local->attributes.is_submessage_protected(),
-          .message = by_participant ? Wrap::participant_key : pre_shared_.wrap()};
+          .message = by_participant ? Wrap::participant_key : pre_shared_.wrap(),
+          .message_room = kHeaderAndFooter + macs,
+          .receiver_macs =
+              !local->is_volatile && spi::is_origin_authenticated(local->attributes.submessage)};
 }
 
 Result<std::size_t> Keyring::protect_payload(const EntityId& writer, BytesView plain,

@@ -1,0 +1,40 @@
+// Which writers of a reader have an instance: those that wrote it and have not unregistered it.
+#pragma once
+
+#include <map>
+#include <set>
+#include <vector>
+
+#include "base/ids.hpp"
+#include "rtps/dcps/held_shares.hpp"
+#include "rtps/dcps/status.hpp"
+
+namespace ddssec::rtps {
+
+/// By writer, so that removing a writer costs time only for its own instances. No identity gets
+/// more of the places than are free.
+class InstanceWriters {
+ public:
+  static constexpr std::size_t kMost = 524288;
+
+  /// True if the writer may have the instance, or has it. `share`: of the writer's identity.
+  bool has_room(const Guid& writer, InstanceHandle instance, const HeldShareOf& share) const;
+  /// Returns false if the writer has it already.
+  bool add(const Guid& writer, InstanceHandle instance, const HeldShareOf& share);
+  /// Returns false if the writer does not have it.
+  bool remove(const Guid& writer, InstanceHandle instance);
+  std::vector<InstanceHandle> instances_of(const Guid& writer) const;
+  std::size_t size() const { return size_; }
+
+ private:
+  struct Writer {
+    std::set<InstanceHandle> instances;
+    HeldShareOf share;
+  };
+  bool contains(const Guid& writer, InstanceHandle instance) const;
+
+  std::map<Guid, Writer> writers_;
+  std::size_t size_ = 0;
+};
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,41 @@
+#include "rtps/participant/match_table.hpp"
+
+#include <gtest/gtest.h>
+
+namespace ddssec::rtps {
+namespace {
+
+GuidPrefix identity(std::uint8_t number) {
+  GuidPrefix out;
+  out.octets[0] = number;
+  return out;
+}
+
+/// Adds endpoints of the identity until there is no room, and returns their number.
+std::size_t fill(MatchTable& table, std::uint8_t of, bool has_macs) {
+  std::size_t count = 0;
+  for (Guid guid{identity(of), {}}; table.has_room(identity(of), has_macs) && count < 5000;
+       ++count) {
+    guid.entity.octets[0] = static_cast<std::uint8_t>(count >> 8);
+    guid.entity.octets[1] = static_cast<std::uint8_t>(count);
+    table.add(guid, identity(of));
+  }
+  return count;
+}
+
+TEST(MatchTableTest, WithoutMacs_EachIdentityHasTheSameLimit) {
+  MatchTable table;
+  for (std::uint8_t of = 1; of <= 4; ++of) EXPECT_EQ(fill(table, of, false), MatchTable::kMaxOfOne);
+}
+
+// Before: three identities with 1024 readers each made the messages to all others too long.
+TEST(MatchTableTest, WithMacs_IdentitiesLeaveRoomForAnother) {
+  MatchTable table;
+  EXPECT_EQ(fill(table, 1, true), MatchTable::kMaxWithMacs / 2);
+  EXPECT_EQ(fill(table, 2, true), MatchTable::kMaxWithMacs / 4);
+  EXPECT_GT(fill(table, 3, true), 100u);
+  EXPECT_TRUE(table.has_room(identity(9), true));
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
