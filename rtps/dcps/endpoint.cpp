@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "rtps/dcps/group.hpp"
+#include "rtps/participant/partition_change.hpp"
 
 namespace ddssec::rtps {
 
@@ -56,6 +57,15 @@ Status Endpoint::set_qos(const Qos& qos) {
   on_own_qos(before);
   if (enabled()) context_.reschedule();
   return {};
+}
+
+Status Endpoint::check_regroup(const GroupQos& group) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto announced, announced_qos(qos(), group, topic_));
+  const auto held = lock();
+  if (!enabled()) return {};
+  auto& protocol = context_.protocol();
+  return check_partition_change(protocol.remote_participants().core(),
+                                protocol.local_endpoints().find_writer(guid_.entity), announced);
 }
 
 Status Endpoint::regroup(const GroupQos& group) {

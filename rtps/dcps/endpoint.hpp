@@ -71,6 +71,8 @@ class Endpoint : public Entity, protected EndpointListener {
   /// Errors: rtps_bad_parameter (the remote endpoint is not matched).
   Result<EndpointData> matched_data(const Guid& remote) const;
 
+  /// Whether regroup would succeed.
+  Status check_regroup(const GroupQos& group);
   /// Announces the endpoint with the changed policies of its group.
   Status regroup(const GroupQos& group);
 

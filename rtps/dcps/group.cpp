@@ -70,8 +70,7 @@ GroupQos Group::qos() const {
 Status Group::set_qos(const GroupQos& qos) {
   const std::lock_guard members(context_.members());  // no member is added or removed meanwhile
   if (is_enabled()) DDSSEC_RETURN_IF_ERROR(check_mutable(this->qos(), qos));
-  for (auto& member : members_)
-    DDSSEC_RETURN_IF_ERROR(announced_qos(member->qos(), qos, member->topic()));
+  for (auto& member : members_) DDSSEC_RETURN_IF_ERROR(member->check_regroup(qos));
   for (auto& member : members_) DDSSEC_RETURN_IF_ERROR(member->regroup(qos));
   const auto held = lock();
   qos_ = qos;

@@ -260,7 +260,10 @@ Status read_durability_service(Reader& r, Announced& a) {
   auto& value = a.data.qos.durability_service;
   DDSSEC_RETURN_IF_ERROR(read_duration_into(r, value.cleanup_delay));
   DDSSEC_RETURN_IF_ERROR(read_history(r, value.history));
-  return read_limits(r, value.limits);
+  DDSSEC_RETURN_IF_ERROR(read_limits(r, value.limits));
+  // No writer can keep a history of 0 samples: the default counts.
+  if (!check_consistency(value)) value = {};
+  return {};
 }
 
 constexpr Row kTable[] = {

@@ -147,6 +147,8 @@ Result<std::int64_t> Database::number(std::string_view sql) {
 
 std::int64_t Database::last_row() const { return sqlite3_last_insert_rowid(database_.get()); }
 
+std::int64_t Database::changes() const { return sqlite3_changes64(database_.get()); }
+
 Result<Database::Transaction> Database::Transaction::begin(Database& database) {
   DDSSEC_RETURN_IF_ERROR(database.run("BEGIN IMMEDIATE"));
   return Transaction(database);

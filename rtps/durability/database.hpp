@@ -57,6 +57,8 @@ class Database {
   /// row).
   Result<std::int64_t> number(std::string_view sql);
   std::int64_t last_row() const;
+  /// The number of rows that the last statement changed.
+  std::int64_t changes() const;
 
   /// A transaction, which the destructor rolls back unless it was committed.
   class Transaction {

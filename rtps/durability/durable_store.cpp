@@ -14,6 +14,11 @@ constexpr std::chrono::milliseconds kRetry{200};
 constexpr std::chrono::seconds kLongestOpen{5};
 constexpr std::uint32_t kMostAlike = 64;
 
+/// What a commit has to do for a change, in octets. A row that goes costs about as much as one.
+std::size_t work_of(const StoredChange& stored) {
+  return stored.change.payload.size() + stored.removed.size() * StoreShares::cost(0);
+}
+
 }  // namespace
 
 Result<std::unique_ptr<DurableStore>> DurableStore::open(const std::string& path, EventSink& events,
@@ -100,7 +105,7 @@ Result<DurableStore::Opened> DurableStore::load(StreamId id, const DurabilitySer
   DDSSEC_ASSIGN_OR_RETURN(auto history, store_.load(id));
   const std::lock_guard held(mutex_);
   index_.open(id, service, history);
-  return Opened{id, std::move(history.changes), std::move(history.rows)};
+  return Opened{id, std::move(history.changes), std::move(history.rows), std::move(history.heard)};
 }
 
 void DurableStore::close_stream(StreamId stream) {
@@ -130,12 +135,14 @@ void DurableStore::forget_closed() {
   }
 }
 
-DurableStore::Appended DurableStore::append(StreamId stream, const Change& change, Time now,
-                                            const std::optional<GuidPrefix>& identity) {
+DurableStore::Appended DurableStore::append(StoredChange change, Time now) {
   const std::lock_guard held(mutex_);
-  last_.try_emplace(stream);
+  const auto identity = change.identity;
+  if (identity && !may_append(*identity, change.change.payload.size())) return {};
+  last_.try_emplace(change.stream);
+  if (identity) octets_of_.try_emplace(*identity);
   {
-    auto& stored = pending_.emplace_back(StoredChange{stream, change, identity});
+    auto& stored = pending_.emplace_back(std::move(change));
     Rollback undo([&] { pending_.pop_back(); });
     Appended out{index_.add(stored, now)};
     if (out.outcome.verdict != SampleIndex::Verdict::waits) {
@@ -162,9 +169,16 @@ std::vector<std::int64_t> DurableStore::clean_up(StreamId stream, Time now) {
   return removed;
 }
 
+bool DurableStore::may_append(const GuidPrefix& identity, std::size_t octets) const {
+  const auto own = octets_of_.find(identity);
+  return own == octets_of_.end() || own->second == 0 ||
+         (!over() && own->second + octets <= kMostPendingOctetsOfOne);
+}
+
 std::uint64_t DurableStore::count_pending(Time now) {
   const auto& last = pending_.back();
   octets_ += last.change.payload.size();
+  if (last.identity) octets_of_.find(*last.identity)->second += work_of(last);
   now_ = now;
   last_.find(last.stream)->second = ++appended_;
   work_.notify_one();
@@ -293,6 +307,8 @@ void DurableStore::commit(std::unique_lock<std::mutex>& held) {
   held.lock();
   status_ = std::move(written);
   if (status_) {
+    for (const auto& stored : group)
+      if (stored.identity) octets_of_.find(*stored.identity)->second -= work_of(stored);
     committed_ += group.size();
     ++groups_;
     if (room) room_ = *room;

@@ -21,6 +21,8 @@ class DurableStore {
   /// Limits for changes that are appended but not committed. Above them, writers should wait.
   static constexpr std::size_t kMostPending = 65536;
   static constexpr std::size_t kMostPendingOctets = std::size_t{16} << 20;
+  /// The limit for one identity, whose changes wait above it. One change is always taken.
+  static constexpr std::size_t kMostPendingOctetsOfOne = std::size_t{4} << 20;
 
   /// `events` must outlive the store. Errors: those of SampleStore::open, rtps_thread_failed.
   static Result<std::unique_ptr<DurableStore>> open(
@@ -33,6 +35,7 @@ class DurableStore {
     StreamId id;
     std::vector<Change> history;
     std::vector<std::int64_t> rows;  ///< identify the samples of `history`
+    std::vector<HeardWriter> heard = {};
   };
   /// Opens the first stream of `key` that no other writer has open; its ordinal is chosen here.
   /// A stream to which nothing is appended that is not committed can be opened on a full disk.
@@ -47,9 +50,11 @@ class DurableStore {
     std::uint64_t number = 0;  ///< committed() reaches it when this is stored
   };
   /// Never waits for a disk. What has the verdict `waits` was not appended: try again later.
-  /// `identity`: see StoredChange. `now`: calendar time.
-  Appended append(StreamId stream, const Change& change, Time now,
-                  const std::optional<GuidPrefix>& identity = {});
+  /// `now`: calendar time.
+  Appended append(StoredChange change, Time now);
+  void append(StreamId stream, const Change& change, Time now) {
+    append({.stream = stream, .change = change}, now);
+  }
   /// Removes the disposed instances whose service_cleanup_delay is over, and returns their samples.
   std::vector<std::int64_t> clean_up(StreamId stream, Time now);
   /// The number of appended changes that are stored, in the order of append.
@@ -82,6 +87,8 @@ class DurableStore {
   void run();
   Status write(std::span<const StoredChange> group, Time now);
   void commit(std::unique_lock<std::mutex>& held);
+  /// False: the identity has enough that is not committed yet.
+  bool may_append(const GuidPrefix& identity, std::size_t octets) const;
   /// Counts what was pushed to pending_. The caller holds the mutex, as for set_free.
   std::uint64_t count_pending(Time now);
   void set_free();
@@ -107,6 +114,7 @@ class DurableStore {
   std::vector<StoredChange> pending_;
   std::vector<StoredChange> failed_;  ///< a group that is committed again, before later ones
   std::size_t octets_ = 0, failed_octets_ = 0;
+  std::map<GuidPrefix, std::size_t> octets_of_;  ///< of both, by identity
   Time now_{};
   std::uint64_t appended_ = 0, committed_ = 0, groups_ = 0;
   std::uint64_t left_out_ = 0;  ///< that an event has named

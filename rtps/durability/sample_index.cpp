@@ -36,8 +36,10 @@ void SampleIndex::open(StreamId stream, const DurabilityService& service,
     const auto& change = history.changes[i];
     const auto account = account_of(shares_, history.identities[i]);
     const auto octets = StoreShares::cost(change.payload.size());
-    insert(opened, key_of(change), {history.rows[i], static_cast<std::uint32_t>(octets), account},
-           end_of(change, service, change.source_time.value_or(Time{})));
+    const auto time = change.source_time.value_or(Time{});
+    insert(opened, key_of(change),
+           {history.rows[i], static_cast<std::uint32_t>(octets), account, time},
+           end_of(change, service, time));
   }
   streams_.insert_or_assign(stream, std::move(opened));
 }
@@ -52,22 +54,27 @@ SampleIndex::Outcome SampleIndex::add(StoredChange& entry, Time now) {
   if (!change.is_alive() && !change.status.disposed) return {ended};
   const auto account = account_of(shares_, entry.identity);
   const auto octets = StoreShares::cost(change.payload.size());
+  const auto time = std::min(change.source_time.value_or(now), now);
+  if (entry.is_late && is_overtaken(stream, key, time)) return {overtaken};
   const bool is_kept = !change.status.disposed || stream.service.cleanup_delay != kDurationZero;
   const auto held = stream.instances.find(key);
   const std::size_t all = held == stream.instances.end() ? 0 : held->second.size();
-  if (!is_kept || !has_share(stream, key, account, octets)) {
-    if (!change.status.disposed) return {waits};
+  const auto count = all == 0 ? 0 : replaced(stream, held->second);
+  const bool has_share_left = !is_kept || has_share(stream, key, account, octets);
+  if (!has_share_left && !change.status.disposed) return {waits};
+  const bool is_within_limits = has_room(stream, key, count);
+  if (!is_within_limits && !change.status.disposed) return ++left_out_, Outcome{left_out};
+  if (!is_kept || !has_share_left || !is_within_limits) {
     Outcome out{ended};
+    stream.past_ends.add(key, time, account);
     if (all == 0) return out;
     entry.removed = out.removed = oldest(held->second, all);
     erase_instance(stream, key);
     return out;
   }
-  const auto count = all == 0 ? 0 : replaced(stream, held->second);
-  if (!has_room(stream, key, count)) return ++left_out_, Outcome{left_out};
   Outcome out{stored, last_row_ + 1};
   if (count > 0) entry.removed = out.removed = oldest(held->second, count);
-  insert(stream, key, {out.row, static_cast<std::uint32_t>(octets), account},
+  insert(stream, key, {out.row, static_cast<std::uint32_t>(octets), account, time},
          end_of(change, stream.service, now));
   entry.row = ++last_row_;
   erase_oldest(stream, key, count);
@@ -84,20 +91,51 @@ std::vector<std::int64_t> SampleIndex::oldest(const Rows& rows, std::size_t coun
 
 std::size_t SampleIndex::replaced(const Stream& stream, const Rows& rows) {
   const auto& history = stream.service.history;
-  const auto depth = static_cast<std::size_t>(history.depth);
+  const auto depth = static_cast<std::size_t>(std::max(history.depth, 1));
   if (history.kind != HistoryKind::keep_last || rows.size() < depth) return 0;
   return rows.size() - depth + 1;
 }
 
-// What it replaces makes room.
+// With KEEP_ALL, only the end of its instance is in its way.
+bool SampleIndex::is_overtaken(const Stream& stream, const KeyHash& key, Time time) {
+  if (stream.past_ends.has_later(key, time)) return true;
+  const auto held = stream.instances.find(key);
+  if (held == stream.instances.end() || held->second.back().time <= time) return false;
+  return stream.service.history.kind == HistoryKind::keep_last || stream.ended.contains(key);
+}
+
+void SampleIndex::PastEnds::add(const KeyHash& key, Time time, Account account) {
+  const auto [at, is_new] = by_key_.try_emplace(key, time);
+  at->second = std::max(at->second, time);
+  if (!is_new) return;
+  Rollback undo([&] { by_key_.erase(at); });
+  auto& keys = by_account_[account];
+  keys.push_back(key);
+  undo.release();
+  if (keys.size() <= kMostOfOne) return;
+  by_key_.erase(keys.front());
+  keys.pop_front();
+}
+
+bool SampleIndex::PastEnds::has_later(const KeyHash& key, Time time) const {
+  const auto at = by_key_.find(key);
+  return at != by_key_.end() && at->second > time;
+}
+
+// What needs no more room than what it replaces is always taken. Anything else must leave as much
+// room as its identity uses.
 bool SampleIndex::has_share(const Stream& stream, const KeyHash& key, Account account,
                             std::size_t octets) const {
   if (account == StoreShares::kNone) return true;
-  std::size_t freed = 0, own_replaced = 0;
+  std::size_t freed = 0, own_freed = 0, own_replaced = 0;
   if (const auto held = stream.instances.find(key); held != stream.instances.end())
-    for (std::size_t i = 0; i < replaced(stream, held->second); ++i)
-      if (held->second[i].account == account) freed += held->second[i].octets, ++own_replaced;
-  if (octets > freed && shares_.octets(account) - freed + octets > free_) return false;
+    for (std::size_t i = 0; i < replaced(stream, held->second); ++i) {
+      const auto& row = held->second[i];
+      freed += row.octets;
+      if (row.account == account) own_freed += row.octets, ++own_replaced;
+    }
+  if (octets > freed && shares_.octets(account) - own_freed + octets + octets - freed > free_)
+    return false;
   if (own_replaced > 0 || stream.service.limits.max_samples != kLengthUnlimited) return true;
   const auto own = stream.samples_of.find(account);
   return own == stream.samples_of.end() || own->second + stream.samples < most_samples_;

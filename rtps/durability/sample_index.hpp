@@ -28,20 +28,21 @@ class SampleIndex {
   void close(StreamId stream) { streams_.erase(stream); }
 
   enum class Verdict : std::uint8_t {
-    stored,    ///< in `row`
-    ended,     ///< no row: it ends an instance, or says nothing that is stored
-    left_out,  ///< above the limits of DURABILITY_SERVICE, and counted
-    waits,     ///< above the share of its identity, in octets or in samples of the stream
+    stored,     ///< in `row`
+    ended,      ///< no row: it ends an instance, or says nothing that is stored
+    left_out,   ///< above the limits of DURABILITY_SERVICE, and counted
+    overtaken,  ///< it is late, and its instance was written or ended later
+    waits,      ///< above the share of its identity, in octets or in samples of the stream
   };
   struct Outcome {
     Verdict verdict = Verdict::waits;
     std::int64_t row = 0;
     std::vector<std::int64_t> removed = {};
   };
-  /// `entry.stream`, `change` and `identity` are given; sets `row` and `removed`, and returns them
-  /// as well. With KEEP_LAST it replaces the oldest of its instance. The end of an instance that
-  /// has no room removes the instance. What waits or is left out changes nothing, nor does an
-  /// exception (std::bad_alloc). `now`: calendar time.
+  /// `entry.stream`, `change`, `identity` and `is_late` are given; sets `row` and `removed`, and
+  /// returns them as well. With KEEP_LAST it replaces the oldest of its instance. The end of an
+  /// instance that has no room removes the instance. What waits or is left out changes nothing, nor
+  /// does an exception (std::bad_alloc). `now`: calendar time.
   Outcome add(StoredChange& entry, Time now);
   /// Removes the disposed instances of `entry.stream` whose service_cleanup_delay is over. Sets
   /// `removed`, and returns it as well.
@@ -63,6 +64,7 @@ class SampleIndex {
     std::int64_t id;
     std::uint32_t octets;
     Account account;
+    Time time;  ///< of the source, at most that of arrival
   };
   using Rows = std::deque<Row>;
   /// The disposed instances that have not been removed yet. Each costs the same, however many there
@@ -72,6 +74,7 @@ class SampleIndex {
     /// `due`: calendar time in nanoseconds.
     void add(const KeyHash& key, std::int64_t due);
     void remove(const KeyHash& key);
+    bool contains(const KeyHash& key) const { return by_key_.contains(key); }
     /// Those that are due at `now`.
     std::vector<KeyHash> due(std::int64_t now) const;
 
@@ -79,10 +82,23 @@ class SampleIndex {
     std::map<KeyHash, std::int64_t> by_key_;
     std::set<std::pair<std::int64_t, KeyHash>> by_time_;
   };
+  /// The last ends of instances that left no row, by source timestamp.
+  class PastEnds {
+   public:
+    /// Of one identity. Beyond, its oldest is forgotten.
+    static constexpr std::size_t kMostOfOne = 1024;
+    void add(const KeyHash& key, Time time, Account account);
+    bool has_later(const KeyHash& key, Time time) const;
+
+   private:
+    std::map<KeyHash, Time> by_key_;
+    std::map<Account, std::deque<KeyHash>> by_account_;
+  };
   struct Stream {
     DurabilityService service;
     std::map<KeyHash, Rows> instances;
     Ended ended;
+    PastEnds past_ends;
     std::size_t samples = 0;
     std::map<Account, std::size_t> samples_of;
   };
@@ -91,6 +107,7 @@ class SampleIndex {
   /// With KEEP_LAST: how many of an instance's rows the next one replaces.
   static std::size_t replaced(const Stream& stream, const Rows& rows);
   static std::vector<std::int64_t> oldest(const Rows& rows, std::size_t count);
+  static bool is_overtaken(const Stream& stream, const KeyHash& key, Time time);
   bool has_share(const Stream& stream, const KeyHash& key, Account account,
                  std::size_t octets) const;
   /// `replaced`: number of rows that go before.

@@ -9,7 +9,10 @@ namespace ddssec::rtps {
 namespace {
 
 constexpr std::int64_t kApplicationId = 0x44445353;  // "DDSS"
-constexpr std::int64_t kVersion = 3, kOldVersion = 2;
+// Version 2 did not store the sender of a sample, version 3 not up to where a writer was heard.
+constexpr std::int64_t kVersion = 4, kOldestVersion = 2;
+// One of so many octets may be used for each remembered writer.
+constexpr std::size_t kOctetsPerHeard = 1024;
 constexpr std::size_t kPageSize = 4096;
 constexpr std::size_t kSumSize = 8;
 constexpr std::size_t kLargestPayload = 64u << 20;
@@ -22,7 +25,9 @@ constexpr std::string_view kSchema[] = {
     "keyed INTEGER NOT NULL, disposed INTEGER NOT NULL, seconds INTEGER NOT NULL, "
     "fraction INTEGER NOT NULL, writer BLOB NOT NULL, number INTEGER NOT NULL, "
     "payload BLOB NOT NULL, sum BLOB NOT NULL, identity BLOB)",
-    "CREATE INDEX sample_of_stream ON sample(stream, id)"};
+    "CREATE INDEX sample_of_stream ON sample(stream, id)",
+    "CREATE TABLE heard(stream INTEGER NOT NULL, writer BLOB NOT NULL, number INTEGER NOT NULL, "
+    "time INTEGER NOT NULL, used INTEGER NOT NULL, PRIMARY KEY(stream, writer)) WITHOUT ROWID"};
 
 constexpr std::string_view kSinceVersion3 = ", identity BLOB";
 
@@ -125,7 +130,7 @@ Status SampleStore::prepare(std::size_t most_octets) {
       DDSSEC_RETURN_IF_ERROR(create_schema());
     else {
       DDSSEC_ASSIGN_OR_RETURN(const auto user_version, database_.number("PRAGMA user_version"));
-      if (user_version == kOldVersion) DDSSEC_RETURN_IF_ERROR(renew_schema());
+      DDSSEC_RETURN_IF_ERROR(renew_schema(user_version));
     }
     DDSSEC_RETURN_IF_ERROR(transaction.commit());
   }
@@ -142,6 +147,17 @@ Status SampleStore::prepare(std::size_t most_octets) {
                           database_.number("SELECT max(coalesce((SELECT max(id) FROM stream), 0), "
                                            "coalesce((SELECT max(stream) FROM sample), 0))"));
   DDSSEC_ASSIGN_OR_RETURN(erase_, database_.prepare("DELETE FROM sample WHERE id = ?"));
+  DDSSEC_ASSIGN_OR_RETURN(renew_heard_,
+                          database_.prepare("UPDATE heard SET number = max(number, ?3), "
+                                            "time = max(time, ?4), used = ?5 "
+                                            "WHERE stream = ?1 AND writer = ?2"));
+  DDSSEC_ASSIGN_OR_RETURN(insert_heard_, database_.prepare("INSERT INTO heard(stream, writer, "
+                                                           "number, time, used) "
+                                                           "VALUES(?1, ?2, ?3, ?4, ?5)"));
+  most_heard_ = std::min(kMostHeard, most_octets / kOctetsPerHeard);
+  DDSSEC_ASSIGN_OR_RETURN(const auto heard, database_.number("SELECT count(*) FROM heard"));
+  heard_ = static_cast<std::size_t>(heard);
+  DDSSEC_ASSIGN_OR_RETURN(last_use_, database_.number("SELECT coalesce(max(used), 0) FROM heard"));
   return {};
 }
 
@@ -155,7 +171,7 @@ Status SampleStore::check_origin() {
   if (id != kApplicationId)
     return unusable(path_, "a store of samples", "a database of another application");
   DDSSEC_ASSIGN_OR_RETURN(const auto version, database_.number("PRAGMA user_version"));
-  if (version != kVersion && version != kOldVersion)
+  if (version < kOldestVersion || version > kVersion)
     return unusable(path_, "version " + std::to_string(kVersion),
                     "version " + std::to_string(version));
   DDSSEC_RETURN_IF_ERROR(check_schema(version));
@@ -170,16 +186,16 @@ Status SampleStore::check_schema(std::int64_t version) {
   DDSSEC_ASSIGN_OR_RETURN(
       auto statement,
       database_.prepare("SELECT sql FROM sqlite_master WHERE sql IS NOT NULL ORDER BY rowid"));
+  const auto expected = std::size(kSchema) - (version < 4 ? 1 : 0);
   std::size_t count = 0;
   for (;; ++count) {
     DDSSEC_ASSIGN_OR_RETURN(const auto has_row, statement.step());
     if (!has_row) break;
-    if (count >= std::size(kSchema) || statement.text(0) != schema_of(version, kSchema[count]))
+    if (count >= expected || statement.text(0) != schema_of(version, kSchema[count]))
       return unusable(path_, "the tables of a store of samples", statement.text(0));
   }
-  if (count == std::size(kSchema)) return {};
-  return unusable(path_, std::to_string(std::size(kSchema)) + " tables and indexes",
-                  std::to_string(count));
+  if (count == expected) return {};
+  return unusable(path_, std::to_string(expected) + " tables and indexes", std::to_string(count));
 }
 
 Status SampleStore::create_schema() {
@@ -188,9 +204,12 @@ Status SampleStore::create_schema() {
   return database_.run("PRAGMA user_version=" + std::to_string(kVersion));
 }
 
-Status SampleStore::renew_schema() {
-  DDSSEC_RETURN_IF_ERROR(database_.run("ALTER TABLE sample ADD COLUMN " +
-                                       std::string(kSinceVersion3.substr(sizeof(", ") - 1))));
+Status SampleStore::renew_schema(std::int64_t version) {
+  if (version == kVersion) return {};
+  if (version < 3)
+    DDSSEC_RETURN_IF_ERROR(database_.run("ALTER TABLE sample ADD COLUMN " +
+                                         std::string(kSinceVersion3.substr(sizeof(", ") - 1))));
+  DDSSEC_RETURN_IF_ERROR(database_.run(kSchema[std::size(kSchema) - 1]));
   return database_.run("PRAGMA user_version=" + std::to_string(kVersion));
 }
 
@@ -200,7 +219,8 @@ Status SampleStore::erase_empty_streams() {
   DDSSEC_ASSIGN_OR_RETURN(const auto count,
                           database_.number("SELECT count(*) " + std::string(kEmpty)));
   if (count == 0) return {};
-  return database_.run("DELETE " + std::string(kEmpty));
+  DDSSEC_RETURN_IF_ERROR(database_.run("DELETE " + std::string(kEmpty)));
+  return database_.run("DELETE FROM heard WHERE stream NOT IN (SELECT id FROM stream)");
 }
 
 Result<std::optional<StreamId>> SampleStore::row_of(const StreamKey& key) {
@@ -269,8 +289,10 @@ Status SampleStore::close(StreamId id) {
                                            "stream = " +
                                            std::to_string(id.value) + " LIMIT 1)"));
   if (samples != 0) return {};
-  DDSSEC_ASSIGN_OR_RETURN(auto erase, database_.prepare("DELETE FROM stream WHERE id = ?"));
-  return erase.bind(1, id.value).run();
+  const auto number = std::to_string(id.value);
+  DDSSEC_RETURN_IF_ERROR(database_.run("DELETE FROM heard WHERE stream = " + number));
+  heard_ -= std::min(heard_, static_cast<std::size_t>(database_.changes()));
+  return database_.run("DELETE FROM stream WHERE id = " + number);
 }
 
 Status SampleStore::read_shares(StoreShares& shares) {
@@ -331,6 +353,7 @@ Result<StoredHistory> SampleStore::load(StreamId stream) {
     out.rows.push_back(rows.number(0));
     out.identities.push_back(identity_from(rows.octets(10)));
   }
+  DDSSEC_RETURN_IF_ERROR(load_heard(stream, out.heard));
   return out;
 }
 
@@ -349,10 +372,71 @@ Status SampleStore::commit(std::span<const StoredChange> changes, Time now) {
       }
       DDSSEC_RETURN_IF_ERROR(insert(stored, now));
     }
+    DDSSEC_RETURN_IF_ERROR(remember_all(changes));
     DDSSEC_RETURN_IF_ERROR(transaction.commit());
   }
   for (auto* stream : made) stream->has_row = true;
   return {};
+}
+
+Status SampleStore::remember_all(std::span<const StoredChange> changes) {
+  std::map<std::pair<StreamId, Guid>, HeardWriter> latest;
+  for (const auto& stored : changes) {
+    if (!stored.is_remembered || !streams_.contains(stored.stream)) continue;
+    const auto origin = stored.change.origin();
+    const auto time = stored.change.source_time.value_or(Time{});
+    auto& heard = latest.try_emplace({stored.stream, origin.writer}, origin.writer).first->second;
+    heard.number = std::max(heard.number, origin.number);
+    heard.time = std::max(heard.time, time);
+  }
+  for (const auto& [key, heard] : latest) DDSSEC_RETURN_IF_ERROR(remember(key.first, heard));
+  return heard_ > most_heard_ ? forget_longest_unheard() : Status{};
+}
+
+Status SampleStore::remember(StreamId stream, const HeardWriter& heard) {
+  const auto writer = heard.writer.octets();
+  ++last_use_;
+  const auto run = [&](SqlStatement& statement) {
+    return statement.bind(1, stream.value)
+        .bind(2, BytesView(writer))
+        .bind(3, heard.number.value)
+        .bind(4, heard.time.to_nanoseconds().count())
+        .bind(5, last_use_)
+        .run();
+  };
+  DDSSEC_RETURN_IF_ERROR(run(renew_heard_));
+  if (database_.changes() > 0) return {};
+  DDSSEC_RETURN_IF_ERROR(run(insert_heard_));
+  ++heard_;
+  return {};
+}
+
+// Several at once, because it looks at all of them.
+Status SampleStore::forget_longest_unheard() {
+  const auto surplus = std::to_string(heard_ - most_heard_ + most_heard_ / 16);
+  DDSSEC_RETURN_IF_ERROR(database_.run(
+      "DELETE FROM heard WHERE used <= (SELECT used FROM heard ORDER BY used LIMIT 1 OFFSET " +
+      surplus + ")"));
+  DDSSEC_ASSIGN_OR_RETURN(const auto left, database_.number("SELECT count(*) FROM heard"));
+  heard_ = static_cast<std::size_t>(left);
+  return {};
+}
+
+Status SampleStore::load_heard(StreamId stream, std::vector<HeardWriter>& out) {
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto rows, database_.prepare("SELECT writer, number, time FROM heard WHERE stream = ?"));
+  rows.bind(1, stream.value);
+  while (true) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto has_row, rows.step());
+    if (!has_row) return {};
+
+    const auto writer = rows.octets(0);
+    if (writer.size() != Guid{}.octets().size())
+      return unusable(path_, "what was stored", "a writer that was heard is damaged");
+    out.push_back({{GuidPrefix::from(writer.first(12)), EntityId::from(writer.subspan(12))},
+                   {rows.number(1)},
+                   Time::from(std::chrono::nanoseconds(rows.number(2)))});
+  }
 }
 
 Status SampleStore::insert(const StoredChange& stored, Time now) {

@@ -18,6 +18,8 @@ namespace ddssec::rtps {
 class SampleStore {
  public:
   static constexpr std::size_t kMostStreams = 1024;
+  /// Limit for the writers that are remembered, of all streams. In a small store they are fewer.
+  static constexpr std::size_t kMostHeard = 1 << 18;
   static constexpr std::size_t kDefaultOctets = std::size_t{4} << 30;
 
   /// An empty path opens a store in memory. A file that is missing or empty becomes a store that
@@ -40,7 +42,8 @@ class SampleStore {
   /// rtps_store_failed.
   Result<StoredHistory> load(StreamId stream);
   /// Removes and stores what the changes say or, if it fails, does nothing. SampleIndex determines
-  /// what they say; without a source timestamp, `now` is stored. Errors: rtps_store_failed,
+  /// what they say; without a source timestamp, `now` is stored. Of too many remembered writers,
+  /// those that were heard longest ago are forgotten. Errors: rtps_store_failed,
   /// rtps_store_unusable.
   Status commit(std::span<const StoredChange> changes, Time now);
 
@@ -66,8 +69,8 @@ class SampleStore {
   Status check_origin();
   Status check_schema(std::int64_t version);
   Status create_schema();
-  /// Upgrades the schema of version 2, which did not store the sender of a sample.
-  Status renew_schema();
+  /// Upgrades the schema of an earlier version.
+  Status renew_schema(std::int64_t version);
   /// Removes all streams without samples.
   Status erase_empty_streams();
   /// Empty: not in the database.
@@ -76,14 +79,19 @@ class SampleStore {
   Result<std::optional<StreamId>> find(const StreamKey& key);
   Status insert_row(StreamId id, const StreamKey& key);
   Status insert(const StoredChange& stored, Time now);
+  Status remember(StreamId stream, const HeardWriter& heard);
+  Status remember_all(std::span<const StoredChange> changes);
+  Status forget_longest_unheard();
+  Status load_heard(StreamId stream, std::vector<HeardWriter>& out);
   std::unexpected<Error> damaged(std::int64_t row) const;
 
   Database database_;
   std::string path_;
-  SqlStatement insert_, erase_;
+  SqlStatement insert_, erase_, renew_heard_, insert_heard_;
   std::map<StreamId, Stream> streams_;
   std::size_t most_pages_ = 0;
-  std::int64_t last_row_ = 0, last_stream_ = 0;
+  std::int64_t last_row_ = 0, last_stream_ = 0, last_use_ = 0;
+  std::size_t heard_ = 0, most_heard_ = kMostHeard;
 };
 
 }  // namespace ddssec::rtps

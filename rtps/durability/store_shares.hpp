@@ -18,8 +18,12 @@ class StoreShares {
   using Account = std::uint32_t;
   static constexpr Account kNone = 0;
 
-  /// The approximate number of octets that a sample uses in the file.
-  static std::size_t cost(std::size_t payload) { return payload + 160; }
+  /// The approximate number of octets that a sample uses in the file. Small samples share a page.
+  static std::size_t cost(std::size_t payload) {
+    constexpr std::size_t kRest = 160, kPage = 4096;
+    const auto octets = payload + kRest;
+    return octets <= kPage / 2 ? octets : (octets + kPage - 1) / kPage * kPage;
+  }
 
   /// `identity`: see ParticipantCore::identity_of.
   Account account(const GuidPrefix& identity);

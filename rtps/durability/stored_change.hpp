@@ -35,15 +35,27 @@ struct StoredChange {
   /// The identity whose share of the store it uses (ParticipantCore::identity_of). Empty: no limit
   /// applies.
   std::optional<GuidPrefix> identity = {};
+  /// It comes much later than it was written, so source timestamps decide what is current.
+  bool is_late = false;
+  /// The store remembers that it has this change of its original writer, stored or not.
+  bool is_remembered = false;
   std::int64_t row = 0;                    ///< where it is stored; 0: nowhere
   std::vector<std::int64_t> removed = {};  ///< rows that go
 };
 
-/// The samples of a stream. All lists have the same length.
+/// Up to which change, and which source timestamp, a writer was heard.
+struct HeardWriter {
+  Guid writer;
+  SequenceNumber number;
+  Time time;
+};
+
+/// The samples of a stream. The first three lists have the same length.
 struct StoredHistory {
   std::vector<Change> changes;
   std::vector<std::int64_t> rows;
   std::vector<std::optional<GuidPrefix>> identities;
+  std::vector<HeardWriter> heard;
 };
 
 }  // namespace ddssec::rtps

@@ -213,7 +213,7 @@ Status Keeper::keep(const EndpointData& writer, const std::optional<Guid>& annou
     if (announcer)
       store_->append(known_, announcement(writer, key), participant_->context_.moment().wall);
   };
-  auto topic = std::make_unique<KeptTopic>(context, *store_, writer, remember);
+  auto topic = std::make_unique<KeptTopic>(context, *store_, held_, writer, remember);
   DDSSEC_RETURN_IF_ERROR(topic->open(participant_->domain_id(), domain_tag_));
   if (!announcer && !has_samples(*topic)) {
     store_->append(known_, end_of_announcement(key), context.moment().wall);

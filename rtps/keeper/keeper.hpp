@@ -106,6 +106,8 @@ class Keeper final : private DataReaderListener {
 
   std::unique_ptr<DomainParticipant> participant_;
   std::unique_ptr<DurableStore> store_;
+  /// What all topics hold out of order, in fragments or because it waits for room.
+  const std::shared_ptr<HeldOctets> held_ = std::make_shared<HeldOctets>();
   const std::vector<std::string> patterns_;
   std::string domain_tag_;
   StreamId known_;  ///< stream of the announcements of the kept topics

@@ -56,11 +56,13 @@ std::vector<std::string> scope_of(const std::string& domain_tag, const spi::Prop
 
 }  // namespace
 
-KeptTopic::KeptTopic(ParticipantContext& context, DurableStore& store, EndpointData writer,
+KeptTopic::KeptTopic(ParticipantContext& context, DurableStore& store,
+                     std::shared_ptr<HeldOctets> held, EndpointData writer,
                      std::function<void()> on_first_sample)
     : Timed(&context.timers()),
       context_(context),
       store_(store),
+      held_(std::move(held)),
       like_(std::move(writer)),
       with_key_(has_key(like_.guid.entity)),
       on_first_sample_(std::move(on_first_sample)) {}
@@ -87,6 +89,7 @@ Status KeptTopic::open(DomainId domain, const std::string& domain_tag) {
   has_samples_ = !opened.history.empty();
   if (like_.qos.ownership == OwnershipKind::exclusive) expect_owners(opened.history);
   for (const auto& change : opened.history) seen_.add(SeenOriginals::of(change));
+  for (const auto& heard : opened.heard) heard_.emplace(heard.writer, heard);
   for (std::size_t i = 0; i < opened.rows.size(); ++i)
     rows_[opened.rows[i]] = {static_cast<std::int64_t>(i) + 1};
   auto serving = request(serving_qos(like_.qos));
@@ -95,8 +98,10 @@ Status KeptTopic::open(DomainId domain, const std::string& domain_tag) {
   const auto now = context_.now();
   DDSSEC_ASSIGN_OR_RETURN(writer_,
                           context_.protocol().create_writer(std::move(serving), *this, now));
-  DDSSEC_ASSIGN_OR_RETURN(
-      reader_, context_.protocol().create_reader(request(reading_qos(like_.qos)), *this, now));
+  auto reading = request(reading_qos(like_.qos));
+  reading.held = held_;
+  DDSSEC_ASSIGN_OR_RETURN(reader_,
+                          context_.protocol().create_reader(std::move(reading), *this, now));
   context_.protocol().local_endpoints().reader(reader_)->acknowledge_before(
       [this](const Guid& from, SequenceNumber next) { return first_unstored(from, next); });
   look_again(now);
@@ -138,7 +143,7 @@ bool KeptTopic::has_scope_of(const EndpointData& writer) const {
 bool KeptTopic::on_change(Change& change) {
   using Claim = InstanceOwners::Claim;
   if (change.is_marker() || !writers_.contains(change.writer)) return true;
-  if (seen_.contains(change)) {
+  if (seen_.contains(change) || was_heard(change)) {
     // The owner of a stored instance came back.
     if (change.origin().writer == change.writer) claim(change);
     return true;
@@ -147,8 +152,7 @@ bool KeptTopic::on_change(Change& change) {
     ++without_key_;
     return true;
   }
-  if (is_overtaken(change)) return true;
-  if (store_.is_behind()) return false;  // the writer offers it again
+  if (!identity_of(change.writer.prefix) && store_.is_behind()) return defer(context_.now());
   const auto claimed = claim(change);
   if (claimed == Claim::no_room) ++left_out_;
   if (claimed == Claim::later || (claimed == Claim::owned && !keep(change)))
@@ -162,10 +166,17 @@ bool KeptTopic::defer(MonotonicTime now) {
   return false;
 }
 
-/// With KEEP_ALL, only the end of its instance is in its way.
-bool KeptTopic::is_overtaken(const Change& change) const {
-  const bool keeps_all = like_.qos.durability_service.history.kind == HistoryKind::keep_all;
-  return overtaken_.is_overtaken(change, keeps_all);
+/// Before the keeper was restarted. A writer that was restarted and has the same GUID begins again
+/// with the number 1, and later timestamps.
+bool KeptTopic::was_heard(const Change& change) const {
+  const auto at = heard_.find(change.writer);
+  return at != heard_.end() && change.origin().writer == change.writer && change.source_time &&
+         change.sequence_number <= at->second.number && *change.source_time <= at->second.time;
+}
+
+bool KeptTopic::is_late(const Change& change, Time wall) const {
+  return have_waited_.contains(change.writer) ||
+         wall.to_nanoseconds() - change.source_time->to_nanoseconds() > kLate;
 }
 
 bool KeptTopic::keep(Change& change) {
@@ -175,12 +186,16 @@ bool KeptTopic::keep(Change& change) {
   if (!change.source_time) change.source_time = wall;
   const auto writer = change.writer;
   const auto original = change.sequence_number;
-  const auto kept = store_.append(*stream_, change, wall, identity_of(writer.prefix));
+  const auto kept = store_.append({.stream = *stream_,
+                                   .change = change,
+                                   .identity = identity_of(writer.prefix),
+                                   .is_late = is_late(change, wall),
+                                   .is_remembered = change.original.writer == writer},
+                                  wall);
   if (kept.outcome.verdict == SampleIndex::Verdict::waits) {
-    overtaken_.wait(writer);
+    have_waited_.insert(writer);
     return false;
   }
-  overtaken_.note(change);
   seen_.add(SeenOriginals::of(change));
   if (!std::exchange(has_samples_, true)) on_first_sample_();
   if (owners_ && change.status.unregistered)
@@ -213,7 +228,7 @@ void KeptTopic::on_matched(const EndpointData& remote) {
 
 void KeptTopic::on_unmatched(const Guid& remote) {
   writers_.erase(remote);
-  overtaken_.forget(remote);
+  have_waited_.erase(remote);
   if (!owners_) return;
   owners_->remove_writer(remote);
   liveliness_.remove(remote);
@@ -278,7 +293,8 @@ void KeptTopic::on_time(MonotonicTime now) {
   });
   if (has_delayed_ends()) discard(store_.clean_up(*stream_, context_.moment().wall));
   const bool has_news = acknowledge_stored();
-  if (std::exchange(deferred_, false) || has_news) offer_again();
+  auto* reader = context_.protocol().local_endpoints().reader(reader_);
+  if ((std::exchange(deferred_, false) || has_news) && reader != nullptr) reader->offer_again();
   look_again(now);
 }
 
@@ -301,14 +317,6 @@ bool KeptTopic::acknowledge_stored() {
     has_news = has_news || is_news;
   }
   return has_news;
-}
-
-void KeptTopic::offer_again() {
-  auto* reader = context_.protocol().local_endpoints().reader(reader_);
-  if (reader == nullptr) return;
-  overtaken_.begin_pass();
-  reader->offer_again();
-  overtaken_.end_pass();
 }
 
 void KeptTopic::on_sample_dropped(const Guid& writer, std::uint32_t octets) {

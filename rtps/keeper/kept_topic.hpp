@@ -11,7 +11,6 @@
 #include "rtps/dcps/seen_originals.hpp"
 #include "rtps/durability/durable_store.hpp"
 #include "rtps/keeper/instance_owners.hpp"
-#include "rtps/keeper/overtaken.hpp"
 
 namespace ddssec::rtps {
 
@@ -28,11 +27,15 @@ class KeptTopic final : private EndpointListener, private Timed {
   /// How long the writers that own stored instances have to come back, once the topic is opened.
   /// Until then, samples of these instances by other writers wait.
   static constexpr MonotonicTime kReturn = std::chrono::seconds(10);
+  /// A sample that is older than this when it arrives comes late. So do all samples of a writer
+  /// that has waited for room. Source timestamps count for late samples only: otherwise one from
+  /// the future would keep all others out of its instance.
+  static constexpr std::chrono::seconds kLate{5};
 
-  /// `writer`: the announcement of one of its writers. `on_first_sample` is called with the lock
-  /// held when there is something to keep.
-  KeptTopic(ParticipantContext& context, DurableStore& store, EndpointData writer,
-            std::function<void()> on_first_sample);
+  /// `writer`: the announcement of one of its writers. `held` limits what the readers of all topics
+  /// hold. `on_first_sample` is called with the lock held when there is something to keep.
+  KeptTopic(ParticipantContext& context, DurableStore& store, std::shared_ptr<HeldOctets> held,
+            EndpointData writer, std::function<void()> on_first_sample);
   ~KeptTopic() override;
 
   /// The caller does not hold the lock. Errors: those of DurableStore::open_stream,
@@ -76,7 +79,6 @@ class KeptTopic final : private EndpointListener, private Timed {
   bool has_delayed_ends() const;
   /// Lets the writer offer the change again later.
   bool defer(MonotonicTime now);
-  void offer_again();
   void on_signal(const Guid& writer, std::shared_ptr<LivelinessSignal> signal) override;
   void on_alive(const Guid& writer) override;
   void on_acknowledged() override {}
@@ -85,7 +87,9 @@ class KeptTopic final : private EndpointListener, private Timed {
   InstanceOwners::Claim claim(const Change& change);
   /// Returns false if there is no room.
   bool keep(Change& change);
-  bool is_overtaken(const Change& change) const;
+  bool was_heard(const Change& change) const;
+  /// True if the change comes much later than it was written: it waited, or it is of a history.
+  bool is_late(const Change& change, Time wall) const;
   /// False: the writer reaches other readers, or needs other permissions.
   bool has_scope_of(const EndpointData& writer) const;
   /// The identity whose share of the store a sample uses.
@@ -93,11 +97,13 @@ class KeptTopic final : private EndpointListener, private Timed {
 
   ParticipantContext& context_;
   DurableStore& store_;
+  const std::shared_ptr<HeldOctets> held_;
   const EndpointData like_;
   const bool with_key_;
   std::optional<StreamId> stream_;
   Guid reader_, writer_;
   SeenOriginals seen_;
+  std::map<Guid, HeardWriter> heard_;  ///< before the topic was opened
   std::uint64_t without_key_ = 0, dropped_ = 0, left_out_ = 0;
   std::function<void()> on_first_sample_;
   bool has_samples_ = false;
@@ -105,7 +111,7 @@ class KeptTopic final : private EndpointListener, private Timed {
   std::optional<InstanceOwners> owners_;  ///< only with OWNERSHIP EXCLUSIVE
   LivelinessMonitor liveliness_;          ///< the same: owners that are not alive own nothing
   bool deferred_ = false;                 ///< a change waits for room, or for an owner to come back
-  Overtaken overtaken_;
+  std::set<Guid> have_waited_;            ///< writers
   /// A change that is being stored.
   struct Unstored {
     std::uint64_t number;  ///< see DurableStore::append

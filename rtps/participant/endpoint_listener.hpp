@@ -5,6 +5,7 @@
 #include "rtps/discovery/endpoint_data.hpp"
 #include "rtps/participant/liveliness_signal.hpp"
 #include "rtps/qos/matching.hpp"
+#include "rtps/reliability/held_octets.hpp"
 #include "rtps/reliability/stateful_writer.hpp"
 
 namespace ddssec::rtps {
@@ -57,6 +58,8 @@ struct EndpointRequest {
   bool with_key = true;
   TypeDescription type = {};
   std::optional<ContentFilterProperty> content_filter = {};  ///< readers only
+  /// Readers only: what they hold counts together (StatefulReader::share_held). Empty: for itself.
+  std::shared_ptr<HeldOctets> held = {};
   /// Writers only: earlier changes, for readers that request history.
   std::vector<Change> history = {};
   bool history_only = false;       ///< writers only: see StatefulWriter::serve_history_only

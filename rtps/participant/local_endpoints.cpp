@@ -69,11 +69,13 @@ Result<LocalReader*> LocalEndpoints::create_reader(EndpointRequest request,
                                                    EndpointListener& listener) {
   DDSSEC_RETURN_IF_ERROR(check_consistency(request.qos));
   const auto kind = request.with_key ? EndpointKind::reader_with_key : EndpointKind::reader_no_key;
+  auto held = std::move(request.held);
   auto data = data_of(std::move(request), kind);
   DDSSEC_RETURN_IF_ERROR(secure(data, listener));
   auto protocol = std::make_unique<StatefulReader>(
       data.guid, data.qos.is_reliable(), core_.sender,
       [&listener](Change& change) { return listener.on_change(change); }, &core_.timers);
+  if (held) protocol->share_held(std::move(held));
   protocol->on_lost([&listener](std::int64_t count) { listener.on_sample_lost(count); });
   protocol->on_dropped([&listener](const Guid& writer, std::uint32_t octets) {
     listener.on_sample_dropped(writer, octets);
@@ -132,6 +134,11 @@ StatefulWriter& LocalEndpoints::sedp_writer(const EntityId& endpoint) {
 }
 
 LocalWriter* LocalEndpoints::find_writer(const EntityId& id) {
+  const auto at = writers_.find(id);
+  return at == writers_.end() ? nullptr : &at->second;
+}
+
+const LocalWriter* LocalEndpoints::find_writer(const EntityId& id) const {
   const auto at = writers_.find(id);
   return at == writers_.end() ? nullptr : &at->second;
 }

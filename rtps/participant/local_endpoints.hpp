@@ -47,6 +47,7 @@ class LocalEndpoints final : public Neighbour {
 
   /// Return nullptr if it is not a local endpoint.
   LocalWriter* find_writer(const EntityId& id);
+  const LocalWriter* find_writer(const EntityId& id) const;
   LocalReader* find_reader(const EntityId& id);
   std::map<EntityId, LocalWriter>& writers() { return writers_; }
   std::map<EntityId, LocalReader>& readers() { return readers_; }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "rtps/participant/partition_change.hpp"
+
 namespace ddssec::rtps {
 namespace {
 
@@ -126,6 +128,9 @@ Status Participant::change_qos(const Guid& endpoint, Qos qos, MonotonicTime now)
   const auto call = calls_.enter();
   core_.now = now;
   DDSSEC_RETURN_IF_ERROR(check_consistency(qos));
+  const auto* writer = local_.find_writer(endpoint.entity);
+  DDSSEC_RETURN_IF_ERROR(check_partition_change(core_, writer, qos));
+  if (leaves_readers(core_, writer, qos)) DDSSEC_RETURN_IF_ERROR(core_.security->revise_keys());
   const auto apply = [&](auto* local) {
     if (local == nullptr) return;
     local->data.qos = qos;

@@ -76,7 +76,8 @@ class Participant {
   Guid create_group() { return local_.create_group(); }
 
   /// Announces changed policies of a local endpoint and matches it again. The caller must check
-  /// which policies may change. Errors: rtps_qos_inconsistent.
+  /// which other policies may change. If a writer goes to other partitions, keys are revised.
+  /// Errors: rtps_qos_inconsistent, those of check_partition_change.
   Status change_qos(const Guid& endpoint, Qos qos, MonotonicTime now);
   /// Announces a changed content filter of a local reader.
   void change_filter(const Guid& reader, ContentFilterProperty filter, MonotonicTime now);

@@ -18,8 +18,18 @@ bool exceeds(std::int32_t value, std::int32_t limit) {
 
 Status check_limit(std::string_view name, std::int32_t value) {
   if (value == kLengthUnlimited || value > 0) return {};
-  return inconsistent(fmt::format("RESOURCE_LIMITS.{}", name), "unlimited (-1) or at least 1",
-                      std::to_string(value));
+  return inconsistent(std::string(name), "unlimited (-1) or at least 1", std::to_string(value));
+}
+
+Status check_limits(const std::string& policy, const ResourceLimits& limits) {
+  DDSSEC_RETURN_IF_ERROR(check_limit(policy + ".max_samples", limits.max_samples));
+  DDSSEC_RETURN_IF_ERROR(check_limit(policy + ".max_instances", limits.max_instances));
+  return check_limit(policy + ".max_samples_per_instance", limits.max_samples_per_instance);
+}
+
+Status check_depth(const std::string& field, const History& history) {
+  if (history.kind != HistoryKind::keep_last || history.depth >= 1) return {};
+  return inconsistent(field, "at least 1", std::to_string(history.depth));
 }
 
 Status immutable(std::string_view policy) {
@@ -46,14 +56,17 @@ Status check_mutable(const Qos& from, const Qos& to) {
   return {};
 }
 
+Status check_consistency(const DurabilityService& service) {
+  DDSSEC_RETURN_IF_ERROR(check_limits("DURABILITY_SERVICE", service.limits));
+  return check_depth("DURABILITY_SERVICE.history_depth", service.history);
+}
+
 Status check_consistency(const Qos& qos) {
   const auto& limits = qos.resource_limits;
-  DDSSEC_RETURN_IF_ERROR(check_limit("max_samples", limits.max_samples));
-  DDSSEC_RETURN_IF_ERROR(check_limit("max_instances", limits.max_instances));
-  DDSSEC_RETURN_IF_ERROR(check_limit("max_samples_per_instance", limits.max_samples_per_instance));
+  DDSSEC_RETURN_IF_ERROR(check_limits("RESOURCE_LIMITS", limits));
+  DDSSEC_RETURN_IF_ERROR(check_depth("HISTORY.depth", qos.history));
+  DDSSEC_RETURN_IF_ERROR(check_consistency(qos.durability_service));
   const bool keep_last = qos.history.kind == HistoryKind::keep_last;
-  if (keep_last && qos.history.depth < 1)
-    return inconsistent("HISTORY.depth", "at least 1", std::to_string(qos.history.depth));
   if (keep_last && exceeds(qos.history.depth, limits.max_samples_per_instance))
     return inconsistent("HISTORY.depth",
                         fmt::format("at most RESOURCE_LIMITS.max_samples_per_instance, {}",

@@ -134,5 +134,6 @@ Status check_mutable(const Qos& from, const Qos& to);
 /// Refuses contradictory policies (DDS 1.4, 2.2.3: "inconsistent"). The error names policy and
 /// values. Errors: rtps_qos_inconsistent.
 Status check_consistency(const Qos& qos);
+Status check_consistency(const DurabilityService& service);
 
 }  // namespace ddssec::rtps

@@ -26,6 +26,13 @@ void HeldOctets::Account::let_go(std::size_t octets) {
   share_->second.octets -= octets;
 }
 
+bool HeldOctets::exceeds_share(const GuidPrefix& identity) const {
+  const auto share = shares_.find(identity);
+  if (share == shares_.end()) return false;
+  const auto own = share->second.octets;
+  return own > limits_.of_one || own + octets_ > limits_.all;
+}
+
 std::optional<GuidPrefix> HeldOctets::over_limit() const {
   const auto most =
       std::ranges::max_element(shares_, {}, [](const auto& share) { return share.second.octets; });

@@ -47,6 +47,9 @@ class HeldOctets {
   void limit(const Limits& limits) { limits_ = limits; }
   std::size_t octets() const { return octets_; }
   std::size_t identities() const { return shares_.size(); }
+  /// For readers that share it: true if the identity holds more than its limit, or more than is
+  /// free. So it leaves room for another identity in each of them.
+  bool exceeds_share(const GuidPrefix& identity) const;
   /// The identity that must give something up: the one that holds the most. Empty if everything is
   /// within the limits.
   std::optional<GuidPrefix> over_limit() const;

@@ -25,7 +25,12 @@ StatefulReader::StatefulReader(const Guid& guid, bool reliable, MessageSender& s
 
 void StatefulReader::limit(const Limits& limits) {
   largest_sample_ = limits.largest_sample;
-  common_.held.limit({limits.held_octets, limits.held_octets_of_one});
+  common_.held->limit({limits.held_octets, limits.held_octets_of_one});
+}
+
+void StatefulReader::share_held(std::shared_ptr<HeldOctets> held) {
+  common_.held = std::move(held);
+  shares_held_ = true;
 }
 
 StatefulReader::~StatefulReader() {
@@ -72,7 +77,7 @@ bool StatefulReader::has_history() const {
 bool StatefulReader::accept(WriterProxy& proxy, SequenceNumber number,
                             std::optional<Change> change) {
   const bool is_new = proxy.accept(number, std::move(change));
-  if (proxy.held().octets() > 0) trim();
+  if (proxy.held().octets() > 0) trim(proxy);
   return is_new;
 }
 
@@ -86,7 +91,7 @@ bool StatefulReader::on_data(const GuidPrefix& from, const Data& data,
   if (data.inline_qos.status.filtered) return accept(*proxy, data.sequence_number, std::nullopt);
   // Like accept(), but without moving the change once more.
   const bool is_new = proxy->accept(data.sequence_number, received_change(from, data, time));
-  if (proxy->held().octets() > 0) trim();
+  if (proxy->held().octets() > 0) trim(*proxy);
   return is_new;
 }
 
@@ -111,21 +116,28 @@ bool StatefulReader::has_place(WriterProxy& proxy, const DataFrag& frag,
     return false;
   }
   if (!partial.begin(proxy.writer().guid.prefix, frag, time)) return false;
-  trim();
+  trim(proxy);
   return true;
 }
 
 // By identity, so that an attacker that spreads its data over many writers displaces no other
 // identity's.
-void StatefulReader::trim() {
-  while (const auto identity = common_.held.over_limit()) {
-    WriterProxy* largest = nullptr;
-    for (auto& [guid, proxy] : writers_)
-      if (proxy.held().identity() == *identity &&
-          (!largest || proxy.held().octets() > largest->held().octets()))
-        largest = &proxy;
-    largest->forget_latest();
+void StatefulReader::trim(const WriterProxy& proxy) {
+  if (shares_held_) {
+    while (proxy.held().octets() > 0 && common_.held->exceeds_share(proxy.held().identity()))
+      give_up_largest(proxy.held().identity());
+    return;
   }
+  while (const auto identity = common_.held->over_limit()) give_up_largest(*identity);
+}
+
+void StatefulReader::give_up_largest(const GuidPrefix& identity) {
+  WriterProxy* largest = nullptr;
+  for (auto& [guid, proxy] : writers_)
+    if (proxy.held().identity() == identity &&
+        (!largest || proxy.held().octets() > largest->held().octets()))
+      largest = &proxy;
+  largest->forget_latest();
 }
 
 bool StatefulReader::on_heartbeat(const GuidPrefix& from, const Heartbeat& heartbeat) {

@@ -35,6 +35,9 @@ class StatefulReader final : private Timed {
   ~StatefulReader() override;
 
   void limit(const Limits& limits);
+  /// What is held counts together with that of other readers, within the limits of `held`. Must be
+  /// called before a writer is matched.
+  void share_held(std::shared_ptr<HeldOctets> held);
   /// Called with the number of a writer's changes that were given up although they were not
   /// declared irrelevant (SAMPLE_LOST of DDS 1.4, 2.2.4.1).
   using Lost = std::function<void(std::int64_t count)>;
@@ -116,7 +119,9 @@ class StatefulReader final : private Timed {
   bool has_place(WriterProxy& proxy, const DataFrag& frag, const std::optional<Time>& time);
   /// Gives up the latest changes of the identity that holds the most, from its writer that holds
   /// the most. They are requested again.
-  void trim();
+  /// After something of this writer was held.
+  void trim(const WriterProxy& proxy);
+  void give_up_largest(const GuidPrefix& identity);
   /// Asks the writer what it holds, and schedules the next query.
   void ask(WriterProxy& proxy, MonotonicTime now);
   /// Acknowledges what has arrived, and requests what is missing up to `last`.
@@ -131,6 +136,7 @@ class StatefulReader final : private Timed {
   Alive alive_;
   Group on_group_;
   std::uint32_t largest_sample_ = kLargestSample;
+  bool shares_held_ = false;  ///< with other readers
   WriterProxy::Common common_;
   std::map<Guid, WriterProxy> writers_;
   PastWriters past_;

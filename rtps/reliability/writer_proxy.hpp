@@ -43,7 +43,7 @@ class WriterProxy {
     /// Called with the number of changes that were given up although the writer did not declare
     /// them irrelevant.
     std::function<void(std::int64_t count)> lost = {};
-    HeldOctets held = {};
+    std::shared_ptr<HeldOctets> held = std::make_shared<HeldOctets>();
     EarlyChanges::Spare spare = {};
   };
 

@@ -98,6 +98,20 @@ void expect_sound(const T& data, Read read) {
   }
 }
 
+// Before: a peer's depth of 0 ended the durability service.
+TEST(DiscoveryData, ADurabilityServiceThatNoWriterCanHave_CountsAsTheDefault) {
+  for (const DurabilityService& service :
+       {DurabilityService{{{1, 0}}, {HistoryKind::keep_last, 0}, {}},
+        DurabilityService{{{1, 0}}, {HistoryKind::keep_last, -7}, {}},
+        DurabilityService{{{1, 0}}, {HistoryKind::keep_all, 1}, {-5, -1, -1}}}) {
+    auto data = publication();
+    data.qos.durability_service = service;
+    const auto read = read_publication_data(payload_of(data));
+    ASSERT_TRUE(read);
+    EXPECT_EQ(read->qos.durability_service, DurabilityService{});
+  }
+}
+
 TEST(DiscoveryData, RoundTripsInBothByteOrdersAndRefusesEveryTruncation) {
   expect_sound(participant(), read_participant_data);
   expect_sound(publication(), read_publication_data);

@@ -53,5 +53,16 @@ TEST_F(HeldOctetsTest, AnAccountThatEnds_ReturnsWhatItHeld) {
   EXPECT_EQ(stays.octets(), 7u);
 }
 
+TEST_F(HeldOctetsTest, AShare_LeavesRoomForAnother) {
+  HeldOctets::Account one(held, kOne), other(held, kOther);
+  one.hold(50);
+  EXPECT_FALSE(held.exceeds_share(kOne));
+  other.hold(25);
+  EXPECT_FALSE(held.exceeds_share(kOther));
+  other.hold(1);
+  EXPECT_TRUE(held.exceeds_share(kOther));
+  EXPECT_FALSE(held.exceeds_share(GuidPrefix{}));
+}
+
 }  // namespace
 }  // namespace ddssec::rtps

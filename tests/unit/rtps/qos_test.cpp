@@ -151,6 +151,9 @@ TEST(Matching, ManyBracketsStayCheap) {
 TEST(Qos, ContradictionsAreRefused) {
   const std::pair<std::function<void(Qos&)>, std::string> rows[] = {
       {[](Qos& q) { q.history.depth = 0; }, "HISTORY.depth"},
+      {[](Qos& q) { q.durability_service.history.depth = 0; }, "DURABILITY_SERVICE.history_depth"},
+      {[](Qos& q) { q.durability_service.limits.max_samples = 0; },
+       "DURABILITY_SERVICE.max_samples"},
       {[](Qos& q) { q.history.depth = 5, q.resource_limits.max_samples_per_instance = 4; },
        "HISTORY.depth"},
       {[](Qos& q) { q.resource_limits.max_samples = 0; }, "RESOURCE_LIMITS.max_samples"},

@@ -51,7 +51,7 @@ TEST_F(WriterProxyTest, EarlyChanges_AreDeliveredInTheirTurn) {
   EXPECT_THAT(missing(reliable, 5), ElementsAre(1, 4, 5));
   EXPECT_TRUE(add(reliable, 1));
   EXPECT_THAT(delivered, ElementsAre(1, 2, 3));
-  EXPECT_EQ(common.held.octets(), 0u);
+  EXPECT_EQ(common.held->octets(), 0u);
 }
 
 TEST_F(WriterProxyTest, BestEffort_GoesOnlyForward) {

@@ -165,5 +165,34 @@ TEST_F(DurableStoreTest, InMemoryItLastsAsLongAsItself) {
   EXPECT_EQ(store->open_stream(kMap, keep_all())->history.size(), 1u);
 }
 
+// Before: an insider that wrote as fast as the disk takes kept all others from being stored for 8
+// s.
+TEST_F(DurableStoreTest, ChangesOfOneIdentity_LeaveRoomInTheQueue) {
+  auto store = open();
+  const auto stream = *store->open_stream(kMap, keep_last(1));
+  const auto append = [&](std::uint8_t identity, std::size_t octets) {
+    StoredChange change{stream.id, sample(identity, 200)};
+    change.change.payload = Payload::copy_of(Bytes(octets));
+    change.identity.emplace().octets[0] = identity;
+    return store->append(std::move(change), seconds(0)).outcome.verdict;
+  };
+  using enum SampleIndex::Verdict;
+  std::signal(SIGXFSZ, SIG_IGN);
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const rlimit none{0, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &none), 0);
+  constexpr auto kMost = DurableStore::kMostPendingOctetsOfOne;
+  EXPECT_EQ(append(1, 2 * kMost), stored) << "one is always taken";
+  EXPECT_EQ(append(1, 10), waits);
+  for (std::uint8_t other = 2; other < 20; ++other) {
+    EXPECT_EQ(append(other, kMost / 2), stored);
+    EXPECT_EQ(append(other, kMost), waits);
+  }
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+  for (int i = 0; i < 500 && !store->flush(10s); ++i) ::usleep(10'000);
+  EXPECT_EQ(append(1, 10), stored);
+}
+
 }  // namespace
 }  // namespace ddssec::rtps

@@ -94,6 +94,33 @@ TEST_P(KeeperTest, WhatIsKeptOutlivesTheKeeper) {
   EXPECT_EQ(late_joiner(*service, b, 3), (Values{0, 1, 2}));
 }
 
+// Before: the writer's history came again after the restart. Each old sample counted as a new one.
+TEST_P(KeeperTest, ARestart_BringsNothingBackThatWasReplacedOrEnded) {
+  auto& one = a.writer(durable(DurabilityKind::transient, 1));
+  auto several = durable(DurabilityKind::transient, 1);
+  several.history.depth = 5;
+  auto& other = b.writer(several);
+  {
+    const auto service = keeper();
+    ASSERT_TRUE(keeps(*service, 1));
+    ASSERT_TRUE(one.write({"north", 1}));
+    ASSERT_TRUE(one.write({"south", 2}));
+    both(*service);
+    for (int i = 11; i <= 15; ++i) ASSERT_TRUE(other.write({"north", i}));
+    ASSERT_TRUE(other.dispose({"south"}));
+    both(*service);
+    ASSERT_TRUE(service->flush(10s));
+  }
+  const auto service = keeper();
+  ASSERT_TRUE(keeps(*service, 1));
+  both(*service, 50);
+  ASSERT_TRUE(service->flush(10s));
+  ASSERT_TRUE(a.publisher->delete_contained_entities());
+  ASSERT_TRUE(b.publisher->delete_contained_entities());
+  both(*service);
+  EXPECT_EQ(late_joiner(*service, b, 1), (Values{15}));
+}
+
 // Files of this process that may not grow: a disk without room.
 class NoRoom {
  public:

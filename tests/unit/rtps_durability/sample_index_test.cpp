@@ -245,14 +245,14 @@ TEST_F(ShareTest, AReplacement_ThatWaits_FitsWhenOthersLeave) {
   };
   ASSERT_TRUE(put(1, 0, 1'500'000));
   for (std::uint8_t key = 1; key <= 20; ++key) ASSERT_TRUE(put(2, key, 30'000));
-  ASSERT_FALSE(put(1, 0, 2'300'000)) << "the test needs a fuller store";
+  ASSERT_FALSE(put(1, 0, 1'900'000)) << "the test needs a fuller store";
   EXPECT_TRUE(put(1, 30, 10)) << "what is small still fits";
   for (std::uint8_t key = 1; key <= 20; ++key) {
     auto end = dispose(0);
     end.key_hash->fill(key);
     ASSERT_TRUE(store->commit({{StoredChange{id, end, identity(2)}}}, seconds(2)));
   }
-  EXPECT_TRUE(put(1, 0, 2'300'000));
+  EXPECT_TRUE(put(1, 0, 1'900'000));
 }
 
 TEST_F(ShareTest, WithKeepLastWhatGoesMakesRoom) {
@@ -291,6 +291,109 @@ TEST_F(ShareTest, OwnSamplesHaveNoBound) {
   std::size_t own = 0;
   while (own < 100 && store->commit({{StoredChange{id, change}}}, seconds(1))) ++own;
   EXPECT_GT(own, share / 2);
+}
+
+// Before: the first one could take the whole store.
+TEST_F(ShareTest, ALargeSample_LeavesAsMuchRoomAsItTakes) {
+  open();
+  EXPECT_EQ(fill(1, kMost * 3 / 4, 10), 0u);
+  EXPECT_EQ(fill(2, kMost / 3, 10, 10), 1u);
+}
+
+// Before: what was stored without an identity, by an earlier version, was nobody's room.
+TEST_F(ShareTest, AnUpdate_ThatNeedsNoMoreRoom_IsTaken) {
+  service = keep_last(1);
+  open();
+  Change change;
+  change.key_hash.emplace();
+  change.payload = Payload::copy_of(Bytes(1'100'000));
+  for (std::uint8_t key = 0; key < 3; ++key) {
+    change.key_hash->fill(key);
+    ASSERT_TRUE(store->commit({{StoredChange{id, change}}}, seconds(1)));
+  }
+  ASSERT_TRUE(store->commit({{StoredChange{id, change, identity(1)}}}, seconds(1)));
+  EXPECT_EQ(store->waited, 0u);
+}
+
+// Before: it was acknowledged and left out, and the instance lived for good.
+TEST_F(SampleIndexTest, AnEnd_ForWhichTheLimitsHaveNoPlace_RemovesItsInstance) {
+  auto service = keep_all();
+  service.cleanup_delay = kDurationInfinite;
+  service.limits = {
+      .max_samples = 5, .max_instances = kLengthUnlimited, .max_samples_per_instance = 3};
+  auto opened = *IndexedStore::open("");
+  const auto id = *opened.stream(kMap, service);
+  std::vector<StoredChange> group(3, StoredChange{id, sample(0)});
+  group.push_back({id, dispose(0)});
+  ASSERT_TRUE(opened.commit(group, seconds(1)));
+  EXPECT_EQ(opened.size(id), 0u);
+  EXPECT_EQ(opened.left_out(), 0u);
+}
+
+// Before: it read beyond the samples of the instance.
+TEST_F(SampleIndexTest, AHistoryWithoutDepth_KeepsOneSample) {
+  auto opened = *IndexedStore::open("");
+  const auto id = *opened.stream(kMap, keep_last(0));
+  std::vector<StoredChange> group(3, StoredChange{id, sample(0)});
+  ASSERT_TRUE(opened.commit(group, seconds(1)));
+  EXPECT_EQ(opened.size(id), 1u);
+  ASSERT_TRUE(opened.commit({{StoredChange{id, dispose(0)}}}, seconds(1)));
+  EXPECT_EQ(opened.size(id), 0u);
+}
+
+struct LateTest : StoreTest {
+  SampleIndex::Verdict put(Change change, std::int32_t time, bool is_late = false) {
+    change.source_time = seconds(time);
+    StoredChange entry{id, std::move(change)};
+    entry.is_late = is_late;
+    EXPECT_TRUE(store.commit({entry}, seconds(50)));
+    return store.outcomes.back().verdict;
+  }
+  DurabilityService service = keep_last(1);
+  IndexedStore store = *IndexedStore::open("");
+  StreamId id = *store.stream(kMap, service);
+};
+using Verdict = SampleIndex::Verdict;
+
+// Before: a sample that had waited, or came with a history, replaced what was written meanwhile.
+TEST_F(LateTest, ALateSample_DoesNotReplaceALaterOne) {
+  EXPECT_EQ(put(sample(0), 20), Verdict::stored);
+  EXPECT_EQ(put(sample(0), 10, true), Verdict::overtaken);
+  EXPECT_EQ(put(sample(0), 30, true), Verdict::stored);
+  EXPECT_EQ(put(sample(0), 10), Verdict::stored) << "it is not late";
+}
+
+TEST_F(LateTest, ALateSample_DoesNotBringAnEndedInstanceBack) {
+  put(sample(0), 10);
+  put(dispose(0), 20);
+  EXPECT_EQ(put(sample(0), 15, true), Verdict::overtaken);
+  EXPECT_EQ(put(sample(0), 30, true), Verdict::stored);
+}
+
+TEST_F(LateTest, ATimestampFromTheFuture_CountsAsTheTimeOfArrival) {
+  put(sample(0), 5000);
+  EXPECT_EQ(put(sample(0), 51, true), Verdict::stored);
+}
+
+TEST_F(LateTest, PastEnds_AreBounded) {
+  const auto of = [](Change change, std::uint32_t instance) {
+    (*change.key_hash)[0] = static_cast<std::uint8_t>(instance);
+    (*change.key_hash)[1] = static_cast<std::uint8_t>(instance >> 8);
+    return change;
+  };
+  for (std::uint32_t i = 0; i < 3000; ++i) put(of(dispose(0), i), 20);
+  EXPECT_EQ(put(of(sample(0), 0), 10, true), Verdict::stored) << "the oldest are forgotten";
+  EXPECT_EQ(put(of(sample(0), 2999), 10, true), Verdict::overtaken);
+}
+
+TEST_F(LateTest, WithKeepAll_ALateSample_IsKeptUnlessItsInstanceEndedLater) {
+  service = keep_all();
+  service.cleanup_delay = Duration{{100, 0}};
+  id = *store.stream(kMap, service);
+  put(sample(0), 20);
+  EXPECT_EQ(put(sample(0), 10, true), Verdict::stored);
+  put(dispose(0), 30);
+  EXPECT_EQ(put(sample(0), 25, true), Verdict::overtaken);
 }
 
 }  // namespace

@@ -197,16 +197,72 @@ TEST_F(SampleStoreTest, AFullStoreSaysSoAndLosesNothing) {
   EXPECT_EQ(stored().size(), 11u);
 }
 
-TEST_F(SampleStoreTest, AStoreOfTheVersionBeforeIsTakenOver) {
-  store(0, 3);
-  {
-    auto database = *Database::open(path);
-    ASSERT_TRUE(database.run("ALTER TABLE sample DROP COLUMN identity"));
-    ASSERT_TRUE(database.run("PRAGMA user_version=2"));
+TEST_F(SampleStoreTest, AStoreOfAnEarlierVersionIsTakenOver) {
+  for (const int version : {2, 3}) {
+    std::filesystem::remove(path);
+    store(0, 3);
+    {
+      auto database = *Database::open(path);
+      ASSERT_TRUE(database.run("DROP TABLE heard"));
+      if (version == 2) {
+        ASSERT_TRUE(database.run("ALTER TABLE sample DROP COLUMN identity"));
+      }
+      ASSERT_TRUE(database.run("PRAGMA user_version=" + std::to_string(version)));
+    }
+    EXPECT_EQ(stored(), (Numbers{0, 1, 2})) << version;
+    store(3, 5);
+    EXPECT_EQ(stored(), (Numbers{0, 1, 2, 3, 4})) << version;
   }
-  EXPECT_EQ(stored(), (Numbers{0, 1, 2}));
-  store(3, 5);
-  EXPECT_EQ(stored(), (Numbers{0, 1, 2, 3, 4}));
+}
+
+StoredChange remembered(StreamId stream, std::uint8_t writer, std::int64_t number) {
+  StoredChange out{stream, sample(static_cast<std::uint32_t>(number))};
+  out.change.writer.prefix.octets[0] = writer;
+  out.change.sequence_number = {number};
+  out.is_remembered = true;
+  return out;
+}
+
+TEST_F(SampleStoreTest, UpToWhereAWriterWasHeard_IsRemembered) {
+  {
+    auto opened = *IndexedStore::open(path);
+    const auto id = *opened.stream(kMap, keep_last(1));
+    ASSERT_TRUE(opened.commit({remembered(id, 1, 5), remembered(id, 2, 9), remembered(id, 1, 7)},
+                              seconds(100)));
+    ASSERT_TRUE(opened.commit({remembered(id, 1, 6)}, seconds(100)));
+    ASSERT_TRUE(opened.commit({{StoredChange{id, sample(3)}}}, seconds(100)));
+  }
+  auto opened = *IndexedStore::open(path);
+  const auto id = *opened.stream(kMap, keep_last(1));
+  const auto heard = opened.store.load(id)->heard;
+  ASSERT_EQ(heard.size(), 2u);
+  EXPECT_EQ(heard[0].writer.prefix.octets[0], 1);
+  EXPECT_EQ(heard[0].number.value, 7);
+  EXPECT_EQ(heard[0].time, seconds(7));
+  EXPECT_EQ(heard[1].number.value, 9);
+  ASSERT_TRUE(opened.commit({{StoredChange{id, dispose(0)}}}, seconds(100)));
+  ASSERT_TRUE(opened.close(id));
+  EXPECT_TRUE(opened.store.load(*opened.stream(kMap, keep_last(1)))->heard.empty());
+}
+
+TEST_F(SampleStoreTest, WritersThatAreRemembered_AreBounded) {
+  constexpr std::size_t kStore = 512 << 10, kMost = kStore / 1024;
+  auto opened = *IndexedStore::open(path, kStore);
+  const auto id = *opened.stream(kMap, keep_last(1));
+  for (std::uint32_t i = 0; i < 2 * kMost; i += 8) {
+    std::vector<StoredChange> group;
+    for (auto n = i; n < i + 8; ++n) {
+      group.push_back(remembered(id, 1, n + 1));
+      group.back().change.writer.prefix.octets[1] = static_cast<std::uint8_t>(n >> 8);
+      group.back().change.writer.prefix.octets[2] = static_cast<std::uint8_t>(n);
+    }
+    ASSERT_TRUE(opened.commit(group, seconds(100)));
+  }
+  const auto heard = opened.store.load(id)->heard;
+  EXPECT_LE(heard.size(), kMost);
+  EXPECT_GT(heard.size(), kMost / 2);
+  EXPECT_EQ(std::ranges::max(heard, {}, &HeardWriter::number).number.value,
+            static_cast<std::int64_t>(2 * kMost));
 }
 
 TEST_F(SampleStoreTest, ADiskWithoutRoomIsNamedAndNothingStoredIsLost) {

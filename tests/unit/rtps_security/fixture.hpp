@@ -92,6 +92,8 @@ struct Rules {
   bool allow_unauthenticated = false;
   bool access_control = true;
   bool revises_keys = false;
+  /// An expression: which partitions the permissions allow. nullptr: only the default partition.
+  const char* partitions = nullptr;
   bool only_aes = false;  ///< <allowed_crypto_algorithms> without ChaCha20-Poly1305
 
   governance::Governance document() const {
@@ -150,6 +152,7 @@ inline spi::PropertyList properties_of(const std::string& subject, const Rules& 
   governance::Criteria criteria;
   for (auto& name : topics) criteria.topics.push_back({std::move(name), 0});
   criteria.data_tags = std::move(tags);
+  if (rules.partitions != nullptr) criteria.partitions = {{rules.partitions, 0}};
   governance::Rule rule;
   rule.allow = true;
   rule.domains = any_domain();

@@ -94,6 +94,52 @@ TEST(KeyRevision, FollowsTheApplicationsVerdict) {
   EXPECT_GT(recorder.payloads.seen, 0);
 }
 
+// Before: readers that had its keys read on, whatever they may read in the other partitions.
+TEST(KeyRevision, FollowsAWriterToOtherPartitions) {
+  Trio trio(revising({.data = kEncrypt, .partitions = "*"}));
+  ASSERT_TRUE(trio.match()) << trio.text();
+  auto reading = default_reader_qos();
+  reading.reliability.kind = ReliabilityKind::reliable;
+  reading.history.kind = HistoryKind::keep_all;
+  reading.partition = {"secret"};
+  ASSERT_TRUE(trio.b->create_reader(square(reading), trio.b.listener, trio.world.now));
+  Recorder recorder(trio.stolen);
+  record(trio, recorder);
+  auto writing = default_writer_qos();
+  writing.history.kind = HistoryKind::keep_all;
+  writing.liveliness.lease_duration = Duration{{1, 0}};
+  writing.partition = {"secret"};
+  ASSERT_TRUE(trio.a->change_qos(trio.writer, writing, trio.world.now));
+  ASSERT_TRUE(
+      trio.world.run_until([&] { return trio.a.events.has(Code::rtps_keys_revised); }, 1500))
+      << trio.text();
+  trio.world.run(100);
+  recorder.forget();
+  trio.write();
+  EXPECT_TRUE(trio.bob_has_all()) << trio.text();
+  EXPECT_GT(recorder.payloads.seen, 0);
+  EXPECT_EQ(recorder.payloads.opened, 0);
+}
+
+TEST(KeyRevision, WithoutIt_AProtectedWriter_StaysInItsPartitions) {
+  const auto moved = [](const Rules& rules) {
+    Trio trio(rules);
+    EXPECT_TRUE(trio.match());
+    auto qos = default_writer_qos();
+    qos.history.kind = HistoryKind::keep_all;
+    qos.partition = {"secret"};
+    const auto status = trio.a->change_qos(trio.writer, qos, trio.world.now);
+    if (!status) {
+      EXPECT_EQ(status.error().details().field, "PARTITION");
+    }
+    return code_of(status);
+  };
+  EXPECT_EQ(moved({.data = kEncrypt}), Code::rtps_immutable_policy);
+  EXPECT_EQ(moved({.metadata = kEncrypt}), Code::rtps_immutable_policy);
+  EXPECT_EQ(moved({.rtps = kEncrypt}), Code{}) << "the topic has no keys";
+  EXPECT_EQ(moved({.data = kEncrypt, .access_control = false}), Code{}) << "all may read it";
+}
+
 TEST(KeyRevision, IsToBeHadForTheAsking) {
   Trio trio(revising(everything(kEncryptOa)));
   ASSERT_TRUE(trio.match()) << trio.text();
