@@ -53,8 +53,9 @@ Json of_some_json(const GovernanceChange& change) {
 }
 
 Json to_json(const GovernanceChange& change, const DiffSides& sides) {
-  const auto before = masks(change.old_domain, change.old_topic, change.is_about_topics);
-  const auto after = masks(change.new_domain, change.new_topic, change.is_about_topics);
+  const auto before =
+      masks(change.old_domain.get(), change.old_topic.get(), change.is_about_topics);
+  const auto after = masks(change.new_domain.get(), change.new_topic.get(), change.is_about_topics);
   Json out = {{"domains", domains_json(change.scope.domains)},
               {"tag_set", tags_json(change.scope)},
               {"topics",

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <tuple>
@@ -14,6 +15,14 @@
 
 namespace ddssec::governance {
 namespace {
+
+using SharedDocument = std::shared_ptr<const Governance>;
+using SharedRule = std::shared_ptr<const DomainRule>;
+
+/// The rule as a part of its document, which lives as long as the result.
+SharedRule part_of(const SharedDocument& document, const DomainRule* rule) {
+  return rule ? SharedRule(document, rule) : nullptr;
+}
 
 /// The two rules that apply in a region; nullptr: none.
 using DomainRules = std::pair<const DomainRule*, const DomainRule*>;
@@ -94,13 +103,15 @@ struct KnownChange {
 /// The comparison of two rules in the region where they apply.
 class RegionComparison {
  public:
-  RegionComparison(const DomainRule& old_rule, const DomainRule& new_rule, const DomainScope& scope,
+  RegionComparison(const SharedRule& old_rule, const SharedRule& new_rule, const DomainScope& scope,
                    std::vector<GovernanceChange>& changes)
-      : old_(old_rule),
-        new_(new_rule),
+      : shared_old_(old_rule),
+        shared_new_(new_rule),
+        old_(*old_rule),
+        new_(*new_rule),
         scope_(scope),
         changes_(changes),
-        domain_changes_(compare_domain_rules(&old_rule, &new_rule)),
+        domain_changes_(compare_domain_rules(&old_, &new_)),
         effects_(domain_changes_.size(), DomainEffect("")) {
     for (std::size_t i = 0; i < domain_changes_.size(); ++i)
       effects_[i] = DomainEffect(domain_changes_[i].element);
@@ -117,8 +128,10 @@ class RegionComparison {
       changes_[known.index].topics =
           topics_in_words(old_list, new_list, known.pairs, limits.shared);
     for (std::size_t i = 0; i < domain_changes_.size(); ++i) {
-      GovernanceChange change{
-          .scope = scope_, .element = domain_changes_[i], .old_domain = &old_, .new_domain = &new_};
+      GovernanceChange change{.scope = scope_,
+                              .element = domain_changes_[i],
+                              .old_domain = shared_old_,
+                              .new_domain = shared_new_};
       effects_[i].tell(change);
       changes_.push_back(std::move(change));
     }
@@ -128,6 +141,10 @@ class RegionComparison {
   bool any_topic_change() const { return !known_.empty(); }
 
  private:
+  static std::shared_ptr<const TopicRule> part_of(const SharedRule& rule, const TopicRule* topic) {
+    return topic ? std::shared_ptr<const TopicRule>(rule, topic) : nullptr;
+  }
+
   void compare_topic(const TopicPair& pair) {
     const auto* o = pair.old_rule ? &old_.topic_rules[*pair.old_rule] : nullptr;
     const auto* n = pair.new_rule ? &new_.topic_rules[*pair.new_rule] : nullptr;
@@ -142,10 +159,10 @@ class RegionComparison {
                               .element = element,
                               .is_about_topics = true,
                               .witness = pair.witness,
-                              .old_domain = &old_,
-                              .new_domain = &new_,
-                              .old_topic = o,
-                              .new_topic = n};
+                              .old_domain = shared_old_,
+                              .new_domain = shared_new_,
+                              .old_topic = part_of(shared_old_, o),
+                              .new_topic = part_of(shared_new_, n)};
       const auto effect = governance::effect_of(element.element, before, after);
       change.lost = effect.lost;
       change.gained = effect.gained;
@@ -157,7 +174,7 @@ class RegionComparison {
     const auto& e = change.element;
     const auto key = std::tuple(e.element, e.old_value, e.new_value, e.change,
                                 change.lost.to_string() + change.gained.to_string());
-    const auto *o = change.old_topic, *n = change.new_topic;
+    const auto o = change.old_topic, n = change.new_topic;
     const auto [entry, is_new] = known_.try_emplace(key, KnownChange{changes_.size()});
     if (is_new) changes_.push_back(std::move(change));
     auto& known = entry->second;
@@ -169,6 +186,7 @@ class RegionComparison {
       told.expressions_new.push_back(n->topic_expression);
   }
 
+  const SharedRule &shared_old_, &shared_new_;
   const DomainRule& old_;
   const DomainRule& new_;
   const DomainScope& scope_;
@@ -180,10 +198,12 @@ class RegionComparison {
 
 class GovernanceComparison {
  public:
-  GovernanceComparison(const Governance& old_document, const Governance& new_document,
+  GovernanceComparison(const SharedDocument& old_document, const SharedDocument& new_document,
                        const GovernanceDiffOptions& options)
-      : old_(old_document),
-        new_(new_document),
+      : shared_old_(old_document),
+        shared_new_(new_document),
+        old_(*old_document),
+        new_(*new_document),
         options_(options),
         limits_(options.limits.sharing(effort_)) {}
 
@@ -213,13 +233,16 @@ class GovernanceComparison {
   void compare_in(const DomainRegion<DomainRules>& region) {
     const auto [o, n] = region.answer;
     if (!o && !n) return;
+    const auto shared_old = part_of(shared_old_, o), shared_new = part_of(shared_new_, n);
     if (!o || !n) {
       for (auto& element : compare_domain_rules(o, n))
-        diff_.changes.push_back(
-            {.scope = region.scope, .element = element, .old_domain = o, .new_domain = n});
+        diff_.changes.push_back({.scope = region.scope,
+                                 .element = element,
+                                 .old_domain = shared_old,
+                                 .new_domain = shared_new});
       return;
     }
-    RegionComparison comparison(*o, *n, region.scope, diff_.changes);
+    RegionComparison comparison(shared_old, shared_new, region.scope, diff_.changes);
     if (comparison.is_the_same()) return;
     const auto pairs = comparison.run(options_.topics, limits_);
     diff_.complete = diff_.complete && pairs.names_all_rules;
@@ -265,6 +288,7 @@ class GovernanceComparison {
     });
   }
 
+  const SharedDocument &shared_old_, &shared_new_;
   const Governance& old_;
   const Governance& new_;
   const GovernanceDiffOptions& options_;
@@ -274,8 +298,14 @@ class GovernanceComparison {
   bool is_unknown_ = false;
 };
 
-int line_of(const DomainRule* domain, const TopicRule* topic) {
+int line_of(const SharedRule& domain, const std::shared_ptr<const TopicRule>& topic) {
   return topic ? topic->line : domain ? domain->line : 0;
+}
+
+/// The document as the product reads it; the document itself if that changes nothing.
+SharedDocument as_read(const SharedDocument& document, StockProduct product) {
+  auto read = as_stock_reads(*document, product);
+  return read ? std::make_shared<const Governance>(std::move(*read)) : document;
 }
 
 }  // namespace
@@ -285,15 +315,14 @@ int GovernanceChange::new_line() const { return line_of(new_domain, new_topic); 
 
 GovernanceDiff compare(const Governance& old_document, const Governance& new_document,
                        const GovernanceDiffOptions& options) {
-  auto out = GovernanceComparison(old_document, new_document, options).run();
+  const auto before = std::make_shared<const Governance>(old_document);
+  const auto after = std::make_shared<const Governance>(new_document);
+  auto out = GovernanceComparison(before, after, options).run();
   std::vector<StockGovernanceDiff> stock;
   for (const auto product : kStockProducts) {
-    const auto before = as_stock_reads(old_document, product);
-    const auto after = as_stock_reads(new_document, product);
-    if (before || after)
-      stock.push_back({product, GovernanceComparison(before ? *before : old_document,
-                                                     after ? *after : new_document, options)
-                                    .run()});
+    const auto old_read = as_read(before, product), new_read = as_read(after, product);
+    if (old_read != before || new_read != after)
+      stock.push_back({product, GovernanceComparison(old_read, new_read, options).run()});
   }
   add_stock_changes(stock, out);
   return out;

@@ -1,6 +1,7 @@
 // Compares two governance documents by their effect, not by their text.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -20,8 +21,7 @@ struct PropertyOfSome {
   std::string witness;  ///< one of these topics
 };
 
-/// One difference. Pointers are valid as long as the documents; nullptr: the document has no rule
-/// there.
+/// One difference. It owns what it points to and may outlive the documents.
 struct GovernanceChange {
   /// It applies in every domain and tag of this scope.
   DomainScope scope = {};
@@ -38,11 +38,10 @@ struct GovernanceChange {
   Properties lost = {}, gained = {};
   /// For a whole domain: the properties in `lost` and `gained` that do not concern all topics.
   std::vector<PropertyOfSome> of_some = {};
-  const DomainRule* old_domain = nullptr;
-  const DomainRule* new_domain = nullptr;
-  /// The rules that decide for the witness.
-  const TopicRule* old_topic = nullptr;
-  const TopicRule* new_topic = nullptr;
+  /// The rules of the domain; nullptr: the document has none there.
+  std::shared_ptr<const DomainRule> old_domain = {}, new_domain = {};
+  /// The rules that decide for the witness; nullptr: none.
+  std::shared_ptr<const TopicRule> old_topic = {}, new_topic = {};
 
   /// The line of the deciding rule, or of the domain rule; 0: none.
   int old_line() const;

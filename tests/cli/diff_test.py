@@ -267,7 +267,14 @@ class GovernanceDifferences(Differences):
         self.assertEqual((out["verdict"], out["changes"]), ("neutral", []))
         self.assertIn("rtps_protection_kind SIGN -> NONE in domain 1-230: weaker",
                       "".join(one["sentence"] for one in out["readings"]["all"]))
-        self.assertIn("another product allows more", self.text())
+        changed = strong.replace(full, opened, 1)
+        lines = {changed[:changed.rindex(f"<{element}>")].count("\n") + 1 for element in ("domain_rule", "topic_rule")}
+        theirs = [one["at"] for one in out["readings"]["all"] if one["sentence"].startswith("with ")]
+        self.assertEqual(set(theirs), {f"new.xml:{line}" for line in lines})
+        text = self.text()
+        for line in lines:
+            self.assertRegex(text, rf"\bnew:{line}\b")
+        self.assertIn("another product allows more", text)
         told = self.json("governance", "lint", "new.xml", exit=1)["diagnostics"]
         self.assertIn("apply it to domain 1-230", "".join(one["message"] for one in told if one["id"] == "GOV002"))
         self.write(strong.replace(full, opened, 1), strong)

@@ -387,8 +387,8 @@ void check_witnesses(const GovernanceDiff& diff) {
   };
   for (const auto& change : diff.changes) {
     if (!change.is_about_topics) continue;
-    EXPECT_EQ(first(*change.old_domain, change.witness), change.old_topic) << change.witness;
-    EXPECT_EQ(first(*change.new_domain, change.witness), change.new_topic) << change.witness;
+    EXPECT_EQ(first(*change.old_domain, change.witness), change.old_topic.get()) << change.witness;
+    EXPECT_EQ(first(*change.new_domain, change.witness), change.new_topic.get()) << change.witness;
     EXPECT_TRUE(fits_words(change.topics, change.witness)) << change.witness;
   }
 }

@@ -37,6 +37,29 @@ TEST(StockChanges, RangeThatBecomesOpen_IsWeakerToStockProductsAlone) {
   EXPECT_THAT(found->sentence, StartsWith("with Cyclone DDS and Fast DDS: "));
 }
 
+TEST(StockChanges, ChangeOfADocumentAsAProductReadsIt_HasTheLineOfItsRule) {
+  auto before = two_rules({0, 230}), after = two_rules({0, 230, true});
+  after.domain_rules[1].line = 31;
+  after.domain_rules[1].topic_rules[0].line = 47;
+  const auto diff = compare(before, after);
+  ASSERT_FALSE(diff.readings.all.empty());
+  for (const auto& reading : diff.readings.all)
+    EXPECT_EQ(reading.line, reading.sentence.contains("topics such as") ? 47 : 31)
+        << reading.sentence;
+}
+
+TEST(StockChanges, ChangesOfGovernance_OutliveTheDocuments) {
+  auto before = plain(), after = plain();
+  before.domain_rules[0].topic_rules[0].line = 22;
+  after.domain_rules[0].topic_rules[0].line = 23;
+  after.domain_rules[0].topic_rules[0].data_protection_kind = Kind::none;
+  const auto diff = compare(Governance(before), Governance(after));
+  ASSERT_EQ(diff.changes.size(), 1U);
+  EXPECT_EQ(diff.changes[0].old_line(), 22);
+  EXPECT_EQ(diff.changes[0].new_line(), 23);
+  EXPECT_EQ(diff.changes[0].new_topic->data_protection_kind, Kind::none);
+}
+
 TEST(StockChanges, RangeThatIsClosed_WidensNothing) {
   const auto diff = compare(two_rules({0, 230, true}), two_rules({0, 230}));
   EXPECT_FALSE(diff.readings.all.empty());
