@@ -157,7 +157,8 @@ void name_vendors(std::vector<Finding>& findings, const governance::Permissions&
         doctor::reads_subject(grant->subject_name, certificate, installed_lineup());
     finding.vendors.clear();
     if (outcomes.cyclonedds != doctor::Outcome::ok) finding.vendors.emplace_back("cyclonedds");
-    if (outcomes.fastdds != doctor::Outcome::ok) finding.vendors.emplace_back("fastdds");
+    if (outcomes.fastdds != doctor::Outcome::ok || grant->subject_has_line_breaks)
+      finding.vendors.emplace_back("fastdds");
   }
 }
 

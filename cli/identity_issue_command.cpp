@@ -173,7 +173,7 @@ Result<Report> issue_fleet(const Arguments& arguments, const Context& context, F
   for (std::size_t i = 0; i < specs.size(); ++i) {
     auto& spec = specs[i];
     DDSSEC_ASSIGN_OR_RETURN(const auto made, make(spec, cas, arguments, context, from));
-    warn_of_topics(spec, from.string(), report);
+    warn_of_rights(spec, from.string(), report);
     DDSSEC_RETURN_IF_ERROR(
         folder.add(i, spec.name, made, cas.issuers(spec.has_permissions()), governance));
     members.add(spec.name, made, report);
@@ -237,7 +237,7 @@ Result<Report> finished(Report report, const Job& job, Result<std::vector<Writte
   if (has_permissions && has_governance)
     report.text += configuration_lines(job.spec.name, job.target);
   report.text += drop_in_line(job.spec.dropin);
-  warn_of_topics(job.spec, job.arguments.text("--permissions"), report);
+  warn_of_rights(job.spec, job.arguments.text("--permissions"), report);
   return report;
 }
 

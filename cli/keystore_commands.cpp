@@ -146,7 +146,7 @@ Status read_rights(ParticipantSpec& spec, const Arguments& arguments, Report& re
   DDSSEC_ASSIGN_OR_RETURN(spec.publish, topics_of(arguments, "--publish"));
   DDSSEC_ASSIGN_OR_RETURN(spec.subscribe, topics_of(arguments, "--subscribe"));
   warn_of_missing_prefixes(spec, report);
-  warn_of_topics(spec, {}, report);
+  warn_of_rights(spec, {}, report);
   if (arguments.has("--allow-all")) spec.publish = spec.subscribe = {"*"};
   spec.takes_other_grants = arguments.has("--other-grants");
   if (arguments.has("--permissions")) {

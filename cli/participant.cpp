@@ -74,7 +74,7 @@ bool is_about_topics(Rule rule) {
 
 }  // namespace
 
-void warn_of_topics(const ParticipantSpec& spec, const std::string& document, Report& report) {
+void warn_of_rights(const ParticipantSpec& spec, const std::string& document, Report& report) {
   governance::Permissions rights;
   if (spec.permissions)
     rights = governance::read_permissions(*spec.permissions).value_or(governance::Permissions());
@@ -83,7 +83,8 @@ void warn_of_topics(const ParticipantSpec& spec, const std::string& document, Re
   for (auto& finding : lint(rights)) {
     const bool is_known = std::ranges::find(report.findings, finding.message, &Finding::message) !=
                           report.findings.end();
-    if (!is_about_topics(finding.rule) || is_known) continue;
+    const bool is_read_otherwise = spec.permissions && !finding.vendors.empty();
+    if (is_known || (!is_about_topics(finding.rule) && !is_read_otherwise)) continue;
     finding.document = document;
     finding.severity = std::min(finding.severity, Severity::warning);
     report.findings.push_back(std::move(finding));

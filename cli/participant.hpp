@@ -58,9 +58,10 @@ struct Issuers {
 Result<pki::Validity> within_ca(pki::Validity wanted, const pki::Certificate& ca, bool clamp);
 
 /// Adds lint's findings about the topics and partitions of the spec: those that match nothing, that
-/// products read differently, or that look like names of ROS. Each finding once, and none as an
-/// error: the document is written as specified.
-void warn_of_topics(const ParticipantSpec& spec, const std::string& document, Report& report);
+/// products read differently, or that look like names of ROS. Of a document in the spec also all
+/// else that some product reads differently or refuses. Each finding once, and none as an error:
+/// the document is written as specified.
+void warn_of_rights(const ParticipantSpec& spec, const std::string& document, Report& report);
 
 /// The permissions document of the spec for this certificate. Either the document in the spec: it
 /// must have a grant for the subject that is valid at `now`, and no grants for others unless the

@@ -10,6 +10,12 @@
 
 namespace ddssec::governance {
 
+/// What Cyclone DDS makes of a <not_after> that is not for it (DateTime::is_for_cyclone).
+inline constexpr std::string_view kCyclonesEndHasPassed =
+    "reads <not_after> as a time that has passed";
+inline constexpr std::string_view kHintOfCyclonesEnd =
+    "write a time before 2262, in UTC, with an hour from 00 to 23";
+
 enum class Round : std::uint8_t { down, up };
 
 /// A time from a document.

@@ -60,7 +60,7 @@ std::vector<std::string_view> allowed_texts(const std::vector<GrantEntry>& entri
 void lint_dead_rules(Findings& out, const GrantPlace& place);
 /// Checks PERM012: partitions, tags, relayed topics and subjects that no name matches.
 void lint_unmatchable(Findings& out, const GrantPlace& place);
-/// Checks PERM013 to PERM015, PERM020, PERM021, PERM023 to PERM026, PERM034.
+/// Checks PERM013 to PERM015, PERM020, PERM021, PERM023 to PERM027, PERM034.
 void lint_rights(Findings& out, const GrantPlace& place, const Governance* governance);
 /// Checks PERM030, PERM032, PERM033, if the grant concerns ROS 2.
 void lint_ros(Findings& out, const GrantPlace& place);

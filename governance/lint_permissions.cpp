@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 
 #include "governance/cyclonedds_subject.hpp"
+#include "governance/date_time.hpp"
 #include "governance/grant.hpp"
 #include "governance/lint.hpp"
 #include "governance/lint_grant.hpp"
 #include "governance/ros_node.hpp"
+#include "governance/subject_spelling.hpp"
 #include "pki/source.hpp"
 #include "pki/subject_name.hpp"
 
@@ -71,6 +73,11 @@ void check_dates(Findings& out, const GrantPlace& place, const PermissionsUse& u
   if (use.certificate && to > use.certificate->not_after())
     add(Severity::warning, fmt::format("the grant ends at {}, after the certificate ({})",
                                        to_string(to), to_string(use.certificate->not_after())));
+  if (place.grant().validity.is_for_cyclone) return;
+  auto finding = place.about(PERM002, fmt::format("Cyclone DDS {}", kCyclonesEndHasPassed));
+  finding.hint = std::string(kHintOfCyclonesEnd);
+  finding.vendors = {kCyclone};
+  out.add(std::move(finding));
 }
 
 /// The same for every spelling of a subject.
@@ -115,43 +122,8 @@ void check_stray_grants(Findings& out, const Permissions& document,
   }
 }
 
-/// A problem with the spelling of a subject, and the products that it affects.
-struct Spelling {
-  std::string message = {}, right = {};
-  std::vector<std::string> vendors = {};
-};
-
-bool is_root_first(const pki::SubjectName& name) {
-  constexpr std::string_view kRoots[] = {"C", "O", "DC"};
-  const auto& all = name.attributes();
-  return all.size() > 1 && all.back().type == "CN" &&
-         std::ranges::find(kRoots, all.front().type) != std::end(kRoots);
-}
-
-std::optional<Spelling> misspelt(const std::string& text) {
-  const auto name = pki::SubjectName::parse(text);
-  if (!name) return Spelling{in_quotes(text) + " is no subject name"};
-  if (name->root_first())
-    return Spelling{in_quotes(text) + " is in the form with slashes, which Fast DDS does not read",
-                    rfc2253(*name, true),
-                    {kFastDds}};
-  if (is_root_first(*name))
-    return Spelling{in_quotes(text) +
-                        " begins with the country or organisation: Fast DDS does not "
-                        "recognise a certificate by it",
-                    rfc2253(*name, true),
-                    {kFastDds}};
-  const auto plain = rfc2253(*name, false);
-  if (text.size() > plain.size() && text.find(' ') != text.npos)
-    return Spelling{in_quotes(text) + " has blanks beside ',' or '=', and Cyclone DDS keeps them",
-                    plain,
-                    {kCyclone}};
-  return std::nullopt;
-}
-
 void check_spelling(Findings& out, const GrantPlace& place) {
-  if (place.grant().subject_is_expression) return;
-  auto found = misspelt(place.grant().subject_name);
+  auto found = misspelt(place.grant());
   if (!found) return;
   auto finding = place.about(PERM011, std::move(found->message));
   if (!found->right.empty())
@@ -162,27 +134,14 @@ void check_spelling(Findings& out, const GrantPlace& place) {
   out.add(std::move(finding));
 }
 
-// Cyclone DDS compares such letters as RFC 2253 escapes them, Fast DDS as they are (measured).
 void check_letters(Findings& out, const GrantPlace& place) {
-  const auto& grant = place.grant();
-  const auto is_beyond_ascii = [](char c) { return static_cast<unsigned char>(c) >= 0x80; };
-  const auto name = pki::SubjectName::parse(grant.subject_name);
-  if (grant.subject_is_expression || !name) return;
-  const bool is_in_ascii = std::ranges::none_of(name->attributes(), [&](const auto& attribute) {
-    return std::ranges::any_of(attribute.value, is_beyond_ascii);
-  });
-  if (is_in_ascii) return;
-  const bool is_escaped = std::ranges::none_of(grant.subject_name, is_beyond_ascii);
-  auto finding = place.about(
-      PERM011,
-      fmt::format("the subject name {} has letters beyond ASCII, {}: {} does not recognise "
-                  "the certificate by it",
-                  in_quotes(grant.subject_name), is_escaped ? "escaped" : "not escaped",
-                  is_escaped ? "Fast DDS" : "Cyclone DDS"));
+  auto found = letters_beyond_ascii(place.grant());
+  if (!found) return;
+  auto finding = place.about(PERM011, std::move(found->message));
   finding.hint =
       "name participants in ASCII, or give Fast DDS a document of its own: it reads the letters "
       "themselves, and Cyclone DDS their escapes such as \\C3\\A9";
-  finding.vendors = {is_escaped ? kFastDds : kCyclone};
+  finding.vendors = std::move(found->vendors);
   out.add(std::move(finding));
 }
 
@@ -206,12 +165,16 @@ void check_subject(Findings& out, const std::vector<GrantPlace>& places,
     return;
   }
   const auto& grant = own->grant();
-  if (grant.subject_is_expression || grant.subject_name == certificate.subject()) return;
+  const bool is_same_text = grant.subject_name == certificate.subject();
+  if (grant.subject_is_expression || (is_same_text && !grant.subject_has_line_breaks)) return;
   auto finding = own->about(
-      PERM011, fmt::format("{} means the certificate's subject {} in other words",
-                           in_quotes(grant.subject_name), in_quotes(certificate.subject())));
+      PERM011, is_same_text
+                   ? between_line_breaks(grant.subject_name)
+                   : fmt::format("{} means the certificate's subject {} in other words",
+                                 in_quotes(grant.subject_name), in_quotes(certificate.subject())));
   finding.hint = hint;
-  finding.vendors = {kCyclone, kFastDds};
+  finding.vendors =
+      not_recognising(grant, certificate.subject(), pki::subject_in_utf8(certificate));
   out.add(std::move(finding));
 }
 

@@ -300,6 +300,40 @@ void check_joining(Findings& out, const GrantPlace& place) {
                            to_text(domains))));
 }
 
+/// The domains that the deny_rule closes to ddssec's plugins, and in which stock products let the
+/// participant join by some allow_rule (doctor: judge_participant_as).
+std::vector<DomainRange> closed_by(const Grant& grant, const Rule& denial) {
+  std::vector<DomainRange> out;
+  for (DomainId id = 0; id <= kHighestDomainId; ++id) {
+    const auto decides = std::ranges::find_if(grant.rules, [id](const Rule& rule) {
+      return decides_joining(rule) && rule.domains.contains(id);
+    });
+    const bool joins_stock = std::ranges::any_of(grant.rules, [id](const Rule& rule) {
+      return rule.allow && rule.domains.contains_for_stock(id);
+    });
+    if (decides != grant.rules.end() && &*decides == &denial && joins_stock)
+      out.push_back({id, id});
+  }
+  return joined(std::move(out));
+}
+
+void check_closed_domains(Findings& out, const GrantPlace& place) {
+  const auto& rules = place.grant().rules;
+  int denials = 0;
+  for (std::size_t i = 0; i < rules.size(); ++i) {
+    if (rules[i].allow || !decides_joining(rules[i]) || ++denials > kMostDenyRules) continue;
+    const auto domains = closed_by(place.grant(), rules[i]);
+    if (domains.empty()) continue;
+    auto finding = place.about_rule(
+        PERM027, i + 1,
+        fmt::format("deny_rule {} without topics closes domain {}: ddssec's plugins refuse the "
+                    "participant there, Cyclone DDS and Fast DDS let it join by an allow_rule",
+                    i + 1, to_text(domains)));
+    finding.vendors = stock_vendors();
+    out.add(std::move(finding));
+  }
+}
+
 std::vector<DomainRange> uncovered(const Rule& rule, const Governance& governance) {
   std::vector<DomainRange> out;
   for (const auto& range : rule.domains.ranges)
@@ -380,6 +414,7 @@ void lint_rights(Findings& out, const GrantPlace& place, const Governance* gover
   check_denied_partitions(out, place);
   check_default(out, place);
   check_joining(out, place);
+  check_closed_domains(out, place);
   if (!governance) return;
   check_domains(out, place, *governance);
   check_topic_rules(out, place, *governance);

@@ -7,6 +7,7 @@
 
 #include "base/text.hpp"
 #include "governance/cyclonedds_subject.hpp"
+#include "governance/date_time.hpp"
 #include "governance/decision.hpp"
 #include "governance/doctor/checks.hpp"
 #include "governance/doctor/domains.hpp"
@@ -152,14 +153,14 @@ void check_fastdds_zones(const Scene& scene, const std::vector<Candidate>& all) 
 
 void check_cyclones_end(const Scene& scene, const Grant& grant) {
   if (grant.validity.is_for_cyclone) return scene.out.pass(Rule::DOC040);
-  scene.out.report(
-      {.cyclonedds = Outcome::fail},
-      {.rule = Rule::DOC040,
-       .message = fmt::format("grant \"{}\": {} reads <not_after> as a time that has passed",
-                              grant.name, name(Vendor::cyclonedds, scene.settings.lineup)),
-       .document = scene.file(),
-       .line = grant.line,
-       .hint = "write a time before 2262, in UTC, with an hour from 00 to 23"});
+  scene.out.report({.cyclonedds = Outcome::fail},
+                   {.rule = Rule::DOC040,
+                    .message = fmt::format("grant \"{}\": {} {}", grant.name,
+                                           name(Vendor::cyclonedds, scene.settings.lineup),
+                                           kCyclonesEndHasPassed),
+                    .document = scene.file(),
+                    .line = grant.line,
+                    .hint = std::string(kHintOfCyclonesEnd)});
 }
 
 // Cyclone DDS uses only the first grant of the subject, the others the first valid one.

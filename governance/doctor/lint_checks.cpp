@@ -12,15 +12,15 @@ struct SameThing {
   Rule lint, check;
 };
 constexpr SameThing kSame[] = {
-    {Rule::GOV001, Rule::DOC037},  {Rule::GOV004, Rule::DOC037},  {Rule::GOV005, Rule::DOC037},
-    {Rule::GOV006, Rule::DOC037},  {Rule::GOV023, Rule::DOC037},  {Rule::GOV024, Rule::DOC037},
-    {Rule::GOV003, Rule::DOC050},  {Rule::GOV011, Rule::DOC054},  {Rule::GOV025, Rule::DOC055},
-    {Rule::PERM001, Rule::DOC037}, {Rule::PERM004, Rule::DOC037}, {Rule::PERM005, Rule::DOC037},
-    {Rule::PERM006, Rule::DOC037}, {Rule::PERM002, Rule::DOC010}, {Rule::PERM003, Rule::DOC042},
-    {Rule::PERM010, Rule::DOC043}, {Rule::PERM011, Rule::DOC010}, {Rule::PERM020, Rule::DOC053},
-    {Rule::PERM022, Rule::DOC052}, {Rule::PERM023, Rule::DOC051}, {Rule::PERM024, Rule::DOC050},
-    {Rule::PERM025, Rule::DOC054}, {Rule::PERM032, Rule::DOC064}, {Rule::PERM033, Rule::DOC066},
-    {Rule::PERM040, Rule::PERM040},
+    {Rule::GOV001, Rule::DOC037},  {Rule::GOV004, Rule::DOC037},   {Rule::GOV005, Rule::DOC037},
+    {Rule::GOV006, Rule::DOC037},  {Rule::GOV023, Rule::DOC037},   {Rule::GOV024, Rule::DOC037},
+    {Rule::GOV003, Rule::DOC050},  {Rule::GOV011, Rule::DOC054},   {Rule::GOV025, Rule::DOC055},
+    {Rule::PERM001, Rule::DOC037}, {Rule::PERM004, Rule::DOC037},  {Rule::PERM005, Rule::DOC037},
+    {Rule::PERM006, Rule::DOC037}, {Rule::PERM002, Rule::DOC010},  {Rule::PERM003, Rule::DOC042},
+    {Rule::PERM010, Rule::DOC043}, {Rule::PERM011, Rule::DOC010},  {Rule::PERM020, Rule::DOC053},
+    {Rule::PERM022, Rule::DOC052}, {Rule::PERM023, Rule::DOC051},  {Rule::PERM024, Rule::DOC050},
+    {Rule::PERM025, Rule::DOC054}, {Rule::PERM027, Rule::DOC051},  {Rule::PERM032, Rule::DOC064},
+    {Rule::PERM033, Rule::DOC066}, {Rule::PERM040, Rule::PERM040},
 };
 
 bool was_looked_at(const Diagnosis& diagnosis, Rule lint) {

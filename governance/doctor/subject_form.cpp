@@ -1,28 +1,18 @@
 #include "governance/doctor/subject_form.hpp"
 
 #include <algorithm>
-#include <string>
 #include <vector>
 
 #include "base/text.hpp"
 #include "governance/cyclonedds_subject.hpp"
 #include "governance/doctor/measured.hpp"
+#include "governance/fastdds_subject.hpp"
 #include "pki/subject_name.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {
 
 constexpr std::string_view kBlanksOfNames = " \t\r\n";
-
-std::vector<std::string_view> split(std::string_view text) {
-  std::vector<std::string_view> parts;
-  for (;;) {
-    const auto end = text.find(',');
-    parts.push_back(text.substr(0, end));
-    if (end == text.npos) return parts;
-    text.remove_prefix(end + 1);
-  }
-}
 
 bool has_same_attributes(std::string_view text, const pki::Certificate& certificate) {
   const auto sorted = [](std::vector<pki::NameAttribute> attributes) {
@@ -40,40 +30,10 @@ Outcome cyclonedds_outcome(std::string_view text, const pki::Certificate& certif
   return has_same_attributes(text, certificate) ? Outcome::ok : Outcome::unsafe;
 }
 
-// Fast DDS knows no blanks but spaces.
-std::string_view without_spaces(std::string_view part) { return trimmed(part, " "); }
-
-// It goes part by part and stops at an empty one; the rest does not count.
-bool fastdds_reads(std::string_view text, std::string_view subject) {
-  const auto parts_of = [](std::string_view name) {
-    auto parts = split(name);
-    parts.erase(std::ranges::find(parts, ""), parts.end());
-    return parts;
-  };
-  return std::ranges::equal(parts_of(text), parts_of(subject), {}, without_spaces, without_spaces);
-}
-
-// Since some version the order of the parts and spaces around '=' do not matter, and a part without
-// '=' is the end.
-bool newer_fastdds_reads(std::string_view text, std::string_view subject) {
-  const auto parts_of = [](std::string_view name) {
-    std::vector<std::string> out;
-    for (const auto part : split(name)) {
-      const auto equals = part.find('=');
-      if (equals == part.npos) break;
-      out.push_back(std::string(without_spaces(part.substr(0, equals))) + '=' +
-                    std::string(without_spaces(part.substr(equals + 1))));
-    }
-    std::ranges::sort(out);
-    return out;
-  };
-  return parts_of(text) == parts_of(subject);
-}
-
 // Commas and blanks at the end say nothing.
 Outcome fastdds_outcome(std::string_view text, const pki::Certificate& certificate,
                         bool any_order) {
-  const auto reads = any_order ? newer_fastdds_reads : fastdds_reads;
+  const auto reads = any_order ? newer_fastdds_takes : fastdds_takes;
   if (!reads(text, pki::subject_in_utf8(certificate))) return Outcome::fail;
   const auto end = text.find_last_not_of(", \t\r\n");
   return has_same_attributes(text.substr(0, end == text.npos ? 0 : end + 1), certificate)

@@ -95,6 +95,35 @@ class Lint(WithDocuments):
         out = self.json("permissions", "lint", "p.xml", "--now", "2030-01-01T00:00:00Z", exit=1)
         self.assertEqual([(d["id"], d["severity"]) for d in out["diagnostics"]], [("PERM002", "error")])
 
+    def test_permissions_that_a_product_refuses_are_named_by_each_command(self):
+        """What doctor says of the same documents: real participants did not start with them."""
+        denial = "<deny_rule><domains><id>0</id></domains></deny_rule><allow_rule>"
+        whole = (self.at / "p.xml").read_text()
+        end = re.search("<not_after>(.*)</not_after>", whole)[1]
+        ca = ("--ca", "ca/permissions/ca.pem")
+        for old, new, rule, vendors in ((end, "2263-01-01T00:00:00Z", "PERM002", ["cyclonedds"]),
+                                        (end, "2037-01-01T24:00:00Z", "PERM002", ["cyclonedds"]),
+                                        (">CN=talker<", ">cn=talker<", "PERM011", ["cyclonedds", "fastdds"]),
+                                        (">CN=talker<", ">2.5.4.3=talker<", "PERM011", ["cyclonedds", "fastdds"]),
+                                        (">CN=talker<", '>CN="talker"<', "PERM011", ["cyclonedds", "fastdds"]),
+                                        (">CN=talker<", ">\n  CN=talker\n  <", "PERM011", ["fastdds"]),
+                                        ("<allow_rule>", denial, "PERM027", ["cyclonedds", "fastdds"])):
+            (self.at / "p.xml").write_text(whole.replace(old, new, 1))
+            self.run_program("permissions", "sign", "p.xml", "--ca", "ca", "--replace", "-o", "p.p7s", *NOW)
+            for words in (("lint", "p.xml"), ("lint", "p.xml", "--cert", "talker/cert.pem"),
+                          ("sign", "p.xml", "--ca", "ca", "--replace", "-o", "p.p7s"), ("verify", "p.p7s", *ca),
+                          ("verify", "p.p7s", *ca, "--cert", "talker/cert.pem")):
+                with self.subTest(new=new, words=words):
+                    told = self.json("permissions", *words, *NOW)["diagnostics"]
+                    self.assertIn((rule, vendors), [(d["id"], d["vendors"]) for d in told])
+            with self.subTest(new=new, words="identity issue"):
+                told = self.json("identity", "issue", "talker", "--ca", "ca", "-o", "talker", "--replace", "--permissions",
+                                 "p.xml", *NOW)["diagnostics"]
+                self.assertIn((rule, vendors, "p.xml"), [(d["id"], d["vendors"], d["file"]) for d in told])
+        told = self.json("permissions", "new", "--cert", "talker/cert.pem", "-o", "late.xml", "--publish", "a", "--not-after",
+                         "3000-01-01T00:00:00Z", *NOW)["diagnostics"]
+        self.assertIn(("PERM002", ["cyclonedds"]), [(d["id"], d["vendors"]) for d in told])
+
     def test_vendors_own_documents(self):
         folder = DATA / "cyclonedds/validate_local_permissions"
         out = self.lint("governance", "lint", folder / "Test_Governance_full.xml", exit=1)

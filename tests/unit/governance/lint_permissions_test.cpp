@@ -199,25 +199,35 @@ TEST(LintPermissions, ARenewedGrantIsDeadForCycloneOnly) {
 }
 
 struct Subject {
-  const char *text, *right, *vendor;
+  const char *text, *right;
+  std::vector<std::string> vendors;
 };
 class SubjectSpelling : public ::testing::TestWithParam<Subject> {};
 
 // As measured with both vendors.
 TEST_P(SubjectSpelling, IsCorrected) {
-  const auto& [text, right, vendor] = GetParam();
+  const auto& [text, right, vendors] = GetParam();
   const auto found = only(changed([&](Grant& g) { g.subject_name = text; }));
   EXPECT_EQ(found.rule, ddssec::Rule::PERM011);
   EXPECT_EQ(found.hint, std::string("write <subject_name>") + right + "</subject_name>");
-  EXPECT_EQ(found.vendors, std::vector<std::string>{vendor});
+  EXPECT_EQ(found.vendors, vendors);
 }
+
+using Vendors = std::vector<std::string>;
+const Vendors kFastDdsOnly = {"fastdds"}, kCycloneOnly = {"cyclonedds"},
+              kBoth = {"cyclonedds", "fastdds"};
 
 INSTANTIATE_TEST_SUITE_P(
     All, SubjectSpelling,
-    ::testing::Values(Subject{"C=DE,O=Acme,CN=pub", "CN=pub,O=Acme,C=DE", "fastdds"},
-                      Subject{"/C=DE/O=Acme/CN=pub", "CN=pub,O=Acme,C=DE", "fastdds"},
-                      Subject{"CN=pub, O=Acme, C=DE", "CN=pub,O=Acme,C=DE", "cyclonedds"},
-                      Subject{"CN=pub , O=\"A, B\"", "CN=pub,O=A\\, B", "cyclonedds"}));
+    ::testing::Values(Subject{"C=DE,O=Acme,CN=pub", "CN=pub,O=Acme,C=DE", kFastDdsOnly},
+                      Subject{"/C=DE/O=Acme/CN=pub", "CN=pub,O=Acme,C=DE", kFastDdsOnly},
+                      Subject{"CN=pub, O=Acme, C=DE", "CN=pub,O=Acme,C=DE", kCycloneOnly},
+                      Subject{"CN=pub , O=\"A, B\"", "CN=pub,O=A\\, B", kBoth},
+                      Subject{"CN = pub", "CN=pub", kBoth}, Subject{"cn=pub", "CN=pub", kBoth},
+                      Subject{"2.5.4.3=pub", "CN=pub", kBoth},
+                      Subject{"commonName=pub", "CN=pub", kBoth},
+                      Subject{"CN=\"pub\"", "CN=pub", kBoth},
+                      Subject{"CN=\\70ub", "CN=pub", kBoth}));
 
 TEST(LintPermissions, SubjectsThatAreFine) {
   for (const char* text : {"CN=pub", "CN=pub,O=Acme,C=DE", "CN=/a/b", "CN=pub,O=A\\, B", "CN=a b"})

@@ -1,0 +1,17 @@
+// Predicts whether Fast DDS applies a grant to a certificate, by the texts of both subjects.
+#pragma once
+
+#include <string_view>
+
+namespace ddssec::governance {
+
+/// True if Fast DDS 2.9 applies a grant for the text `grant` to a certificate with the RFC 2253
+/// subject `certificate`, in UTF-8. It compares part by part, ignoring spaces beside a `,`, and
+/// stops at an empty part (measured).
+bool fastdds_takes(std::string_view grant, std::string_view certificate);
+
+/// The same for Fast DDS 3.1: the order of the parts does not matter, spaces around '=' neither,
+/// and a part without '=' is the end (measured).
+bool newer_fastdds_takes(std::string_view grant, std::string_view certificate);
+
+}  // namespace ddssec::governance
