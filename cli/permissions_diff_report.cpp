@@ -1,5 +1,6 @@
 #include "cli/permissions_diff_report.hpp"
 
+#include <algorithm>
 #include <map>
 
 #include <fmt/format.h>
@@ -114,7 +115,18 @@ std::string verdict_text(const governance::PermissionsDiff& diff) {
     text += wrapped("", {"UNKNOWN:", "there are too many partitions, data tags or subjects to try",
                          "every combination"});
   }
-  text += fmt::format("verdict: {}; old and new files work together\n", word);
+  const bool is_read_otherwise =
+      std::ranges::any_of(diff.readings.all,
+                          [](const auto& one) { return one.widens || one.narrows; }) ||
+      std::ranges::any_of(diff.changes, [](const auto& change) {
+        return change.element == "subject_name" && change.change == ChangeClass::interop;
+      });
+  text += is_read_otherwise
+              ? fmt::format(
+                    "verdict: {} for ddssec's plugins; the lines \"interop\" say what "
+                    "changes with other products\n",
+                    word)
+              : fmt::format("verdict: {}; old and new files work together\n", word);
   const bool takes_away = diff.verdict == ChangeClass::narrower ||
                           diff.verdict == ChangeClass::mixed ||
                           diff.verdict == ChangeClass::unknown;

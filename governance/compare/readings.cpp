@@ -2,11 +2,17 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <tuple>
+
+#include <fmt/format.h>
 
 #include "governance/cyclonedds_subject.hpp"
 #include "governance/dialect.hpp"
+#include "governance/lint_findings.hpp"
+#include "governance/subject_spelling.hpp"
 #include "governance/xml.hpp"
+#include "pki/subject_name.hpp"
 
 namespace ddssec::governance {
 namespace {
@@ -24,6 +30,22 @@ struct Constructs {
   bool has_all_notes = true;
   /// Certificates that Cyclone DDS gives another subject's grant: both subjects.
   std::map<std::pair<std::string, std::string>, StrayGrant> strays = {};
+  /// Subject names by which some stock product recognises no certificate.
+  struct Subject {
+    int line;
+    std::string key;  ///< the same for every spelling
+    SpellingProblem problem;
+  };
+  std::map<std::string, Subject> subjects = {};
+  std::set<std::string> well_written = {};  ///< keys of the other subjects
+
+  /// True if these products do not recognise that subject in this document either.
+  bool has_problem(const Subject& subject) const {
+    return std::ranges::any_of(subjects, [&](const auto& own) {
+      return own.second.key == subject.key &&
+             std::ranges::includes(own.second.problem.vendors, subject.problem.vendors);
+    });
+  }
 
   void add(const std::vector<Text>& texts) {
     for (const auto& text : texts) expressions.try_emplace(text.text, text.line);
@@ -46,9 +68,21 @@ Constructs constructs_of(const Governance& document) {
   return out;
 }
 
+void add_subject(const Grant& grant, Constructs& out) {
+  const auto name = pki::SubjectName::parse(grant.subject_name);
+  if (!name) return;
+  auto problem = misspelt(grant);
+  if (!problem) problem = letters_beyond_ascii(grant);
+  const auto text = (grant.subject_has_line_breaks ? "\n" : "") + grant.subject_name;
+  if (!problem) out.well_written.insert(name->key());
+  if (problem)
+    out.subjects.try_emplace(text, Constructs::Subject{grant.line, name->key(), *problem});
+}
+
 // Stock products ignore relay elements. They refuse tag expressions, which is a note.
 Constructs constructs_of(const Permissions& document) {
   Constructs out;
+  for (const auto& grant : document.grants) add_subject(grant, out);
   for (const auto& grant : document.grants)
     for (const auto& rule : grant.rules)
       for (const auto* list : {&rule.publish, &rule.subscribe})
@@ -74,6 +108,10 @@ class Collector {
              .sentence = to_sentence(stray),
              .line = stray.grant->line,
              .widens = true});
+    for (const auto& [text, subject] : own.subjects)
+      if (!other.subjects.contains(text))
+        add_subject(subject, !other.has_problem(subject) && !own.well_written.contains(subject.key),
+                    is_new);
     for (const auto& [text, line] : own.expressions)
       if (!other.expressions.contains(text)) add_expression(text, line, is_new);
     std::ranges::stable_sort(out_.all.begin() + static_cast<std::ptrdiff_t>(begin), out_.all.end(),
@@ -82,6 +120,22 @@ class Collector {
   Readings take() { return std::move(out_); }
 
  private:
+  static std::string sentence_about(const SpellingProblem& problem) {
+    if (problem.right.empty()) return problem.message;
+    return fmt::format("{}: {} no certificate by it", problem.message,
+                       problem.vendors.size() > 1            ? "Cyclone DDS and Fast DDS recognise"
+                       : problem.vendors.front() == kCyclone ? "Cyclone DDS recognises"
+                                                             : "Fast DDS recognises");
+  }
+  // Who is not recognised by a product has no rights there.
+  void add_subject(const Constructs::Subject& subject, bool changes, bool is_new) {
+    put({.is_new = is_new,
+         .expression = {},
+         .sentence = sentence_about(subject.problem),
+         .line = subject.line,
+         .widens = changes && !is_new,
+         .narrows = changes && is_new});
+  }
   void add_expression(const std::string& text, int line, bool is_new) {
     if (!is_suspect(text)) return;
     if (++tried_ > kMostTried) {

@@ -301,6 +301,18 @@ class PermissionsDifferences(Differences):
         self.assertIn("  neutral   written differently  *  -> **  no name is treated differently  old:3 new:3",
                       self.text())
 
+    def test_spellings_that_stock_products_do_not_recognise(self):
+        texts = {name: permissions(grant(rule("allow", "*"), subject=name)) for name in ("CN=a", "cn=a", "2.5.4.3=a")}
+        for old, new, options in (("CN=a", "cn=a", {"narrower": 1, "wider": 0}), ("cn=a", "CN=a", {"narrower": 0, "wider": 1}),
+                                  ("cn=a", "2.5.4.3=a", {"narrower": 0, "wider": 0})):
+            with self.subTest(old=old, new=new):
+                self.write(texts[old], texts[new])
+                for option, exit in options.items():
+                    self.diff("--fail-on", option, exit=exit)
+                sentences = [one["sentence"] for one in self.diff()["readings"]["all"]]
+                self.assertTrue(any("Cyclone DDS and Fast DDS recognise no certificate by it" in one for one in sentences), sentences)
+                self.assertNotIn("old and new files work together", self.text())
+
     def test_the_order_of_grants_that_contain_one_another(self):
         """Measured: stock Cyclone DDS gives the certificate CN=talker the grant of CN=talker,OU=x if it stands first."""
         for long in ("CN=talker,OU=x", "OU=x,CN=talker"):
