@@ -1,5 +1,7 @@
 #include "cli/ca_followers.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <set>
 
 #include "cli/documents.hpp"
@@ -13,12 +15,30 @@ namespace {
 namespace fs = std::filesystem;
 
 // A folder may have been moved, or may now belong to another CA's participant. An unreadable folder
-// counts as found: the rotation reports it.
+// counts as found, and so does a certificate that an earlier key of the CA may have issued, also
+// outside of the log: the rotation reports them.
 bool is_participant_of(const pki::Certificate& ca, const pki::IssueLog& log,
                        const fs::path& folder) {
   const auto certificate = read_certificate(folder / "cert.pem");
   if (!certificate) return certificate.error().code() != Code::file_not_found;
-  return certificate->is_issued_by(ca) || is_logged(*certificate, log);
+  return certificate->issuer() == ca.subject() || is_logged(*certificate, log);
+}
+
+// Of each subject only the last certificate counts: the folder may have moved.
+std::vector<std::string> gone_among(const std::vector<std::string>& elsewhere,
+                                    const LoggedFolders& folders, const pki::IssueLog& log) {
+  std::set<std::string> seen, gone;
+  for (auto issued = log.issued().rbegin(); issued != log.issued().rend(); ++issued) {
+    if (!seen.insert(issued->subject).second || issued->folder.empty() || !issued->file.empty())
+      continue;
+    std::error_code failed;
+    if (!fs::exists(folders.today(issued->folder) / "cert.pem", failed) && !failed)
+      gone.insert(issued->place());
+  }
+  std::vector<std::string> out;
+  std::ranges::copy_if(elsewhere, std::back_inserter(out),
+                       [&](const std::string& place) { return gone.contains(place); });
+  return out;
 }
 
 KnownFollowers known_to(const CaPaths& ca, const pki::IssueLog& log,
@@ -41,6 +61,7 @@ KnownFollowers known_to(const CaPaths& ca, const pki::IssueLog& log,
     else if (!issued.revoked && now < issued.not_after)
       out.elsewhere.push_back(place);
   }
+  out.gone = gone_among(out.elsewhere, folders, log);
   return out;
 }
 

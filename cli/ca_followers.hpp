@@ -13,6 +13,8 @@ namespace ddssec::cli {
 struct KnownFollowers {
   std::vector<Follower> here;
   std::vector<std::string> elsewhere;  ///< folders, or subjects of CAs below
+  /// Those in `elsewhere` whose folder was on this machine by the log, and is not there any more.
+  std::vector<std::string> gone = {};
 };
 
 /// The participant of a folder, named by its path.

@@ -19,6 +19,10 @@ bool holds(const std::vector<pki::Certificate>& certificates, const pki::Certifi
   return std::ranges::find(certificates, one) != certificates.end();
 }
 
+fs::path beside(const CaPaths& ca, std::string_view ending) {
+  return ca.certificate.parent_path() / (ca.certificate.stem().string() + std::string(ending));
+}
+
 std::unexpected<Error> unreadable(const fs::path& file) {
   return fail(tool_code::overlap_unreadable, {.document = file});
 }
@@ -33,9 +37,7 @@ Overlap overlap_of(std::vector<pki::Certificate> next, const std::vector<pki::Ce
   return out;
 }
 
-fs::path overlap_file(const CaPaths& ca) {
-  return ca.certificate.parent_path() / (ca.certificate.stem().string() + ".overlap.json");
-}
+fs::path overlap_file(const CaPaths& ca) { return beside(ca, ".overlap.json"); }
 
 std::string overlap_text(const Overlap& overlap) {
   Json former = Json::array();
@@ -64,6 +66,23 @@ Result<std::optional<Overlap>> read_overlap(const CaPaths& ca) {
   }
   if (out.former.empty()) return std::nullopt;  // the CA was replaced at once since
   if (out.next.empty()) return unreadable(file);
+  return out;
+}
+
+fs::path unreached_file(const CaPaths& ca) { return beside(ca, ".unreached.json"); }
+
+std::string unreached_text(const std::vector<std::string>& folders) {
+  return Json{{"folders", folders}}.dump(2) + "\n";
+}
+
+std::vector<std::string> read_unreached(const CaPaths& ca) {
+  std::vector<std::string> out;
+  const auto file = unreached_file(ca);
+  const auto text = is_there(file) ? read_file(file, pki::kMostDocumentOctets) : Bytes();
+  const auto json = text ? Json::parse(as_text(*text), nullptr, false) : Json();
+  if (!json.is_object() || !json.contains("folders") || !json["folders"].is_array()) return out;
+  for (const auto& folder : json["folders"])
+    if (folder.is_string()) out.push_back(folder.get<std::string>());
   return out;
 }
 

@@ -37,6 +37,12 @@ std::string overlap_text(const Overlap& overlap);
 /// Errors: those of read_certificates and read_file; overlap_unreadable.
 Result<std::optional<Overlap>> read_overlap(const CaPaths& ca);
 
+/// The file with the folders that the end of a rotation did not find, beside the CA's certificate.
+std::filesystem::path unreached_file(const CaPaths& ca);
+std::string unreached_text(const std::vector<std::string>& folders);
+/// The folders in that file; none if it cannot be read.
+std::vector<std::string> read_unreached(const CaPaths& ca);
+
 /// The lists in the CA's file that its former key signed.
 Result<std::vector<pki::Crl>> lists_of_former(const CaPaths& ca, const Overlap& overlap);
 /// The CA's file of lists with its next list: in an overlap the lists of its former key stay.

@@ -107,6 +107,15 @@ std::vector<Follower> RotationProgress::not_ended(const std::vector<Follower>& f
   });
 }
 
+std::vector<std::string> not_reached(const CaPaths& ca, const KnownFollowers& known) {
+  const auto unreached = read_unreached(ca);
+  std::vector<std::string> out;
+  std::ranges::copy_if(known.gone, std::back_inserter(out), [&](const std::string& folder) {
+    return std::ranges::find(unreached, folder) != unreached.end();
+  });
+  return out;
+}
+
 std::string moved_words(std::size_t moved, std::size_t all) {
   return fmt::format("{} of {} {} moved", moved, counted(all, "folder"),
                      moved == 1 ? "has" : "have");
@@ -117,7 +126,9 @@ Result<ShownRotation> shown_rotation(const fs::path& given, const std::string& r
   DDSSEC_ASSIGN_OR_RETURN(const auto known, known_followers(given, now));
   const auto& overlap = progress.overlap();
   const auto left = overlap ? progress.not_moved(known.here) : progress.not_ended(known.here);
-  if (!overlap && left.empty()) return ShownRotation{"", Json()};
+  const auto away =
+      overlap ? std::vector<std::string>() : not_reached(ca_paths(given, role), known);
+  if (!overlap && left.empty() && away.empty()) return ShownRotation{"", Json()};
   const auto all = known.here.size();
   Json former = Json::array();
   if (overlap)
@@ -136,7 +147,8 @@ Result<ShownRotation> shown_rotation(const fs::path& given, const std::string& r
                      : fmt::format(
                            "rotation not finished: {} still {} what an earlier key of this CA "
                            "issued or signed, or trusts that key\n",
-                           counted(left.size(), "folder"), left.size() == 1 ? "has" : "have");
+                           counted(left.size() + away.size(), "folder"),
+                           left.size() + away.size() == 1 ? "has" : "have");
   for (const auto& one : left) out.text += fmt::format("  left   {}\n", one.name);
   for (const auto& one : known.elsewhere) out.text += fmt::format("  not here  {}\n", one);
   out.text +=

@@ -48,6 +48,9 @@ class RotationProgress {
   std::vector<pki::Certificate> next_;
 };
 
+/// The folders that the last end of a rotation did not find, and that are still not here.
+std::vector<std::string> not_reached(const CaPaths& ca, const KnownFollowers& known);
+
 /// "1 of 4 folders has moved".
 std::string moved_words(std::size_t moved, std::size_t all);
 

@@ -315,21 +315,41 @@ void add_not_taken(const std::string& role, const std::vector<Follower>& followe
   }
 }
 
+// The folders that the end of a rotation leaves: for `ca show`, until they are here again.
+Result<std::vector<std::string>> left_away(const Work& work, const std::string& role,
+                                           const Arguments& arguments, WallTime now) {
+  if (arguments.all("DIRS").empty()) return work.known.gone;
+  const fs::path given = arguments.text("DIR");
+  DDSSEC_ASSIGN_OR_RETURN(const auto known, known_followers(given, now));
+  return not_reached(ca_paths(given, role), known);
+}
+
+void remove_file(const fs::path& file) {
+  std::error_code ignored;
+  if (!writes_nothing()) fs::remove(file, ignored);
+}
+
 Result<Report> follow(const std::string& role, const Work& work, const Arguments& arguments,
                       const Context& context) {
   const fs::path given = arguments.text("DIR");
   const auto& change = work.change;
   Replacement out;
+  const bool is_over = change.step == Step::end || change.step == Step::replace;
+  DDSSEC_ASSIGN_OR_RETURN(const auto away, left_away(work, role, arguments, context.clock.now()));
+  const auto& paths = change.old.paths;
+  if (is_over && !away.empty())
+    DDSSEC_RETURN_IF_ERROR(out.put_public(unreached_file(paths), unreached_text(away)));
   DDSSEC_ASSIGN_OR_RETURN(
       auto followed, role == "identity" ? follow_identity_ca(out, change, work.known.here, context)
                                         : follow_permissions_ca(out, change, work.known.here,
                                                                 shared_documents(given), context));
   DDSSEC_ASSIGN_OR_RETURN(auto files, put_in_place(out, followed));
   // If this fails, nothing is wrong: the former CA is not in the CA's file any more.
-  const bool is_over = change.step == Step::end || change.step == Step::replace;
-  std::error_code ignored;
-  if (is_over && !writes_nothing()) fs::remove(overlap_file(change.old.paths), ignored);
+  if (is_over) remove_file(overlap_file(paths));
+  if (is_over && away.empty()) remove_file(unreached_file(paths));
   auto report = report_of(role, change, followed, work.known.elsewhere, given.string());
+  if (change.step != Step::replace && !work.known.gone.empty())
+    report.exit = std::max(report.exit, Exit::no);
   report.errors.insert(report.errors.end(), work.warnings.begin(), work.warnings.end());
   if (change.step != Step::begin) add_not_taken(role, work.known.here, followed, report);
   report.files_written = std::move(files);

@@ -164,12 +164,18 @@ class Overlap(Transcript):
     def only_warning(self, words, answer, file):
         self.assertEqual([(f"{d['severity']}[{d['id']}]", d["file"]) for d in answer["diagnostics"]], [(words, file)])
 
-    def test_End_WhileAFolderIsAway_IsCompletedByTheNextEnd(self):
+    def test_Step_WhileAFolderIsAway_SaysNoAndShowNamesItUntilTheNextEnd(self):
         for role in ROLES:
             self.rotate(role, "--overlap", "30d")
             (self.at / "demo/listener").rename(self.at / "away")
-            out = self.rotate(role, "--end")
-            self.assertEqual((out["folders"], out["elsewhere"]), (self.folders("talker"), self.folders("listener")))
+            for step in ("--move", "--end"):
+                out = self.rotate(role, step, exit=1)
+                self.assertEqual(out["elsewhere"], self.folders("listener"))
+                self.assertEqual(self.rotation(role)["elsewhere"], self.folders("listener"))
+            self.assertEqual(out["folders"], self.folders("talker"))
+            shown = self.run_program("ca", "show", "demo", "--role", role, *NOW).stdout
+            self.assertIn("rotation not finished: 1 folder still has", shown)
+            self.assertIn(f"  not here  {self.folders('listener')[0]}\n", shown)
             (self.at / "away").rename(self.at / "demo/listener")
             self.assertEqual(self.rotation(role)["left"], self.folders("listener"))
             self.assertIsNone(self.rotation(role)["until"])
@@ -179,7 +185,32 @@ class Overlap(Transcript):
             self.assertEqual(self.text(f"demo/listener/{role}_ca.pem"), self.text(f"demo/ca/{role}/ca.pem"))
             self.assertIsNone(self.rotation(role))
             self.refused("no_overlap", 1, "ca", "rotate", "demo", "--role", role, "--end", *NOW)
+            self.assertEqual([path for path in self.files() if "unreached" in path], [])
         self.assertTrue(self.talks("demo/talker", "demo/listener"))
+
+    def test_FolderThatIsGone_IsShownUntilItsParticipantIsRevoked(self):
+        self.rotate("identity", "--overlap", "30d")
+        (self.at / "demo/listener").rename(self.at / "away")
+        self.rotate("identity", "--end", exit=1)
+        self.assertEqual(self.rotation("identity")["elsewhere"], self.folders("listener"))
+        self.json("identity", "revoke", "away", "--ca", "demo", *NOW, exit=1)
+        self.assertIsNone(self.rotation("identity"))
+
+    def test_CertificateOutsideTheLog_LeavesItsFolderAndEveryStepSaysSo(self):
+        """As a hook of the agent may put it into the folder: the CA issued it with another tool."""
+        shutil.copytree(self.at / "demo", self.at / "copy")
+        self.json("identity", "renew", "copy/listener", "--ca", "copy", *NOW)
+        shutil.copy(self.at / "copy/listener/cert.pem", self.at / "demo/listener/cert.pem")
+        shutil.rmtree(self.at / "copy")
+        folder = self.folders("listener")
+        self.assertEqual(self.rotate("identity", "--overlap", "30d")["folders"], self.folders("talker", "listener"))
+        for step in ("--move", "--end"):
+            answer = self.json("ca", "rotate", "demo", "--role", "identity", step, *NOW, exit=1)
+            self.assertEqual((answer["result"]["folders"], answer["result"]["elsewhere"]), (self.folders("talker"), []))
+            self.assertIn("certificate_unlogged", [one["id"] for one in answer["diagnostics"]])
+            self.assertEqual(self.rotation("identity")["left"], folder)
+        self.refused("issuer_unknown", 1, "ca", "rotate", "demo", "--role", "identity", "--end", *NOW)
+        self.assertEqual(self.rotation("identity")["left"], folder)
 
     def test_End_OfOneFolder_WarnsOfTheOthers(self):
         for role in ROLES:
@@ -217,7 +248,7 @@ class Overlap(Transcript):
         for role in ROLES:
             self.rotate(role, "--overlap", "30d")
             (self.at / "demo/listener").rename(self.at / "away")
-            self.rotate(role, "--end")
+            self.rotate(role, "--end", exit=1)
             (self.at / "away").rename(self.at / "demo/listener")
         for words in (("doctor", "demo/listener"),):
             told = [d for d in self.json(*words, *NOW, exit=None)["diagnostics"] if d["id"] == "DOC111"]
