@@ -197,8 +197,10 @@ Result<Grant> read_grant(ReadContext& context, XmlElement element) {
   DDSSEC_ASSIGN_OR_RETURN(const auto children, XmlChildren::of(element, kGrantSpecs));
   note_order_of_grant(context, element, children);
   Grant grant{.line = element.line()};
-  if (const char* name = element.attribute("name")) grant.name = name;
-  if (grant.name.empty())
+  const char* const name = element.attribute("name");
+  if (name != nullptr)
+    grant.name = name;
+  else
     context.note(NoteKind::no_name, element, "has no name: Fast DDS refuses it");
   DDSSEC_RETURN_IF_ERROR(read_subject(element, children, grant));
   DDSSEC_ASSIGN_OR_RETURN(grant.validity, read_validity(context, children.one(kValidity)));

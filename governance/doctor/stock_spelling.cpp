@@ -2,6 +2,12 @@
 
 #include <algorithm>
 #include <charconv>
+#include <ctime>
+#include <initializer_list>
+#include <iomanip>
+#include <locale>
+#include <sstream>
+#include <string>
 
 #include "governance/doctor/checks.hpp"
 #include "governance/doctor/library_search.hpp"
@@ -29,22 +35,44 @@ bool is_number_for_strtol(std::string_view text) {
          id <= static_cast<std::int32_t>(kHighestDomainId);
 }
 
-// A second element instead of the first one, as measured: not every kind.
-bool cyclonedds_repeats(std::string_view element) {
-  constexpr std::string_view kRefused[] = {"<domain_access_rules>", "<permissions>"};
-  return std::ranges::find(kRefused, element) == std::end(kRefused);
+bool is_one_of(std::string_view element, std::initializer_list<std::string_view> elements) {
+  return std::ranges::find(elements, element) != elements.end();
 }
+
+// A second element instead of the first one, as measured: not every kind. Of two <permissions> it
+// refuses some and starts with others.
+bool cyclonedds_repeats(std::string_view element) { return element != "<domain_access_rules>"; }
 bool fastdds_repeats(std::string_view element) {
-  constexpr std::string_view kTaken[] = {"<permissions>", "<not_before>", "<not_after>",
-                                         "<default>", "<topics>"};
-  return std::ranges::find(kTaken, element) != std::end(kTaken);
+  return is_one_of(element,
+                   {"<permissions>", "<not_before>", "<not_after>", "<default>", "<topics>"});
 }
 
 // With an empty <topic_expression> Cyclone DDS crashes.
 bool may_be_empty(std::string_view element) {
-  constexpr std::string_view kNeeded[] = {"<topic_expression>", "<subject_name>", "<not_before>",
-                                          "<not_after>"};
-  return std::ranges::find(kNeeded, element) == std::end(kNeeded);
+  return !is_one_of(
+      element, {"<topic_expression>", "<topic>", "<subject_name>", "<not_before>", "<not_after>"});
+}
+
+// Elements that may be empty, although they must list something: they apply to no topic.
+bool cyclonedds_misses_nothing_in(std::string_view element) {
+  return is_one_of(element, {"<publish>", "<subscribe>", "<topics>", "<partitions>"});
+}
+bool fastdds_misses_nothing_in(std::string_view element) {
+  return is_one_of(element, {"<publish>", "<subscribe>"});
+}
+
+// Fast DDS reads dates with std::get_time, and ignores what follows the seconds.
+bool is_date_for_fastdds(const std::string& text) {
+  std::istringstream in(text);
+  in.imbue(std::locale::classic());
+  std::tm read{};
+  in >> std::get_time(&read, "%Y-%m-%dT%H:%M:%S");
+  return !in.fail();
+}
+
+// Both read all of them but NUL.
+bool is_other_control_character(const ErrorDetails& details) {
+  return !details.found.ends_with(" 00");
 }
 
 bool starts_with(Vendor vendor, const Error& error) {
@@ -81,6 +109,10 @@ bool cyclonedds_starts_with(const Error& error) {
       return may_be_empty(details.field);
     case Code::element_repeated:
       return cyclonedds_repeats(details.field);
+    case Code::element_missing:
+      return cyclonedds_misses_nothing_in(details.field);
+    case Code::xml_control_character:
+      return is_other_control_character(details);
     case Code::xml_not_well_formed:
       return details.found == "XML_ERROR_PARSING_ATTRIBUTE";
     default:
@@ -92,6 +124,11 @@ bool fastdds_starts_with(const Error& error) {
   const auto& details = error.details();
   switch (error.code()) {
     case Code::value_not_date_time:
+      return is_date_for_fastdds(details.found);
+    case Code::element_missing:
+      return fastdds_misses_nothing_in(details.field);
+    case Code::xml_control_character:
+      return is_other_control_character(details);
     case Code::value_not_domain_id:
     case Code::domain_range_reversed:
     case Code::text_unexpected:

@@ -8,14 +8,14 @@
 
 namespace ddssec::governance::doctor {
 
-/// True if Cyclone DDS starts with a document for which ddssec reports `error`. Cyclone DDS reads
-/// numbers like strtol (+0, -0, 0x0, nothing), accepts any word as <default> or <not_before>, and
-/// ignores empty elements and repeated attributes. Of an element that may only be there once, the
-/// last one counts.
+/// True if Cyclone DDS starts, or may start, with a document for which ddssec reports `error`.
+/// Cyclone DDS reads numbers like strtol (+0, -0, 0x0, nothing), accepts any word as <default> or
+/// <not_before>, and ignores empty elements and repeated attributes. Of an element that may only be
+/// there once, the last one counts.
 bool cyclonedds_starts_with(const Error& error);
-/// The same for Fast DDS: it reads numbers that are out of range, days that no month has, ranges
-/// that end before they begin, text between elements and a second root element, and takes the first
-/// of several elements in permissions.
+/// The same for Fast DDS: it reads numbers that are out of range, days that no month has, dates as
+/// std::get_time does, ranges that end before they begin, text between elements and a second root
+/// element, and takes the first of several elements in permissions.
 bool fastdds_starts_with(const Error& error);
 
 /// True if OpenSSL, and so a stock product, reads a certificate from the file, whatever text is
