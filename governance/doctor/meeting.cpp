@@ -12,6 +12,7 @@
 #include "governance/doctor/subject_form.hpp"
 #include "governance/doctor/vendor_decision.hpp"
 #include "governance/grant.hpp"
+#include "governance/refusal.hpp"
 #include "pki/smime_diagnosis.hpp"
 #include "pki/source.hpp"
 
@@ -281,22 +282,28 @@ bool handshake_works(Vendor initiator, Vendor replier) {
   return !(initiator == Vendor::fastdds && replier == Vendor::cyclonedds);
 }
 
-std::string handshake_sentence(const Party& starts, const Party& waits) {
+std::string handshake_sentence(const Party& starts, const Party& waits, bool by_chance) {
+  const auto& subject = starts.folder.certificate->subject();
+  const auto who =
+      by_chance ? fmt::format(
+                      "{} starts the handshake at some starts and {} at others, because "
+                      "both have the subject \"{}\"; where {} starts it and",
+                      starts.name, waits.name, subject, starts.name)
+                : fmt::format("{} starts the handshake, by the hashes of \"{}\" and \"{}\"; if it",
+                              starts.name, subject, waits.folder.certificate->subject());
   return fmt::format(
-      "{} starts the handshake, by the hashes of \"{}\" and \"{}\"; if it runs Fast "
-      "DDS 2.9.1 and {} runs Cyclone DDS with its own plugins, they never "
-      "authenticate: Cyclone DDS cannot read the Diffie-Hellman value that Fast DDS "
-      "proposes",
-      starts.name, starts.folder.certificate->subject(), waits.folder.certificate->subject(),
-      waits.name);
+      "{} runs Fast DDS 2.9.1 and {} runs Cyclone DDS with its own plugins, they never "
+      "authenticate: Cyclone DDS cannot read the Diffie-Hellman value that Fast DDS proposes",
+      who, waits.name);
 }
 
 void judge_handshake_from(const MeetingScene& scene, int starts) {
   const auto& first = scene.party(starts);
   const auto& second = scene.party(1 - starts);
-  Finding finding{.rule = Rule::DOC083,
-                  .message = handshake_sentence(first, second),
-                  .document = first.folder.paths.certificate.string()};
+  Finding finding{
+      .rule = Rule::DOC083,
+      .message = handshake_sentence(first, second, scene.out.starter == Starter::chance),
+      .document = first.folder.paths.certificate.string()};
   if (!handshake_works(first.vendor, second.vendor)) {
     scene.out.handshake_works = false;
     scene.out.findings.push_back(std::move(finding));
@@ -361,6 +368,38 @@ bool all_ok(const std::vector<Judgement>& judgements) {
   return std::ranges::all_of(judgements, &Judgement::ok);
 }
 
+std::string_view verb(Action action) {
+  return action == Action::publish ? "publish" : "subscribe to";
+}
+
+// A name that one side has, and the other one almost: a typo of either. Of the names of one side in
+// one direction at most 100 are compared.
+std::string near_miss(const MeetingScene& scene, int names, Action action) {
+  constexpr std::size_t kMostNames = 100;
+  const int other = 1 - names;
+  const auto theirs = action == Action::publish ? Action::subscribe : Action::publish;
+  std::size_t count = 0;
+  for (const auto* criteria : scene.grants[names]->allowed(action))
+    for (const auto& topic : criteria->topics) {
+      if (!Pattern(topic.text).is_literal()) continue;
+      if (++count > kMostNames) return {};
+      const auto near = advice_on_name(*scene.grants[other], theirs, topic.text).because;
+      if (!near.empty())
+        return fmt::format("; {} may {} \"{}\", and of {} to {} {}: is one of them misspelt?",
+                           scene.party(names).name, verb(action), topic.text,
+                           scene.party(other).name, verb(theirs), near);
+    }
+  return {};
+}
+
+std::string near_misses(const MeetingScene& scene) {
+  if (scene.grants[0] == nullptr || scene.grants[1] == nullptr) return {};
+  for (const int names : kBoth)
+    for (const auto action : {Action::publish, Action::subscribe})
+      if (auto found = near_miss(scene, names, action); !found.empty()) return found;
+  return {};
+}
+
 void report_no_topic(const MeetingScene& scene) {
   // If the permissions allow it, something else separates them and has its own finding.
   const auto is_allowed = [](const Direction& one) { return all_ok(one.steps); };
@@ -384,8 +423,8 @@ void report_no_topic(const MeetingScene& scene) {
   scene.out.findings.push_back(
       {.rule = Rule::DOC086,
        .message = fmt::format("there is no topic that {} may publish and {} subscribe to, or the "
-                              "other way round",
-                              scene.party(0).name, scene.party(1).name),
+                              "other way round{}",
+                              scene.party(0).name, scene.party(1).name, near_misses(scene)),
        .document = scene.folder(0).paths.permissions.string()});
 }
 

@@ -195,6 +195,34 @@ class Check(WithoutLists):
                         self.assertIn("two partition expressions never match each other", told[0]["message"])
                         self.assertIn("without *", told[0]["hint"])
 
+    def test_brackets_in_a_partition_are_an_expression_to_fast_dds_alone(self):
+        """Measured with Fast DDS 2.9.1: [AB] does not match [AB], which is a name to the others."""
+        for made, may in ((self.talker, "publish"), (self.listener, "subscribe")):
+            rule = ONE_WAY.format(may).replace("</topics>", "</topics><partitions><partition>*</partition></partitions>")
+            made.sign("permissions", permissions(grant(made.subject, rule)))
+        ask = ("--topics", "Square", "--require", "writer=A", "--partition", "[AB]")
+        for vendor, exit in (("fastdds", 1), ("cyclonedds", 0), ("ddssec", 0), ("B=fastdds", 1)):
+            out = self.check(*ask, "--vendor", vendor, exit=exit)
+            told = [d["message"] for d in out["diagnostics"] if "does not match its own text" in d["message"]]
+            self.assertEqual(len(told), exit, vendor)
+        self.check(*ask, "--partition", "A", "--vendor", "fastdds", exit=0)
+
+    def test_names_that_are_nearly_shared_are_named(self):
+        self.talker.sign("permissions", permissions(grant("CN=talker", ONE_WAY.format("publish").replace("Square", "DDSPref*"))))
+        for topic, near in (("DDSPerfRDataKS", True), ("Circle", False)):
+            self.listener.sign("permissions", permissions(grant("CN=listener", ONE_WAY.format("subscribe").replace("Square", topic))))
+            told = [d["message"] for d in self.check(exit=1)["diagnostics"] if d["id"] == "DOC086"]
+            said = f'; listener may subscribe to "{topic}", and of talker to publish "DDSPref*" is allowed: is one of them misspelt?'
+            self.assertEqual([said in one for one in told], [near])
+
+    def test_one_subject_on_both_sides_starts_the_handshake_by_chance(self):
+        shutil.copytree(self.at / "talker", self.at / "again")
+        told = [d["message"] for d in self.json("check", "talker", "again", "--vendor", "A=fastdds", "--vendor", "B=cyclonedds",
+                                                exit=1)["diagnostics"] if d["id"] == "DOC083"]
+        self.assertEqual(len(told), 1)
+        self.assertIn('because both have the subject "CN=talker"', told[0])
+        self.assertNotIn("by the hashes", told[0])
+
     def test_partitions_that_only_one_side_has(self):
         """Both may use the topic without a partition, so that it would count as working."""
         everywhere = allow("*").replace("</topics></", "</topics><partitions><partition>*</partition></partitions></")
