@@ -155,6 +155,13 @@ std::string verdict_text(const governance::GovernanceDiff& diff) {
                                    : " whether both files work together is not known")});
   }
   const auto domains = shown(diff.flag_day_domains);
+  if (!diff.parts_participants)
+    return wrapped("verdict: ",
+                   {verdict + fmt::format(" on topics with a line \"breaks\" ({}),", domains),
+                    "endpoints with the old file do not match those with the new one;",
+                    "other topics work"}) +
+           wrapped("", {"deploy to all participants that use these topics at once,",
+                        "or move gradually by way of a second domain or other topic names"});
   verdict += " participants still on the old file will not talk to those on the new one";
   const auto one_line = fmt::format("{} ({})", verdict, domains);
   constexpr std::size_t kFits = 91;

@@ -277,6 +277,7 @@ class GovernanceComparison {
     for (const auto& change : diff_.changes) {
       direction.add(change.element.change);
       if (change.element.interop == Interop::none) continue;
+      diff_.parts_participants |= change.element.interop == Interop::participant;
       const auto& domains = change.scope.domains;
       diff_.flag_day_domains.insert(diff_.flag_day_domains.end(), domains.begin(), domains.end());
     }

@@ -64,6 +64,9 @@ struct GovernanceDiff {
   /// Domains in which participants with the old document and those with the new one cannot (all)
   /// communicate, so that all must change at the same time.
   std::vector<DomainRange> flag_day_domains = {};
+  /// True if in one of them no participants communicate, whatever the topic. False: only endpoints
+  /// of the topics whose changes are Interop::endpoint.
+  bool parts_participants = false;
   /// Domains in which the topics could not be compared within the limits.
   std::vector<DomainRange> unknown_domains = {};
   /// False: some rules that changed in the same way as others are not listed.

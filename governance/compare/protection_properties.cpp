@@ -118,7 +118,7 @@ Properties properties(const Protection& p) {
   set(insider_payload_integrity, authentic && p.enable_write_access_control);
   set(insider_metadata_secrecy, is_encrypted(metadata) && p.enable_read_access_control);
   set(insider_metadata_integrity, is_protected(metadata) && p.enable_write_access_control);
-  set(insider_sender_known, is_origin_authenticated(metadata));
+  set(insider_sender_known, is_origin_authenticated(metadata) || is_origin_authenticated(rtps));
   set(insider_join_control, p.enable_join_access_control);
   set(insider_key_revision, p.enable_key_revision);
   set(relay_payload_secrecy, is_encrypted(data));

@@ -142,6 +142,7 @@ void add_stock_changes(const std::vector<StockGovernanceDiff>& stock, Governance
                                      .expression = {},
                                      .sentence = "what changes is not known",
                                      .widens = true});
+    ours.parts_participants |= diff.parts_participants;
     ours.flag_day_domains.insert(ours.flag_day_domains.end(), diff.flag_day_domains.begin(),
                                  diff.flag_day_domains.end());
   }

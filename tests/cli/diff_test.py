@@ -92,6 +92,21 @@ class GovernanceDifferences(Differences):
         self.assertIn("verdict: MIXED; participants still on the old file will not talk to those "
                       "on the new one (domain 0)\n", text)
 
+    def test_a_change_of_some_topics_parts_no_participants(self):
+        """Measured: all product pairs exchange all samples on other topics."""
+        self.write(governance(topic("*")), governance(topic("Circle", "NONE"), topic("*")))
+        text = " ".join(self.text().split())
+        self.assertIn('verdict: WEAKER; on topics with a line "breaks" (domain 0), endpoints with the old file do not match those '
+                      "with the new one; other topics work", text)
+        self.assertNotIn("participants still on the old file", text)
+        self.assertTrue(self.diff()["breaks_interop"])
+
+    def test_origin_of_messages_that_nothing_proves_any_more(self):
+        self.write(governance(topic("*", "NONE"), rtps="SIGN_WITH_ORIGIN_AUTHENTICATION"), governance(topic("*", "NONE")))
+        self.assertEqual(self.diff("--fail-on", "weaker", exit=1)["changes"][0]["properties_lost"], ["insider.sender_known"])
+        self.assertIn("now insiders that may read can write in the name of another writer", " ".join(self.text().split()))
+        self.assertNotIn("stays protected", self.text())
+
     def test_rules_in_other_words_are_neutral(self):
         self.write(governance(topic("rt/x"), topic("rt/y"), topic("*", "SIGN")),
                    governance(topic("rt/[xy]"), topic("*", "SIGN")))

@@ -35,20 +35,20 @@ def _against_outsiders(domain, topic):
     return held
 
 
-def _against_insiders(topic):
+def _against_insiders(domain, topic):
     data, metadata = topic["data_protection_kind"], topic["metadata_protection_kind"]
     read, write = topic["enable_read_access_control"], topic["enable_write_access_control"]
     return {"insider.payload_secrecy": read and _secrecy(data, metadata),
             "insider.payload_integrity": write and _integrity(data, metadata),
             "insider.metadata_secrecy": read and _secrecy(metadata),
             "insider.metadata_integrity": write and _integrity(metadata),
-            "insider.sender_known": metadata.endswith(ORIGIN)}
+            "insider.sender_known": metadata.endswith(ORIGIN) or domain["rtps_protection_kind"].endswith(ORIGIN)}
 
 
 def properties_of(domain, topic):
     """What a domain rule and one of its topic rules protect."""
     held = _of_domain(domain.values) | _against_outsiders(domain.values, topic.values)
-    held |= _against_insiders(topic.values) | _both("relay.payload", topic.values["data_protection_kind"])
+    held |= _against_insiders(domain.values, topic.values) | _both("relay.payload", topic.values["data_protection_kind"])
     return {name for name, is_held in held.items() if is_held}
 
 
