@@ -59,9 +59,15 @@ class Search {
     paths_.clear();
     is_full_ = false;
     if (hits_ + unreadable_.size() > before) return;
-    if (is_folder_)
-      return leave_out(path,
-                       fmt::format("{} is expected in the folder, and there is none", kKinds));
+    if (is_folder_) {
+      unreadable_.emplace_back(
+          Code::file_unreadable,
+          ErrorDetails{
+              .document = path,
+              .note = fmt::format("{} is expected in the folder, and there is none", kKinds),
+              .hint = "name the folder of a participant, of a CA, or one with such folders in it"});
+      return;
+    }
     unreadable_.emplace_back(Code::file_not_found,
                              ErrorDetails{.document = path, .expected = kKinds});
   }

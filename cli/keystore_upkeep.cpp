@@ -20,6 +20,7 @@
 #include "governance/doctor/diagnosis.hpp"
 #include "governance/doctor/lint_checks.hpp"
 #include "governance/doctor/ros.hpp"
+#include "pki/key_digest.hpp"
 #include "pki/source.hpp"
 
 namespace ddssec::cli {
@@ -78,6 +79,31 @@ void check_belongs(const fs::path& keystore, const doctor::LoadedFolder& enclave
   const auto expected = read_file(governance, pki::kMostDocumentOctets);
   if (enclave.governance.readable && expected && enclave.governance.file != *expected)
     differs(enclave.paths.governance, governance);
+}
+
+// A copy of another enclave is valid in itself, too, and so is one that was renamed.
+void check_subject(const doctor::LoadedFolder& enclave, const std::string& name,
+                   std::map<std::string, std::string>& enclave_of_key, Report& report) {
+  if (!enclave.certificate) return;
+  const auto& certificate = *enclave.certificate;
+  const auto [first, is_new] = enclave_of_key.try_emplace(pki::key_digest(certificate), name);
+  Finding finding{.rule = Rule::DOC006,
+                  .document = enclave.paths.certificate.string(),
+                  .hint = fmt::format("ddssec keystore enclave KEYSTORE {}, after its folder was "
+                                      "removed, makes it anew",
+                                      name)};
+  if (!is_new) {
+    finding.message = fmt::format("enclave {} has the key of enclave {}, \"{}\": it is a copy",
+                                  name, first->second, certificate.subject());
+    report.exit = Exit::no;
+  } else if (certificate.subject() != "CN=" + name) {
+    finding.message =
+        fmt::format("enclave {} has a certificate for \"{}\"", name, certificate.subject());
+    finding.severity = Severity::warning;
+  } else {
+    return;
+  }
+  report.findings.push_back(std::move(finding));
 }
 
 void refuse(Rule rule, const fs::path& file, std::string message, Report& report) {
@@ -154,6 +180,7 @@ Result<Report> keystore_verify(const Arguments& arguments, const Context& contex
   check_folder_modes(keystore, report);
   add_empty(keystore, enclaves, report);
   Report domains;
+  std::map<std::string, std::string> enclave_of_key;
   const auto lineup = installed_lineup();
   for (const auto& name : enclaves.names) {
     const auto folder =
@@ -174,10 +201,13 @@ Result<Report> keystore_verify(const Arguments& arguments, const Context& contex
     }
     add_findings_of(diagnosis, report);
     check_belongs(keystore, loaded, name, report);
+    check_subject(loaded, name, enclave_of_key, report);
     report.text += fmt::format("{:<30}  domain {}{}\n", name, domain, words);
     report.result["enclaves"].push_back(
         {{"name", name}, {"domain", domain}, {"verdicts", verdicts}});
   }
+  if (enclaves.names.empty())
+    report.text = "there is no enclave in it yet: ddssec keystore enclave KEYSTORE ENCLAVE\n";
   add_once(domains.findings, report);
   if (!report.result["keys_for_others"].empty()) report.exit = Exit::no;
   add_unseen(enclaves, report);

@@ -150,6 +150,7 @@ class Expiry(Transcript):
                          [("file_unreadable", "empty"), ("file_not_found", "empty/notes.txt")])
         kinds = "a certificate, a revocation list or permissions"
         self.assertIn(f"{kinds} is expected in the folder, and there is none", told["diagnostics"][0]["message"])
+        self.assertIn("name the folder of a participant", told["diagnostics"][0]["hint"])
         self.assertNotIn("meant?", told["diagnostics"][0].get("hint", ""))
         self.assertIn(f"expected {kinds}", told["diagnostics"][1]["message"])
         self.assertEqual(len(told["result"]["entries"]), 7)

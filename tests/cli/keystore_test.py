@@ -172,13 +172,25 @@ class Keystore(Transcript):
                 if d["id"] == "DOC095"]
         self.assertEqual(told, ["the documents are for domains 2-4; domain 2 was checked"])
 
+    def test_verify_of_a_keystore_without_enclaves_says_so(self):
+        self.create()
+        self.assertIn("there is no enclave in it yet", self.run_program("keystore", "verify", "ks", *NOW).stdout)
+
     def test_verify_names_an_enclave_of_another_keystore(self):
         self.create()
         self.run_program("keystore", "create", "other", "--no-passphrase", *NOW)
         self.run_program("keystore", "enclave", "ks", "/a", "--allow-all", *NOW)
         self.run_program("keystore", "enclave", "other", "/b", "--allow-all", *NOW)
         shutil.copytree(self.at / "ks/enclaves/a", self.at / "ks/enclaves/copy")  # follows links, as cp -rL
-        self.assertEqual(self.json("keystore", "verify", "ks", *NOW)["diagnostics"], [])
+        told = self.json("keystore", "verify", "ks", *NOW, exit=1)["diagnostics"]
+        self.assertEqual([(d["id"], d["file"]) for d in told], [("DOC006", "ks/enclaves/copy/cert.pem")])
+        self.assertIn("enclave /copy has the key of enclave /a", told[0]["message"])
+        shutil.rmtree(self.at / "ks/enclaves/copy")
+        (self.at / "ks/enclaves/a").rename(self.at / "ks/enclaves/renamed")
+        told = self.json("keystore", "verify", "ks", *NOW)["diagnostics"]
+        self.assertEqual([(d["id"], d["severity"]) for d in told], [("DOC006", "warning")])
+        self.assertIn('enclave /renamed has a certificate for "CN=/a"', told[0]["message"])
+        (self.at / "ks/enclaves/renamed").rename(self.at / "ks/enclaves/a")
         shutil.copytree(self.at / "other/enclaves/b", self.at / "ks/enclaves/b")
         told = self.json("keystore", "verify", "ks", *NOW, exit=1)["diagnostics"]
         self.assertEqual([(d["id"], d["file"]) for d in told],
