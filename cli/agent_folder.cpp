@@ -16,8 +16,8 @@
 
 #include <fmt/format.h>
 
+#include "base/guarded_path.hpp"
 #include "base/tool_code.hpp"
-#include "cli/guarded_path.hpp"
 #include "cli/transaction.hpp"
 
 namespace ddssec::cli {

@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-#include "cli/guarded_path.hpp"
+#include "base/guarded_path.hpp"
 
 namespace ddssec::cli {
 namespace {

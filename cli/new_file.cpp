@@ -57,10 +57,6 @@ Status check_nothing_at(const fs::path& path) {
   return fail(Code::would_overwrite, {.document = path});
 }
 
-Descriptor::~Descriptor() {
-  if (number_ >= 0) ::close(number_);
-}
-
 Descriptor open_new(const FilePlace& at, unsigned mode) {
   constexpr int kFlags = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW;
   return Descriptor(::openat(at.folder, at.path.c_str(), kFlags, mode));

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
-#include <utility>
 
 #include "base/bytes.hpp"
+#include "base/descriptor.hpp"
 #include "base/result.hpp"
 #include "cli/report.hpp"
 
@@ -28,25 +28,6 @@ std::unexpected<Error> rename_failed(const std::filesystem::path& target, int er
 /// Success if there is nothing at the path, not even a dangling link, and its folder exists.
 /// Errors: would_overwrite, file_unwritable.
 Status check_nothing_at(const std::filesystem::path& path);
-
-/// A file descriptor that closes itself.
-class Descriptor {
- public:
-  explicit Descriptor(int number = -1) : number_(number) {}
-  ~Descriptor();
-  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
-  Descriptor& operator=(Descriptor&& other) noexcept {
-    std::swap(number_, other.number_);
-    return *this;
-  }
-  explicit operator bool() const { return number_ >= 0; }
-  int number() const { return number_; }
-  /// Gives the number away, for a call that closes it.
-  int release() { return std::exchange(number_, -1); }
-
- private:
-  int number_;
-};
 
 /// A path by which a file can be reached: from `folder`, a descriptor, if it is relative.
 struct FilePlace {

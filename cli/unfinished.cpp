@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include "base/descriptor.hpp"
 #include "base/tool_code.hpp"
 #include "cli/file_lock.hpp"
 #include "cli/held_folder.hpp"
@@ -36,22 +37,6 @@ std::unexpected<Error> cannot_write(const fs::path& path) {
 std::unexpected<Error> untrusted(const fs::path& list, std::string why) {
   return fail(Code::unfinished_untrusted, {.document = list, .found = std::move(why)});
 }
-
-/// A file descriptor that closes itself.
-class Descriptor {
- public:
-  explicit Descriptor(int number) : number_(number) {}
-  ~Descriptor() {
-    if (number_ >= 0) ::close(number_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  explicit operator bool() const { return number_ >= 0; }
-  int number() const { return number_; }
-
- private:
-  int number_;
-};
 
 int open_folder(const fs::path& folder) {
   return ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);

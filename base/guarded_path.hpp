@@ -4,10 +4,10 @@
 
 #include <filesystem>
 
+#include "base/descriptor.hpp"
 #include "base/result.hpp"
-#include "cli/new_file.hpp"
 
-namespace ddssec::cli {
+namespace ddssec {
 
 /// Opens a folder with `flags` of open(2), besides O_DIRECTORY, O_NOFOLLOW and O_CLOEXEC. The last
 /// name of the path must not be a link. A link before it is followed if only root and this user can
@@ -18,4 +18,4 @@ namespace ddssec::cli {
 /// link_untrusted.
 Result<Descriptor> open_guarded(const std::filesystem::path& folder, int flags);
 
-}  // namespace ddssec::cli
+}  // namespace ddssec

@@ -1,4 +1,4 @@
-#include "cli/guarded_path.hpp"
+#include "base/guarded_path.hpp"
 
 #include <array>
 #include <cerrno>
@@ -14,7 +14,7 @@
 
 #include "base/tool_code.hpp"
 
-namespace ddssec::cli {
+namespace ddssec {
 namespace {
 
 namespace fs = std::filesystem;
@@ -163,4 +163,4 @@ Result<Descriptor> open_guarded(const fs::path& folder, int flags) {
   return Walk(folder).open(flags);
 }
 
-}  // namespace ddssec::cli
+}  // namespace ddssec
