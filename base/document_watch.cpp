@@ -28,7 +28,8 @@ Result<bool> DocumentWatch::look(std::chrono::nanoseconds now, const Take& take)
     return is_other;
   }
   if (!refusals_.is_due(status.error().code(), content)) return false;
-  return std::unexpected(renewal_refused(what_.refused, status.error(), what_.name, what_.stays));
+  return std::unexpected(
+      refusals_.note(renewal_refused(what_.refused, status.error(), what_.name, what_.stays)));
 }
 
 }  // namespace ddssec

@@ -43,6 +43,9 @@ class DocumentWatch {
   /// another one, and then calls note_read. Errors: those of ddssec::load.
   Result<Bytes> read() const;
 
+  /// The last error of look(), while the file has not been good since.
+  const std::optional<Error>& refused() const { return refusals_.refused(); }
+
   /// The absolute path of the file, or What::name if it is none.
   const std::string& name() const { return what_.name; }
 

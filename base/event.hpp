@@ -113,11 +113,14 @@ class RateLimitedSink final : public EventSink {
   Times crowded_out_;  // by code; there are few
 };
 
-/// The services that every engine gets at construction. All three must outlive it.
+class DocumentsInUse;
+
+/// The services that every engine gets at construction. All of them must outlive it.
 struct Environment {
   const Clock& clock;
   Random& random;
   EventSink& events;
+  DocumentsInUse* documents = nullptr;  ///< where the engine notes its documents; null: nowhere
 };
 
 }  // namespace ddssec

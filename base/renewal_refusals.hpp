@@ -22,15 +22,24 @@ class RenewalRefusals {
     told_ = {why, content};
     return true;
   }
+  /// The report of the refusal that is due, for refused().
+  Error note(Error report) {
+    refused_ = std::move(report);
+    return *refused_;
+  }
   /// The file was good.
   void clear() {
     was_refused_ = false;
     told_.reset();
+    refused_.reset();
   }
+  /// The last report, while the file has not been good since.
+  const std::optional<Error>& refused() const { return refused_; }
 
  private:
   bool was_refused_ = false;  ///< at the last look
   std::optional<std::pair<Code, Sha256Digest>> told_;
+  std::optional<Error> refused_;
 };
 
 /// The event about a file that stays refused: `code`, with what `why` says. `stays`: what is still

@@ -28,6 +28,9 @@ class AuthorityWatch {
   /// The next look reads the file, whatever the interval is.
   void look_now() { file_.look_now(); }
 
+  /// The last error of look(), while the file has not been good since.
+  const std::optional<Error>& refused() const { return file_.refused(); }
+
   /// The path of the file, or the name of the property if it is none.
   const std::string& name() const { return file_.name(); }
 

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "base/status_service.hpp"
 #include "plugins/access_control/access_control.hpp"
 #include "plugins/authentication/authentication.hpp"
 #include "plugins/cryptography/cryptography.hpp"
@@ -15,15 +16,25 @@ namespace ddssec::secured {
 class Engines {
  public:
   /// The clock, random source and event sink in `environment` must outlive this object.
+  /// If the environment variable DDSSEC_STATUS_DIR names a folder, a socket there shows the
+  /// documents in use (base/status_service.hpp).
   explicit Engines(const Environment& environment)
-      : authentication_(authentication::make_authentication(environment)),
+      : documents_(documents_shown(&environment.events)),
+        authentication_(authentication::make_authentication(with_record(environment))),
         access_control_(access_control::make_access_control(
-            environment, {.host_revises_keys = true, .host_has_pre_shared_keys = true})),
+            with_record(environment),
+            {.host_revises_keys = true, .host_has_pre_shared_keys = true})),
         cryptography_(cryptography::make_cryptography(environment)) {}
 
   rtps::SecurityPlugins view() { return {*authentication_, *access_control_, *cryptography_}; }
 
  private:
+  Environment with_record(Environment environment) const {
+    environment.documents = documents_.get();
+    return environment;
+  }
+
+  std::shared_ptr<DocumentsInUse> documents_;  ///< null: none are shown
   std::unique_ptr<spi::Authentication> authentication_;
   std::unique_ptr<spi::AccessControl> access_control_;
   std::unique_ptr<spi::Cryptography> cryptography_;

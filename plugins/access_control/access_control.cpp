@@ -1,6 +1,8 @@
 #include "plugins/access_control/access_control.hpp"
 
 #include <algorithm>
+#include <array>
+#include <mutex>
 #include <set>
 
 #include <fmt/format.h>
@@ -52,7 +54,9 @@ class Plugin final : public spi::AccessControl {
                                                        std::string_view domain_tag) override {
     auto holder = load_local(context(), identity, domain_id, properties, domain_tag);
     if (!holder) return refuse_us(holder.error());
-    return add(*std::move(holder));
+    DDSSEC_ASSIGN_OR_RETURN(const auto handle, add(*holder));
+    note_documents(handle);
+    return handle;
   }
 
   Result<PermissionsHandle> validate_remote_permissions(spi::IdentityHandle local_identity,
@@ -132,8 +136,10 @@ class Plugin final : public spi::AccessControl {
   }
 
   Status return_permissions_handle(PermissionsHandle permissions) override {
+    const Holder holder = handles_.find(permissions);
     // Hosts return handles of peers more than once: that is no event.
     if (!handles_.remove(permissions)) return fail(Code::unknown_permissions_handle);
+    if (holder) forget_documents(*holder);
     return {};
   }
 
@@ -199,6 +205,8 @@ class Plugin final : public spi::AccessControl {
   std::vector<PermissionsHandle> peers_of_only(const Participants& gone, const Entries& all,
                                                WallTime now);
   void renew_documents(const Entries& all, PermissionsHandle local);
+  void note_documents(PermissionsHandle local) noexcept;
+  void forget_documents(const PermissionsHolder& gone);
   Status judge_own(const PermissionsHolder& remote, const Match& match);
   bool may_as_announced(PermissionsHolder& holder, Action action, const EndpointRequest& local);
   bool may_relay(PermissionsHolder& holder, const EndpointRequest& request);
@@ -209,6 +217,7 @@ class Plugin final : public spi::AccessControl {
   const Options options_;
   DocumentCache documents_;
   HandleTable handles_;
+  std::mutex noting_mutex_;  ///< so that a participant that has left is not noted again
 };
 
 Result<PermissionsHandle> Plugin::validate_remote_permissions(spi::IdentityHandle local_identity,
@@ -439,10 +448,35 @@ void Plugin::renew_documents(const Entries& all, PermissionsHandle which) {
   renew();
 }
 
+/// For a person who asks, if there is a record.
+void Plugin::note_documents(PermissionsHandle local) noexcept {
+  if (environment_.documents == nullptr) return;
+  try {
+    const std::scoped_lock lock(noting_mutex_);
+    const Holder holder = handles_.find(local);
+    if (!holder || holder->remote()) return;
+    const auto identity = holder->participant()->identity.value;
+    environment_.documents->note_participant(identity, {}, holder->subject());
+    environment_.documents->note(identity, holder->documents(), environment_.clock.now());
+  } catch (...) {
+    // Without memory: the next look notes them.
+  }
+}
+
+void Plugin::forget_documents(const PermissionsHolder& gone) {
+  constexpr std::array kOurs = {DocumentKind::permissions_ca, DocumentKind::permissions,
+                                DocumentKind::governance};
+  if (environment_.documents == nullptr || gone.remote()) return;
+  const std::scoped_lock lock(noting_mutex_);
+  environment_.documents->forget(gone.participant()->identity.value, kOurs);
+}
+
 std::vector<PermissionsHandle> Plugin::expire(PermissionsHandle local) {
   const auto all = handles_.all();
   const Holder own = handles_.find(local);
   renew_documents(all, local);
+  for (const auto& [handle, holder] : all)
+    if (!local || handle == local) note_documents(handle);
   const WallTime now = environment_.clock.now();
   // Without the memory to tell, none is marked: the next call finds them again.
   std::vector<PermissionsHandle> ended;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "governance/live_change.hpp"
+#include "pki/document_parts.hpp"
 #include "pki/source.hpp"
 #include "plugins/access_control/allowed_algorithms.hpp"
 #include "plugins/access_control/loading.hpp"
@@ -65,6 +66,23 @@ void OwnDocuments::look_now() {
   governance_.look_now();
   permissions_.look_now();
   identity_authorities_.look_now();
+}
+
+std::vector<DocumentState> OwnDocuments::states(const Participant& participant,
+                                                DocumentPart permissions) const {
+  const auto basis = participant.basis();
+  return {{.kind = DocumentKind::permissions_ca,
+           .file = authorities_.name(),
+           .parts = pki::parts_of(basis->ca->verifier().permissions_cas()),
+           .refused = authorities_.refused()},
+          {.kind = DocumentKind::permissions,
+           .file = permissions_.name(),
+           .parts = {std::move(permissions)},
+           .refused = permissions_.refused()},
+          {.kind = DocumentKind::governance,
+           .file = governance_.name(),
+           .parts = {{.sha256 = to_hex(sha256(governance_in_force_))}},
+           .refused = governance_.refused()}};
 }
 
 std::vector<Error> OwnDocuments::renew(PermissionsHolder& holder, Participant& participant,

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/document_watch.hpp"
+#include "base/documents_in_use.hpp"
 #include "pki/authority_watch.hpp"
 #include "plugins/access_control/access_control.hpp"
 #include "plugins/access_control/participant.hpp"
@@ -33,6 +34,10 @@ class OwnDocuments {
 
   /// These octets are in force.
   void note_read(Bytes governance, BytesView permissions);
+
+  /// CAs, permissions and governance as they are in force, and what was refused. `permissions`: the
+  /// part that is in force.
+  std::vector<DocumentState> states(const Participant& participant, DocumentPart permissions) const;
 
   /// Takes what the files hold, if they have changed:
   /// - Other permissions CAs, if the governance and the permissions of the participant are signed

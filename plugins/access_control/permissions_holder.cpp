@@ -146,6 +146,21 @@ std::vector<Error> PermissionsHolder::renew(DocumentCache& documents, const Cloc
   return own_documents_->renew(*this, *participant_, documents, clock);
 }
 
+/// The end also if it was reported.
+DocumentPart PermissionsHolder::permissions_part() const {
+  const std::lock_guard lock(mutex_);
+  DocumentPart out{.subject = subject_.shown, .sha256 = to_hex(digest_)};
+  if (grant_)
+    out.until = std::min(grant_->grant().validity.not_after, document_->signer_not_after());
+  return out;
+}
+
+std::vector<DocumentState> PermissionsHolder::documents() const {
+  const std::lock_guard lock(renewal_mutex_);
+  if (!own_documents_) return {};
+  return own_documents_->states(*participant_, permissions_part());
+}
+
 void PermissionsHolder::look_now() {
   const std::lock_guard lock(renewal_mutex_);
   if (own_documents_) own_documents_->look_now();

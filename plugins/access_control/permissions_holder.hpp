@@ -49,6 +49,9 @@ class PermissionsHolder {
   /// Of a local participant: takes the documents that were put in place of those in force. Returns
   /// events, as OwnDocuments::renew does.
   std::vector<Error> renew(DocumentCache& documents, const Clock& clock);
+  /// Of a local participant: what is in force, and what was refused.
+  std::vector<DocumentState> documents() const;
+  const std::string& subject() const { return subject_.shown; }
   /// Of a local participant: the next renew() reads the files, whatever the poll interval is.
   void look_now();
   /// Renewed permissions, with the file, come into force if they have a grant for the subject that
@@ -105,7 +108,9 @@ class PermissionsHolder {
   Status check_follows(const Grant& renewed) const;
   std::optional<Error> outlived(WallTime now) const;
 
-  std::mutex renewal_mutex_;  ///< before mutex_: no check waits while a file is read
+  DocumentPart permissions_part() const;
+
+  mutable std::mutex renewal_mutex_;  ///< before mutex_: no check waits while a file is read
   std::unique_ptr<OwnDocuments> own_documents_;
   mutable std::mutex mutex_;
   std::shared_ptr<const PermissionsHolder> own_;  ///< of a peer: what we are to it

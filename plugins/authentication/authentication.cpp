@@ -50,6 +50,7 @@ Result<PkiDh::LocalIdentity> PkiDh::load_local(const spi::PropertyList& properti
   DDSSEC_ASSIGN_OR_RETURN(const auto chain, identity->verify(now));
   DDSSEC_ASSIGN_OR_RETURN(const auto handle, table_.add_local(identity, chain));
   if (no_list) environment_.events.raise(event_about(our_name(identity->guid()), *no_list));
+  note_documents_in_use(handle);
   return LocalIdentity{handle, identity->guid()};
 }
 
@@ -113,7 +114,18 @@ Status PkiDh::return_identity_handle(IdentityHandle identity) {
     kept_requests_.keep(*pair, environment_.clock.monotonic());
   else
     kept_requests_.forget(identity);
+  const std::scoped_lock lock(noting_mutex_);
+  forget_documents(identity, environment_);
   return {};
+}
+
+void PkiDh::note_documents_in_use(IdentityHandle local) noexcept {
+  try {
+    const std::scoped_lock lock(noting_mutex_);
+    note_documents(table_, local, environment_);
+  } catch (...) {
+    // Without memory: the next look notes them.
+  }
 }
 
 /// True if our own end is not what ended the session: it would have its own event.
@@ -146,6 +158,7 @@ Revocations PkiDh::look_at_files(IdentityHandle local) {
 std::vector<IdentityHandle> PkiDh::expire(IdentityHandle local) {
   drop_credentials_given_out();
   const auto revocations = look_at_files(local);
+  note_documents_in_use(local);
   const auto now = environment_.clock.now();
   const auto all = table_.ended_by(now, local);
   // Without the memory to tell, none is marked: the next call finds them again.

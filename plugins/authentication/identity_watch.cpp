@@ -94,12 +94,13 @@ Result<std::optional<IdentityWatch::Found>> IdentityWatch::look(std::chrono::nan
   auto refused =
       renewal_refused(Code::identity_renewal_refused, found.error(), path_of(found.error()),
                       "the certificate read before stays in force");
-  if (found.error().code() != Code::file_not_found) return std::unexpected(std::move(refused));
+  if (found.error().code() != Code::file_not_found)
+    return std::unexpected(refusals_.note(std::move(refused)));
   auto details = refused.details();
   details.hint =
       "put the file back; without a copy of the key: ddssec identity issue NAME --ca CA "
       "-o FOLDER --replace, and start the participant again";
-  return fail(Code::identity_renewal_refused, std::move(details));
+  return std::unexpected(refusals_.note(Error(Code::identity_renewal_refused, std::move(details))));
 }
 
 Result<pki::PrivateKey> IdentityWatch::key(const Found& in_force) const {

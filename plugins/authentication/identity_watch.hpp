@@ -53,6 +53,9 @@ class IdentityWatch {
   /// The files as they are now, whether they have changed or not. Errors: those of pki.
   Result<Found> read(const Found& in_force) const;
 
+  /// The last error of look(), while the files have not been good since.
+  const std::optional<Error>& refused() const { return refusals_.refused(); }
+
   /// The path of the certificate; empty if it is no file.
   const std::string& path() const { return path_; }
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 
+#include "pki/document_parts.hpp"
 #include "pki/source.hpp"
 #include "plugins/authentication/adjusted_guid.hpp"
 #include "plugins/authentication/document_errors.hpp"
@@ -396,6 +397,32 @@ Status LocalIdentity::take_together(const std::vector<pki::Certificate>& next,
   presented_ = std::make_shared<const Presented>(
       Presented{identity.certificate, identity.key, presented_->permissions});
   return {};
+}
+
+// ---- for a person who asks
+
+std::vector<DocumentState> LocalIdentity::documents() const {
+  const std::scoped_lock lock(renewal_mutex_);
+  const auto path = watch_.path();
+  std::vector<DocumentState> out = {
+      {.kind = DocumentKind::identity_certificate,
+       .file = path.empty() ? std::string(property::kIdentityCertificate) : path,
+       .parts = {pki::part_of(certificate())},
+       .refused = watch_.refused()},
+      {.kind = DocumentKind::identity_ca,
+       .file = authorities_.name(),
+       .parts = pki::parts_of(own_trust()->anchors()),
+       .refused = authorities_.refused()}};
+  if (revocation_lists_.path().empty()) return out;
+  out.push_back({.kind = DocumentKind::revocation_list,
+                 .file = revocation_lists_.path(),
+                 .parts = {},
+                 .refused = revocation_lists_.refused()});
+  for (const auto& list : revocation_lists_.in_force())
+    out.back().parts.push_back({.subject = list.issuer(),
+                                .number = list.number() ? to_string(*list.number()) : "",
+                                .until = list.next_update()});
+  return out;
 }
 
 void LocalIdentity::look_now() {

@@ -5,6 +5,7 @@
 #include <mutex>
 #include <optional>
 
+#include "base/documents_in_use.hpp"
 #include "base/ids.hpp"
 #include "pki/authority_watch.hpp"
 #include "pki/private_key.hpp"
@@ -100,6 +101,9 @@ class LocalIdentity {
   const std::string& authorities_path() const { return authorities_.name(); }
   /// Their subjects, for a person.
   std::string authorities() const { return pki::describe(own_trust()->anchors()); }
+
+  /// Certificate, CAs and revocation lists as they are in force, and what was refused.
+  std::vector<DocumentState> documents() const;
 
   /// The next renew_... calls read the files, whatever the poll interval is.
   void look_now();

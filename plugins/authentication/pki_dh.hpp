@@ -66,6 +66,7 @@ class PkiDh final : public spi::Authentication {
 
  private:
   Revocations look_at_files(IdentityHandle local);
+  void note_documents_in_use(IdentityHandle local) noexcept;
 
   template <class T>
   Result<T> reported(Result<T> result, const PeerName& peer = {}) const {
@@ -123,6 +124,7 @@ class PkiDh final : public spi::Authentication {
   UnprovenOctets unproven_;
   IdentityTable table_;
   KeptRequests kept_requests_{environment_.random};
+  std::mutex noting_mutex_;  ///< so that an identity that has left is not noted again
   std::mutex given_out_mutex_;
   std::vector<HandshakeHandle> given_out_;  ///< whose credentials, since the last `expire`
 };

@@ -1,5 +1,7 @@
 #include "plugins/authentication/renewal.hpp"
 
+#include <array>
+
 namespace ddssec::authentication {
 namespace {
 
@@ -47,6 +49,23 @@ void renew_identities(IdentityTable& table, spi::IdentityHandle which, TrustStor
       environment.events.raise(
           event_about(our_name(identity.guid()), renewed_until(identity, *chain)));
   }
+}
+
+void note_documents(const IdentityTable& table, spi::IdentityHandle which,
+                    const Environment& environment) {
+  if (environment.documents == nullptr) return;
+  for (const auto& local : table.locals(which)) {
+    const auto& identity = *local.identity;
+    environment.documents->note_participant(local.handle.value, identity.guid().to_string(),
+                                            identity.certificate().subject());
+    environment.documents->note(local.handle.value, identity.documents(), environment.clock.now());
+  }
+}
+
+void forget_documents(spi::IdentityHandle local, const Environment& environment) {
+  constexpr std::array kOurs = {DocumentKind::identity_certificate, DocumentKind::identity_ca,
+                                DocumentKind::revocation_list};
+  if (environment.documents != nullptr) environment.documents->forget(local.value, kOurs);
 }
 
 }  // namespace ddssec::authentication

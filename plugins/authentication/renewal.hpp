@@ -1,6 +1,7 @@
 // Takes the documents of local identities that were renewed while they run.
 #pragma once
 
+#include "base/documents_in_use.hpp"
 #include "base/event.hpp"
 #include "plugins/authentication/identity_table.hpp"
 
@@ -11,5 +12,11 @@ namespace ddssec::authentication {
 /// anything is judged by what is in force.
 void renew_identities(IdentityTable& table, spi::IdentityHandle local, TrustStores& stores,
                       const Environment& environment);
+
+/// Notes what one local identity uses, or what all do (nil), if the environment has a record.
+void note_documents(const IdentityTable& table, spi::IdentityHandle local,
+                    const Environment& environment);
+/// A local identity has left.
+void forget_documents(spi::IdentityHandle local, const Environment& environment);
 
 }  // namespace ddssec::authentication

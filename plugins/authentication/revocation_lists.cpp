@@ -243,6 +243,7 @@ Result<bool> RevocationLists::look_at(Place& place, const Question& question) {
   if (!taken) return refuse(place, taken.error(), content);
   place.was_refused = false;
   place.told.reset();
+  place.refused.reset();
   again.release();
   return taken;
 }
@@ -294,7 +295,14 @@ Result<bool> RevocationLists::refuse(Place& place, const Error& error,
     details.note += (details.note.empty() ? "" : "; ") +
                     std::string(lists_.empty() ? "there is still no revocation list in force"
                                                : "the lists read before stay in force");
-  return fail(error.code(), std::move(details));
+  place.refused = Error(error.code(), std::move(details));
+  return std::unexpected(*place.refused);
+}
+
+std::optional<Error> RevocationLists::refused() const {
+  const auto found =
+      std::ranges::find_if(places_, [](const Place& place) { return bool(place.refused); });
+  return found == places_.end() ? std::nullopt : found->refused;
 }
 
 }  // namespace ddssec::authentication

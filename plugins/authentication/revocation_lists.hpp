@@ -54,6 +54,9 @@ class RevocationLists {
   Result<bool> look(const Clock& clock, const std::vector<pki::Certificate>& anchors,
                     const Accept& accept);
 
+  /// An error of look() about a file that has not been good since; nothing if there is none.
+  std::optional<Error> refused() const;
+
   /// The next look reads every file, whatever the interval is.
   void look_now() {
     for (auto& place : places_) place.watch.look_now();
@@ -79,8 +82,9 @@ class RevocationLists {
     std::string path;                  ///< empty if it is no file
     std::vector<pki::Crl> lists = {};  ///< as they were last accepted from this place
     Sha256Digest content{};            ///< of the file that they are from
-    bool was_refused = false;  ///< at the last look
+    bool was_refused = false;          ///< at the last look
     std::optional<Refusal> told = {};
+    std::optional<Error> refused = {};  ///< the last report, while the file was not good since
   };
 
   /// What a place is judged by.

@@ -393,7 +393,7 @@ AuthenticationAdapter::AuthenticationAdapter(std::unique_ptr<Host> host,
                                              ddsi_domaingv* domain)
     : dds_security_authentication(kTable),
       host_(std::move(host)),
-      engine_(make(host_->environment())),
+      engine_(make(host_->environment_with_record(true))),
       watch_(host_->clock()),
       lost_sessions_(host_->clock()),
       timer_(host_->clock()) {

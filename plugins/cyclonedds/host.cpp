@@ -1,5 +1,7 @@
 #include "plugins/cyclonedds/host.hpp"
 
+#include "base/status_service.hpp"
+
 namespace ddssec::cyclonedds {
 namespace {
 
@@ -14,6 +16,12 @@ void Host::CountingSink::raise(const Event& event) {
   } catch (...) {
     // Reporting may fail for lack of memory; the refusal itself stands.
   }
+}
+
+const Environment& Host::environment_with_record(bool reports) {
+  documents_ = documents_shown(reports ? &limited_ : nullptr);
+  environment_.documents = documents_.get();
+  return environment_;
 }
 
 unsigned Host::raised_by_this_thread() noexcept { return raised_by_thread; }

@@ -18,6 +18,9 @@ class Host {
   /// or null.
   explicit Host(std::unique_ptr<EventSink> log, const void* code = nullptr)
       : code_(code), log_(std::move(log)), limited_(*log_, clock_), counted_(limited_) {}
+  /// The environment with the record of DDSSEC_STATUS_DIR; call it before the engine is made.
+  /// `reports`: an event says why there is none although the variable asks for it.
+  const Environment& environment_with_record(bool reports);
   Host(const Host&) = delete;
   Host& operator=(const Host&) = delete;
 
@@ -54,7 +57,8 @@ class Host {
   std::unique_ptr<EventSink> log_;
   RateLimitedSink limited_;
   CountingSink counted_;
-  const Environment environment_{calendar_, random_, counted_};
+  std::shared_ptr<DocumentsInUse> documents_;  ///< null: the process shows none
+  Environment environment_{calendar_, random_, counted_};
 };
 
 }  // namespace ddssec::cyclonedds

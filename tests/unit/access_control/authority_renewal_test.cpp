@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 
 #include "plugins/access_control/participant.hpp"
+#include "tests/support/recorded_document.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/access_control/fixture.hpp"
 
@@ -398,6 +399,30 @@ TEST_F(PresentedOnce, FurtherTopicRules_AreTaken) {
   topic_rules().push_back(open_rule());
   folder_.replace("governance.p7s", governance(first()));
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewed));
+}
+
+TEST_F(AuthorityRenewal, Record_FollowsTheCasAndTheGovernance) {
+  const auto cas = [&] { return test::recorded_document(documents, "permissions CA"); };
+  const auto rules = [&] { return test::recorded_document(documents, "governance"); };
+  EXPECT_EQ(cas()["file"], path_);
+  EXPECT_EQ(cas()["in_force"].size(), 1u);
+  const auto former = rules()["in_force"][0]["sha256"];
+
+  put({&second()});
+  codes_after_looking();
+  EXPECT_EQ(cas()["refused"]["name"], "permissions_ca_renewal_refused");
+  EXPECT_EQ(cas()["refused"]["stands"], true);
+  folder_.replace("governance.p7s", "broken");
+  codes_after_looking();
+  EXPECT_EQ(rules()["refused"]["name"], "governance_renewal_refused");
+  EXPECT_EQ(rules()["in_force"][0]["sha256"], former);
+
+  sign_all(second());
+  codes_after_looking();
+  EXPECT_EQ(cas()["in_force"][0]["number"], second().certificate().serial());
+  EXPECT_EQ(cas()["refused"]["stands"], false);
+  EXPECT_EQ(rules()["refused"]["stands"], false);
+  EXPECT_NE(rules()["in_force"][0]["sha256"], former);
 }
 
 }  // namespace

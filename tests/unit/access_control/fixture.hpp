@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "base/documents_in_use.hpp"
 #include "governance/write.hpp"
 #include "pki/authority.hpp"
 #include "plugins/access_control/access_control.hpp"
@@ -165,7 +166,8 @@ class AccessControlTest : public testing::Test {
   ManualClock clock{kNow};
   SystemRandom random;
   EventLog log;
-  Environment environment{clock, random, log};
+  DocumentsInUse documents;
+  Environment environment{clock, random, log, &documents};
   std::unique_ptr<spi::AccessControl> plugin = make_access_control(environment);
   governance::Governance governance_document = protected_governance();
 };

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include "tests/support/recorded_document.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/access_control/fixture.hpp"
 
@@ -295,6 +296,30 @@ TEST_F(Renewal, Warnings_FollowTheNewEnd) {
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewed));
   clock.advance(24h * 53);
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_end_soon));
+}
+
+TEST_F(Renewal, Record_FollowsThePermissionsInForceAndWhatIsRefused) {
+  const auto recorded = [&] { return test::recorded_document(documents, "permissions"); };
+  EXPECT_EQ(recorded()["file"], path_);
+  EXPECT_EQ(recorded()["in_force"][0]["subject"], kTalker);
+  EXPECT_EQ(recorded()["in_force"][0]["until"], to_string(kNow + 24h));
+  EXPECT_EQ(recorded()["in_force"][0]["sha256"], to_hex(sha256(as_bytes(presented()))));
+
+  folder_.replace("permissions.p7s", "broken");
+  codes_after_looking();
+  EXPECT_EQ(recorded()["refused"]["name"], "permissions_renewal_refused");
+  EXPECT_EQ(recorded()["refused"]["sentence"], log.events.front().error.to_sentence());
+  EXPECT_EQ(recorded()["refused"]["stands"], true);
+  EXPECT_EQ(recorded()["since"], to_string(kNow));
+
+  folder_.replace("permissions.p7s", document({"t"}, 0s, 48h));
+  codes_after_looking();
+  EXPECT_EQ(recorded()["in_force"][0]["until"], to_string(kNow + 48h));
+  EXPECT_GT(recorded()["since"], to_string(kNow));
+  EXPECT_EQ(recorded()["refused"]["stands"], false);
+
+  ASSERT_TRUE(plugin->return_permissions_handle(*own_));
+  EXPECT_TRUE(recorded().is_null());
 }
 
 }  // namespace

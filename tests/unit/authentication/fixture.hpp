@@ -12,6 +12,7 @@
 
 #include <gtest/gtest.h>
 
+#include "base/documents_in_use.hpp"
 #include "base/event.hpp"
 #include "base/writer.hpp"
 #include "pki/authority.hpp"
@@ -105,12 +106,13 @@ struct Collector final : EventSink {
 /// One process: an engine with its clock.
 struct Engine {
   explicit Engine(std::uint64_t seed = 1, Options options = {})
-      : random(seed), plugin(make_authentication({clock, random, events}, options)) {}
+      : random(seed), plugin(make_authentication({clock, random, events, &documents}, options)) {}
   spi::Authentication* operator->() { return plugin.get(); }
 
   ManualClock clock{kNow};
   SeededRandom random;
   Collector events;
+  DocumentsInUse documents;
   std::unique_ptr<spi::Authentication> plugin;
 };
 

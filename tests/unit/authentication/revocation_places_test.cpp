@@ -1,6 +1,7 @@
 // Where a revocation list is looked for, and how often.
 #include <gmock/gmock.h>
 
+#include "tests/support/recorded_document.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/authentication/revocation_lists.hpp"
 
@@ -60,6 +61,29 @@ TEST(LaterCrl, IsTakenWhenItComes) {
   ASSERT_GE(events.size(), 2u);
   EXPECT_EQ(events[0].error.code(), Code::no_revocation_list);
   EXPECT_EQ(events[1].error.code(), Code::crl_renewed);
+}
+
+TEST(LaterCrl, Record_FollowsTheListInForceAndWhatIsRefused) {
+  const test::TemporaryFolder folder;
+  Watcher watcher(folder, property::kLaterCrl, "1");
+  Participant us(watcher.engine, watcher.identity);
+  const auto recorded = [&] {
+    watcher.look();
+    watcher.look();
+    return test::recorded_document(watcher.engine.documents, "revocation list");
+  };
+  EXPECT_TRUE(recorded()["in_force"].empty());
+  const auto path = folder.replace("crl.pem", pem({2}));
+  EXPECT_EQ(recorded()["file"], path);
+  EXPECT_EQ(recorded()["in_force"][0]["number"], "2");
+  EXPECT_EQ(recorded()["in_force"][0]["until"], to_string(kYear.not_after));
+  folder.replace("crl.pem", "nothing");
+  EXPECT_EQ(recorded()["refused"]["name"], "crl_file_empty");
+  EXPECT_EQ(recorded()["refused"]["stands"], true);
+  EXPECT_EQ(recorded()["in_force"][0]["number"], "2");
+  folder.replace("crl.pem", pem({3}));
+  EXPECT_EQ(recorded()["in_force"][0]["number"], "3");
+  EXPECT_EQ(recorded()["refused"]["stands"], false);
 }
 
 TEST(LaterCrl, ThatIsThereAlreadyCounts) {

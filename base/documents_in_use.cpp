@@ -1,0 +1,146 @@
+#include "base/documents_in_use.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace ddssec {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMostOfAnswerText = 1024;
+constexpr std::size_t kMostOfAnswerPath = 4096;
+
+std::string shortened(std::string text, std::size_t most = kMostOfAnswerText) {
+  if (text.size() <= most) return text;
+  text.resize(most);
+  return text.append("...");
+}
+
+Json json_of(const DocumentPart& part) {
+  return {{"subject", shortened(part.subject)},
+          {"number", shortened(part.number)},
+          {"until", part.until ? Json(to_string(*part.until)) : Json()},
+          {"sha256", shortened(part.sha256)}};
+}
+
+Json json_of(const std::vector<DocumentPart>& parts) {
+  auto out = Json::array();
+  for (const auto& part : parts) {
+    if (out.size() == DocumentsInUse::kMostParts) break;
+    out.push_back(json_of(part));
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string_view to_string(DocumentKind kind) {
+  switch (kind) {
+    case DocumentKind::identity_certificate:
+      return "identity certificate";
+    case DocumentKind::identity_ca:
+      return "identity CA";
+    case DocumentKind::revocation_list:
+      return "revocation list";
+    case DocumentKind::permissions_ca:
+      return "permissions CA";
+    case DocumentKind::permissions:
+      return "permissions";
+    case DocumentKind::governance:
+      return "governance";
+  }
+  return "";
+}
+
+/// Another thread may have held the lock at the fork, and would then hold it forever.
+bool DocumentsInUse::is_of_this_process() const { return ::getpid() == pid_; }
+
+void DocumentsInUse::note_participant(std::int64_t identity, std::string guid,
+                                      std::string subject) {
+  if (!is_of_this_process()) return;
+  const std::scoped_lock lock(mutex_);
+  auto& participant = participants_[identity];
+  if (!guid.empty()) participant.guid = std::move(guid);
+  if (!subject.empty()) participant.subject = std::move(subject);
+}
+
+void DocumentsInUse::note(Document& document, const DocumentState& state, WallTime now) {
+  if (document.since == WallTime() || document.file != state.file ||
+      document.parts != state.parts) {
+    document.file = state.file;
+    document.parts = state.parts;
+    document.since = now;
+  }
+  auto& refusal = document.refusal;
+  // Copies of an error share their details: the same ones are of the same report.
+  const bool is_known =
+      refusal && state.refused && &refusal->why.details() == &state.refused->details();
+  if (state.refused && !is_known) refusal = Refusal{*state.refused, now, true};
+  if (refusal) refusal->stands = state.refused.has_value();
+}
+
+void DocumentsInUse::note(std::int64_t identity, const std::vector<DocumentState>& states,
+                          WallTime now) {
+  if (!is_of_this_process()) return;
+  const std::scoped_lock lock(mutex_);
+  const auto participant = participants_.find(identity);
+  if (participant == participants_.end()) return;
+  for (const auto& state : states) note(participant->second.documents[state.kind], state, now);
+}
+
+void DocumentsInUse::forget(std::int64_t identity, std::span<const DocumentKind> kinds) {
+  if (!is_of_this_process()) return;
+  const std::scoped_lock lock(mutex_);
+  const auto participant = participants_.find(identity);
+  if (participant == participants_.end()) return;
+  for (const auto kind : kinds) participant->second.documents.erase(kind);
+  if (participant->second.documents.empty()) participants_.erase(participant);
+}
+
+std::string DocumentsInUse::json_of(std::int64_t identity, const Participant& participant) {
+  auto documents = Json::array();
+  for (const auto& [kind, document] : participant.documents) {
+    Json refused;
+    if (const auto& refusal = document.refusal)
+      refused = {{"at", to_string(refusal->at)},
+                 {"file", shortened(refusal->why.details().document, kMostOfAnswerPath)},
+                 {"code", static_cast<int>(refusal->why.code())},
+                 {"name", info(refusal->why.code()).name},
+                 {"sentence", shortened(refusal->why.to_sentence(), kMostOfAnswerPath)},
+                 {"stands", refusal->stands}};
+    const auto& parts = document.parts;
+    documents.push_back({{"kind", to_string(kind)},
+                         {"file", shortened(document.file, kMostOfAnswerPath)},
+                         {"since", to_string(document.since)},
+                         {"in_force", ddssec::json_of(parts)},
+                         {"more", parts.size() - std::min(parts.size(), kMostParts)},
+                         {"refused", std::move(refused)}});
+  }
+  const Json out = {{"identity", identity},
+                    {"guid", shortened(participant.guid)},
+                    {"subject", shortened(participant.subject)},
+                    {"documents", std::move(documents)}};
+  // Names of files and subjects need not be UTF-8.
+  return out.dump(-1, ' ', true, Json::error_handler_t::replace);
+}
+
+std::string DocumentsInUse::to_json() const {
+  const std::scoped_lock lock(mutex_);
+  std::string all;
+  std::size_t left_out = 0;
+  for (const auto& [identity, participant] : participants_) {
+    if (all.size() >= kMostOctets) {
+      ++left_out;
+      continue;
+    }
+    if (!all.empty()) all += ',';
+    all += json_of(identity, participant);
+  }
+  return fmt::format(R"({{"schema":"ddssec-status/1","pid":{},"participants":[{}],"left_out":{}}})",
+                     pid_, all, left_out);
+}
+
+}  // namespace ddssec

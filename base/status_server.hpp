@@ -1,0 +1,89 @@
+// A Unix domain socket that gives each client of the same user one text.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <sys/types.h>
+#include <thread>
+
+#include "base/descriptor.hpp"
+#include "base/result.hpp"
+
+namespace ddssec {
+
+/// Answers in a background thread: only that thread waits for clients. Each connection gets the
+/// text of its moment and is closed. What clients send is not read. Root and the user of the
+/// process are answered (SO_PEERCRED). At most kMostClients connections and kMostPerSecond new ones
+/// in a second; the others wait. In the child of a fork() nothing is served.
+class StatusServer {
+ public:
+  static constexpr std::size_t kMostClients = 8;
+  static constexpr unsigned kMostPerSecond = 32;
+  /// A client that has not taken the whole answer by then is dropped.
+  static constexpr std::chrono::seconds kPatience{5};
+  /// Libraries of one process that serve, each with a socket of its own.
+  static constexpr int kMostOfAProcess = 8;
+
+  /// Called in the thread; must be thread-safe, and valid until the server is destroyed.
+  using Answer = std::function<std::string()>;
+  /// Makes ddssec-PID.sock with mode 0600 in `folder`, or ddssec-PID-2.sock and so on if another
+  /// library of the process has that one. The folder must be given by an absolute path, belong to
+  /// this user or root, and be writable for no other user; links in the path are followed as
+  /// open_guarded does. A socket of this name that no process serves is replaced. Error:
+  /// status_not_served.
+  static Result<std::unique_ptr<StatusServer>> start(const std::string& folder, Answer answer);
+  /// Ends the thread and removes the socket; in the child of a fork() neither.
+  ~StatusServer();
+  StatusServer(const StatusServer&) = delete;
+  StatusServer& operator=(const StatusServer&) = delete;
+
+  /// Removes the socket alone, for the exit of a process whose participants live on.
+  void remove_socket() noexcept;
+
+ private:
+  using Time = std::chrono::steady_clock::time_point;
+  struct Client {
+    Descriptor socket = Descriptor();
+    std::string text = {};
+    std::size_t sent = 0;
+    Time until = {};
+  };
+
+  StatusServer(std::string folder_name, Descriptor folder, Answer answer);
+  std::unexpected<Error> not_served(std::string expected, std::string found) const;
+  Status check_folder() const;
+  Status listen();
+  Status bind_first_free();
+  Status bind_to(const std::string& name);
+  bool is_abandoned(const std::string& name) const;
+  std::string path_of(const std::string& name) const;
+  Status start_thread();
+
+  void serve() noexcept;
+  bool serve_once();
+  bool has_room() const;
+  void accept_one();
+  bool is_allowed(int client) const;
+  void send_to(Client& client);
+  int milliseconds_to_wait() const;
+
+  const std::string folder_name_;
+  const Descriptor folder_;
+  const Answer answer_;
+  const pid_t pid_;
+  const uid_t user_;
+  std::string name_;  ///< of the socket in the folder; empty: there is none
+  Descriptor socket_;
+  Descriptor stop_;  ///< an eventfd
+  std::array<Client, kMostClients> clients_;
+  Time second_ = {};  ///< the start of the second in which `accepted_` counts
+  unsigned accepted_ = 0;
+  std::optional<Time> paused_until_;  ///< no connection is accepted before
+  std::unique_ptr<std::thread> thread_;
+};
+
+}  // namespace ddssec

@@ -1,0 +1,76 @@
+#include "base/status_service.hpp"
+
+#include <atomic>
+#include <cstdlib>
+#include <mutex>
+#include <string>
+#include <unistd.h>
+#include <utility>
+
+#include "base/never_destroyed.hpp"
+#include "base/status_server.hpp"
+
+namespace ddssec {
+namespace {
+
+/// The record and its socket.
+struct Service {
+  ~Service();
+
+  DocumentsInUse documents = {};
+  std::unique_ptr<StatusServer> server = {};  // ends before the record does
+};
+
+struct Process {
+  std::mutex mutex = {};
+  std::weak_ptr<Service> service = {};
+  std::atomic<pid_t> shown_by = 0;  ///< the process whose service lives; 0: there is none
+  bool has_complained = false;
+  bool has_exit_handler = false;
+};
+
+// Used while the process exits.
+Process& process() {
+  static NeverDestroyed<Process> instance;
+  return *instance;
+}
+
+Service::~Service() {
+  auto own = ::getpid();
+  process().shown_by.compare_exchange_strong(own, 0);
+}
+
+void remove_socket_at_exit() {
+  const std::unique_lock lock(process().mutex, std::try_to_lock);
+  if (!lock) return;
+  if (const auto service = process().service.lock()) service->server->remove_socket();
+}
+
+}  // namespace
+
+std::shared_ptr<DocumentsInUse> documents_shown(EventSink* events) {
+  const char* const folder = ::secure_getenv("DDSSEC_STATUS_DIR");
+  if (folder == nullptr || *folder == '\0') return nullptr;
+  auto& own = process();
+  // In the child of a process that shows its own, which must not take locks of its parent.
+  if (own.shown_by != 0 && own.shown_by != ::getpid()) return nullptr;
+  const std::scoped_lock lock(own.mutex);
+  auto service = own.service.lock();
+  if (!service) {
+    service = std::make_shared<Service>();
+    const auto& documents = service->documents;
+    auto server = StatusServer::start(folder, [&documents] { return documents.to_json(); });
+    if (!server) {
+      if (events != nullptr && !std::exchange(own.has_complained, true))
+        events->raise(Event(server.error(), {}, {}, PeerProof::not_a_peer));
+      return nullptr;
+    }
+    service->server = *std::move(server);
+    own.service = service;
+    own.shown_by = ::getpid();
+    if (!std::exchange(own.has_exit_handler, true)) std::atexit(remove_socket_at_exit);
+  }
+  return {service, &service->documents};
+}
+
+}  // namespace ddssec
