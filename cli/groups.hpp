@@ -26,6 +26,7 @@ std::vector<Command> can_commands();
 std::vector<Command> check_commands();
 std::vector<Command> expiry_commands();
 std::vector<Command> agent_commands();
+std::vector<Command> trust_commands();
 std::vector<Command> doctor_commands();
 std::vector<Command> inspect_commands();
 std::vector<Command> explain_commands();

@@ -19,6 +19,7 @@ constexpr Section kSections[] = {
     {"questions: what is wrong, what is allowed, which participants talk",
      "",
      {"doctor", "check", "can", "inspect", "expiry", "explain"}},
+    {"running participants", "trust"},
     {"certificate authorities", "ca"},
     {"participants: keys and certificates", "identity", {"agent"}},
     {"revocation lists", "crl"},

@@ -156,10 +156,12 @@ std::string_view severity_word(Severity severity) {
 }
 
 Exit exit_of(Code code) {
-  if (code == tool_code::keystore_unseen) return Exit::unreadable;
+  if (code == tool_code::keystore_unseen ||
+      is_between(code, tool_code::status_not_shown, tool_code::status_unanswered))
+    return Exit::unreadable;
   if (code == tool_code::not_confirmed || code == tool_code::folder_untrusted ||
       code == tool_code::hook_unsafe || code == tool_code::trust_unsafe ||
-      code == tool_code::link_untrusted)
+      code == tool_code::link_untrusted || code == tool_code::status_folder_untrusted)
     return Exit::refused;
   switch (code) {
     case Code::usage:

@@ -39,7 +39,7 @@ constexpr Verb kVerbs[] = {
     {"validate", {"verify", "lint"}},
     {"check", {"verify", "lint"}},
     {"compare", {"diff"}},
-    {"status", {"doctor", "expiry"}},
+    {"status", {"trust status", "doctor", "expiry"}},
     {"update", {"renew", "distribute"}},
     {"publish", {"distribute"}},
     {"copy", {"distribute"}},

@@ -62,6 +62,7 @@ const std::vector<Command>& commands() {
              check_commands(),
              expiry_commands(),
              agent_commands(),
+             trust_commands(),
              doctor_commands(),
              inspect_commands(),
              explain_commands(),

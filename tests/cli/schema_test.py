@@ -4,6 +4,7 @@
 import copy
 import unittest
 
+from running import running_participant
 from transcript import ANSWERS, DATA, SCHEMA, Transcript, main
 
 NOW = ("--now", "2026-11-21T00:00:00Z")
@@ -107,6 +108,8 @@ class EveryCommand(Transcript):
         self.ask("can", "demo/talker", "publish", "x")
         self.ask("check", "demo/talker", "demo/listener", "--topics", "x")
         self.ask("expiry", "demo")
+        with running_participant(self.at / "status", self.at / "demo/talker"):
+            self.ask("trust", "status", "demo/talker", "--status-dir", "status", exit=1)
         self.ask("doctor", "demo/talker", "--peer", "demo/listener")
         self.ask("inspect", DATA / "captures/two_participants.pcap")
         self.ask("explain", "usage")

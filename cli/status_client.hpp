@@ -1,0 +1,53 @@
+// Asks running processes which documents they use (base/status_server.hpp).
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <sys/types.h>
+#include <vector>
+
+#include "base/descriptor.hpp"
+#include "cli/report.hpp"
+
+namespace ddssec::cli {
+
+/// The sockets of a folder that DDSSEC_STATUS_DIR names.
+class StatusFolder {
+ public:
+  struct Socket {
+    pid_t pid;
+    std::string name;
+  };
+
+  /// Errors: file_not_found, file_unreadable, status_of_another_user (it may not be entered),
+  /// status_folder_untrusted, link_untrusted.
+  static Result<StatusFolder> open(const std::filesystem::path& path);
+
+  /// ddssec-PID.sock and ddssec-PID-2.sock to -8.sock, in order.
+  const std::vector<Socket>& sockets() const { return sockets_; }
+  const std::filesystem::path& path() const { return path_; }
+
+  /// The participants of the process: each with `identity`, `guid`, `subject` and `documents`.
+  /// Only an answer of the folder's owner, of this user or of root counts. It is bounded in time
+  /// and size. Errors: status_process_ended, status_of_another_user, status_unanswered.
+  Result<Json> ask(const Socket& socket) const;
+
+ private:
+  StatusFolder(std::filesystem::path path, Descriptor folder, uid_t owner)
+      : path_(std::move(path)), folder_(std::move(folder)), owner_(owner) {}
+  void list();
+  std::unexpected<Error> cannot(const Socket& socket, Code code, std::string note) const;
+  Result<Descriptor> connect(const Socket& socket) const;
+  Status check_answering(const Socket& socket, int connection) const;
+  Result<std::string> read_all(const Socket& socket, int connection) const;
+
+  std::filesystem::path path_;
+  Descriptor folder_;
+  uid_t owner_;
+  std::vector<Socket> sockets_;
+};
+
+/// True if a process has this number.
+bool is_running(pid_t pid);
+
+}  // namespace ddssec::cli

@@ -1,0 +1,219 @@
+// trust status: which documents running participants use.
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "base/tool_code.hpp"
+#include "cli/groups.hpp"
+#include "cli/status_client.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr auto kVariable = "DDSSEC_STATUS_DIR";
+
+Result<fs::path> folder_of_sockets(const Arguments& arguments) {
+  if (arguments.has("--status-dir")) return fs::path(arguments.text("--status-dir"));
+  const char* const folder = std::getenv(kVariable);
+  if (folder != nullptr && *folder != '\0') return fs::path(folder);
+  return fail(Code::usage,
+              {.field = "--status-dir",
+               .expected = fmt::format("the folder that {} names for the running process, here or "
+                                       "in this variable",
+                                       kVariable),
+               .found = "neither"});
+}
+
+// ---- which participants
+
+bool have_a_kind_in_common(const Json& a, const Json& b) {
+  return std::ranges::any_of(a["documents"], [&](const Json& one) {
+    return std::ranges::any_of(b["documents"],
+                               [&](const Json& other) { return one["kind"] == other["kind"]; });
+  });
+}
+
+/// Under Cyclone DDS, authentication and access control are two libraries with two sockets, which
+/// have one participant under one handle. Of what one library says, nothing belongs together.
+void add_answer(Json& participants, const Json& answer) {
+  const auto known = participants.size();
+  for (const auto& given : answer) {
+    const auto end = participants.begin() + static_cast<std::ptrdiff_t>(known);
+    const auto same = std::find_if(participants.begin(), end, [&](const Json& one) {
+      return one["identity"] == given["identity"] && !have_a_kind_in_common(one, given);
+    });
+    if (same == end) {
+      participants.push_back(given);
+      continue;
+    }
+    for (const char* const name : {"guid", "subject"})
+      if ((*same)[name] == "") (*same)[name] = given[name];
+    for (const auto& document : given["documents"]) (*same)["documents"].push_back(document);
+  }
+}
+
+fs::path without_links(const fs::path& path) {
+  std::error_code ignored;
+  auto out = fs::weakly_canonical(path, ignored);
+  return out.has_filename() ? out : out.parent_path();
+}
+
+bool is_of_folder(const Json& participant, const fs::path& folder) {
+  return std::ranges::any_of(participant["documents"], [&](const Json& document) {
+    const fs::path file = document["file"].get<std::string>();
+    return file.is_absolute() && without_links(file.parent_path()) == folder;
+  });
+}
+
+// ---- what is said of them
+
+bool stands_refused(const Json& document) {
+  return !document["refused"].is_null() && document["refused"]["stands"].get<bool>();
+}
+
+bool has_ended(const Json& part, const std::string& now) {
+  return !part["until"].is_null() && part["until"].get<std::string>() < now;
+}
+
+std::string line_of(const Json& part, const std::string& now) {
+  auto out = part["until"].is_null()
+                 ? std::string("no end")
+                 : fmt::format("{} {}", has_ended(part, now) ? "ENDED" : "until",
+                               part["until"].get<std::string>());
+  const auto add = [&](const char* name, std::string_view before) {
+    const auto text = part[name].get<std::string>();
+    if (!text.empty()) out += fmt::format("  {}{}", before, text);
+  };
+  add("subject", "");
+  add("number", "number ");
+  if (part["number"] == "" && part["sha256"] != "")
+    out += "  sha256 " + part["sha256"].get<std::string>().substr(0, 16);
+  return out;
+}
+
+std::string text_of(const Json& document, const std::string& now) {
+  auto out =
+      fmt::format("  {:<21} {}\n    in force since {}\n", document["kind"].get<std::string>(),
+                  document["file"].get<std::string>(), document["since"].get<std::string>());
+  for (const auto& part : document["in_force"]) out += "      " + line_of(part, now) + '\n';
+  if (document["in_force"].empty()) out += "      none\n";
+  if (document["more"] != 0) out += fmt::format("      and {} more\n", document["more"].get<int>());
+  const auto& refused = document["refused"];
+  if (refused.is_null()) return out;
+  return out + fmt::format("    {} {}: {}\n",
+                           stands_refused(document) ? "REFUSED at" : "refused before, at",
+                           refused["at"].get<std::string>(),
+                           refused["sentence"].get<std::string>());
+}
+
+std::string text_of(pid_t pid, const Json& participant, const std::string& now) {
+  const auto guid = participant["guid"].get<std::string>();
+  auto out = fmt::format("process {}: {}{}\n", pid, participant["subject"].get<std::string>(),
+                         guid.empty() ? "" : "  guid " + guid);
+  for (const auto& document : participant["documents"]) out += text_of(document, now);
+  return out;
+}
+
+bool is_well(const Json& participant, const std::string& now) {
+  return std::ranges::none_of(participant["documents"], [&](const Json& document) {
+    return stands_refused(document) ||
+           (!document["in_force"].empty() &&
+            std::ranges::all_of(document["in_force"],
+                                [&](const Json& part) { return has_ended(part, now); }));
+  });
+}
+
+// ---- the command
+
+struct Answers {
+  std::map<pid_t, Json> processes = {};
+  std::vector<Error> errors = {};
+};
+
+Answers ask_all(const StatusFolder& folder, std::optional<pid_t> wanted) {
+  Answers out;
+  for (const auto& socket : folder.sockets()) {
+    if (wanted && socket.pid != *wanted) continue;
+    const auto answer = folder.ask(socket);
+    if (answer) {
+      const auto at = out.processes.try_emplace(socket.pid, Json::array()).first;
+      add_answer(at->second, *answer);
+    } else if (wanted || answer.error().code() != tool_code::status_process_ended) {
+      out.errors.push_back(answer.error());
+    }
+  }
+  return out;
+}
+
+std::unexpected<Error> nothing_shown(const fs::path& folder, std::optional<pid_t> pid,
+                                     const std::string& participant) {
+  if (pid && !is_running(*pid))
+    return fail(tool_code::status_process_ended,
+                {.document = folder, .field = fmt::format("process {}", *pid)});
+  return fail(tool_code::status_not_shown,
+              {.document = folder,
+               .expected = pid                   ? fmt::format("a socket of process {}", *pid)
+                           : participant.empty() ? std::string("a socket of a process that runs")
+                                                 : "a participant with documents of " + participant,
+               .found = "none"});
+}
+
+Result<Report> trust_status(const Arguments& arguments, const Context& context) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto place, folder_of_sockets(arguments));
+  std::optional<pid_t> pid;
+  if (arguments.has("--pid")) {
+    DDSSEC_ASSIGN_OR_RETURN(pid, arguments.number("--pid", 1, std::numeric_limits<int>::max()));
+  }
+  DDSSEC_ASSIGN_OR_RETURN(const auto folder, StatusFolder::open(place));
+  auto answers = ask_all(folder, pid);
+  const auto wanted = arguments.text("DIR");
+  const auto of = without_links(wanted);
+  const auto now = to_string(context.clock.now());
+  Report report;
+  report.result = {{"processes", Json::array()}};
+  report.errors = std::move(answers.errors);
+  bool all_well = true;
+  for (auto& [number, participants] : answers.processes) {
+    Json shown = Json::array();
+    for (auto& participant : participants) {
+      if (!wanted.empty() && !is_of_folder(participant, of)) continue;
+      report.text += text_of(number, participant, now);
+      all_well = all_well && is_well(participant, now);
+      shown.push_back(std::move(participant));
+    }
+    if (!shown.empty() || (pid && wanted.empty()))
+      report.result["processes"].push_back({{"pid", number}, {"participants", std::move(shown)}});
+  }
+  if (report.result["processes"].empty() && report.errors.empty())
+    return nothing_shown(place, pid, wanted);
+  report.exit = !report.errors.empty() ? Exit::unreadable : all_well ? Exit::done : Exit::no;
+  return report;
+}
+
+}  // namespace
+
+std::vector<Command> trust_commands() {
+  return {{.group = "trust",
+           .name = "status",
+           .summary = "Shows which documents running participants use, and what they refused; "
+                      "exit 1: one stands refused or has ended.",
+           .positionals = {{"DIR",
+                            "a participant's folder: those that use its documents; without "
+                            "it, all",
+                            true}},
+           .options = {{"--pid", "N", "the process with this number"},
+                       {"--status-dir", "DIR",
+                        "the folder that DDSSEC_STATUS_DIR names for the process; without it, that "
+                        "of this variable"}},
+           .examples = {"ddssec trust status --pid 4711 --status-dir /run/robot/status",
+                        "ddssec trust status demo/talker"},
+           .run = trust_status}};
+}
+
+}  // namespace ddssec::cli

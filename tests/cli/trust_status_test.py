@@ -1,0 +1,184 @@
+#!/usr/bin/env python3
+"""trust status: what it shows of processes that answer, and what it says of those that do not."""
+
+import os
+import socket
+import subprocess
+
+from running import answer, document, participant, refusal, running_participant
+from transcript import NOW, Transcript, main
+
+WHERE = ("--status-dir", "status", *NOW)
+ASK = ("trust", "status", *WHERE)
+
+
+class TrustStatus(Transcript):
+    def setUp(self):
+        super().setUp()
+        self.status, self.folder = self.at / "status", self.at / "talker"
+        self.status.mkdir(mode=0o700)
+        self.folder.mkdir()
+        self.pid = os.getpid()
+
+    def files(self):
+        """Without sockets: the test's own come and go."""
+        return {name: mode for name, mode in super().files().items() if not name.endswith(".sock")}
+
+    def shown(self, *words, exit=0, **more):
+        return self.json(*ASK, *words, exit=exit, **more)["result"]["processes"]
+
+    def test_refused_document_is_shown_with_its_sentence(self):
+        with running_participant(self.status, self.folder):
+            told = self.run_program(*ASK, "--pid", self.pid, exit=1).stdout
+            self.assertIn(f"process {self.pid}: CN=talker  guid 0110\n", told)
+            self.assertIn(f"permissions           {self.folder}/permissions.p7s\n", told)
+            self.assertIn("in force since 2026-11-21T00:00:00Z\n      until 2027-11-21T00:00:00Z  CN=talker", told)
+            self.assertIn("REFUSED at 2026-11-21T01:00:00Z: the sentence of the event", told)
+            self.assertEqual(self.shown("--pid", self.pid, exit=1),
+                             [{"pid": self.pid, "participants": [participant(self.folder)]}])
+
+    def test_exit_is_0_while_all_is_well(self):
+        well = answer(participant(self.folder, document(self.folder, refused=refusal(stands=False))))
+        with running_participant(self.status, self.folder, well):
+            self.assertIn("refused before, at", self.run_program(*ASK).stdout)
+            ended = self.run_program("trust", "status", "--status-dir", "status", "--now", "2028-01-01", exit=1).stdout
+            self.assertIn("ENDED 2027-11-21T00:00:00Z", ended)
+
+    def test_folder_of_a_participant_finds_its_processes(self):
+        two = answer(participant(self.folder), participant(self.at / "other", identity=2))
+        (self.at / "link").symlink_to("talker")
+        with running_participant(self.status, self.folder, two):
+            for name in ("talker", "talker/", "./talker", "link", self.folder):
+                (process,) = self.shown(name, exit=1)
+                self.assertEqual([one["identity"] for one in process["participants"]], [1], name)
+            self.refused("status_not_shown", 3, *ASK, "elsewhere")
+            self.refused("status_not_shown", 3, *ASK, "elsewhere", "--pid", self.pid)
+
+    def test_variable_names_the_folder(self):
+        with running_participant(self.status, self.folder):
+            self.json("trust", "status", *NOW, environment={"DDSSEC_STATUS_DIR": str(self.status)}, exit=1)
+        told = self.refused("usage", 2, "trust", "status", environment={"DDSSEC_STATUS_DIR": ""})
+        self.assertIn("DDSSEC_STATUS_DIR", told["message"])
+
+    def test_two_libraries_of_one_process_are_one_participant(self):
+        mine = answer(participant(self.folder, document(self.folder, "identity certificate", "cert.pem")))
+        also = answer(participant(self.folder, document(self.folder), guid=""))
+        with running_participant(self.status, self.folder, mine), \
+                running_participant(self.status, self.folder, also, more="-2"):
+            (process,) = self.shown("--pid", self.pid)
+            (one,) = process["participants"]
+            self.assertEqual(one["guid"], "0110")
+            self.assertEqual([d["kind"] for d in one["documents"]], ["identity certificate", "permissions"])
+
+    def test_two_embedded_participants_stay_two(self):
+        mine = answer(participant(self.folder, document(self.folder)))
+        with running_participant(self.status, self.folder, mine), \
+                running_participant(self.status, self.folder, mine, more="-2"):
+            (process,) = self.shown()
+            self.assertEqual(len(process["participants"]), 2)
+
+    def test_what_a_terminal_would_obey_is_escaped(self):
+        bad = participant(self.folder)
+        bad["subject"] = "CN=\x1b[2J\u202e"
+        with running_participant(self.status, self.folder, answer(bad)):
+            told = self.run_program(*ASK, exit=1).stdout
+            self.assertNotIn("\x1b", told)
+            self.assertNotIn("\u202e", told)
+
+    # ---- nobody answers
+
+    def test_process_without_the_variable_is_not_shown(self):
+        told = self.refused("status_not_shown", 3, *ASK, "--pid", self.pid)
+        self.assertIn("DDSSEC_STATUS_DIR", told["hint"])
+        self.refused("status_not_shown", 3, *ASK)
+        self.refused("file_not_found", 3, "trust", "status", "--status-dir", "missing")
+        self.refused("usage", 2, *ASK, "--pid", "0")
+
+    def test_process_that_has_ended_is_told_from_one_that_does_not_show(self):
+        ended = subprocess.Popen(["true"])
+        ended.wait()
+        self.refused("status_process_ended", 3, *ASK, "--pid", ended.pid)
+        left = socket.socket(socket.AF_UNIX)
+        left.bind(str(self.status / f"ddssec-{ended.pid}.sock"))
+        left.close()
+        self.refused("status_process_ended", 3, *ASK, "--pid", ended.pid)
+        self.refused("status_not_shown", 3, *ASK)
+
+    def test_socket_of_a_former_process_with_this_number_says_so(self):
+        left = socket.socket(socket.AF_UNIX)
+        left.bind(str(self.status / f"ddssec-{self.pid}.sock"))
+        left.close()
+        told = self.refused("status_process_ended", 3, *ASK, "--pid", self.pid)
+        self.assertIn("former process", told["message"])
+
+    def test_answers_that_are_none_are_refused(self):
+        no_time = participant(self.folder)
+        no_time["documents"][0]["since"] = "yesterday"
+        for text in ("", "{", "[]", "[" * 100_000, "{}", '{"schema": "ddssec-status/2", "participants": []}',
+                     answer({"identity": 1}), answer(no_time), "x" * 3_000_000):
+            with running_participant(self.status, self.folder, text):
+                self.refused("status_unanswered", 3, *ASK)
+
+    def test_process_that_never_answers_is_left_after_seconds(self):
+        mute = socket.socket(socket.AF_UNIX)
+        mute.bind(str(self.status / f"ddssec-{self.pid}.sock"))
+        mute.listen()
+        with mute:
+            told = self.run_program(*ASK, "--pid", self.pid, exit=3).stderr
+        self.assertIn("error[status_unanswered]", told)
+
+    def test_file_in_place_of_a_socket_is_not_opened(self):
+        (self.status / f"ddssec-{self.pid}.sock").write_text("no socket")
+        (self.status / "ddssec-x.sock").write_text("no number")
+        self.refused("status_unanswered", 3, *ASK)
+
+    # ---- other users
+
+    def test_folder_that_others_can_write_to_is_not_believed(self):
+        self.status.chmod(0o777)
+        told = self.refused("status_folder_untrusted", 4, *ASK)
+        self.assertIn("0777", told["message"])
+
+    def test_process_of_another_user_is_told_from_one_that_does_not_answer(self):
+        if os.geteuid() != 0:
+            self.skipTest("only root can become another user")
+        self.at.chmod(0o755)
+        with running_participant(self.status, self.folder):
+            told = self.json_as_nobody("trust", "status", *WHERE, exit=3)
+            self.assertEqual([d["id"] for d in told["diagnostics"]], ["status_of_another_user"])
+            self.status.chmod(0o755)
+            told = self.json_as_nobody("trust", "status", *WHERE, exit=3)
+            self.assertEqual([d["id"] for d in told["diagnostics"]], ["status_of_another_user"])
+            self.assertIn("user 0", told["diagnostics"][0]["message"])
+
+    def test_root_does_not_believe_another_user_in_the_folder_of_one(self):
+        if os.geteuid() != 0:
+            self.skipTest("only root can become another user")
+        os.chown(self.status, 65533, 65533)
+        child = os.fork()
+        if child == 0:
+            # The socket is made as root; who listens is another user.
+            server = socket.socket(socket.AF_UNIX)
+            server.bind(str(self.status / f"ddssec-{os.getpid()}.sock"))
+            os.setgid(65534)
+            os.setuid(65534)
+            server.listen()
+            os.write(1, b"")
+            server.settimeout(20)
+            with server.accept()[0] as client:
+                client.sendall(answer(participant(self.folder)).encode())
+            os._exit(0)
+        try:
+            for _ in range(100):
+                done = self.run_program("trust", "status", *WHERE, "--pid", child, exit=3)
+                if "status_of_another_user" in done.stderr:
+                    break
+            self.assertIn("error[status_of_another_user]", done.stderr)
+            self.assertIn("user 65534", done.stderr)
+        finally:
+            os.kill(child, 9)
+            os.waitpid(child, 0)
+
+
+if __name__ == "__main__":
+    main()
