@@ -57,7 +57,8 @@ Result<pki::Certificate> issue(const RenewalRequest& request, const pki::Certifi
                                const Context& context) {
   const auto now = context.clock.now();
   DDSSEC_ASSIGN_OR_RETURN(const auto wanted, next_validity(arguments, old, now));
-  DDSSEC_ASSIGN_OR_RETURN(const auto life, within_ca(wanted, ca.certificate(), true));
+  DDSSEC_ASSIGN_OR_RETURN(const auto life,
+                          within_ca(validity_after(old, wanted, now), ca.certificate(), true));
   DDSSEC_ASSIGN_OR_RETURN(const auto renewed, ca.authority.sign_request(as_bytes(request.request),
                                                                         life, context.random));
   DDSSEC_RETURN_IF_ERROR(check_later(renewed, old, ca.certificate(), now));

@@ -237,6 +237,12 @@ Result<pki::Validity> validity(const Arguments& arguments, WallTime now) {
   return validity_of(days, now);
 }
 
+pki::Validity validity_after(const pki::Certificate& former, pki::Validity wanted, WallTime now) {
+  if (former.not_before() <= now)
+    wanted.not_before = std::max(wanted.not_before, former.not_before());
+  return wanted;
+}
+
 Result<pki::KeySpec> key_spec_of(std::string_view key, std::string_view field) {
   if (key == "p256") return pki::KeySpec{};
   if (key == "rsa2048") return pki::KeySpec{pki::KeyKind::rsa, 2048};

@@ -60,6 +60,10 @@ Result<std::chrono::seconds> duration(const Arguments& arguments, std::string_vi
 pki::Validity validity_of(int days, WallTime now);
 /// The same for `--days`. Error: usage.
 Result<pki::Validity> validity(const Arguments& arguments, WallTime now);
+/// The validity of a certificate in place of `former`. It does not begin before that one, because a
+/// running participant takes no such certificate. One that is not valid yet does not count: it was
+/// issued while the clock was ahead.
+pki::Validity validity_after(const pki::Certificate& former, pki::Validity wanted, WallTime now);
 
 /// The kind of key for a word. Error: usage.
 Result<pki::KeySpec> key_spec_of(std::string_view key, std::string_view field);

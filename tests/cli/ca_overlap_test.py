@@ -289,6 +289,21 @@ class Overlap(Transcript):
         for name in ("talker", "listener"):
             self.assertFalse(self.talks(f"demo/{name}", "demo/radar"))
 
+    def begin(self, folder):
+        return self.json("identity", "show", folder, "--now", "2026-11-26T00:00:00Z")["result"]["not_before"]
+
+    def test_Move_OfACertificateThatBeganLessThanADayAgo_DoesNotBeginBeforeIt(self):
+        """A running participant takes no certificate that begins before the one in force."""
+        before = self.begin("demo/talker")
+        for step in (("--overlap", "30d"), ("--move",)):
+            self.rotate("identity", *step, at=("--now", "2026-11-20T12:00:00Z"))
+        self.assertEqual(self.begin("demo/talker"), before)
+
+    def test_Move_OfAnOlderCertificate_BeginsADayAgo(self):
+        for step in (("--overlap", "30d"), ("--move",)):
+            self.rotate("identity", *step, at=("--now", "2026-11-26T00:00:00Z"))
+        self.assertEqual(self.begin("demo/talker"), "2026-11-25T00:00:00Z")
+
     def test_dry_run_writes_nothing(self):
         before = {path: self.text(path) for path in self.files()}
         self.rotate("identity", "--overlap", "30d", "--dry-run")

@@ -138,6 +138,17 @@ class Identity(Transcript):
         request.unlink()
         self.refused("file_not_found", 3, *sign)
 
+    def test_Renew_OfACertificateThatBeganLessThanADayAgo_DoesNotBeginBeforeIt(self):
+        self.run_with_secret(self.run_program, "identity", "issue", "talker", "--ca", "ca", "-o", "talker", "--publish", "x",
+                             "--now", "2026-12-21T00:00:00Z")
+        before = (self.at / "talker/cert.pem").read_text()
+        told = self.run_with_secret(self.run_program, "identity", "renew", "talker", "--ca", "ca", "--days", "400",
+                                    "--now", "2026-12-20T12:00:00Z")
+        self.assertNotIn("renewal_not_taken", told.stderr)
+        self.assertNotEqual((self.at / "talker/cert.pem").read_text(), before)
+        shown = self.json("identity", "show", "talker", "--now", "2026-12-21T00:00:00Z")["result"]
+        self.assertEqual(shown["not_before"], "2026-12-20T00:00:00Z")
+
     def renewed_but_not_taken(self, *words):
         told = self.run_with_secret(self.run_program, "identity", "renew", "talker", "--ca", "ca", *words, *NOW)
         self.assertIn("warning[renewal_not_taken]", told.stderr)
