@@ -285,8 +285,8 @@ void report_revoked(const LoadedFolder& folder, const CaList& newer, Diagnosis& 
   if (counts) {
     finding.hint =
         "give the participants the list, and they refuse it: ddssec crl distribute --ca CA; if its "
-        "holder is still to be trusted, remove the folder and issue the participant again, with a "
-        "new key";
+        "holder is still to be trusted, issue the participant again in its folder, with a new "
+        "key: ddssec identity issue --replace";
   } else {
     finding.hint =
         "if the overlap has not ended, end it now: ddssec ca rotate CA --role identity --end";
