@@ -88,6 +88,7 @@ void check_subject(const doctor::LoadedFolder& enclave, const std::string& name,
   const auto& certificate = *enclave.certificate;
   const auto [first, is_new] = enclave_of_key.try_emplace(pki::key_digest(certificate), name);
   Finding finding{.rule = Rule::DOC006,
+                  .message = {},
                   .document = enclave.paths.certificate.string(),
                   .hint = fmt::format("ddssec keystore enclave KEYSTORE {}, after its folder was "
                                       "removed, makes it anew",
