@@ -39,7 +39,6 @@ constexpr Verb kVerbs[] = {
     {"validate", {"verify", "lint"}},
     {"check", {"verify", "lint"}},
     {"compare", {"diff"}},
-    {"status", {"trust status", "doctor", "expiry"}},
     {"update", {"renew", "distribute"}},
     {"publish", {"distribute"}},
     {"copy", {"distribute"}},

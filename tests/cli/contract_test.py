@@ -25,7 +25,7 @@ class Contract(Transcript):
     def test_help_shows_commands_in_sections(self):
         sections = self.run_program("--help").stdout.split("\n\n")[1:-1]
         titles = [section.splitlines()[0] for section in sections]
-        self.assertEqual(len(titles), 9)
+        self.assertEqual(len(titles), 10)
         self.assertFalse([title for title in titles if title.startswith(" ")])
         self.assertEqual([row.split()[0] for row in sections[0].splitlines()[1:]], ["init"])
         # Each command stands in exactly one: the manual page has them all.
