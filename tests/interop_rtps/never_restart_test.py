@@ -321,6 +321,7 @@ def print_report(story, totals):
         print(f"| {name} | " + " | ".join(str(len(story.peers[name].events(event))) for event in names) + " |")
     print(f"\nagent: {story.agent.count('renewed')} certificates renewed, killed {story.agent.killed} times, "
           f"failures {dict(story.agent.failures())}")
+    print(f"slowest command of ddssec: {story.folders.slowest:.1f} s")
     print(f"restarts 0; {LEFT} out {story.figures['out']:.1f} s after its end; right lost after "
           f"{story.figures['narrowed']:.1f} s, back after {story.figures['widened']:.1f} s")
     for kind, group in (("embedded", EMBEDDED), ("Cyclone DDS", CYCLONE)):
@@ -371,6 +372,8 @@ def run(build, at, is_short):
         said = [f"{event['at'] - story.began:.1f} {name} {event['sentence'][:160]}"
                 for name, peer in story.peers.items()
                 for event in peer.events(after=time.time() - WAIT - 15) if event["severity"] != "informational"][-12:]
+        if story.renewer:
+            said.append(f"slowest command of ddssec: {story.folders.slowest:.1f} s (usually below 0.1 s)")
         raise SystemExit("\n".join([f"FAILED {fault}", *(f"{at:.1f} {text}" for at, text in story.steps), *said,
                                     *(story.agent.log() if story.agent else ())])) from None
     finally:

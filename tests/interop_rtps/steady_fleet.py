@@ -77,7 +77,7 @@ class Folders:
         self.tool, self.at, self.names = build / "bin/ddssec", pathlib.Path(at), names
         self.topics, self.denied = list(topics), {}
         self.signing = threading.Lock()  # permissions are not signed while their CA is replaced
-        self.pace = 1.0
+        self.pace, self.slowest = 1.0, 0.0  # seconds of the slowest command
         self.ddssec("init", "demo", "--domain", str(DOMAIN), "--profile", "balanced", "--dropin", str(build / "dropin"),
                     *(word for name in names for word in ("--participant", name)))
         for name in names:
@@ -96,7 +96,9 @@ class Folders:
         return self.at / "demo" / name
 
     def ddssec(self, *words):
+        began = time.monotonic()
         done = subprocess.run([str(self.tool), *words], cwd=self.at, text=True, capture_output=True)
+        self.slowest = max(self.slowest, time.monotonic() - began)
         check(f"ddssec {' '.join(words)}: {done.stdout}{done.stderr}", done.returncode == 0)
         return done.stdout
 
