@@ -81,30 +81,20 @@ void check_belongs(const fs::path& keystore, const doctor::LoadedFolder& enclave
     differs(enclave.paths.governance, governance);
 }
 
-// A copy of another enclave is valid in itself, too, and so is one that was renamed.
-void check_subject(const doctor::LoadedFolder& enclave, const std::string& name,
-                   std::map<std::string, std::string>& enclave_of_key, Report& report) {
+// A copy of another enclave is valid in itself, too.
+void report_copy(const doctor::LoadedFolder& enclave, const std::string& name,
+                 std::map<std::string, std::string>& enclave_of_key, Report& report) {
   if (!enclave.certificate) return;
   const auto& certificate = *enclave.certificate;
   const auto [first, is_new] = enclave_of_key.try_emplace(pki::key_digest(certificate), name);
-  Finding finding{.rule = Rule::DOC006,
-                  .message = {},
-                  .document = enclave.paths.certificate.string(),
-                  .hint = fmt::format("ddssec keystore enclave KEYSTORE {}, after its folder was "
-                                      "removed, makes it anew",
-                                      name)};
-  if (!is_new) {
-    finding.message = fmt::format("enclave {} has the key of enclave {}, \"{}\": it is a copy",
-                                  name, first->second, certificate.subject());
-    report.exit = Exit::no;
-  } else if (certificate.subject() != "CN=" + name) {
-    finding.message =
-        fmt::format("enclave {} has a certificate for \"{}\"", name, certificate.subject());
-    finding.severity = Severity::warning;
-  } else {
-    return;
-  }
-  report.findings.push_back(std::move(finding));
+  if (is_new) return;
+  report.exit = Exit::no;
+  report.findings.push_back(
+      {.rule = Rule::DOC006,
+       .message = fmt::format("enclave {} has the key of enclave {}, \"{}\": it is a copy", name,
+                              first->second, certificate.subject()),
+       .document = enclave.paths.certificate.string(),
+       .hint = fmt::format("remove its folder, then ddssec keystore enclave KEYSTORE {}", name)});
 }
 
 void refuse(Rule rule, const fs::path& file, std::string message, Report& report) {
@@ -202,7 +192,7 @@ Result<Report> keystore_verify(const Arguments& arguments, const Context& contex
     }
     add_findings_of(diagnosis, report);
     check_belongs(keystore, loaded, name, report);
-    check_subject(loaded, name, enclave_of_key, report);
+    report_copy(loaded, name, enclave_of_key, report);
     report.text += fmt::format("{:<30}  domain {}{}\n", name, domain, words);
     report.result["enclaves"].push_back(
         {{"name", name}, {"domain", domain}, {"verdicts", verdicts}});

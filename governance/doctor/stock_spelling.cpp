@@ -49,8 +49,8 @@ bool fastdds_repeats(std::string_view element) {
 
 // With an empty <topic_expression> Cyclone DDS crashes.
 bool may_be_empty(std::string_view element) {
-  return !is_one_of(
-      element, {"<topic_expression>", "<topic>", "<subject_name>", "<not_before>", "<not_after>"});
+  return !is_one_of(element,
+                    {"<topic_expression>", "<subject_name>", "<not_before>", "<not_after>"});
 }
 
 // Elements that may be empty, although they must list something: they apply to no topic.
