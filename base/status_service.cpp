@@ -26,7 +26,6 @@ struct Process {
   std::weak_ptr<Service> service = {};
   std::atomic<pid_t> shown_by = 0;  ///< the process whose service lives; 0: there is none
   bool has_complained = false;
-  bool has_exit_handler = false;
 };
 
 // Used while the process exits.
@@ -38,12 +37,6 @@ Process& process() {
 Service::~Service() {
   auto own = ::getpid();
   process().shown_by.compare_exchange_strong(own, 0);
-}
-
-void remove_socket_at_exit() {
-  const std::unique_lock lock(process().mutex, std::try_to_lock);
-  if (!lock) return;
-  if (const auto service = process().service.lock()) service->server->remove_socket();
 }
 
 }  // namespace
@@ -68,7 +61,6 @@ std::shared_ptr<DocumentsInUse> documents_shown(EventSink* events) {
     service->server = *std::move(server);
     own.service = service;
     own.shown_by = ::getpid();
-    if (!std::exchange(own.has_exit_handler, true)) std::atexit(remove_socket_at_exit);
   }
   return {service, &service->documents};
 }

@@ -293,19 +293,6 @@ TEST_F(Service, ChildOfAProcessThatShows_ShowsNothing) {
   EXPECT_EQ(in_child([&] { return documents_shown(&log_) == nullptr; }), 0);
 }
 
-TEST_F(Service, ExitOfTheProcess_RemovesTheSocket) {
-  ::setenv("DDSSEC_STATUS_DIR", folder_.path().c_str(), 1);
-  const auto child = ::fork();
-  if (child == 0) {
-    static auto kept = new std::shared_ptr<DocumentsInUse>(documents_shown(nullptr));
-    std::exit(*kept != nullptr && has_sockets() ? 0 : 1);
-  }
-  int status = -1;
-  ::waitpid(child, &status, 0);
-  EXPECT_EQ(status, 0);
-  EXPECT_FALSE(has_sockets());
-}
-
 TEST_F(Service, FolderThatCannotServe_IsReportedOnce) {
   ::setenv("DDSSEC_STATUS_DIR", "/nowhere/at/all", 1);
   EXPECT_EQ(documents_shown(&log_), nullptr);
