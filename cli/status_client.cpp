@@ -21,6 +21,7 @@
 #include <fmt/format.h>
 
 #include "base/guarded_path.hpp"
+#include "base/text.hpp"
 #include "base/tool_code.hpp"
 
 namespace ddssec::cli {
@@ -46,7 +47,10 @@ std::optional<pid_t> pid_in(std::string_view name) {
   return is_number && out > 0 ? std::optional(out) : std::nullopt;
 }
 
-std::string member(const Json& from, const char* name) { return from.at(name).get<std::string>(); }
+/// In one line: a process that lies must not write lines of its own.
+std::string member(const Json& from, const char* name) {
+  return printable(from.at(name).get<std::string>());
+}
 
 /// "2026-11-21T03:13:43Z".
 bool is_time(std::string_view text) {
@@ -61,12 +65,12 @@ bool is_time(std::string_view text) {
 class Reading {
  public:
   /// Empty: this is no answer of ddssec's plugins.
-  static std::optional<Json> participants_of(const std::string& answer) {
+  static std::optional<StatusFolder::Answer> answer_of(const std::string& answer) {
     Reading reading;
     const auto given = Json::parse(answer);
-    Json out = Json::array();
+    StatusFolder::Answer out{Json::array(), given.at("left_out").get<std::uint64_t>()};
     for (const auto& participant : given.at("participants"))
-      out.push_back(reading.participant_of(participant));
+      out.participants.push_back(reading.participant_of(participant));
     const bool is_ours = member(given, "schema") == "ddssec-status/1" && reading.has_times_;
     return is_ours ? std::optional(std::move(out)) : std::nullopt;
   }
@@ -222,12 +226,12 @@ Result<std::string> StatusFolder::read_all(const Socket& socket, int connection)
   }
 }
 
-Result<Json> StatusFolder::ask(const Socket& socket) const {
+Result<StatusFolder::Answer> StatusFolder::ask(const Socket& socket) const {
   DDSSEC_ASSIGN_OR_RETURN(const auto connection, connect(socket));
   DDSSEC_RETURN_IF_ERROR(check_answering(socket, connection.number()));
   DDSSEC_ASSIGN_OR_RETURN(const auto answer, read_all(socket, connection.number()));
   try {
-    if (auto participants = Reading::participants_of(answer)) return *std::move(participants);
+    if (auto read = Reading::answer_of(answer)) return *std::move(read);
   } catch (const Json::exception&) {
     // As any other answer that is not of the plugins.
   }

@@ -27,10 +27,15 @@ class StatusFolder {
   const std::vector<Socket>& sockets() const { return sockets_; }
   const std::filesystem::path& path() const { return path_; }
 
-  /// The participants of the process: each with `identity`, `guid`, `subject` and `documents`.
-  /// Only an answer of the folder's owner, of this user or of root counts. It is bounded in time
-  /// and size. Errors: status_process_ended, status_of_another_user, status_unanswered.
-  Result<Json> ask(const Socket& socket) const;
+  struct Answer {
+    /// Each with `identity`, `guid`, `subject` and `documents`.
+    Json participants;
+    std::uint64_t left_out = 0;  ///< number of participants that the answer had no room for
+  };
+  /// The participants of the process. Only an answer of the folder's owner, of this user or of root
+  /// counts. It is bounded in time and size. Errors: status_process_ended, status_of_another_user,
+  /// status_unanswered.
+  Result<Answer> ask(const Socket& socket) const;
 
  private:
   StatusFolder(std::filesystem::path path, Descriptor folder, uid_t owner)

@@ -123,9 +123,8 @@ std::string text_of(pid_t pid, const Json& participant, const std::string& now) 
 bool is_well(const Json& participant, const std::string& now) {
   return std::ranges::none_of(participant["documents"], [&](const Json& document) {
     return stands_refused(document) ||
-           (!document["in_force"].empty() &&
-            std::ranges::all_of(document["in_force"],
-                                [&](const Json& part) { return has_ended(part, now); }));
+           std::ranges::any_of(document["in_force"],
+                               [&](const Json& part) { return has_ended(part, now); });
   });
 }
 
@@ -143,7 +142,13 @@ Answers ask_all(const StatusFolder& folder, std::optional<pid_t> wanted) {
     const auto answer = folder.ask(socket);
     if (answer) {
       const auto at = out.processes.try_emplace(socket.pid, Json::array()).first;
-      add_answer(at->second, *answer);
+      add_answer(at->second, answer->participants);
+      if (answer->left_out > 0)
+        out.errors.push_back(Error(
+            tool_code::status_unanswered,
+            {.document = folder.path() / socket.name,
+             .field = fmt::format("process {}", socket.pid),
+             .note = fmt::format("its answer had no room for {} participants", answer->left_out)}));
     } else if (wanted || answer.error().code() != tool_code::status_process_ended) {
       out.errors.push_back(answer.error());
     }

@@ -22,8 +22,9 @@ def participant(folder, *documents, identity=1, guid="0110"):
             "documents": list(documents) or [document(folder, refused=refusal())]}
 
 
-def answer(*participants):
-    return json.dumps({"schema": "ddssec-status/1", "pid": os.getpid(), "participants": participants, "left_out": 0})
+def answer(*participants, left_out=0):
+    return json.dumps({"schema": "ddssec-status/1", "pid": os.getpid(), "participants": participants,
+                       "left_out": left_out})
 
 
 @contextlib.contextmanager

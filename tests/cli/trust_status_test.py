@@ -85,6 +85,24 @@ class TrustStatus(Transcript):
             self.assertNotIn("\x1b", told)
             self.assertNotIn("\u202e", told)
 
+    def test_line_of_a_subject_is_no_line_of_the_command(self):
+        bad = participant(self.folder)
+        bad["subject"] = "CN=a\nprocess 1: CN=forged"
+        with running_participant(self.status, self.folder, answer(bad)):
+            self.assertNotIn("\nprocess 1:", self.run_program(*ASK, exit=1).stdout)
+
+    def test_one_part_that_has_ended_is_an_end(self):
+        lists = document(self.folder)
+        lists["in_force"].append({**lists["in_force"][0], "until": "2026-11-20T00:00:00Z"})
+        with running_participant(self.status, self.folder, answer(participant(self.folder, lists))):
+            self.assertIn("ENDED 2026-11-20", self.run_program(*ASK, exit=1).stdout)
+
+    def test_participants_that_the_answer_has_no_room_for_are_named(self):
+        with running_participant(self.status, self.folder, answer(participant(self.folder), left_out=7)):
+            done = self.run_program(*ASK, exit=3)
+            self.assertIn("CN=talker", done.stdout)
+            self.assertIn("no room for 7 participants", done.stderr)
+
     # ---- nobody answers
 
     def test_process_without_the_variable_is_not_shown(self):
