@@ -30,6 +30,7 @@ namespace {
 namespace fs = std::filesystem;
 using std::chrono::steady_clock;
 
+// For all sockets of a folder together: its owner can put many into it that never answer.
 constexpr std::chrono::seconds kAnswerPatience{10};
 constexpr std::size_t kMostAnswerOctets = 2 * 1024 * 1024;
 
@@ -144,6 +145,7 @@ Result<StatusFolder> StatusFolder::open(const fs::path& path) {
                  .expected = "a folder that only its owner can write to",
                  .found = fmt::format("mode {:04o}", status.st_mode & 07777)});
   StatusFolder out(path, std::move(folder), status.st_uid);
+  out.until_ = steady_clock::now() + kAnswerPatience;
   out.list();
   return out;
 }
@@ -209,9 +211,8 @@ Status StatusFolder::check_answering(const Socket& socket, int connection) const
 Result<std::string> StatusFolder::read_all(const Socket& socket, int connection) const {
   std::string out;
   std::array<char, 16384> piece;
-  const auto until = steady_clock::now() + kAnswerPatience;
   while (true) {
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - steady_clock::now());
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(until_ - steady_clock::now());
     pollfd polled{connection, POLLIN, 0};
     if (left.count() <= 0 || ::poll(&polled, 1, static_cast<int>(left.count())) == 0)
       return cannot(socket, tool_code::status_unanswered,

@@ -1,6 +1,7 @@
 // Asks running processes which documents they use (base/status_server.hpp).
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <string>
 #include <sys/types.h>
@@ -33,8 +34,8 @@ class StatusFolder {
     std::uint64_t left_out = 0;  ///< number of participants that the answer had no room for
   };
   /// The participants of the process. Only an answer of the folder's owner, of this user or of root
-  /// counts. It is bounded in time and size. Errors: status_process_ended, status_of_another_user,
-  /// status_unanswered.
+  /// counts. It is bounded in size, and all answers of the folder together in time. Errors:
+  /// status_process_ended, status_of_another_user, status_unanswered.
   Result<Answer> ask(const Socket& socket) const;
 
  private:
@@ -50,6 +51,7 @@ class StatusFolder {
   Descriptor folder_;
   uid_t owner_;
   std::vector<Socket> sockets_;
+  std::chrono::steady_clock::time_point until_{};  ///< no answer counts later
 };
 
 /// True if a process has this number.

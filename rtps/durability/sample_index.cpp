@@ -55,7 +55,7 @@ SampleIndex::Outcome SampleIndex::add(StoredChange& entry, Time now) {
   const auto account = account_of(shares_, entry.identity);
   const auto octets = StoreShares::cost(change.payload.size());
   const auto time = std::min(change.source_time.value_or(now), now);
-  if (entry.is_late && is_overtaken(stream, key, time)) return {overtaken};
+  if (entry.is_late && is_overtaken(stream, key, time, account)) return {overtaken};
   const bool is_kept = !change.status.disposed || stream.service.cleanup_delay != kDurationZero;
   const auto held = stream.instances.find(key);
   const std::size_t all = held == stream.instances.end() ? 0 : held->second.size();
@@ -97,16 +97,19 @@ std::size_t SampleIndex::replaced(const Stream& stream, const Rows& rows) {
 }
 
 // With KEEP_ALL, only the end of its instance is in its way.
-bool SampleIndex::is_overtaken(const Stream& stream, const KeyHash& key, Time time) {
-  if (stream.past_ends.has_later(key, time)) return true;
+bool SampleIndex::is_overtaken(const Stream& stream, const KeyHash& key, Time time,
+                               Account account) {
+  if (stream.past_ends.has_later(key, time, account)) return true;
   const auto held = stream.instances.find(key);
-  if (held == stream.instances.end() || held->second.back().time <= time) return false;
+  if (held == stream.instances.end()) return false;
+  const auto& newest = held->second.back();
+  if (newest.account == account || newest.time <= time) return false;
   return stream.service.history.kind == HistoryKind::keep_last || stream.ended.contains(key);
 }
 
 void SampleIndex::PastEnds::add(const KeyHash& key, Time time, Account account) {
-  const auto [at, is_new] = by_key_.try_emplace(key, time);
-  at->second = std::max(at->second, time);
+  const auto [at, is_new] = by_key_.try_emplace(key, End{time, account});
+  if (at->second.time < time) at->second = {time, account};
   if (!is_new) return;
   Rollback undo([&] { by_key_.erase(at); });
   auto& keys = by_account_[account];
@@ -117,9 +120,9 @@ void SampleIndex::PastEnds::add(const KeyHash& key, Time time, Account account) 
   keys.pop_front();
 }
 
-bool SampleIndex::PastEnds::has_later(const KeyHash& key, Time time) const {
+bool SampleIndex::PastEnds::has_later(const KeyHash& key, Time time, Account account) const {
   const auto at = by_key_.find(key);
-  return at != by_key_.end() && at->second > time;
+  return at != by_key_.end() && at->second.account != account && at->second.time > time;
 }
 
 // What needs no more room than what it replaces is always taken. Anything else must leave as much

@@ -31,7 +31,7 @@ class SampleIndex {
     stored,     ///< in `row`
     ended,      ///< no row: it ends an instance, or says nothing that is stored
     left_out,   ///< above the limits of DURABILITY_SERVICE, and counted
-    overtaken,  ///< it is late, and its instance was written or ended later
+    overtaken,  ///< it is late, and another identity wrote or ended its instance later
     waits,      ///< above the share of its identity, in octets or in samples of the stream
   };
   struct Outcome {
@@ -88,10 +88,15 @@ class SampleIndex {
     /// Of one identity. Beyond, its oldest is forgotten.
     static constexpr std::size_t kMostOfOne = 1024;
     void add(const KeyHash& key, Time time, Account account);
-    bool has_later(const KeyHash& key, Time time) const;
+    /// True if another identity ended it later.
+    bool has_later(const KeyHash& key, Time time, Account account) const;
 
    private:
-    std::map<KeyHash, Time> by_key_;
+    struct End {
+      Time time;
+      Account account;
+    };
+    std::map<KeyHash, End> by_key_;
     std::map<Account, std::deque<KeyHash>> by_account_;
   };
   struct Stream {
@@ -107,7 +112,7 @@ class SampleIndex {
   /// With KEEP_LAST: how many of an instance's rows the next one replaces.
   static std::size_t replaced(const Stream& stream, const Rows& rows);
   static std::vector<std::int64_t> oldest(const Rows& rows, std::size_t count);
-  static bool is_overtaken(const Stream& stream, const KeyHash& key, Time time);
+  static bool is_overtaken(const Stream& stream, const KeyHash& key, Time time, Account account);
   bool has_share(const Stream& stream, const KeyHash& key, Account account,
                  std::size_t octets) const;
   /// `replaced`: number of rows that go before.

@@ -35,7 +35,9 @@ struct StoredChange {
   /// The identity whose share of the store it uses (ParticipantCore::identity_of). Empty: no limit
   /// applies.
   std::optional<GuidPrefix> identity = {};
-  /// It comes much later than it was written, so source timestamps decide what is current.
+  /// It has waited for room: between it and what another identity wrote to its instance, source
+  /// timestamps decide. They count for late changes only: otherwise one from the future, or a clock
+  /// that is behind, would keep a writer out.
   bool is_late = false;
   /// The store remembers that it has this change of its original writer, stored or not.
   bool is_remembered = false;

@@ -174,11 +174,6 @@ bool KeptTopic::was_heard(const Change& change) const {
          change.sequence_number <= at->second.number && *change.source_time <= at->second.time;
 }
 
-bool KeptTopic::is_late(const Change& change, Time wall) const {
-  return have_waited_.contains(change.writer) ||
-         wall.to_nanoseconds() - change.source_time->to_nanoseconds() > kLate;
-}
-
 bool KeptTopic::keep(Change& change) {
   const auto [now, wall] = context_.moment();
   change.original = change.origin();
@@ -189,7 +184,7 @@ bool KeptTopic::keep(Change& change) {
   const auto kept = store_.append({.stream = *stream_,
                                    .change = change,
                                    .identity = identity_of(writer.prefix),
-                                   .is_late = is_late(change, wall),
+                                   .is_late = have_waited_.contains(writer),
                                    .is_remembered = change.original.writer == writer},
                                   wall);
   if (kept.outcome.verdict == SampleIndex::Verdict::waits) {

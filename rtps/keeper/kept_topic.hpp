@@ -27,10 +27,6 @@ class KeptTopic final : private EndpointListener, private Timed {
   /// How long the writers that own stored instances have to come back, once the topic is opened.
   /// Until then, samples of these instances by other writers wait.
   static constexpr MonotonicTime kReturn = std::chrono::seconds(10);
-  /// A sample that is older than this when it arrives comes late. So do all samples of a writer
-  /// that has waited for room. Source timestamps count for late samples only: otherwise one from
-  /// the future would keep all others out of its instance.
-  static constexpr std::chrono::seconds kLate{5};
 
   /// `writer`: the announcement of one of its writers. `held` limits what the readers of all topics
   /// hold. `on_first_sample` is called with the lock held when there is something to keep.
@@ -88,8 +84,6 @@ class KeptTopic final : private EndpointListener, private Timed {
   /// Returns false if there is no room.
   bool keep(Change& change);
   bool was_heard(const Change& change) const;
-  /// True if the change comes much later than it was written: it waited, or it is of a history.
-  bool is_late(const Change& change, Time wall) const;
   /// False: the writer reaches other readers, or needs other permissions.
   bool has_scope_of(const EndpointData& writer) const;
   /// The identity whose share of the store a sample uses.
@@ -111,7 +105,8 @@ class KeptTopic final : private EndpointListener, private Timed {
   std::optional<InstanceOwners> owners_;  ///< only with OWNERSHIP EXCLUSIVE
   LivelinessMonitor liveliness_;          ///< the same: owners that are not alive own nothing
   bool deferred_ = false;                 ///< a change waits for room, or for an owner to come back
-  std::set<Guid> have_waited_;            ///< writers
+  /// Writers: all that they write from then on counts as late (StoredChange).
+  std::set<Guid> have_waited_;
   /// A change that is being stored.
   struct Unstored {
     std::uint64_t number;  ///< see DurableStore::append

@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 """trust status: what it shows of processes that answer, and what it says of those that do not."""
 
+import contextlib
 import os
 import socket
 import subprocess
+import time
 
 from running import answer, document, participant, refusal, running_participant
 from transcript import NOW, Transcript, main
@@ -144,6 +146,16 @@ class TrustStatus(Transcript):
         with mute:
             told = self.run_program(*ASK, "--pid", self.pid, exit=3).stderr
         self.assertIn("error[status_unanswered]", told)
+
+    def test_many_that_never_answer_cost_no_more_than_one(self):
+        with contextlib.ExitStack() as stack:
+            for pid in range(os.getppid() + 1000, os.getppid() + 1005):
+                mute = stack.enter_context(socket.socket(socket.AF_UNIX))
+                mute.bind(str(self.status / f"ddssec-{pid}.sock"))
+                mute.listen()
+            begin = time.monotonic()
+            self.run_program(*ASK, exit=3)
+            self.assertLess(time.monotonic() - begin, 30)
 
     def test_file_in_place_of_a_socket_is_not_opened(self):
         (self.status / f"ddssec-{self.pid}.sock").write_text("no socket")

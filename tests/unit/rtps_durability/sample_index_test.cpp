@@ -342,10 +342,13 @@ TEST_F(SampleIndexTest, AHistoryWithoutDepth_KeepsOneSample) {
 }
 
 struct LateTest : StoreTest {
-  SampleIndex::Verdict put(Change change, std::int32_t time, bool is_late = false) {
+  /// What is late comes of another identity than the rest, unless `who` says otherwise.
+  SampleIndex::Verdict put(Change change, std::int32_t time, bool is_late = false,
+                           std::uint8_t who = 0) {
     change.source_time = seconds(time);
     StoredChange entry{id, std::move(change)};
     entry.is_late = is_late;
+    entry.identity = identity(who != 0 ? who : is_late ? 2 : 1);
     EXPECT_TRUE(store.commit({entry}, seconds(50)));
     return store.outcomes.back().verdict;
   }
@@ -368,6 +371,14 @@ TEST_F(LateTest, ALateSample_DoesNotBringAnEndedInstanceBack) {
   put(dispose(0), 20);
   EXPECT_EQ(put(sample(0), 15, true), Verdict::overtaken);
   EXPECT_EQ(put(sample(0), 30, true), Verdict::stored);
+}
+
+// A clock that goes back must not keep a writer from its own instance.
+TEST_F(LateTest, ItsOwnIdentity_OvertakesNothing) {
+  put(sample(0), 20);
+  EXPECT_EQ(put(sample(0), 10, true, 1), Verdict::stored);
+  put(dispose(0), 30);
+  EXPECT_EQ(put(sample(0), 15, true, 1), Verdict::stored);
 }
 
 TEST_F(LateTest, ATimestampFromTheFuture_CountsAsTheTimeOfArrival) {
