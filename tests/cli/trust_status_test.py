@@ -105,7 +105,7 @@ class TrustStatus(Transcript):
             self.assertIn("CN=talker", done.stdout)
             self.assertIn("no room for 7 participants", done.stderr)
 
-    # ---- nobody answers
+    # ---- processes that do not answer
 
     def test_process_without_the_variable_is_not_shown(self):
         told = self.refused("status_not_shown", 3, *ASK, "--pid", self.pid)
