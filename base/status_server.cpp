@@ -23,6 +23,8 @@ namespace {
 using std::chrono::steady_clock;
 
 constexpr int kBacklog = 16;
+constexpr std::chrono::seconds kSecond{1};
+constexpr std::chrono::milliseconds kRecoveryStep{50};
 
 std::string errno_text(int error) { return std::generic_category().message(error); }
 
@@ -209,7 +211,8 @@ bool StatusServer::serve_once() {
   polled[1] = {accepts ? socket_.number() : -1, POLLIN, 0};
   for (std::size_t i = 0; i < kMostClients; ++i)
     polled[i + 2] = {clients_[i].socket.number(), POLLOUT, 0};
-  if (::poll(polled.data(), polled.size(), milliseconds_to_wait()) < 0) return errno == EINTR;
+  if (::poll(polled.data(), polled.size(), milliseconds_to_wait()) < 0)
+    return errno == EINTR || has_time_to_recover();
   if (polled[0].revents != 0) return false;
   const auto now = steady_clock::now();
   if (paused_until_ && now >= *paused_until_) paused_until_.reset();
@@ -221,9 +224,19 @@ bool StatusServer::serve_once() {
   return true;
 }
 
+/// poll() fails without memory, and while the limit of descriptors (RLIMIT_NOFILE) is below the
+/// number that it is given. False: the server ends.
+bool StatusServer::has_time_to_recover() const {
+  eventfd_t ignored = 0;
+  for (auto left = kSecond / kRecoveryStep; left > 0; --left) {
+    if (::eventfd_read(stop_.number(), &ignored) == 0) return false;
+    std::this_thread::sleep_for(kRecoveryStep);
+  }
+  return true;
+}
+
 void StatusServer::accept_one() {
   const auto now = steady_clock::now();
-  constexpr std::chrono::seconds kSecond{1};
   Descriptor socket(::accept4(socket_.number(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
   if (!socket) {
     // No descriptor is free: the connection waits, and poll() would report it at once.
@@ -238,7 +251,9 @@ void StatusServer::accept_one() {
   if (!is_allowed(socket.number())) return;
   const auto free = std::ranges::find_if(clients_, [](const Client& one) { return !one.socket; });
   if (free == clients_.end()) return;
-  *free = Client{std::move(socket), answer_(), 0, now + kPatience};
+  auto text = answer_();
+  // A process that lacks the processor may have taken seconds for the text.
+  *free = Client{std::move(socket), std::move(text), 0, steady_clock::now() + kPatience};
   send_to(*free);
 }
 

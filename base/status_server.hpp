@@ -65,6 +65,7 @@ class StatusServer {
 
   void serve() noexcept;
   bool serve_once();
+  bool has_time_to_recover() const;
   bool has_room() const;
   void accept_one();
   bool is_allowed(int client) const;

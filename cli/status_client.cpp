@@ -33,6 +33,7 @@ using std::chrono::steady_clock;
 // For all sockets of a folder together: its owner can put many into it that never answer.
 constexpr std::chrono::seconds kAnswerPatience{10};
 constexpr std::size_t kMostAnswerOctets = 2 * 1024 * 1024;
+constexpr std::size_t kMostOctetsOfAll = 32 * 1024 * 1024;
 
 std::string errno_text(int error) { return std::generic_category().message(error); }
 
@@ -45,7 +46,8 @@ std::optional<pid_t> pid_in(std::string_view name) {
   pid_t out = 0;
   const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), out);
   const bool is_number = error == std::errc() && end == name.data() + name.size();
-  return is_number && out > 0 ? std::optional(out) : std::nullopt;
+  // No process writes 007 for its 7.
+  return is_number && out > 0 && fmt::to_string(out) == name ? std::optional(out) : std::nullopt;
 }
 
 /// In one line: a process that lies must not write lines of its own.
@@ -127,6 +129,12 @@ class Reading {
 
 bool is_running(pid_t pid) { return ::kill(pid, 0) == 0 || errno != ESRCH; }
 
+StatusFolder::StatusFolder(fs::path path, Descriptor folder, uid_t owner)
+    : path_(std::move(path)),
+      folder_(std::move(folder)),
+      owner_(owner),
+      octets_left_(kMostOctetsOfAll) {}
+
 Result<StatusFolder> StatusFolder::open(const fs::path& path) {
   DDSSEC_ASSIGN_OR_RETURN(auto folder, open_guarded(path, O_RDONLY));
   if (!folder) {
@@ -156,8 +164,11 @@ void StatusFolder::list() {
   const std::unique_ptr<DIR, int (*)(DIR*)> entries(::fdopendir(again.number()), ::closedir);
   if (!entries) return;
   again.release();
-  while (const auto* entry = ::readdir(entries.get()))
-    if (const auto pid = pid_in(entry->d_name)) sockets_.push_back({*pid, entry->d_name});
+  while (const auto* entry = ::readdir(entries.get())) {
+    const auto pid = pid_in(entry->d_name);
+    if (pid && sockets_.size() == kMostSockets) ++left_out_;
+    if (pid && sockets_.size() < kMostSockets) sockets_.push_back({*pid, entry->d_name});
+  }
   // ddssec-1.sock before ddssec-1-2.sock.
   std::ranges::sort(sockets_, {}, [](const Socket& one) {
     return std::tuple(one.pid, one.name.size(), one.name);
@@ -208,7 +219,8 @@ Status StatusFolder::check_answering(const Socket& socket, int connection) const
                 fmt::format("user {} answers in a folder of user {}", peer.uid, owner_));
 }
 
-Result<std::string> StatusFolder::read_all(const Socket& socket, int connection) const {
+Result<std::string> StatusFolder::read_all(const Socket& socket, int connection) {
+  const auto most = std::min(kMostAnswerOctets, octets_left_);
   std::string out;
   std::array<char, 16384> piece;
   while (true) {
@@ -218,21 +230,31 @@ Result<std::string> StatusFolder::read_all(const Socket& socket, int connection)
       return cannot(socket, tool_code::status_unanswered,
                     is_running(socket.pid) ? "no answer within 10 s" : "the process has ended");
     const auto count = ::recv(connection, piece.data(), piece.size(), 0);
-    if (count == 0) return out;
+    if (count == 0) {
+      octets_left_ -= out.size();
+      return out;
+    }
     if (count < 0 && errno != EAGAIN && errno != EINTR)
       return cannot(socket, tool_code::status_unanswered, errno_text(errno));
     if (count > 0) out.append(piece.data(), static_cast<std::size_t>(count));
-    if (out.size() > kMostAnswerOctets)
-      return cannot(socket, tool_code::status_unanswered, "the answer is too long");
+    if (out.size() <= most) continue;
+    octets_left_ -= most;
+    return cannot(socket, tool_code::status_unanswered,
+                  most < kMostAnswerOctets ? "the answers of this folder are too long together"
+                                           : "the answer is too long");
   }
 }
 
-Result<StatusFolder::Answer> StatusFolder::ask(const Socket& socket) const {
+Result<StatusFolder::Answer> StatusFolder::ask(const Socket& socket) {
   DDSSEC_ASSIGN_OR_RETURN(const auto connection, connect(socket));
   DDSSEC_RETURN_IF_ERROR(check_answering(socket, connection.number()));
   DDSSEC_ASSIGN_OR_RETURN(const auto answer, read_all(socket, connection.number()));
   try {
     if (auto read = Reading::answer_of(answer)) return *std::move(read);
+  } catch (const Json::parse_error& error) {
+    // The process has dropped the connection: it has no memory, or was kept from sending.
+    if (error.byte > answer.size())
+      return cannot(socket, tool_code::status_unanswered, "its answer is cut off");
   } catch (const Json::exception&) {
     // As any other answer that is not of the plugins.
   }

@@ -41,21 +41,50 @@ bool have_a_kind_in_common(const Json& a, const Json& b) {
 
 /// Under Cyclone DDS, authentication and access control are two libraries with two sockets, which
 /// have one participant under one handle. Of what one library says, nothing belongs together.
-void add_answer(Json& participants, const Json& answer) {
-  const auto known = participants.size();
-  for (const auto& given : answer) {
-    const auto end = participants.begin() + static_cast<std::ptrdiff_t>(known);
-    const auto same = std::find_if(participants.begin(), end, [&](const Json& one) {
-      return one["identity"] == given["identity"] && !have_a_kind_in_common(one, given);
-    });
-    if (same == end) {
-      participants.push_back(given);
-      continue;
+class Participants {
+ public:
+  void add(const Json& answer) {
+    const auto known = all_.size();
+    for (const auto& given : answer) {
+      auto& same_handle = by_handle_[given["identity"].get<std::int64_t>()];
+      const auto same = std::ranges::find_if(same_handle, [&](std::size_t i) {
+        return i < known && !have_a_kind_in_common(all_[i], given);
+      });
+      if (same != same_handle.end()) {
+        complete(all_[*same], given);
+        continue;
+      }
+      // A process that lies may give one handle to all.
+      if (same_handle.size() < kLibraries) same_handle.push_back(all_.size());
+      all_.push_back(given);
     }
-    for (const char* const name : {"guid", "subject"})
-      if ((*same)[name] == "") (*same)[name] = given[name];
-    for (const auto& document : given["documents"]) (*same)["documents"].push_back(document);
   }
+
+  Json& all() { return all_; }
+
+ private:
+  static constexpr std::size_t kLibraries = 8;
+
+  static void complete(Json& participant, const Json& given) {
+    for (const char* const name : {"guid", "subject"})
+      if (participant[name] == "") participant[name] = given[name];
+    for (const auto& document : given["documents"]) participant["documents"].push_back(document);
+  }
+
+  Json all_ = Json::array();
+  std::map<std::int64_t, std::vector<std::size_t>> by_handle_;
+};
+
+/// The library that shows nothing of the participant; empty: both do. Authentication always has a
+/// certificate and access control always has permissions.
+std::string_view missing_library(const Json& participant) {
+  const auto shows = [&](std::string_view kind) {
+    return std::ranges::any_of(participant["documents"], [&](const Json& document) {
+      return document["kind"].get<std::string>() == kind;
+    });
+  };
+  if (!shows("identity certificate")) return "authentication";
+  return shows("permissions") ? "" : "access control";
 }
 
 fs::path without_links(const fs::path& path) {
@@ -131,24 +160,26 @@ bool is_well(const Json& participant, const std::string& now) {
 // ---- the command
 
 struct Answers {
-  std::map<pid_t, Json> processes = {};
+  std::map<pid_t, Participants> processes = {};
   std::vector<Error> errors = {};
 };
 
-Answers ask_all(const StatusFolder& folder, std::optional<pid_t> wanted) {
+Error not_shown(const fs::path& place, pid_t pid, std::string note) {
+  return {tool_code::status_unanswered,
+          {.document = place, .field = fmt::format("process {}", pid), .note = std::move(note)}};
+}
+
+Answers ask_all(StatusFolder& folder, std::optional<pid_t> wanted) {
   Answers out;
   for (const auto& socket : folder.sockets()) {
     if (wanted && socket.pid != *wanted) continue;
     const auto answer = folder.ask(socket);
     if (answer) {
-      const auto at = out.processes.try_emplace(socket.pid, Json::array()).first;
-      add_answer(at->second, answer->participants);
+      out.processes[socket.pid].add(answer->participants);
       if (answer->left_out > 0)
-        out.errors.push_back(Error(
-            tool_code::status_unanswered,
-            {.document = folder.path() / socket.name,
-             .field = fmt::format("process {}", socket.pid),
-             .note = fmt::format("its answer had no room for {} participants", answer->left_out)}));
+        out.errors.push_back(
+            not_shown(folder.path() / socket.name, socket.pid,
+                      fmt::format("its answer had no room for {} participants", answer->left_out)));
     } else if (wanted || answer.error().code() != tool_code::status_process_ended) {
       out.errors.push_back(answer.error());
     }
@@ -175,7 +206,7 @@ Result<Report> trust_status(const Arguments& arguments, const Context& context) 
   if (arguments.has("--pid")) {
     DDSSEC_ASSIGN_OR_RETURN(pid, arguments.number("--pid", 1, std::numeric_limits<int>::max()));
   }
-  DDSSEC_ASSIGN_OR_RETURN(const auto folder, StatusFolder::open(place));
+  DDSSEC_ASSIGN_OR_RETURN(auto folder, StatusFolder::open(place));
   auto answers = ask_all(folder, pid);
   const auto wanted = arguments.text("DIR");
   const auto of = without_links(wanted);
@@ -186,15 +217,26 @@ Result<Report> trust_status(const Arguments& arguments, const Context& context) 
   bool all_well = true;
   for (auto& [number, participants] : answers.processes) {
     Json shown = Json::array();
-    for (auto& participant : participants) {
+    for (auto& participant : participants.all()) {
       if (!wanted.empty() && !is_of_folder(participant, of)) continue;
       report.text += text_of(number, participant, now);
       all_well = all_well && is_well(participant, now);
+      if (const auto missing = missing_library(participant); !missing.empty())
+        report.errors.push_back(not_shown(
+            place, number,
+            fmt::format("{} shows no documents of {}: its socket is missing, or it is not ddssec's",
+                        missing, participant["subject"].get<std::string>())));
       shown.push_back(std::move(participant));
     }
     if (!shown.empty() || (pid && wanted.empty()))
       report.result["processes"].push_back({{"pid", number}, {"participants", std::move(shown)}});
   }
+  if (folder.left_out() > 0)
+    report.errors.push_back(
+        Error(tool_code::status_unanswered,
+              {.document = place,
+               .note = fmt::format("{} of its sockets were not asked: at most {} are",
+                                   folder.left_out(), StatusFolder::kMostSockets)}));
   if (report.result["processes"].empty() && report.errors.empty())
     return nothing_shown(place, pid, wanted);
   report.exit = !report.errors.empty() ? Exit::unreadable : all_well ? Exit::done : Exit::no;

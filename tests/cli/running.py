@@ -12,6 +12,10 @@ def document(folder, kind="permissions", name="permissions.p7s", refused=None, u
             "in_force": [{"subject": "CN=talker", "number": "1A", "until": until, "sha256": "ab" * 32}]}
 
 
+def certificate(folder, **more):
+    return document(folder, "identity certificate", "cert.pem", **more)
+
+
 def refusal(stands=True):
     return {"at": "2026-11-21T01:00:00Z", "file": "permissions.p7s", "code": 1436, "name": "permissions_renewal_refused",
             "sentence": "the sentence of the event [permissions_renewal_refused 1436]", "stands": stands}
@@ -19,7 +23,7 @@ def refusal(stands=True):
 
 def participant(folder, *documents, identity=1, guid="0110"):
     return {"identity": identity, "guid": guid, "subject": "CN=talker",
-            "documents": list(documents) or [document(folder, refused=refusal())]}
+            "documents": list(documents) or [certificate(folder), document(folder, refused=refusal())]}
 
 
 def answer(*participants, left_out=0):

@@ -4,10 +4,11 @@
 import contextlib
 import os
 import socket
+import stat
 import subprocess
 import time
 
-from running import answer, document, participant, refusal, running_participant
+from running import answer, certificate, document, participant, refusal, running_participant
 from transcript import NOW, Transcript, main
 
 WHERE = ("--status-dir", "status", *NOW)
@@ -40,7 +41,8 @@ class TrustStatus(Transcript):
                              [{"pid": self.pid, "participants": [participant(self.folder)]}])
 
     def test_exit_is_0_while_all_is_well(self):
-        well = answer(participant(self.folder, document(self.folder, refused=refusal(stands=False))))
+        well = answer(participant(self.folder, certificate(self.folder),
+                                  document(self.folder, refused=refusal(stands=False))))
         with running_participant(self.status, self.folder, well):
             self.assertIn("refused before, at", self.run_program(*ASK).stdout)
             ended = self.run_program("trust", "status", "--status-dir", "status", "--now", "2028-01-01", exit=1).stdout
@@ -63,7 +65,7 @@ class TrustStatus(Transcript):
         self.assertIn("DDSSEC_STATUS_DIR", told["message"])
 
     def test_two_libraries_of_one_process_are_one_participant(self):
-        mine = answer(participant(self.folder, document(self.folder, "identity certificate", "cert.pem")))
+        mine = answer(participant(self.folder, certificate(self.folder)))
         also = answer(participant(self.folder, document(self.folder), guid=""))
         with running_participant(self.status, self.folder, mine), \
                 running_participant(self.status, self.folder, also, more="-2"):
@@ -73,7 +75,7 @@ class TrustStatus(Transcript):
             self.assertEqual([d["kind"] for d in one["documents"]], ["identity certificate", "permissions"])
 
     def test_two_embedded_participants_stay_two(self):
-        mine = answer(participant(self.folder, document(self.folder)))
+        mine = answer(participant(self.folder, certificate(self.folder), document(self.folder)))
         with running_participant(self.status, self.folder, mine), \
                 running_participant(self.status, self.folder, mine, more="-2"):
             (process,) = self.shown()
@@ -96,7 +98,7 @@ class TrustStatus(Transcript):
     def test_one_part_that_has_ended_is_an_end(self):
         lists = document(self.folder)
         lists["in_force"].append({**lists["in_force"][0], "until": "2026-11-20T00:00:00Z"})
-        with running_participant(self.status, self.folder, answer(participant(self.folder, lists))):
+        with running_participant(self.status, self.folder, answer(participant(self.folder, certificate(self.folder), lists))):
             self.assertIn("ENDED 2026-11-20", self.run_program(*ASK, exit=1).stdout)
 
     def test_participants_that_the_answer_has_no_room_for_are_named(self):
@@ -104,6 +106,13 @@ class TrustStatus(Transcript):
             done = self.run_program(*ASK, exit=3)
             self.assertIn("CN=talker", done.stdout)
             self.assertIn("no room for 7 participants", done.stderr)
+
+    def test_library_that_shows_nothing_is_named(self):
+        for shown, missing in ((certificate, "access control"), (document, "authentication")):
+            with running_participant(self.status, self.folder, answer(participant(self.folder, shown(self.folder)))):
+                done = self.run_program(*ASK, exit=3)
+                self.assertIn("CN=talker", done.stdout)
+                self.assertIn(f"{missing} shows no documents of CN=talker", done.stderr)
 
     # ---- processes that do not answer
 
@@ -133,11 +142,34 @@ class TrustStatus(Transcript):
 
     def test_answers_that_are_none_are_refused(self):
         no_time = participant(self.folder)
-        no_time["documents"][0]["since"] = "yesterday"
+        no_time["documents"][-1]["since"] = "yesterday"
         for text in ("", "{", "[]", "[" * 100_000, "{}", '{"schema": "ddssec-status/2", "participants": []}',
                      answer({"identity": 1}), answer(no_time), "x" * 3_000_000):
             with running_participant(self.status, self.folder, text):
                 self.refused("status_unanswered", 3, *ASK)
+
+    def test_answer_that_is_cut_says_so(self):
+        whole = answer(participant(self.folder))
+        with running_participant(self.status, self.folder, whole[:len(whole) // 2]):
+            self.assertIn("cut off", self.refused("status_unanswered", 3, *ASK)["message"])
+
+    def test_more_sockets_than_are_asked_are_counted(self):
+        for pid in range(5000000, 5001100):
+            os.mknod(self.status / f"ddssec-{pid}.sock", 0o600 | stat.S_IFSOCK)
+        self.assertIn("76 of its sockets", self.refused("status_unanswered", 3, *ASK)["message"])
+
+    def test_name_that_no_process_writes_is_passed_over(self):
+        with running_participant(self.status, self.folder, pid=f"00{self.pid}"):
+            self.refused("status_not_shown", 3, *ASK)
+
+    def test_participants_with_one_handle_cost_no_more_than_others(self):
+        many = answer(*[participant(self.folder, certificate(self.folder)) for _ in range(4000)])
+        with contextlib.ExitStack() as stack:
+            for more in ("", "-2", "-3", "-4"):
+                stack.enter_context(running_participant(self.status, self.folder, many, more=more))
+            begin = time.monotonic()
+            self.run_program(*ASK, exit=3)
+            self.assertLess(time.monotonic() - begin, 10)
 
     def test_process_that_never_answers_is_left_after_seconds(self):
         mute = socket.socket(socket.AF_UNIX)

@@ -6,6 +6,7 @@
 #include <fcntl.h>
 #include <filesystem>
 #include <poll.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -156,6 +157,22 @@ TEST_F(Server, AnswerThatThrows_EndsOnlyTheConnection) {
   EXPECT_EQ(answer_at(path()), "");
   fails = false;
   EXPECT_EQ(answer_at(path()), "good");
+}
+
+TEST_F(Server, ProcessWithoutDescriptorsForAWhile_AnswersAgain) {
+  const auto server = start();
+  ASSERT_OK(server);
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+  const Descriptor client(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  const rlimit few{4, before.rlim_max};  // below what poll() is given
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &few), 0);
+  const auto address = address_of(path());
+  EXPECT_EQ(::connect(client.number(), reinterpret_cast<const sockaddr*>(&address), sizeof address),
+            0);
+  std::this_thread::sleep_for(200ms);  // the thread finds that poll() fails
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
+  EXPECT_EQ(read_all(client), "hello");
 }
 
 TEST_F(Server, SecondLibraryOfTheProcess_HasASocketOfItsOwn) {
