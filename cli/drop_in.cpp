@@ -62,7 +62,10 @@ Result<fs::path> drop_in_of(const Arguments& arguments) {
 }
 
 std::string drop_in_line(const fs::path& dropin) {
-  if (dropin.empty()) return {};
+  if (dropin.empty())
+    return "cyclonedds.xml does not say where ddssec's plugins are: Cyclone DDS loads them if "
+           "LD_LIBRARY_PATH has their folder, and its own plugins if not. --dropin FOLDER names "
+           "the folder in it\n";
   std::error_code ignored;
   return fmt::format(
       "cyclonedds.xml names ddssec's libraries in {}{}: LD_LIBRARY_PATH is not needed, and without "

@@ -19,7 +19,8 @@ inline constexpr Option kDropIn{
 /// differently.
 Result<std::filesystem::path> drop_in_of(const Arguments& arguments);
 
-/// A line of text about a configuration that names the libraries there; empty without a folder.
+/// A line of text about a configuration that names the libraries there. For an empty path: about
+/// one that names no folder, with which it depends on the environment whose plugins are loaded.
 std::string drop_in_line(const std::filesystem::path& dropin);
 
 }  // namespace ddssec::cli

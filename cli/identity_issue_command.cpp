@@ -14,6 +14,7 @@
 #include "cli/groups.hpp"
 #include "cli/held_folder.hpp"
 #include "cli/inputs.hpp"
+#include "cli/issuing_cas.hpp"
 #include "cli/logged_certificate.hpp"
 #include "cli/near.hpp"
 #include "cli/options.hpp"
@@ -83,56 +84,6 @@ Result<ParticipantSpec> spec_of(const Arguments& arguments, WallTime now, Findin
   return spec;
 }
 
-/// The CAs that sign, and the revocation list for newcomers.
-struct Cas {
-  OpenCa identity;
-  std::optional<OpenCa> permissions;
-  std::optional<pki::Crl> list;
-  std::string crl;  ///< the same, in PEM
-
-  /// For a participant with permissions, or without.
-  Issuers issuers(bool with_permissions) const {
-    return {identity, with_permissions ? &*permissions : nullptr, crl};
-  }
-};
-
-Result<Cas> open_cas(const Arguments& arguments, bool with_permissions, WallTime now) {
-  CaOpener opener(arguments);
-  DDSSEC_ASSIGN_OR_RETURN(auto identity, opener.open("identity"));
-  Cas out{std::move(identity), std::nullopt, std::nullopt, {}};
-  if (with_permissions) {
-    DDSSEC_ASSIGN_OR_RETURN(out.permissions, opener.open("permissions"));
-  }
-  DDSSEC_ASSIGN_OR_RETURN(out.list, list_for_newcomers(out.identity.paths, now));
-  if (out.list) {
-    DDSSEC_ASSIGN_OR_RETURN(out.crl, file_of_lists(out.identity.paths, *out.list));
-  }
-  return out;
-}
-
-// `from`: the file that an error in the permissions is about.
-Result<NewParticipant> make(ParticipantSpec& spec, const Cas& cas, const Arguments& arguments,
-                            const Context& context, const fs::path& from) {
-  DDSSEC_ASSIGN_OR_RETURN(
-      spec.life, within_ca(spec.life, cas.identity.certificate(), arguments.has("--clamp")));
-  return named(make_participant(spec, cas.issuers(spec.has_permissions()), context), from);
-}
-
-// The last step before files get their places: a certificate that the log lacks cannot be revoked.
-Status log_all(const Cas& cas, std::string_view issued, std::string_view signed_lines) {
-  DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
-  if (cas.permissions) DDSSEC_RETURN_IF_ERROR(log_signed(cas.permissions->paths, signed_lines));
-  return log_issued(cas.identity.paths, issued);
-}
-
-// The same for one participant.
-Status log_one(const Cas& cas, const NewParticipant& made, const fs::path& folder, WallTime now) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(cas.identity.paths));
-  DDSSEC_RETURN_IF_ERROR(SubjectsInUse(log, folder, now).check(made.self.certificate.subject()));
-  return log_all(cas, log_line(made, folder, now),
-                 cas.permissions ? signed_line(made, *cas.permissions, folder, now) : "");
-}
-
 // The files without which a participant cannot start and that this command was not given.
 std::string not_in_it(bool has_permissions, bool has_governance) {
   std::string out;
@@ -161,7 +112,7 @@ Result<Report> issue_fleet(const Arguments& arguments, const Context& context, F
   DDSSEC_RETURN_IF_ERROR(
       governance_of(arguments, now));  // no passphrase for one that cannot be used
   const bool any_rights = std::ranges::any_of(specs, &ParticipantSpec::has_permissions);
-  DDSSEC_ASSIGN_OR_RETURN(const auto cas, open_cas(arguments, any_rights, now));
+  DDSSEC_ASSIGN_OR_RETURN(const auto cas, open_issuing_cas(arguments, any_rights, now));
   DDSSEC_ASSIGN_OR_RETURN(const auto governance, governance_of(arguments, now));
   Report report;
   report.result = {{"dir", target.string()}, {"participants", Json::array()}};
@@ -213,13 +164,14 @@ Report report_on(const Job& job, const pki::Certificate& certificate, std::strin
 
 /// The contents of one participant's folder, and the CAs that signed it.
 struct Issued {
-  Cas cas;
+  IssuingCas cas;
   NewParticipant made;
 };
 
 Result<Issued> issue(Job& job) {
   const auto now = job.context.clock.now();
-  DDSSEC_ASSIGN_OR_RETURN(auto cas, open_cas(job.arguments, job.spec.has_permissions(), now));
+  DDSSEC_ASSIGN_OR_RETURN(auto cas,
+                          open_issuing_cas(job.arguments, job.spec.has_permissions(), now));
   // A rotation that this command waited for has signed it anew.
   DDSSEC_ASSIGN_OR_RETURN(job.governance, governance_of(job.arguments, now));
   DDSSEC_ASSIGN_OR_RETURN(auto made, make(job.spec, cas, job.arguments, job.context,
@@ -236,7 +188,8 @@ Result<Report> finished(Report report, const Job& job, Result<std::vector<Writte
   report.text += not_in_it(has_permissions, has_governance);
   if (has_permissions && has_governance)
     report.text += configuration_lines(job.spec.name, job.target);
-  report.text += drop_in_line(job.spec.dropin);
+  if (!job.spec.dropin.empty() || leaves_libraries_open(job.target))
+    report.text += drop_in_line(job.spec.dropin);
   warn_of_rights(job.spec, job.arguments.text("--permissions"), report);
   return report;
 }

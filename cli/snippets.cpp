@@ -132,6 +132,11 @@ std::string configuration_lines(std::string_view name, const fs::path& folder) {
       fastdds);
 }
 
+bool leaves_libraries_open(const fs::path& folder) {
+  const auto octets = read_file(folder / kCycloneDdsFile, pki::kMostDocumentOctets);
+  return octets && as_text(*octets).find("<Library path=\"dds_security_") != std::string_view::npos;
+}
+
 std::string cyclonedds_snippet(const pki::ParticipantFolder& folder, const fs::path& dropin) {
   const auto element = [](std::string_view name, const fs::path& path) {
     return fmt::format("      <{}>{}</{}>\n", name, without_variables(xml_uri(path)), name);

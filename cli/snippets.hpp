@@ -30,6 +30,8 @@ Result<std::vector<ConfigurationFile>> missing_configuration_files(
 /// Lines of text with the environment variables that name these files of `folder`, which belongs to
 /// `name`.
 std::string configuration_lines(std::string_view name, const std::filesystem::path& folder);
+/// True if the folder's cyclonedds.xml names libraries without a path.
+bool leaves_libraries_open(const std::filesystem::path& folder);
 
 /// Success if configurations and lines for a shell can name files in the folder: the whole path has
 /// no line break, no other control character and nothing that printable() replaces. Error: usage.

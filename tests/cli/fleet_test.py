@@ -155,7 +155,7 @@ class Fleet(Transcript):
         began = time.monotonic()
         done = self.run_program(*self.issue(fleet))
         self.assertLess(time.monotonic() - began, 60)
-        self.assertEqual(len(done.stdout.splitlines()), 1001)  # the last is about all folders
+        self.assertEqual(len(done.stdout.splitlines()), 1002)  # the last two are about all folders
         self.assertEqual(len(list((self.at / "out").iterdir())), 1000)
 
 

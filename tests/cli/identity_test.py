@@ -287,6 +287,14 @@ class Identity(Transcript):
         text = (self.at / "talker/cyclonedds.xml").read_text()
         return {os.path.dirname(e.get("path")) for e in xml.fromstring(text).iter("Library")}
 
+    def test_a_configuration_without_the_plugins_folder_says_so(self):
+        text = "cyclonedds.xml does not say where ddssec's plugins are"
+        self.assertIn(text, self.run_with_secret(self.run_program, *self.issue("--publish", "x")).stdout)
+        replaced = ("--replace", "--publish", "x")
+        named = self.run_with_secret(self.run_program, *self.issue(*replaced, "--dropin", "/opt/a")).stdout
+        self.assertNotIn(text, named)
+        self.assertNotIn(text, self.run_with_secret(self.run_program, *self.issue(*replaced)).stdout)
+
     def test_a_folder_that_is_there_gets_the_drop_in_folder(self):
         self.run_with_secret(self.run_program, *self.issue("--publish", "x"))
         key = (self.at / "talker/key.pem").read_bytes()
