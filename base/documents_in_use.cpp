@@ -91,6 +91,14 @@ void DocumentsInUse::note(std::int64_t identity, const std::vector<DocumentState
   for (const auto& state : states) note(participant->second.documents[state.kind], state, now);
 }
 
+void DocumentsInUse::note_end(std::int64_t identity, const Error& why, WallTime now) {
+  if (!is_of_this_process()) return;
+  const std::scoped_lock lock(mutex_);
+  const auto participant = participants_.find(identity);
+  if (participant == participants_.end() || participant->second.end) return;
+  participant->second.end = Refusal{why, now, true};
+}
+
 void DocumentsInUse::forget(std::int64_t identity, std::span<const DocumentKind> kinds) {
   if (!is_of_this_process()) return;
   const std::scoped_lock lock(mutex_);
@@ -100,28 +108,31 @@ void DocumentsInUse::forget(std::int64_t identity, std::span<const DocumentKind>
   if (participant->second.documents.empty()) participants_.erase(participant);
 }
 
+Json DocumentsInUse::json_of(const std::optional<Refusal>& refusal) {
+  if (!refusal) return {};
+  return {{"at", to_string(refusal->at)},
+          {"file", shortened(refusal->why.details().document, kMostOfAnswerPath)},
+          {"code", static_cast<int>(refusal->why.code())},
+          {"name", info(refusal->why.code()).name},
+          {"sentence", shortened(refusal->why.to_sentence(), kMostOfAnswerPath)},
+          {"stands", refusal->stands}};
+}
+
 std::string DocumentsInUse::json_of(std::int64_t identity, const Participant& participant) {
   auto documents = Json::array();
   for (const auto& [kind, document] : participant.documents) {
-    Json refused;
-    if (const auto& refusal = document.refusal)
-      refused = {{"at", to_string(refusal->at)},
-                 {"file", shortened(refusal->why.details().document, kMostOfAnswerPath)},
-                 {"code", static_cast<int>(refusal->why.code())},
-                 {"name", info(refusal->why.code()).name},
-                 {"sentence", shortened(refusal->why.to_sentence(), kMostOfAnswerPath)},
-                 {"stands", refusal->stands}};
     const auto& parts = document.parts;
     documents.push_back({{"kind", to_string(kind)},
                          {"file", shortened(document.file, kMostOfAnswerPath)},
                          {"since", to_string(document.since)},
                          {"in_force", ddssec::json_of(parts)},
                          {"more", parts.size() - std::min(parts.size(), kMostParts)},
-                         {"refused", std::move(refused)}});
+                         {"refused", json_of(document.refusal)}});
   }
   const Json out = {{"identity", identity},
                     {"guid", shortened(participant.guid)},
                     {"subject", shortened(participant.subject)},
+                    {"cut_off", json_of(participant.end)},
                     {"documents", std::move(documents)}};
   // Names of files and subjects need not be UTF-8.
   return out.dump(-1, ' ', true, Json::error_handler_t::replace);

@@ -12,6 +12,8 @@
 #include <unistd.h>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "base/clock.hpp"
 #include "base/result.hpp"
 
@@ -61,6 +63,9 @@ class DocumentsInUse {
   /// `now`: since then the state is in force or refused, if it is another than before. A refusal
   /// that no longer holds stays known as the last one.
   void note(std::int64_t identity, const std::vector<DocumentState>& states, WallTime now);
+  /// The participant is cut off, for good: the first reason stays. Nothing for an identity that is
+  /// not in the record.
+  void note_end(std::int64_t identity, const Error& why, WallTime now);
   /// The participant no longer uses documents of these kinds.
   void forget(std::int64_t identity, std::span<const DocumentKind> kinds);
 
@@ -83,9 +88,11 @@ class DocumentsInUse {
     std::string guid = {};
     std::string subject = {};
     std::map<DocumentKind, Document> documents = {};
+    std::optional<Refusal> end = {};
   };
 
   static void note(Document& document, const DocumentState& state, WallTime now);
+  static nlohmann::ordered_json json_of(const std::optional<Refusal>& refusal);
   static std::string json_of(std::int64_t identity, const Participant& participant);
 
   bool is_of_this_process() const;

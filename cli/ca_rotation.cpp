@@ -374,8 +374,7 @@ struct Reissue {
       return std::string();
     }
     DDSSEC_RETURN_IF_ERROR(check_follows(follower, certificate, change, log));
-    const auto life =
-        validity_after(certificate, {now - kBackdated, certificate.not_after()}, now);
+    const auto life = validity_after(certificate, {now - kBackdated, certificate.not_after()}, now);
     DDSSEC_ASSIGN_OR_RETURN(const auto again, change.ca.reissue(certificate, life, context.random));
     DDSSEC_RETURN_IF_ERROR(out.put_public(files.certificate, again.pem()));
     DDSSEC_RETURN_IF_ERROR(put_trust(out, follower, again));

@@ -200,14 +200,13 @@ std::string to_text(const governance::GovernanceDiff& diff, bool only_listed) {
 
 }  // namespace
 
-Report report_of(const governance::GovernanceDiff& diff, const DiffSides& sides,
-                 bool only_listed) {
+Report report_of(const governance::GovernanceDiff& diff, const DiffSides& sides, bool only_listed) {
   Report report;
-  report.text =
-      to_text(diff, only_listed) + readings_text(diff.readings) + signer_text(sides) +
-      verdict_text(diff);
+  report.text = to_text(diff, only_listed) + readings_text(diff.readings) + signer_text(sides) +
+                verdict_text(diff);
   if (only_listed)
-    report.text += "only the topics of --topics were compared; for others the verdict says nothing\n";
+    report.text +=
+        "only the topics of --topics were compared; for others the verdict says nothing\n";
   report.result = {{"verdict", governance::to_string(diff.verdict)},
                    {"breaks_interop", !diff.flag_day_domains.empty()},
                    {"flag_day_domains", domains_json(diff.flag_day_domains)},

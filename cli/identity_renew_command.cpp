@@ -299,9 +299,8 @@ Result<Report> renew(Renewal job) {
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open("identity"));
   DDSSEC_ASSIGN_OR_RETURN(job.old, certificate_of(path));  // a rotation may have been waited for
   DDSSEC_ASSIGN_OR_RETURN(job.recorded, check_renewable(job, ca));
-  DDSSEC_ASSIGN_OR_RETURN(const auto life,
-                          within_ca(validity_after(old, wanted, now), ca.certificate(),
-                                    arguments.has("--clamp")));
+  DDSSEC_ASSIGN_OR_RETURN(const auto life, within_ca(validity_after(old, wanted, now),
+                                                     ca.certificate(), arguments.has("--clamp")));
   std::optional<pki::PrivateKey> key;
   if (job.is_rekeying()) {
     DDSSEC_ASSIGN_OR_RETURN(

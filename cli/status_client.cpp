@@ -119,6 +119,7 @@ class Reading {
     return {{"identity", from.at("identity").get<std::int64_t>()},
             {"guid", member(from, "guid")},
             {"subject", member(from, "subject")},
+            {"cut_off", from.contains("cut_off") ? refusal_of(from["cut_off"]) : Json()},
             {"documents", std::move(documents)}};
   }
 

@@ -33,7 +33,7 @@ class StatusFolder {
   const std::filesystem::path& path() const { return path_; }
 
   struct Answer {
-    /// Each with `identity`, `guid`, `subject` and `documents`.
+    /// Each with `identity`, `guid`, `subject`, `cut_off` and `documents`.
     Json participants;
     std::uint64_t left_out = 0;  ///< number of participants that the answer had no room for
   };

@@ -68,6 +68,7 @@ class Participants {
   static void complete(Json& participant, const Json& given) {
     for (const char* const name : {"guid", "subject"})
       if (participant[name] == "") participant[name] = given[name];
+    if (participant["cut_off"].is_null()) participant["cut_off"] = given["cut_off"];
     for (const auto& document : given["documents"]) participant["documents"].push_back(document);
   }
 
@@ -145,11 +146,15 @@ std::string text_of(pid_t pid, const Json& participant, const std::string& now) 
   const auto guid = participant["guid"].get<std::string>();
   auto out = fmt::format("process {}: {}{}\n", pid, participant["subject"].get<std::string>(),
                          guid.empty() ? "" : "  guid " + guid);
+  if (const auto& end = participant["cut_off"]; !end.is_null())
+    out += fmt::format("  CUT OFF since {}, until it is started again: {}\n",
+                       end["at"].get<std::string>(), end["sentence"].get<std::string>());
   for (const auto& document : participant["documents"]) out += text_of(document, now);
   return out;
 }
 
 bool is_well(const Json& participant, const std::string& now) {
+  if (!participant["cut_off"].is_null()) return false;
   return std::ranges::none_of(participant["documents"], [&](const Json& document) {
     return stands_refused(document) ||
            std::ranges::any_of(document["in_force"],
@@ -249,7 +254,7 @@ std::vector<Command> trust_commands() {
   return {{.group = "trust",
            .name = "status",
            .summary = "Shows which documents running participants use, and what they refused; "
-                      "exit 1: one stands refused or has ended.",
+                      "exit 1: one stands refused or has ended, or a participant is cut off.",
            .positionals = {{"DIR",
                             "a participant's folder: those that use its documents; without "
                             "it, all",

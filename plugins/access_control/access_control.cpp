@@ -206,6 +206,7 @@ class Plugin final : public spi::AccessControl {
                                                WallTime now);
   void renew_documents(const Entries& all, PermissionsHandle local);
   void note_documents(PermissionsHandle local) noexcept;
+  void note_end(const PermissionsHolder& local, const Error& why, WallTime now);
   void forget_documents(const PermissionsHolder& gone);
   Status judge_own(const PermissionsHolder& remote, const Match& match);
   bool may_as_announced(PermissionsHolder& holder, Action action, const EndpointRequest& local);
@@ -463,6 +464,11 @@ void Plugin::note_documents(PermissionsHandle local) noexcept {
   }
 }
 
+void Plugin::note_end(const PermissionsHolder& local, const Error& why, WallTime now) {
+  if (environment_.documents != nullptr)
+    environment_.documents->note_end(local.participant()->identity.value, why, now);
+}
+
 void Plugin::forget_documents(const PermissionsHolder& gone) {
   constexpr std::array kOurs = {DocumentKind::permissions_ca, DocumentKind::permissions,
                                 DocumentKind::governance};
@@ -490,7 +496,10 @@ std::vector<PermissionsHandle> Plugin::expire(PermissionsHandle local) {
     const auto reason = holder->newly_ended(now);
     if (!reason) continue;
     ended.push_back(handle);  // in order
-    if (!holder->remote()) gone.insert(holder->participant().get());
+    if (!holder->remote()) {
+      gone.insert(holder->participant().get());
+      note_end(*holder, *reason, now);
+    }
     reasons.emplace_back(event_about(holder->peer_subject(), *reason), holder.get());
   }
   if (!gone.empty())

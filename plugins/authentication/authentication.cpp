@@ -128,6 +128,11 @@ void PkiDh::note_documents_in_use(IdentityHandle local) noexcept {
   }
 }
 
+/// For a person who asks. Of peers there is no record.
+void PkiDh::note_end(IdentityHandle identity, const Error& why, WallTime now) {
+  if (environment_.documents != nullptr) environment_.documents->note_end(identity.value, why, now);
+}
+
 /// True if our own end is not what ended the session: it would have its own event.
 bool PkiDh::has_outlived(const std::vector<IdentityTable::Ended>& all,
                          const IdentityTable::Ended& session) const {
@@ -175,11 +180,13 @@ std::vector<IdentityHandle> PkiDh::expire(IdentityHandle local) {
   for (const auto& revoked : revocations.identities) {
     tell(revoked.handle);
     events.push_back(event_about(revoked.peer, revoked.reason));
+    note_end(revoked.handle, revoked.reason, now);
   }
   for (const auto& ended : all) {
     tell(ended.handle);
     if (ended.with_ours && !has_outlived(all, ended)) continue;
     events.push_back(event_of_end(ended, now));
+    note_end(ended.handle, events.back().error, now);
   }
   for (const auto& own : table_.locals(local))
     for (const auto& error : own.identity->ends_soon(now))

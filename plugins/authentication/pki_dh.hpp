@@ -67,6 +67,7 @@ class PkiDh final : public spi::Authentication {
  private:
   Revocations look_at_files(IdentityHandle local);
   void note_documents_in_use(IdentityHandle local) noexcept;
+  void note_end(IdentityHandle identity, const Error& why, WallTime now);
 
   template <class T>
   Result<T> reported(Result<T> result, const PeerName& peer = {}) const {

@@ -57,9 +57,9 @@ Status AnyDataWriter::restore(EndpointRequest& request) {
                 .topic = request.topic_name,
                 .type = request.type_name,
                 .partition = request.qos.partition};
-  DDSSEC_ASSIGN_OR_RETURN(auto history,
-                          durability_.open(*store, std::move(key), request.qos.durability_service));
   const auto [now, wall] = context_.moment();
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto history, durability_.open(*store, std::move(key), request.qos.durability_service, wall));
   for (auto& change : history) {
     const auto age = wall.to_nanoseconds() - change.source_time.value_or(wall).to_nanoseconds();
     if (WriterLifespan::is_over(qos_.lifespan, age)) continue;

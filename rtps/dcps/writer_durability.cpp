@@ -7,8 +7,8 @@ WriterDurability::~WriterDurability() {
 }
 
 Result<std::vector<Change>> WriterDurability::open(DurableStore& store, StreamKey key,
-                                                   const DurabilityService& service) {
-  DDSSEC_ASSIGN_OR_RETURN(auto opened, store.open_stream(std::move(key), service));
+                                                   const DurabilityService& service, Time now) {
+  DDSSEC_ASSIGN_OR_RETURN(auto opened, store.open_stream(std::move(key), service, now));
   store_ = &store;
   stream_ = opened.id;
   return std::move(opened.history);

@@ -17,9 +17,9 @@ class WriterDurability {
   WriterDurability& operator=(const WriterDurability&) = delete;
 
   /// Returns the samples that an earlier writer left in the stream. `store` must outlive this
-  /// object. Errors: those of DurableStore::open_stream.
+  /// object. `now`: calendar time. Errors: those of DurableStore::open_stream.
   Result<std::vector<Change>> open(DurableStore& store, StreamKey key,
-                                   const DurabilityService& service);
+                                   const DurabilityService& service, Time now);
   bool is_open() const { return store_ != nullptr; }
 
   /// Stores the change with sequence number `number` of `writer`. Never waits.

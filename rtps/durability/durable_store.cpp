@@ -66,7 +66,7 @@ Status DurableStore::wait(std::chrono::nanoseconds most, Ready ready) {
 }
 
 Result<DurableStore::Opened> DurableStore::open_stream(StreamKey key,
-                                                       const DurabilityService& service) {
+                                                       const DurabilityService& service, Time now) {
   std::unique_lock store(store_mutex_, kLongestOpen);
   if (!store) return fail(Code::rtps_timeout, {.document = store_.path()});
   forget_closed();
@@ -80,7 +80,7 @@ Result<DurableStore::Opened> DurableStore::open_stream(StreamKey key,
       if (const auto last = last_.find(id); last != last_.end()) before = last->second;
     }
     store.unlock();
-    auto opened = load(id, service, before);
+    auto opened = load(id, service, before, now);
     if (!opened) close_stream(id);
     return opened;
   }
@@ -98,13 +98,13 @@ Result<bool> DurableStore::is_empty() {
 }
 
 Result<DurableStore::Opened> DurableStore::load(StreamId id, const DurabilityService& service,
-                                                std::uint64_t after) {
+                                                std::uint64_t after, Time now) {
   DDSSEC_RETURN_IF_ERROR(wait(kLongestOpen, [&] { return committed_ >= after; }));
   const std::unique_lock store(store_mutex_, kLongestOpen);
   if (!store) return fail(Code::rtps_timeout, {.document = store_.path()});
   DDSSEC_ASSIGN_OR_RETURN(auto history, store_.load(id));
   const std::lock_guard held(mutex_);
-  index_.open(id, service, history);
+  index_.open(id, service, history, now);
   return Opened{id, std::move(history.changes), std::move(history.rows), std::move(history.heard)};
 }
 
@@ -154,7 +154,7 @@ DurableStore::Appended DurableStore::append(StoredChange change, Time now) {
   // What is being stored counts twice until it is stored: then there may be room.
   if (identity && pending_.empty() && appended_ == committed_) index_.shares().refuse(*identity);
   if (index_.shares().has_news()) work_.notify_one();
-  return {};
+  return {.outcome = {}, .has_no_share = identity && octets_of_.find(*identity)->second == 0};
 }
 
 std::vector<std::int64_t> DurableStore::clean_up(StreamId stream, Time now) {

@@ -39,8 +39,9 @@ class DurableStore {
   };
   /// Opens the first stream of `key` that no other writer has open; its ordinal is chosen here.
   /// A stream to which nothing is appended that is not committed can be opened on a full disk.
+  /// `now`: calendar time; later source timestamps of stored samples overtake nothing.
   /// Errors: those of SampleStore, and those of flush.
-  Result<Opened> open_stream(StreamKey key, const DurabilityService& service);
+  Result<Opened> open_stream(StreamKey key, const DurabilityService& service, Time now);
   /// Once everything that was appended to the stream is committed, a stream without samples is
   /// removed.
   void close_stream(StreamId stream);
@@ -48,6 +49,8 @@ class DurableStore {
   struct Appended {
     SampleIndex::Outcome outcome;
     std::uint64_t number = 0;  ///< committed() reaches it when this is stored
+    /// It waits although nothing else of its identity is being stored: it may wait for long.
+    bool has_no_share = false;
   };
   /// Never waits for a disk. What has the verdict `waits` was not appended: try again later.
   /// `now`: calendar time.
@@ -96,7 +99,7 @@ class DurableStore {
   void report(const Error* failure, std::uint64_t beyond_limits,
               const std::vector<StoreShares::Refusals>& refusals) noexcept;
   /// `after`: the change that must be committed before.
-  Result<Opened> load(StreamId id, const DurabilityService& service, std::uint64_t after);
+  Result<Opened> load(StreamId id, const DurabilityService& service, std::uint64_t after, Time now);
   /// The caller holds the store's mutex.
   void forget_closed();
   bool over() const {

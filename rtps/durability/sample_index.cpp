@@ -29,7 +29,7 @@ SampleIndex::Account SampleIndex::account_of(StoreShares& shares,
 }
 
 void SampleIndex::open(StreamId stream, const DurabilityService& service,
-                       const StoredHistory& history) {
+                       const StoredHistory& history, Time now) {
   Stream opened;
   opened.service = service;
   for (std::size_t i = 0; i < history.changes.size(); ++i) {
@@ -37,9 +37,10 @@ void SampleIndex::open(StreamId stream, const DurabilityService& service,
     const auto account = account_of(shares_, history.identities[i]);
     const auto octets = StoreShares::cost(change.payload.size());
     const auto time = change.source_time.value_or(Time{});
-    insert(opened, key_of(change),
-           {history.rows[i], static_cast<std::uint32_t>(octets), account, time},
-           end_of(change, service, time));
+    insert(
+        opened, key_of(change),
+        {history.rows[i], static_cast<std::uint32_t>(octets), account, time <= now ? time : Time{}},
+        end_of(change, service, time));
   }
   streams_.insert_or_assign(stream, std::move(opened));
 }

@@ -23,8 +23,10 @@ class SampleIndex {
   explicit SampleIndex(std::int64_t last_row = 0) : last_row_(last_row) {}
 
   /// From now on the stream holds `history`, which the shares include already, and `service`
-  /// determines how much of it is kept.
-  void open(StreamId stream, const DurabilityService& service, const StoredHistory& history);
+  /// determines how much of it is kept. `now`: calendar time; when a sample arrived that has a
+  /// later source timestamp is not known, and it overtakes nothing.
+  void open(StreamId stream, const DurabilityService& service, const StoredHistory& history,
+            Time now);
   void close(StreamId stream) { streams_.erase(stream); }
 
   enum class Verdict : std::uint8_t {

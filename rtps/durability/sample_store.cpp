@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "base/hash.hpp"
 #include "rtps/durability/store_file.hpp"
 
@@ -16,6 +18,8 @@ constexpr std::size_t kOctetsPerHeard = 1024;
 constexpr std::size_t kPageSize = 4096;
 constexpr std::size_t kSumSize = 8;
 constexpr std::size_t kLargestPayload = 64u << 20;
+constexpr std::string_view kWithoutSamples =
+    "NOT EXISTS (SELECT 1 FROM sample WHERE sample.stream = stream.id)";
 
 constexpr std::string_view kSchema[] = {
     "CREATE TABLE stream(id INTEGER PRIMARY KEY, domain INTEGER NOT NULL, topic TEXT NOT NULL, "
@@ -140,7 +144,7 @@ Status SampleStore::prepare(std::size_t most_octets) {
                                  "VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"));
   DDSSEC_ASSIGN_OR_RETURN(last_row_, database_.number("SELECT coalesce(max(id), 0) FROM sample"));
   // Without room, the empty streams stay until there is some.
-  if (auto erased = erase_empty_streams();
+  if (auto erased = erase_unused_streams();
       !erased && erased.error().code() != Code::rtps_store_failed)
     return erased;
   DDSSEC_ASSIGN_OR_RETURN(last_stream_,
@@ -213,14 +217,37 @@ Status SampleStore::renew_schema(std::int64_t version) {
   return database_.run("PRAGMA user_version=" + std::to_string(kVersion));
 }
 
-Status SampleStore::erase_empty_streams() {
-  constexpr std::string_view kEmpty =
-      "FROM stream WHERE NOT EXISTS (SELECT 1 FROM sample WHERE sample.stream = stream.id)";
-  DDSSEC_ASSIGN_OR_RETURN(const auto count,
-                          database_.number("SELECT count(*) " + std::string(kEmpty)));
-  if (count == 0) return {};
-  DDSSEC_RETURN_IF_ERROR(database_.run("DELETE " + std::string(kEmpty)));
-  return database_.run("DELETE FROM heard WHERE stream NOT IN (SELECT id FROM stream)");
+Status SampleStore::erase_unused_streams() {
+  const auto unused = fmt::format(
+      "FROM stream WHERE {} AND NOT EXISTS (SELECT 1 FROM heard WHERE heard.stream = "
+      "stream.id)",
+      kWithoutSamples);
+  DDSSEC_ASSIGN_OR_RETURN(const auto count, database_.number("SELECT count(*) " + unused));
+  return count == 0 ? Status() : database_.run("DELETE " + unused);
+}
+
+Status SampleStore::make_place() {
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto rows, database_.prepare(fmt::format("SELECT id FROM stream WHERE {} ORDER BY (SELECT "
+                                               "max(used) FROM heard WHERE heard.stream = id)",
+                                               kWithoutSamples)));
+  while (true) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto has_row, rows.step());
+    if (!has_row)
+      return fail(Code::rtps_store_failed, {.document = path_,
+                                            .field = "writers",
+                                            .expected = "at most " + std::to_string(kMostStreams),
+                                            .found = "one more"});
+    const StreamId id{rows.number(0)};
+    if (!streams_.contains(id)) return forget(id);
+  }
+}
+
+Status SampleStore::forget(StreamId id) {
+  const auto number = std::to_string(id.value);
+  DDSSEC_RETURN_IF_ERROR(database_.run("DELETE FROM heard WHERE stream = " + number));
+  heard_ -= std::min(heard_, static_cast<std::size_t>(database_.changes()));
+  return database_.run("DELETE FROM stream WHERE id = " + number);
 }
 
 Result<std::optional<StreamId>> SampleStore::row_of(const StreamKey& key) {
@@ -267,11 +294,7 @@ Result<StreamId> SampleStore::stream(const StreamKey& key) {
     return *id;
   }
   DDSSEC_ASSIGN_OR_RETURN(const auto stream_count, streams());
-  if (stream_count >= kMostStreams)
-    return fail(Code::rtps_store_failed, {.document = path_,
-                                          .field = "writers",
-                                          .expected = "at most " + std::to_string(kMostStreams),
-                                          .found = "one more"});
+  if (stream_count >= kMostStreams) DDSSEC_RETURN_IF_ERROR(make_place());
   const StreamId next{last_stream_ + 1};
   streams_.emplace(next, Stream{key});
   last_stream_ = next.value;
@@ -284,15 +307,10 @@ Status SampleStore::close(StreamId id) {
   const bool has_row = at->second.has_row;
   streams_.erase(at);
   if (!has_row) return {};
-  DDSSEC_ASSIGN_OR_RETURN(const auto samples,
-                          database_.number("SELECT count(*) FROM (SELECT 1 FROM sample WHERE "
-                                           "stream = " +
-                                           std::to_string(id.value) + " LIMIT 1)"));
-  if (samples != 0) return {};
-  const auto number = std::to_string(id.value);
-  DDSSEC_RETURN_IF_ERROR(database_.run("DELETE FROM heard WHERE stream = " + number));
-  heard_ -= std::min(heard_, static_cast<std::size_t>(database_.changes()));
-  return database_.run("DELETE FROM stream WHERE id = " + number);
+  return database_.run(
+      fmt::format("DELETE FROM stream WHERE id = {0} AND {1} AND NOT EXISTS (SELECT 1 FROM heard "
+                  "WHERE stream = {0})",
+                  id.value, kWithoutSamples));
 }
 
 Status SampleStore::read_shares(StoreShares& shares) {

@@ -32,10 +32,12 @@ class SampleStore {
   SampleStore(SampleStore&&) noexcept = default;
 
   /// Returns the stream of a writer: a new one, or the existing one with its samples. A new stream
-  /// is in the database from its first sample on. Errors: rtps_store_failed, rtps_store_unusable.
+  /// is in the database from its first sample on. Of too many streams, one is forgotten that is not
+  /// open and has no samples. Errors: rtps_store_failed, rtps_store_unusable.
   Result<StreamId> stream(const StreamKey& key);
-  /// The stream's writer is gone: removes the stream if it has no samples. Errors:
-  /// rtps_store_failed, rtps_store_unusable (then it is removed when the store is opened again).
+  /// The stream's writer is gone: removes the stream if it has no samples, and no writer is
+  /// remembered that was heard on it. Errors: rtps_store_failed, rtps_store_unusable (then it is
+  /// removed when the store is opened again).
   Status close(StreamId stream);
   /// Returns the samples in the order in which they were stored, oldest first, each with its
   /// original writer. Errors: rtps_store_unusable (a sample differs from what was stored),
@@ -53,7 +55,8 @@ class SampleStore {
   Result<std::size_t> room();
   /// The last row that was used.
   std::int64_t last_row() const { return last_row_; }
-  /// The number of writers that have samples in it, or will have: at most kMostStreams.
+  /// The number of streams that have samples or remembered writers, or will have: at most
+  /// kMostStreams.
   Result<std::size_t> streams();
   const std::string& path() const { return path_; }
 
@@ -71,8 +74,12 @@ class SampleStore {
   Status create_schema();
   /// Upgrades the schema of an earlier version.
   Status renew_schema(std::int64_t version);
-  /// Removes all streams without samples.
-  Status erase_empty_streams();
+  /// Removes all streams without samples and remembered writers.
+  Status erase_unused_streams();
+  /// Forgets the stream without samples that was not heard on for the longest time.
+  Status make_place();
+  /// Removes a stream without samples, and the writers that were heard on it.
+  Status forget(StreamId id);
   /// Empty: not in the database.
   Result<std::optional<StreamId>> row_of(const StreamKey& key);
   /// Empty: neither in the database nor in memory.

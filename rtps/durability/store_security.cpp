@@ -16,7 +16,7 @@ std::string_view in_words(bool is_secured) {
 Status check_store_security(DurableStore& store, bool is_secured, Time now) {
   DDSSEC_ASSIGN_OR_RETURN(const bool is_empty, store.is_empty());
   DDSSEC_ASSIGN_OR_RETURN(const auto opened,
-                          store.open_stream({.topic = "", .type = "security"}, {}));
+                          store.open_stream({.topic = "", .type = "security"}, {}, now));
   std::string_view found = in_words(is_empty ? is_secured : true);
   if (!opened.history.empty()) found = as_text(opened.history.back().payload.view());
   const auto wanted = in_words(is_secured);

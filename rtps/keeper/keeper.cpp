@@ -54,11 +54,9 @@ Change announcement(const EndpointData& writer, const KeyHash& key) {
   return change;
 }
 
-/// True if the same may succeed later.
-bool lacks_room(const Error& error) {
-  return error.code() == Code::rtps_store_failed || error.code() == Code::rtps_timeout ||
-         error.code() == Code::out_of_memory;
-}
+/// False: the writer's announcement alone is the reason. Otherwise there may be room later, or the
+/// right, when permissions are renewed.
+bool may_succeed_later(const Error& error) { return error.code() != Code::rtps_qos_incompatible; }
 
 /// Removes what was remembered of the topic.
 Change end_of_announcement(const KeyHash& key) {
@@ -112,7 +110,7 @@ Status Keeper::start() {
   DDSSEC_ASSIGN_OR_RETURN(
       auto known,
       store_->open_stream(stream_of_announcements(participant_->domain_id(), domain_tag_),
-                          DurabilityService{}));
+                          DurabilityService{}, participant_->context_.moment().wall));
   known_ = known.id;
   for (const auto& change : known.history) keep_known(change);
   refused_ = std::make_unique<RefusedWriters>([this](const Guid& writer) { return retry(writer); });
@@ -154,33 +152,47 @@ bool Keeper::wants(const EndpointData& writer) const {
          });
 }
 
-std::optional<EndpointData> Keeper::admitted(const Guid& writer) const {
+std::optional<EndpointData> Keeper::wanted(const Guid& writer) const {
   auto& context = participant_->context_;
   const std::lock_guard lock(context.mutex());
   const auto& remotes = context.protocol().remote_participants();
   const auto* announced = remotes.endpoint(writer);
   if (announced == nullptr || !wants(*announced)) return std::nullopt;
-  const auto& security = remotes.core().security;
-  if (security && !security->may_write(Admission::Endpoint::of(*announced))) return std::nullopt;
   auto out = *announced;
   out.guid.prefix = remotes.core().identity_of(writer.prefix);
   return out;
 }
 
+bool Keeper::may_write(const Guid& writer) const {
+  auto& context = participant_->context_;
+  const std::lock_guard lock(context.mutex());
+  const auto& remotes = context.protocol().remote_participants();
+  const auto* announced = remotes.endpoint(writer);
+  const auto& security = remotes.core().security;
+  return announced != nullptr &&
+         (!security || security->may_write(Admission::Endpoint::of(*announced)));
+}
+
 void Keeper::consider(const Guid& writer) {
-  const auto announced = admitted(writer);
+  const auto announced = wanted(writer);
   if (!announced) return;
+  const auto& identity = announced->guid.prefix;
+  if (!may_write(writer)) {
+    refused_->add(writer, identity);
+    return;
+  }
   const auto kept = keep(*announced, writer);
   if (kept) return;
-  if (lacks_room(kept.error()) && !refused_->add(writer, announced->guid.prefix)) return;
+  if (may_succeed_later(kept.error()) && !refused_->add(writer, identity)) return;
   report(kept.error(), *announced);
 }
 
 bool Keeper::retry(const Guid& writer) {
-  const auto announced = admitted(writer);
+  const auto announced = wanted(writer);
   if (!announced) return true;
+  if (!may_write(writer)) return false;
   const auto kept = keep(*announced, writer);
-  return kept || !lacks_room(kept.error());
+  return kept || !may_succeed_later(kept.error());
 }
 
 // A writer matches only if it may write. Until then, a writer of another identity that may also

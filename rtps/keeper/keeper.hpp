@@ -79,14 +79,15 @@ class Keeper final : private DataReaderListener {
   bool wants(const EndpointData& writer) const;
   /// Keeps the writer's topic if the writer still exists and may write to it.
   void consider(const Guid& writer);
-  /// Returns the writer's announcement, with the prefix of its identity. Empty: the writer is gone,
-  /// is not wanted or may not write.
-  std::optional<EndpointData> admitted(const Guid& writer) const;
+  /// Returns the writer's announcement, with the prefix of its identity. Empty: the writer is gone
+  /// or is not wanted.
+  std::optional<EndpointData> wanted(const Guid& writer) const;
+  bool may_write(const Guid& writer) const;
   /// Keeps a topic that is already in the store. If it cannot be kept, the others still are.
   void keep_known(const Change& announced);
   /// Raises the event that the writer's topic is not kept.
   void report(const Error& error, const EndpointData& writer) const;
-  /// Considers a refused writer again. Returns false if there is still no room.
+  /// Considers a refused writer again. Returns false if it is still refused.
   bool retry(const Guid& writer);
   /// Keeps the topic from now on, if it is not kept yet. `announcer`: empty if the topic is already
   /// in the store. Errors: rtps_store_failed, those of KeptTopic::open.

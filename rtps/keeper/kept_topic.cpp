@@ -14,6 +14,8 @@ constexpr MonotonicTime kLook = std::chrono::milliseconds(5);
 constexpr MonotonicTime kRareLook = std::chrono::seconds(1);
 // How often changes are offered again that wait for an owner to come back.
 constexpr MonotonicTime kDeferredLook = std::chrono::milliseconds(100);
+// How often a sample is requested again that its writer may have replaced.
+constexpr MonotonicTime kRequest = std::chrono::milliseconds(500);
 // What a late joiner is offered at least, because assertions go to all participants for as long as
 // the topic is kept.
 constexpr Duration kLeastLease{{1, 0}};
@@ -82,8 +84,9 @@ Status KeptTopic::open(DomainId domain, const std::string& domain_tag) {
                 .type = like_.type_name,
                 .partition = like_.qos.partition,
                 .scope = scope_of(domain_tag, like_.qos.data_tags)};
-  DDSSEC_ASSIGN_OR_RETURN(auto opened,
-                          store_.open_stream(std::move(key), like_.qos.durability_service));
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto opened,
+      store_.open_stream(std::move(key), like_.qos.durability_service, context_.moment().wall));
   stream_ = opened.id;
   const std::lock_guard held(context_.mutex());
   has_samples_ = !opened.history.empty();
@@ -189,6 +192,7 @@ bool KeptTopic::keep(Change& change) {
                                   wall);
   if (kept.outcome.verdict == SampleIndex::Verdict::waits) {
     have_waited_.insert(writer);
+    if (kept.has_no_share) without_share_.insert(writer);
     return false;
   }
   seen_.add(SeenOriginals::of(change));
@@ -224,6 +228,7 @@ void KeptTopic::on_matched(const EndpointData& remote) {
 void KeptTopic::on_unmatched(const Guid& remote) {
   writers_.erase(remote);
   have_waited_.erase(remote);
+  without_share_.erase(remote);
   if (!owners_) return;
   owners_->remove_writer(remote);
   liveliness_.remove(remote);
@@ -254,12 +259,12 @@ StatefulWriter& KeptTopic::server() const {
 
 std::uint64_t KeptTopic::waiting() const {
   const auto* reader = context_.protocol().local_endpoints().reader(reader_);
-  return reader == nullptr ? 0 : reader->refused();
+  return reader == nullptr ? 0 : reader->refused().waiting;
 }
 
 std::uint64_t KeptTopic::abandoned() const {
   const auto* reader = context_.protocol().local_endpoints().reader(reader_);
-  return reader == nullptr ? 0 : reader->abandoned();
+  return reader == nullptr ? 0 : reader->refused().abandoned;
 }
 
 std::uint64_t KeptTopic::served() const { return server().history().size(); }
@@ -289,8 +294,20 @@ void KeptTopic::on_time(MonotonicTime now) {
   if (has_delayed_ends()) discard(store_.clean_up(*stream_, context_.moment().wall));
   const bool has_news = acknowledge_stored();
   auto* reader = context_.protocol().local_endpoints().reader(reader_);
+  look_at_waiting(now);
   if ((std::exchange(deferred_, false) || has_news) && reader != nullptr) reader->offer_again();
   look_again(now);
+}
+
+void KeptTopic::look_at_waiting(MonotonicTime now) {
+  auto* reader = context_.protocol().local_endpoints().reader(reader_);
+  if (now < request_at_ || reader == nullptr) return;
+  request_at_ = now + kRequest;
+  for (const auto& writer : std::exchange(without_share_, {})) reader->request_refused(writer);
+  std::erase_if(have_waited_, [&](const Guid& writer) {
+    const auto* const proxy = reader->writer(writer);
+    return proxy == nullptr || proxy->has_caught_up();
+  });
 }
 
 bool KeptTopic::has_delayed_ends() const {

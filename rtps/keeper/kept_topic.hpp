@@ -72,6 +72,7 @@ class KeptTopic final : private EndpointListener, private Timed {
   SequenceNumber first_unstored(const Guid& writer, SequenceNumber next) const;
   /// Acknowledges what was stored. Returns false if nothing was.
   bool acknowledge_stored();
+  void look_at_waiting(MonotonicTime now);
   bool has_delayed_ends() const;
   /// Lets the writer offer the change again later.
   bool defer(MonotonicTime now);
@@ -105,8 +106,12 @@ class KeptTopic final : private EndpointListener, private Timed {
   std::optional<InstanceOwners> owners_;  ///< only with OWNERSHIP EXCLUSIVE
   LivelinessMonitor liveliness_;          ///< the same: owners that are not alive own nothing
   bool deferred_ = false;                 ///< a change waits for room, or for an owner to come back
-  /// Writers: all that they write from then on counts as late (StoredChange).
+  /// Writers: until they have caught up, all that they write counts as late (StoredChange).
   std::set<Guid> have_waited_;
+  /// Writers: the next change of each has no share of the store. It is requested again, because
+  /// nothing needs to wait for what its writer has replaced.
+  std::set<Guid> without_share_;
+  MonotonicTime request_at_{};
   /// A change that is being stored.
   struct Unstored {
     std::uint64_t number;  ///< see DurableStore::append

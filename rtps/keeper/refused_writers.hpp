@@ -1,5 +1,5 @@
-// Durable writers whose topics a keeper could not keep for want of room, and the thread that tries
-// again.
+// Durable writers whose topics a keeper could not keep for want of room or of a right, and the
+// thread that tries again.
 #pragma once
 
 #include <chrono>

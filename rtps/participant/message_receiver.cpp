@@ -157,7 +157,7 @@ void MessageReceiver::each_reader(const EntityId& id, const EntityId& writer,
   for (auto* reader : endpoints_.readers_of(from)) {
     const auto& own = reader->guid().entity;
     const bool meant = id == kEntityIdUnknown || id == own;
-    if (meant && reader->is_matched(from) && accepts(own, from, context)) f(*reader);
+    if (meant && reader->writer(from) != nullptr && accepts(own, from, context)) f(*reader);
   }
 }
 

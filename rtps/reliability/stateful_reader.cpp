@@ -195,9 +195,14 @@ void StatefulReader::offer_again() {
   }
 }
 
-std::uint64_t StatefulReader::refused() const {
-  std::uint64_t out = 0;
-  for (const auto& [guid, proxy] : writers_) out += proxy.refused();
+void StatefulReader::request_refused(const Guid& writer) {
+  auto* const proxy = find(writer);
+  if (proxy != nullptr && proxy->forget_refused()) acknowledge(*proxy, proxy->announced());
+}
+
+StatefulReader::Refused StatefulReader::refused() const {
+  Refused out{.abandoned = abandoned_};
+  for (const auto& [guid, proxy] : writers_) out.waiting += proxy.refused();
   return out;
 }
 

@@ -60,7 +60,11 @@ class StatefulReader final : private Timed {
 
   const Guid& guid() const { return guid_; }
   std::size_t matched() const { return writers_.size(); }
-  bool is_matched(const Guid& writer) const { return writers_.contains(writer); }
+  /// nullptr: it is not matched.
+  const WriterProxy* writer(const Guid& guid) const {
+    const auto at = writers_.find(guid);
+    return at == writers_.end() ? nullptr : &at->second;
+  }
 
   /// A writer that returns with the keys that it left with continues at its former position: what
   /// it sent before that is not new, from any sender. `wants_history`: the writer may start again
@@ -96,11 +100,14 @@ class StatefulReader final : private Timed {
 
   /// There is room again: offers what was refused for now, and acknowledges it if it is taken.
   void offer_again();
-  /// The number of changes that wait behind one that was refused for now.
-  std::uint64_t refused() const;
-  /// The number of those that waited when their writers left; never reset. A writer that comes back
-  /// offers them again.
-  std::uint64_t abandoned() const { return abandoned_; }
+  /// Requests again what was refused for now: that writer may have replaced it.
+  void request_refused(const Guid& writer);
+  struct Refused {
+    std::uint64_t waiting = 0;    ///< changes that wait behind one that was refused for now
+    std::uint64_t abandoned = 0;  ///< that waited when their writers left; never reset
+  };
+  /// A writer that comes back offers again what was abandoned.
+  Refused refused() const;
   /// True once everything has arrived that the matched reliable writers held when they were first
   /// heard.
   bool has_history() const;

@@ -95,6 +95,19 @@ void WriterProxy::skip_to(SequenceNumber number) {
   advance();
 }
 
+bool WriterProxy::forget_refused() {
+  const std::pair at(announced_, next_);
+  if (refused() == 0 || at == forgotten_at_) return false;
+  forgotten_at_ = at;
+  std::size_t octets = 0;
+  for (std::size_t i = 0; i < kMostForgotten && octets < kMostForgottenOctets; ++i) {
+    if (early_.empty()) break;
+    if (const auto& change = early_.front()) octets += change->payload.size();
+    early_.erase_first();
+  }
+  return true;
+}
+
 bool WriterProxy::misses_any(SequenceNumber last) const {
   if (next_ > last) return false;
   if (!partial_.empty() && partial_.first() <= last) return true;

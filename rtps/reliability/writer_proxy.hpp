@@ -35,6 +35,8 @@ struct MatchedWriter {
 class WriterProxy {
  public:
   static constexpr std::size_t kMaxEarlyChanges = 2048;
+  /// What forget_refused() forgets at once; in octets, one change at least.
+  static constexpr std::size_t kMostForgotten = 256, kMostForgottenOctets = std::size_t{256} << 10;
 
   /// What the proxies of one reader have in common. It must outlive them.
   struct Common {
@@ -60,6 +62,8 @@ class WriterProxy {
   SequenceNumber next() const { return next_; }
   /// The last change that a HEARTBEAT announced.
   SequenceNumber announced() const { return announced_; }
+  /// True if everything that it has announced was delivered or given up.
+  bool has_caught_up() const { return next_ > announced_; }
   /// True if a HEARTBEAT has arrived.
   bool was_heard() const { return heard_; }
   /// True once everything has arrived that a reliable writer held when it was first heard.
@@ -84,6 +88,10 @@ class WriterProxy {
   bool waits_for_heartbeat() const { return waits_; }
   /// Delivers what is held below `number`, and gives up what is missing there.
   void skip_to(SequenceNumber number);
+  /// Forgets the next change if it was refused for now, and some that follow, so that they are
+  /// requested again: the writer may have replaced them. Does nothing, and returns false, if since
+  /// this was called before the writer has announced nothing and nothing was taken or given up.
+  bool forget_refused();
   /// Delivers what was refused for now. Returns false if nothing was taken.
   bool offer_again();
   PartialSamples& partial() { return partial_; }
@@ -128,6 +136,7 @@ class WriterProxy {
   std::int32_t last_heartbeat_ = 0;
   SequenceNumber next_{1};
   SequenceNumber announced_;
+  std::pair<SequenceNumber, SequenceNumber> forgotten_at_;  ///< announced() and next()
   SequenceNumber history_end_;  ///< the last change that its first HEARTBEAT announced
   HeldOctets::Account held_;
   EarlyChanges early_;

@@ -23,7 +23,7 @@ int run(const std::string& path, std::uint32_t count) {
   if (!store) return std::fprintf(stderr, "%s\n", store.error().to_sentence().c_str()), 1;
   DurabilityService service;
   service.history = {HistoryKind::keep_all, 1};
-  const auto stream = (*store)->open_stream({.topic = "Bench", .type = "Bench"}, service);
+  const auto stream = (*store)->open_stream({.topic = "Bench", .type = "Bench"}, service, Time{});
   if (!stream) return 1;
   Change change;
   change.key_hash.emplace();

@@ -22,7 +22,7 @@ def refusal(stands=True):
 
 
 def participant(folder, *documents, identity=1, guid="0110"):
-    return {"identity": identity, "guid": guid, "subject": "CN=talker",
+    return {"identity": identity, "guid": guid, "subject": "CN=talker", "cut_off": None,
             "documents": list(documents) or [certificate(folder), document(folder, refused=refusal())]}
 
 

@@ -52,6 +52,7 @@ class Running(Transcript):
             told = self.ask(*words)
             found = [one for process in told["result"].get("processes", []) for one in process["participants"]]
             documents = {d["kind"]: d for one in found for d in one["documents"]}
+            self.found = found
             if len(found) == 1 and holds(documents):
                 return told, documents
             self.assertLess(time.monotonic(), end, f"{what}: {told}\n{(self.at / 'log').read_text()}")
@@ -103,6 +104,11 @@ class Running(Transcript):
         self.assertEqual(after["exit"], 0)
         for secret in ("PRIVATE", "key.pem"):
             self.assertNotIn(secret, str(after))
+
+        self.run_program("identity", "revoke", "demo/talker", "--ca", "demo")
+        self.put("crl.pem", (self.at / "demo/ca/identity/crl.pem").read_bytes())
+        ended, _ = self.until("the revocation", lambda d: self.found[0]["cut_off"], "demo/talker")
+        self.assertEqual((ended["exit"], self.found[0]["cut_off"]["name"]), (1, "certificate_revoked"))
 
         self.assertIsNone(process.poll(), (self.at / "log").read_text())
         process.send_signal(signal.SIGTERM)

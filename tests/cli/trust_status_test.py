@@ -107,6 +107,15 @@ class TrustStatus(Transcript):
             self.assertIn("CN=talker", done.stdout)
             self.assertIn("no room for 7 participants", done.stderr)
 
+    def test_participant_that_is_cut_off_is_not_well(self):
+        gone = participant(self.folder, certificate(self.folder), document(self.folder))
+        self.assertIsNone(gone["cut_off"])
+        with running_participant(self.status, self.folder, answer(gone)):
+            self.run_program(*ASK)
+        gone["cut_off"] = refusal()
+        with running_participant(self.status, self.folder, answer(gone)):
+            self.assertIn("  CUT OFF since 2026-11-21T01:00:00Z, until", self.run_program(*ASK, exit=1).stdout)
+
     def test_library_that_shows_nothing_is_named(self):
         for shown, missing in ((certificate, "access control"), (document, "authentication")):
             with running_participant(self.status, self.folder, answer(participant(self.folder, shown(self.folder)))):

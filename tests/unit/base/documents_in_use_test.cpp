@@ -36,6 +36,18 @@ struct Record : testing::Test {
   DocumentsInUse documents;
 };
 
+TEST_F(Record, ParticipantThatIsCutOff_HasTheFirstReason) {
+  note(state("7"));
+  EXPECT_TRUE(answer()["participants"][0]["cut_off"].is_null());
+  documents.note_end(2, Error(Code::certificate_expired), kNow);
+  documents.note_end(1, Error(Code::certificate_revoked), kNow);
+  documents.note_end(1, Error(Code::certificate_expired), kNow + 1s);
+  const auto end = answer()["participants"][0]["cut_off"];
+  EXPECT_EQ(end["name"], "certificate_revoked");
+  EXPECT_EQ(end["at"], to_string(kNow));
+  EXPECT_EQ(answer()["participants"].size(), 1u);
+}
+
 TEST_F(Record, Document_IsShownWithItsPartsAndSinceWhen) {
   note(state("7"));
   const auto all = answer();

@@ -82,6 +82,23 @@ TEST_F(WriterProxyTest, ARefusedChange_IsOfferedAgain) {
   EXPECT_THAT(delivered, ElementsAre(1, 2, 3));
 }
 
+TEST_F(WriterProxyTest, ARefusedChange_IsRequestedAgainWheneverTheWriterSaidMore) {
+  refuses_from = 2;
+  for (const std::int64_t number : {1, 2, 3}) add(reliable, number);
+  reliable.on_heartbeat(heartbeat(1, 3, 1));
+  EXPECT_TRUE(reliable.forget_refused());
+  EXPECT_THAT(missing(reliable, 3), ElementsAre(2, 3));
+  EXPECT_FALSE(reliable.forget_refused()) << "nothing was refused";
+  for (const std::int64_t number : {2, 3}) add(reliable, number);
+  EXPECT_FALSE(reliable.forget_refused()) << "the writer cannot have replaced it";
+  reliable.on_heartbeat(heartbeat(1, 4, 2));
+  EXPECT_TRUE(reliable.forget_refused());
+  refuses_from = 10;
+  reliable.accept({2}, std::nullopt);  // the writer has replaced it
+  add(reliable, 3);
+  EXPECT_THAT(delivered, ElementsAre(1, 3));
+}
+
 TEST_F(WriterProxyTest, AnOldHeartbeat_ChangesNothing) {
   EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 3, 7)));
   EXPECT_FALSE(reliable.on_heartbeat(heartbeat(4, 9, 7)));

@@ -20,7 +20,7 @@ constexpr std::uint32_t kInstances = 3;
   Events events;
   auto store = DurableStore::open(path, events);
   if (!store) ::_exit(2);
-  const auto stream = (*store)->open_stream(kMap, service);
+  const auto stream = (*store)->open_stream(kMap, service, seconds(1000));
   if (!stream) ::_exit(3);
   std::mt19937 random(next);
   for (;;) {
@@ -65,7 +65,7 @@ TEST_P(KillTest, NothingThatWasStoredIsLostAndNothingIsHalfThere) {
     Events events;
     auto store = DurableStore::open(path, events);
     ASSERT_TRUE(store) << store.error().to_sentence();
-    const auto stream = (*store)->open_stream(kMap, GetParam());
+    const auto stream = (*store)->open_stream(kMap, GetParam(), seconds(1000));
     ASSERT_TRUE(stream) << stream.error().to_sentence();
     const auto held = numbers(stream->history, kInstances);
     ASSERT_FALSE(held.empty());

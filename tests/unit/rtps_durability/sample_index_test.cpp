@@ -386,6 +386,15 @@ TEST_F(LateTest, ATimestampFromTheFuture_CountsAsTheTimeOfArrival) {
   EXPECT_EQ(put(sample(0), 51, true), Verdict::stored);
 }
 
+// Before, after a restart it kept out all that had waited, until its time came.
+TEST_F(LateTest, AStoredTimestampFromTheFuture_OvertakesNothing) {
+  put(sample(0), 5000);
+  ASSERT_TRUE(store.close(id));
+  store.opened_at = seconds(50);
+  id = *store.stream(kMap, service);
+  EXPECT_EQ(put(sample(0), 40, true), Verdict::stored);
+}
+
 TEST_F(LateTest, PastEnds_AreBounded) {
   const auto of = [](Change change, std::uint32_t instance) {
     (*change.key_hash)[0] = static_cast<std::uint8_t>(instance);

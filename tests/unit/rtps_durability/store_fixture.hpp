@@ -36,7 +36,7 @@ class IndexedStore {
   Result<StreamId> stream(const StreamKey& key, const DurabilityService& service) {
     DDSSEC_ASSIGN_OR_RETURN(const auto id, store.stream(key));
     DDSSEC_ASSIGN_OR_RETURN(const auto history, store.load(id));
-    index.open(id, service, history);
+    index.open(id, service, history, opened_at);
     return id;
   }
   Status close(StreamId stream) {
@@ -68,6 +68,7 @@ class IndexedStore {
   std::uint64_t left_out() const { return index.left_out(); }
 
   SampleStore store;
+  Time opened_at{{1000, 0}};
   SampleIndex index{store.last_row()};
   std::vector<StoredChange> pending = {};
   std::vector<SampleIndex::Outcome> outcomes = {};

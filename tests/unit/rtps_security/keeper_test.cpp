@@ -199,7 +199,7 @@ TEST_F(SecuredKeeper, AStore_OfASecuredParticipantOrOfUnknownOrigin_IsRefusedWit
   is_for_secured_only();
   {
     const auto unknown = DurableStore::open(store, process.events).value();
-    const auto stream = unknown->open_stream({.topic = "Sensors", .type = "Sensor"}, {}).value();
+    const auto stream = unknown->open_stream({.topic = "Sensors", .type = "Sensor"}, {}, Time{}).value();
     Change change;
     change.payload = Payload::copy_of(as_bytes(std::string_view("sample")));
     unknown->append(stream.id, change, {});
@@ -367,6 +367,19 @@ TEST_F(SmallKeepLastKeeper, ASample_ThatWaited_ReplacesNoLaterOneOfAnother) {
   auto got = late_joiner(701);
   std::erase_if(got, [](std::int32_t value) { return value >= 0; });
   EXPECT_EQ(got, std::vector{-9});
+}
+
+// Before, a sample that waited blocked its writer for good, though the writer had replaced it.
+TEST_F(SmallKeepLastKeeper, ASample_ThatItsWriterReplaced_IsNotWaitedFor) {
+  write(*of_alice, 1'000'000, 700);
+  ASSERT_TRUE(stored_all_of(*of_alice));
+  write(*of_mallory, 0, 700);
+  ASSERT_FALSE(stored_all_of(*of_mallory)) << "the test needs a smaller store";
+  // Of instance 0 the writer still holds a sample before those that wait.
+  for (std::int32_t i = 1; i < 700; ++i) ASSERT_TRUE(of_mallory->dispose({i, 0}));
+  EXPECT_TRUE(stored_all_of(*of_mallory)) << keeper->unstored();
+  EXPECT_EQ(keeper->unstored(), 0u);
+  EXPECT_EQ(keeper->served(), 701u);
 }
 
 }  // namespace
