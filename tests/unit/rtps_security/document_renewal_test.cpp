@@ -1,6 +1,7 @@
 // Certificates and permissions that are renewed while two participants exchange data.
 #include <random>
 
+#include "tests/unit/rtps_security/document_files.hpp"
 #include "tests/unit/rtps_security/trio.hpp"
 
 namespace ddssec::rtps {
@@ -9,30 +10,6 @@ namespace {
 using namespace testing;
 
 constexpr auto kEncrypt = ProtectionKind::encrypt;
-
-/// The documents of one participant in files that it looks at once a second.
-class DocumentFiles {
- public:
-  explicit DocumentFiles(const spi::PropertyList& documents) { put(documents); }
-  void put(const spi::PropertyList& documents) {
-    for (const auto& [name, file] : kFiles)
-      folder_.replace(file, spi::find_property(documents, name)->substr(data_uri("").size()));
-  }
-  spi::PropertyList in(spi::PropertyList documents) const {
-    for (auto& property : documents)
-      for (const auto& [name, file] : kFiles)
-        if (property.name == name) property.value = "file:" + folder_.path() + "/" + file;
-    documents.push_back({std::string(spi::property::kFilesPollInterval), "1", false});
-    return documents;
-  }
-
- private:
-  static constexpr std::pair<std::string_view, const char*> kFiles[] = {
-      {spi::property::kIdentityCertificate, "cert.pem"},
-      {spi::property::kPrivateKey, "key.pem"},
-      {spi::property::kPermissions, "permissions.p7s"}};
-  const test::TemporaryFolder folder_;
-};
 
 /// Alice writes, and her documents are in files; bob reads.
 struct Renewed {

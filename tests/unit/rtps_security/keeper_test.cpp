@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "tests/unit/rtps_security/document_files.hpp"
 #include "tests/unit/rtps_security/lax_access_control.hpp"
 #include "tests/unit/rtps_security/secured_dcps.hpp"
 
@@ -199,7 +200,8 @@ TEST_F(SecuredKeeper, AStore_OfASecuredParticipantOrOfUnknownOrigin_IsRefusedWit
   is_for_secured_only();
   {
     const auto unknown = DurableStore::open(store, process.events).value();
-    const auto stream = unknown->open_stream({.topic = "Sensors", .type = "Sensor"}, {}, Time{}).value();
+    const auto stream =
+        unknown->open_stream({.topic = "Sensors", .type = "Sensor"}, {}, Time{}).value();
     Change change;
     change.payload = Payload::copy_of(as_bytes(std::string_view("sample")));
     unknown->append(stream.id, change, {});
@@ -243,6 +245,27 @@ TEST_F(SecuredKeeper, AStoredTopic_ThatIsNoLongerAllowed_IsNamedAndTheOthersAreS
   EXPECT_EQ(keeper->topics(), 2u) << "it is still in the store";
   keeper.reset();
   std::filesystem::remove(store);
+}
+
+// Before, only a writer that was announced later made it keep the topic.
+TEST_F(SecuredKeeper, ATopic_ThatRenewedPermissionsAllow_IsKept) {
+  mallory.reset();
+  keeper.reset();
+  auto options = process.options("CN=keeper,O=Example", rules, "", {"Other"});
+  DocumentFiles files(options.security->properties);
+  options.security->properties = files.in(std::move(options.security->properties));
+  keeper = Keeper::create(std::move(options), {}, process.environment).value();
+  alice.writer(durable(DurabilityKind::transient));
+  ASSERT_TRUE(eventually([&] {
+    return process.events.text().find("topic Sensors is not kept now") != std::string::npos;
+  }));
+  files.put(properties_of("CN=keeper,O=Example", rules, {"*"}));
+  // Refused writers are considered again by a thread of its own, once a second.
+  for (int i = 0; i < 100 && keeper->topics() == 0; ++i) {
+    run(30);
+    std::this_thread::sleep_for(100ms);
+  }
+  EXPECT_EQ(keeper->topics(), 1u) << process.events.text();
 }
 
 // Any participant could fill a keeper with announcements, and leave.
