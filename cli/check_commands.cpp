@@ -110,7 +110,7 @@ Report unpredictable(const fs::path& file, doctor::Vendor vendor) {
   auto report = cli::report_of(
       Error(Code::file_unreadable,
             {.document = file,
-             .note = fmt::format("{0} starts with it, and ddssec does not read it as {0} does: "
+             .note = fmt::format("{0} may start with it, and ddssec does not read it as {0} does: "
                                  "whether they would talk is not known",
                                  doctor::family(vendor)),
              .hint = "ddssec doctor says what is wrong with it"}));

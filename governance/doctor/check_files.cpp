@@ -31,13 +31,19 @@ std::string absence(const fs::path& path) {
 void report_key(const LoadedFolder& folder, const fs::path& path, const Error& error,
                 const Settings& settings, Diagnosis& out) {
   const auto outcomes = outcomes_of_key(folder.paths, path, error, settings.lineup);
-  std::string who = "ddssec's plugins";
-  for (const auto vendor : {Vendor::cyclonedds, Vendor::fastdds})
-    if (outcomes.of(vendor) == Outcome::fail) who += " and " + name(vendor, settings.lineup);
-  out.report(outcomes,
-             {.rule = Rule::DOC014,
-              .message = fmt::format("{}: {}; {} refuse it", name_of(path), error.message(), who),
-              .document = path});
+  std::string who = "ddssec's plugins", unjudged;
+  for (const auto vendor : {Vendor::cyclonedds, Vendor::fastdds}) {
+    const auto outcome = outcomes.of(vendor);
+    if (outcome == Outcome::fail) who += " and " + name(vendor, settings.lineup);
+    if (outcome == Outcome::unsafe)
+      unjudged +=
+          fmt::format("; {} may start with it, and what else is wrong with it is not judged",
+                      name(vendor, settings.lineup));
+  }
+  out.report(outcomes, {.rule = Rule::DOC014,
+                        .message = fmt::format("{}: {}; {} refuse it{}", name_of(path),
+                                               error.message(), who, unjudged),
+                        .document = path});
 }
 
 // One file that could not be loaded. An encrypted key has a rule of its own.
@@ -210,21 +216,26 @@ void check_folder_mode(const LoadedFolder& folder, Diagnosis& out) {
 
 }  // namespace
 
-// A key that DDS-Security does not allow. Measured with Cyclone DDS 0.10.2 and Fast DDS 2.9.1: of a
-// permissions CA both take every key that OpenSSL takes (RSA-1024, P-224, P-521, secp256k1), but
-// for RSASSA-PSS with Fast DDS, which also starts with no Ed25519 or Ed448 key of an identity CA.
+// A key that DDS-Security does not allow. What comes up with it is unsafe: ddssec does not read the
+// certificate, so nothing else about it is judged. Measured with Cyclone DDS 0.10.2 and Fast
+// DDS 2.9.1: of a permissions CA both take every key that OpenSSL takes (RSA-1024, P-224, P-521,
+// secp256k1), but for RSASSA-PSS with Fast DDS, which also starts with no Ed25519 or Ed448 key of
+// an identity CA.
 Outcomes outcomes_of_key(const pki::ParticipantFolder& paths, const fs::path& path,
                          const Error& error, const Lineup& lineup) {
   const bool is_of_permissions_ca = path == paths.permissions_ca;
   const bool is_explicit = is_key_of_explicit_curve(error);
   const std::string_view key = error.details().found;
   auto out = kNobody;
-  out.fastdds = measured(Variant::ed25519, lineup).fastdds;
+  const bool is_edwards = key.contains("ED");
+  out.fastdds =
+      measured(is_edwards && !is_of_permissions_ca ? Variant::ed25519 : Variant::rsa_1024, lineup)
+          .fastdds;
   if (is_key_of_another_curve(error) || is_explicit) out.cyclonedds = Outcome::unsafe;
-  if (is_of_permissions_ca && !is_explicit) out.cyclonedds = Outcome::ok;
+  if (is_of_permissions_ca && !is_explicit) out.cyclonedds = Outcome::unsafe;
   const bool is_refused = is_of_permissions_ca
                               ? key.contains("RSA-PSS")
-                              : is_explicit || (path == paths.identity_ca && key.contains("ED"));
+                              : is_explicit || (path == paths.identity_ca && is_edwards);
   if (is_refused) out.fastdds = Outcome::fail;
   return out;
 }

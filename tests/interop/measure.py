@@ -23,14 +23,14 @@ import golden_folders  # noqa: E402
 from pair import Namespace  # noqa: E402
 
 # Believed by those that come up, and not to be believed.
-UNSAFE = {"permissions-by-itself", "permissions-by-unlisted-intermediate", "form-sha1",
+UNSAFE = {"rsa-1024", "permissions-by-itself", "permissions-by-unlisted-intermediate", "form-sha1",
           "permissions-domain-tag"}
 # Cyclone DDS reads more topics in it than ddssec (DOC107), or takes the grant of another subject (DOC011).
 UNSAFE_WITH_CYCLONEDDS = {"grant-bracket-caret", "subject-trailing-comma"}
 # Those that may come up without exchanging samples of Square: they are paired with a correct participant, in each
 # role that their grant allows.
 BOTH = ("publisher", "subscriber")
-PAIRED = {"correct": BOTH, "key-of-another": BOTH, "grant-other-domain": BOTH, "grant-default-allow": BOTH,
+PAIRED = {"correct": BOTH, "key-of-another": BOTH, "ed25519": BOTH, "grant-other-domain": BOTH, "grant-default-allow": BOTH,
           "grant-deny-one-way": BOTH[:1], "grant-deny-other-way": BOTH[1:], "grant-deny-first": BOTH,
           "governance-other-domain": BOTH}
 PAIR_SECONDS = 6
