@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "plugins/authentication/algorithms.hpp"
+#include "plugins/authentication/ocsp_status.hpp"
 #include "plugins/authentication/participant_data.hpp"
 
 namespace ddssec::authentication {
@@ -39,16 +40,19 @@ Result<Credentials> Credentials::read(const TokenFields& fields) {
   DDSSEC_ASSIGN_OR_RETURN(const auto id, fields.required(kCertificate));
   DDSSEC_ASSIGN_OR_RETURN(const auto permissions, fields.optional(kPermissions));
   DDSSEC_ASSIGN_OR_RETURN(const auto participant_data, fields.required(kParticipantData));
+  DDSSEC_ASSIGN_OR_RETURN(const auto ocsp_status, fields.optional(kOcspStatus));
   return Credentials{.id = id,
                      .permissions = permissions,
                      .participant_data = participant_data,
                      .signature_algorithm = signature_octets,
                      .key_agreement_algorithm = key_agreement_octets,
-                     .key_agreement = *kind};
+                     .key_agreement = *kind,
+                     .ocsp_status = ocsp_status};
 }
 
 void Credentials::write(spi::Token& token) const {
   for (const auto& field : in_order(*this)) add_field(token, field.name, field.value);
+  if (ocsp_status) add_field(token, kOcspStatus.name, *ocsp_status);
 }
 
 Sha256Digest Credentials::hash() const {

@@ -58,15 +58,18 @@ Status check_announced(const HandshakeContext& context, const spi::Challenge& ch
                .found = to_hex(BytesView(challenge).first(16))});
 }
 
+/// `ocsp` lives as long as what is returned.
 Credentials own_credentials(const Presented& own, BytesView participant_data,
-                            BytesView key_agreement_name) {
+                            BytesView key_agreement_name,
+                            const std::shared_ptr<const OcspInForce>& ocsp) {
   return {
       .id = as_bytes(own.certificate.pem()),
       .permissions = own.permissions,
       .participant_data = participant_data,
       .signature_algorithm = as_bytes(signature_algorithm_name(own.certificate.key_algorithm())),
       .key_agreement_algorithm = key_agreement_name,
-      .key_agreement = {}};
+      .key_agreement = {},
+      .ocsp_status = ocsp ? std::optional(BytesView(ocsp->octets)) : std::nullopt};
 }
 
 std::unexpected<Error> unexpected_message(TokenClass token_class, std::string_view state) {
@@ -81,6 +84,12 @@ std::string_view name_of(const Established&) { return "after the handshake"; }
 TokenClass class_of(const HandshakeRequest&) { return TokenClass::request; }
 TokenClass class_of(const HandshakeReply&) { return TokenClass::reply; }
 TokenClass class_of(const HandshakeFinal&) { return TokenClass::final; }
+
+Status check_ocsp(JudgedPeer& peer, const Credentials& credentials,
+                  const HandshakeContext& context) {
+  return peer.check_ocsp(credentials.ocsp_status, *context.local.peer_trust(),
+                         context.local.ocsp_policy(), context.now);
+}
 
 /// True if both agree in every value that later signatures cover.
 bool same_request(const Transcript& known, const HandshakeRequest& request) {
@@ -124,6 +133,7 @@ Result<HandshakeOutcome> on(const AwaitReply& state, const HandshakeReply& reply
                           pki::PeerPublicKey::parse(state.key.kind(), reply.dh2));
   DDSSEC_ASSIGN_OR_RETURN(
       auto proof, pki::verify(peer.certificate(), transcript.reply_input(), reply.signature));
+  DDSSEC_RETURN_IF_ERROR(check_ocsp(peer, credentials, context));
   DDSSEC_ASSIGN_OR_RETURN(auto secret,
                           shared_secret(state.key, peer_key, transcript, peer, context));
   DDSSEC_ASSIGN_OR_RETURN(auto final, HandshakeFinal::write(transcript, state.own->key));
@@ -208,8 +218,9 @@ Result<HandshakeOutcome> start_request(const HandshakeContext& context,
   constexpr auto kKind = pki::KeyAgreementKind::ecdh_p256;
   DDSSEC_ASSIGN_OR_RETURN(auto key, pki::EphemeralKey::generate(kKind));
   auto own = context.local.presented();
+  const auto ocsp = context.local.ocsp_response_for(own->certificate, context.now);
   const auto credentials =
-      own_credentials(*own, participant_data, as_bytes(key_agreement_name(kKind)));
+      own_credentials(*own, participant_data, as_bytes(key_agreement_name(kKind)), ocsp);
   DDSSEC_ASSIGN_OR_RETURN(auto dh1, public_octets(key, pki::PublicKeyEncoding::point));
   Transcript transcript{.hash_c1 = context.local.hash_of(own, credentials),
                         .challenge1 = context.own_challenge,
@@ -229,13 +240,15 @@ Result<HandshakeOutcome> start_reply(const HandshakeContext& context, const spi:
   DDSSEC_RETURN_IF_ERROR(check_announced(context, request.challenge1, kChallenge1));
   DDSSEC_ASSIGN_OR_RETURN(auto peer, JudgedPeer::judge(request.credentials, context.remote_guid,
                                                        *context.local.peer_trust(), context.now));
+  DDSSEC_RETURN_IF_ERROR(check_ocsp(peer, request.credentials, context));
   const auto kind = request.credentials.key_agreement;
   DDSSEC_ASSIGN_OR_RETURN(auto peer_key, pki::PeerPublicKey::parse(kind, request.dh1));
   DDSSEC_ASSIGN_OR_RETURN(auto key, key_of_reply(context, request, kind));
   auto own = context.local.presented();
   // Fast DDS demands its own name back, octet for octet. Cyclone DDS accepts it without the NUL.
   const auto name = as_bytes(algorithm_text(request.credentials.key_agreement_algorithm));
-  const auto credentials = own_credentials(*own, participant_data, name);
+  const auto ocsp = context.local.ocsp_response_for(own->certificate, context.now);
+  const auto credentials = own_credentials(*own, participant_data, name, ocsp);
   transcript.hash_c2 = context.local.hash_of(own, credentials);
   transcript.challenge2 = context.own_challenge;
   DDSSEC_ASSIGN_OR_RETURN(transcript.dh2, public_octets(key, peer_key.encoding()));

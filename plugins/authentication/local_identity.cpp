@@ -123,6 +123,8 @@ Status check_belongs(const pki::PrivateKey& key, const pki::Certificate& certifi
 Result<IdentityFiles> IdentityFiles::load(const spi::PropertyList& properties, TrustStores& stores,
                                           WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(auto warn_before_end, spi::warning_days(properties));
+  DDSSEC_ASSIGN_OR_RETURN(const auto ocsp_policy, authentication::ocsp_policy(properties));
+  DDSSEC_ASSIGN_OR_RETURN(auto ocsp_response, OwnOcspResponse::of(properties));
   DDSSEC_ASSIGN_OR_RETURN(auto watch, IdentityWatch::of(properties));
   DDSSEC_ASSIGN_OR_RETURN(auto authorities, watch_authorities(properties));
   constexpr auto kCa = property::kIdentityCa, kKey = property::kPrivateKey;
@@ -139,6 +141,7 @@ Result<IdentityFiles> IdentityFiles::load(const spi::PropertyList& properties, T
   DDSSEC_RETURN_IF_ERROR(locate(check_belongs(key, certificate), properties, {kKey, kCertificate}));
   DDSSEC_RETURN_IF_ERROR(
       locate(in(own->verify(certificate, now), kCertificate), properties, {kCertificate, kCa}));
+  DDSSEC_RETURN_IF_ERROR(ocsp_response.read_first({certificate, *own, now}));
   return IdentityFiles{
       .certificate = std::move(certificate),
       .key = std::move(key),
@@ -148,7 +151,9 @@ Result<IdentityFiles> IdentityFiles::load(const spi::PropertyList& properties, T
       .own_trust = std::move(own),
       .peer_trust = std::move(peers),
       .has_trusted_folder = !spi::property_value(properties, property::kTrustedCaDir).empty(),
-      .warn_before_end = std::move(warn_before_end)};
+      .warn_before_end = std::move(warn_before_end),
+      .ocsp_policy = ocsp_policy,
+      .ocsp_response = std::move(ocsp_response)};
 }
 
 LocalIdentity::LocalIdentity(IdentityFiles files, const Guid& candidate)
@@ -157,12 +162,15 @@ LocalIdentity::LocalIdentity(IdentityFiles files, const Guid& candidate)
       watch_(std::move(files.watch)),
       authorities_(std::move(files.authorities)),
       revocation_lists_(std::move(files.revocation_lists)),
+      ocsp_policy_(files.ocsp_policy),
+      ocsp_response_(std::move(files.ocsp_response)),
       certificate_warning_(files.warn_before_end),
       list_warning_(files.warn_before_end),
       own_trust_(std::move(files.own_trust)),
       peer_trust_(std::move(files.peer_trust)),
       presented_(std::make_shared<const Presented>(
-          Presented{std::move(files.certificate), std::move(files.key), Bytes(1)})) {}
+          Presented{std::move(files.certificate), std::move(files.key), Bytes(1)})),
+      ocsp_in_force_(ocsp_response_.in_force()) {}
 
 spi::Token LocalIdentity::identity_token(spi::CipherMask ciphers) const {
   const auto trust = own_trust();
@@ -329,6 +337,32 @@ Result<bool> LocalIdentity::renew_identity(const Clock& clock) {
   return true;
 }
 
+// ---- the OCSP response
+
+Result<bool> LocalIdentity::renew_ocsp_response(const Clock& clock) {
+  const std::scoped_lock lock(renewal_mutex_);
+  const auto own = certificate();
+  const auto trust = own_trust();
+  auto taken = ocsp_response_.look(clock.monotonic(), {own, *trust, clock.now()});
+  const bool is_revoked = !taken && taken.error().code() == Code::ocsp_revoked;
+  const std::scoped_lock presenting(mutex_);
+  ocsp_in_force_ = ocsp_response_.in_force();
+  ocsp_revoked_ = is_revoked ? std::optional(taken.error()) : std::nullopt;
+  return taken;
+}
+
+std::shared_ptr<const OcspInForce> LocalIdentity::ocsp_response_for(
+    const pki::Certificate& certificate, WallTime now) const {
+  const std::scoped_lock lock(mutex_);
+  const auto& one = ocsp_in_force_;
+  return one && one->certificate == certificate && one->good.holds_at(now) ? one : nullptr;
+}
+
+std::optional<Error> LocalIdentity::ocsp_revoked() const {
+  const std::scoped_lock lock(mutex_);
+  return ocsp_revoked_;
+}
+
 // ---- other certificate authorities
 
 /// As when the identity was loaded.
@@ -413,6 +447,7 @@ std::vector<DocumentState> LocalIdentity::documents() const {
        .file = authorities_.name(),
        .parts = pki::parts_of(own_trust()->anchors()),
        .refused = authorities_.refused()}};
+  if (const auto state = ocsp_response_.state(certificate())) out.push_back(*state);
   if (revocation_lists_.path().empty()) return out;
   out.push_back({.kind = DocumentKind::revocation_list,
                  .file = revocation_lists_.path(),
@@ -430,6 +465,7 @@ void LocalIdentity::look_now() {
   watch_.look_now();
   authorities_.look_now();
   revocation_lists_.look_now();
+  ocsp_response_.look_now();
 }
 
 // ---- what is presented

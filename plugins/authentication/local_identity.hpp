@@ -11,6 +11,8 @@
 #include "pki/private_key.hpp"
 #include "plugins/authentication/credentials.hpp"
 #include "plugins/authentication/identity_watch.hpp"
+#include "plugins/authentication/ocsp_status.hpp"
+#include "plugins/authentication/own_ocsp_response.hpp"
 #include "plugins/authentication/revocation_lists.hpp"
 #include "plugins/authentication/trust_store.hpp"
 #include "plugins/spi/end_warning.hpp"
@@ -30,12 +32,14 @@ struct IdentityFiles {
   std::shared_ptr<const TrustStore> peer_trust;  ///< the same, or the trusted_ca_dir
   bool has_trusted_folder = false;
   spi::WarningDays warn_before_end;
+  OcspPolicy ocsp_policy;
+  OwnOcspResponse ocsp_response;
 
   /// Loads identity_ca, identity_certificate, private_key (with password), and the optional
   /// revocation list or trusted_ca_dir; checks that the certificate is believed by our own CA at
   /// `now` and belongs to the key. Every error names the property. Errors: those of pki, and
   /// trusted_ca_dir_with_crl, trusted_ca_dir_unreadable, trusted_ca_dir_too_many,
-  /// own_ca_not_trusted, crl_file_empty.
+  /// own_ca_not_trusted, crl_file_empty, ocsp_revoked (our own response says so).
   static Result<IdentityFiles> load(const spi::PropertyList& properties, TrustStores& stores,
                                     WallTime now);
 };
@@ -84,6 +88,19 @@ class LocalIdentity {
   /// present it. True: it did. Errors: those of IdentityWatch::look. What makes it refuse a
   /// certificate stands at check_renewed.
   Result<bool> renew_identity(const Clock& clock);
+
+  /// Takes another OCSP response of our certificate, if its file holds one: from then on handshakes
+  /// show it. True: it did. Errors: those of OwnOcspResponse::look.
+  Result<bool> renew_ocsp_response(const Clock& clock);
+  /// The response that says at `now` that our `certificate` is good; null if there is none.
+  std::shared_ptr<const OcspInForce> ocsp_response_for(const pki::Certificate& certificate,
+                                                       WallTime now) const;
+  /// What peers' responses mean.
+  OcspPolicy ocsp_policy() const { return ocsp_policy_; }
+  /// The path of the file of our response; empty if there is none.
+  const std::string& ocsp_response_path() const { return ocsp_response_.path(); }
+  /// Set if our own response says that our certificate is revoked.
+  std::optional<Error> ocsp_revoked() const;
 
   /// The path of the certificate; empty if it is no file.
   const std::string& identity_path() const { return watch_.path(); }
@@ -150,6 +167,8 @@ class LocalIdentity {
   IdentityWatch watch_;
   pki::AuthorityWatch authorities_;
   RevocationLists revocation_lists_;
+  const OcspPolicy ocsp_policy_;
+  OwnOcspResponse ocsp_response_;
   spi::EndWarning certificate_warning_;
   spi::EndWarning list_warning_;
   mutable std::mutex mutex_;
@@ -159,6 +178,8 @@ class LocalIdentity {
   std::uint64_t authorities_renewal_ = 0;  ///< the last of `renewals_` that brought other CAs
   std::uint64_t applied_renewals_ = 0;
   std::shared_ptr<const Presented> presented_;
+  std::shared_ptr<const OcspInForce> ocsp_in_force_;
+  std::optional<Error> ocsp_revoked_;
   mutable std::optional<KnownHash> known_hash_;
 };
 

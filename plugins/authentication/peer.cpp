@@ -70,6 +70,13 @@ Result<JudgedPeer> JudgedPeer::renewed(BytesView certificate, BytesView permissi
   return out;
 }
 
+Status JudgedPeer::check_ocsp(const std::optional<BytesView>& response, const TrustStore& trust,
+                              OcspPolicy policy, WallTime now) {
+  DDSSEC_ASSIGN_OR_RETURN(ocsp_unused_,
+                          check_ocsp_status(response, certificate(), trust, policy, now));
+  return {};
+}
+
 JudgedPeer::JudgedPeer(pki::ChainValid chain, const Credentials& credentials)
     : chain_(std::move(chain)),
       key_agreement_(key_agreement_name(credentials.key_agreement)),

@@ -7,6 +7,7 @@
 #include "base/ids.hpp"
 #include "pki/chain.hpp"
 #include "plugins/authentication/credentials.hpp"
+#include "plugins/authentication/ocsp_status.hpp"
 #include "plugins/authentication/trust_store.hpp"
 
 namespace ddssec::authentication {
@@ -25,6 +26,12 @@ class JudgedPeer {
   /// as above, guid_not_bound_to_subject (another subject).
   Result<JudgedPeer> renewed(BytesView certificate, BytesView permissions, const Guid& guid,
                              const TrustStore& trust, WallTime now) const;
+
+  /// Judges the OCSP response that came with the credentials. Errors: those of check_ocsp_status.
+  Status check_ocsp(const std::optional<BytesView>& response, const TrustStore& trust,
+                    OcspPolicy policy, WallTime now);
+  /// Why the peer's response counts as none, if it sent one that cannot be used.
+  const std::optional<Error>& ocsp_unused() const { return ocsp_unused_; }
 
   const pki::ChainValid& chain() const { return chain_; }
   const pki::Certificate& certificate() const { return chain_.certificate(); }
@@ -58,6 +65,7 @@ class JudgedPeer {
   std::uint32_t builtin_endpoints_;
   bool keeps_session_;
   std::vector<spi::UdpAddress> addresses_;
+  std::optional<Error> ocsp_unused_;
 };
 
 }  // namespace ddssec::authentication

@@ -101,6 +101,7 @@ class PkiDh final : public spi::Authentication {
   Result<HandshakeStep> step(HandshakeHandle handle, const Token& message);
   Result<HandshakeContext> context(const Pair& pair) const;
   Status note_authenticated(const Pair& pair, const Established& done);
+  void note_unused_ocsp(const Pair& pair, const Established& done) const;
   Result<JudgedOffer> judged(const Pair& pair, const Established& session,
                              const Token& offer) const;
   Event renewed_peer(const Pair& pair, const Established& session) const;

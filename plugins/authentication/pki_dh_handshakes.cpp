@@ -200,6 +200,18 @@ Status PkiDh::note_authenticated(const Pair& pair, const Established& done) {
                                    {done.peer.chain(), own, done.peer.keeps_session()});
 }
 
+/// The peer is proven, but not its response, which is not signed along.
+void PkiDh::note_unused_ocsp(const Pair& pair, const Established& done) const {
+  const auto& why = done.peer.ocsp_unused();
+  if (!why) return;
+  auto details = why->details();
+  details.hint.clear();
+  const auto reason = std::string(info(why->code()).summary);
+  details.note = details.note.empty() ? reason : reason + "; " + details.note;
+  environment_.events.raise(event_about(table_.name_of(pair.remote_handle),
+                                        Error(Code::ocsp_status_unused, std::move(details))));
+}
+
 Result<PkiDh::HandshakeStep> PkiDh::process_handshake(HandshakeHandle handshake,
                                                       const Token& message) {
   DDSSEC_ASSIGN_OR_RETURN(const auto pair, reported(table_.pair_of(handshake)));
@@ -219,6 +231,8 @@ Result<PkiDh::HandshakeStep> PkiDh::step(HandshakeHandle handle, const Token& me
     static_assert(std::is_nothrow_move_assignable_v<HandshakeState>);
     handshake->state = std::move(*outcome.next);
     if (!is_pending(*handshake)) handshake->unproven = {};
+    if (const auto* done = std::get_if<Established>(&handshake->state))
+      note_unused_ocsp(*pair, *done);
   }
   return HandshakeStep{handle, outcome.result, std::move(outcome.message)};
 }

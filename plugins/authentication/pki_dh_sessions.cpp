@@ -57,15 +57,16 @@ void PkiDh::drop_credentials_given_out() {
 Result<std::optional<Token>> PkiDh::offer_renewal(HandshakeHandle handle) {
   using Offered = Result<std::optional<Token>>;
   return session(handle,
-                 [](const Pair& pair, PairHandshake& handshake, Established& done) -> Offered {
-                   return next_offer(done, *pair.local, handshake.offer);
+                 [&](const Pair& pair, PairHandshake& handshake, Established& done) -> Offered {
+                   return next_offer(done, *pair.local, handshake.offer, environment_.clock.now());
                  });
 }
 
 Result<JudgedOffer> PkiDh::judged(const Pair& pair, const Established& session,
                                   const Token& offer) const {
-  auto judged = judge_offer(session, offer, pair.remote_guid, *pair.local->peer_trust(),
-                            environment_.clock.now());
+  const auto trust = pair.local->peer_trust();
+  auto judged = judge_offer(session, offer, pair.remote_guid,
+                            {*trust, pair.local->ocsp_policy(), environment_.clock.now()});
   if (judged) return judged;
   return reported(Result<JudgedOffer>(std::unexpected(judged.error().in(
                       "renewed documents of " + session.peer.certificate().subject()))),

@@ -25,6 +25,21 @@ bool renew_certificate(LocalIdentity& identity, const Environment& environment) 
   return renewed && *renewed;
 }
 
+/// That we are revoked is told by the revocations (revocation.cpp).
+void renew_ocsp_response(LocalIdentity& identity, const Environment& environment) {
+  const auto us = our_name(identity.guid());
+  const auto renewed = identity.renew_ocsp_response(environment.clock);
+  if (!renewed && renewed.error().code() != Code::ocsp_revoked)
+    environment.events.raise(event_about(us, renewed.error()));
+  if (!renewed || !*renewed) return;
+  const auto response = identity.ocsp_response_for(identity.certificate(), environment.clock.now());
+  environment.events.raise(event_about(
+      us, Error(Code::ocsp_response_renewed,
+                {.document = identity.ocsp_response_path(),
+                 .field = "nextUpdate",
+                 .found = response ? to_string(response->good.until()) : std::string("passed")})));
+}
+
 Error renewed_until(const LocalIdentity& identity, const pki::ChainValid& chain) {
   return Error(Code::identity_renewed, {.document = identity.identity_path(),
                                         .field = "notAfter",
@@ -41,6 +56,7 @@ void renew_identities(IdentityTable& table, spi::IdentityHandle which, TrustStor
     // The CAs come first: a renewed certificate may be of a new one.
     const auto taken = renew_authorities(identity, stores, environment);
     const bool is_renewed = renew_certificate(identity, environment) || taken.identity;
+    renew_ocsp_response(identity, environment);
     if (!is_renewed && !taken.authorities) continue;
     const auto chain = identity.verify(environment.clock.now());
     if (!chain) continue;  // it has just ended, and `expire` says so
@@ -64,7 +80,7 @@ void note_documents(const IdentityTable& table, spi::IdentityHandle which,
 
 void forget_documents(spi::IdentityHandle local, const Environment& environment) {
   constexpr std::array kOurs = {DocumentKind::identity_certificate, DocumentKind::identity_ca,
-                                DocumentKind::revocation_list};
+                                DocumentKind::revocation_list, DocumentKind::ocsp_response};
   if (environment.documents != nullptr) environment.documents->forget(local.value, kOurs);
 }
 

@@ -90,6 +90,9 @@ Revocations find_revocations(IdentityTable& table, spi::IdentityHandle which, Tr
   Revocations out;
   for (const auto& local : table.locals(which)) {
     look_at_lists(local, stores, environment);
+    if (auto reason = local.identity->ocsp_revoked())
+      out.identities.push_back(
+          {local.handle, our_name(local.identity->guid()), *std::move(reason)});
     if (const auto unapplied = local.identity->unapplied_renewal()) {
       judge(table, local, unapplied->authorities, environment.clock.now(), out);
       out.judgements.push_back({local.identity, unapplied->renewal});

@@ -38,7 +38,7 @@ spi::Token answer_to(const Sha256Digest& digest) {
 }  // namespace
 
 Result<std::optional<spi::Token>> next_offer(const Established& session, const LocalIdentity& local,
-                                             std::optional<Offer>& last) {
+                                             std::optional<Offer>& last, WallTime now) {
   auto own = local.presented();
   if (own == session.own) return std::nullopt;
   const bool is_new = !last || last->documents != own;
@@ -50,6 +50,8 @@ Result<std::optional<spi::Token>> next_offer(const Established& session, const L
   spi::Token offer{std::string(class_id_of(TokenClass::renewal))};
   add_field(offer, kCertificate.name, as_bytes(certificate));
   add_field(offer, kPermissions.name, own->permissions);
+  if (const auto ocsp = local.ocsp_response_for(own->certificate, now))
+    add_field(offer, kOcspStatus.name, ocsp->octets);
   add_field(offer, kSignature.name, signature);
   if (is_new) last = Offer{std::move(own), sha256(octets)};
   ++last->times;
@@ -57,15 +59,17 @@ Result<std::optional<spi::Token>> next_offer(const Established& session, const L
 }
 
 Result<JudgedOffer> judge_offer(const Established& session, const spi::Token& offer,
-                                const Guid& guid, const TrustStore& trust, WallTime now) {
+                                const Guid& guid, const OfferRules& rules) {
   DDSSEC_ASSIGN_OR_RETURN(const auto fields, TokenFields::of(offer, TokenClass::renewal));
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate, fields.required(kCertificate));
   DDSSEC_ASSIGN_OR_RETURN(const auto permissions, fields.required(kPermissions));
   DDSSEC_ASSIGN_OR_RETURN(const auto signature, fields.required(kSignature));
-  DDSSEC_ASSIGN_OR_RETURN(auto peer,
-                          session.peer.renewed(certificate, permissions, guid, trust, now));
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto peer, session.peer.renewed(certificate, permissions, guid, rules.trust, rules.now));
+  DDSSEC_ASSIGN_OR_RETURN(const auto ocsp, fields.optional(kOcspStatus));
   const auto octets = signed_octets(session, guid, {certificate, permissions});
   DDSSEC_RETURN_IF_ERROR(pki::verify(peer.certificate(), octets, signature));
+  DDSSEC_RETURN_IF_ERROR(peer.check_ocsp(ocsp, rules.trust, rules.ocsp, rules.now));
   return JudgedOffer{std::move(peer), answer_to(sha256(octets))};
 }
 

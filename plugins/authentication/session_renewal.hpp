@@ -17,17 +17,23 @@ struct Offer {
 /// made with what `local` presents now, or if that was offered as often as is sensible. Errors of
 /// pki::sign.
 Result<std::optional<spi::Token>> next_offer(const Established& session, const LocalIdentity& local,
-                                             std::optional<Offer>& last);
+                                             std::optional<Offer>& last, WallTime now);
 
 /// An offer of the peer that was found to be genuine.
 struct JudgedOffer {
   JudgedPeer peer;
   spi::Token answer;
 };
+/// How a peer's offer is judged.
+struct OfferRules {
+  const TrustStore& trust;
+  OcspPolicy ocsp;
+  WallTime now;
+};
 /// `guid`: the peer's. Errors: those of TokenFields, those of JudgedPeer::renewed,
-/// signature_invalid.
+/// those of check_ocsp_status, signature_invalid.
 Result<JudgedOffer> judge_offer(const Established& session, const spi::Token& offer,
-                                const Guid& guid, const TrustStore& trust, WallTime now);
+                                const Guid& guid, const OfferRules& rules);
 
 /// Success if `answer` is to that offer. Errors: those of TokenFields, unexpected_message.
 Status check_answer(const std::optional<Offer>& offer, const spi::Token& answer);

@@ -32,15 +32,13 @@ const ClassRow& row_of(TokenClass token_class) {
 }
 
 /// Names of fields whose length is bounded by their own rule.
-constexpr std::array<std::string_view, 14> kKnownNames = {
-    "c.id",      "c.perm",         "c.pdata",       "c.dsign_algo", "c.kagree_algo",
-    kHashC1,     kHashC2,          kDh1.name,       kDh2.name,      kChallenge1,
-    kChallenge2, kFutureChallenge, kSignature.name, "ocsp_status"};
+constexpr std::array<std::string_view, 13> kKnownNames = {
+    "c.id",    "c.perm",  "c.pdata",   "c.dsign_algo", "c.kagree_algo",  kHashC1,        kHashC2,
+    kDh1.name, kDh2.name, kChallenge1, kChallenge2,    kFutureChallenge, kSignature.name};
 
 bool fits(const spi::BinaryProperty& property) {
   if (property.name.size() > kMostTextOctets) return false;
-  const bool known = property.name != "ocsp_status" &&
-                     std::ranges::find(kKnownNames, property.name) != kKnownNames.end();
+  const bool known = std::ranges::find(kKnownNames, property.name) != kKnownNames.end();
   return known || property.value.size() <= kMostUnknownOctets;
 }
 

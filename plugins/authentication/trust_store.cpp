@@ -41,6 +41,25 @@ void TrustStore::remember(BytesView pem, const pki::Certificate& certificate) co
   known_.try_emplace(digest, certificate);
 }
 
+/// Only what is good is remembered: it is signed by a trusted responder, so that a stranger cannot
+/// fill the memory.
+Result<pki::OcspGood> TrustStore::ocsp(BytesView response, const pki::Certificate& certificate,
+                                       WallTime now) const {
+  Bytes octets = to_bytes(certificate.fingerprint());
+  octets.insert(octets.end(), response.begin(), response.end());
+  const Sha256Digest digest = sha256(octets);
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto known = known_ocsp_.find(digest);
+    if (known != known_ocsp_.end() && known->second.holds_at(now)) return known->second;
+  }
+  DDSSEC_ASSIGN_OR_RETURN(const auto good, pki::judge_ocsp(response, certificate, verifier_, now));
+  const std::scoped_lock lock(mutex_);
+  if (known_ocsp_.size() >= kMostRemembered) known_ocsp_.clear();
+  known_ocsp_.insert_or_assign(digest, good);
+  return good;
+}
+
 Result<std::shared_ptr<const TrustStore>> TrustStores::open(std::vector<pki::Certificate> anchors,
                                                             std::vector<pki::Crl> crls) {
   const Sha256Digest digest = digest_of(anchors, crls);

@@ -11,6 +11,7 @@
 #include "base/hash.hpp"
 #include "pki/certificate.hpp"
 #include "pki/chain.hpp"
+#include "pki/ocsp.hpp"
 
 namespace ddssec::authentication {
 
@@ -36,6 +37,11 @@ class TrustStore {
     return verifier_.may_be_revoked(certificate);
   }
 
+  /// Judges a peer's OCSP response, or returns what was found before: the same response costs one
+  /// lookup. Errors: those of pki::judge_ocsp.
+  Result<pki::OcspGood> ocsp(BytesView response, const pki::Certificate& certificate,
+                             WallTime now) const;
+
   /// Remembers a certificate. Call it only after `verify` succeeded, so that unproven certificates
   /// take no memory.
   void remember(BytesView pem, const pki::Certificate& certificate) const;
@@ -50,6 +56,7 @@ class TrustStore {
   pki::ChainVerifier verifier_;
   mutable std::mutex mutex_;
   mutable std::unordered_map<Sha256Digest, pki::Certificate, DigestHash> known_;
+  mutable std::unordered_map<Sha256Digest, pki::OcspGood, DigestHash> known_ocsp_;
 };
 
 /// Shares stores: identities with the same authorities and lists get the same store, so that a

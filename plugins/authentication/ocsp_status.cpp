@@ -1,0 +1,40 @@
+#include "plugins/authentication/ocsp_status.hpp"
+
+#include "plugins/spi/property_names.hpp"
+
+namespace ddssec::authentication {
+
+Result<OcspPolicy> ocsp_policy(const spi::PropertyList& properties) {
+  constexpr auto kName = spi::property::kOcsp;
+  const auto* const text = spi::find_property(properties, kName);
+  if (text == nullptr || *text == "soft") return OcspPolicy::soft;
+  if (*text == "hard") return OcspPolicy::hard;
+  if (*text == "ignore") return OcspPolicy::ignore;
+  return fail(Code::invalid_property, {.document = std::string(kName),
+                                       .expected = "ignore, soft or hard",
+                                       .found = text->substr(0, 64)});
+}
+
+Result<std::optional<Error>> check_ocsp_status(const std::optional<BytesView>& response,
+                                               const pki::Certificate& certificate,
+                                               const TrustStore& trust, OcspPolicy policy,
+                                               WallTime now) {
+  if (policy == OcspPolicy::ignore) return std::nullopt;
+  const std::string document = "ocsp_status of " + certificate.subject();
+  if (!response) {
+    if (policy == OcspPolicy::soft) return std::nullopt;
+    return fail(Code::ocsp_status_missing,
+                {.document = document,
+                 .expected = std::string(spi::property::kOcsp) + " = hard: a response",
+                 .found = "none"});
+  }
+  const auto good = trust.ocsp(*response, certificate, now);
+  if (good) return std::nullopt;
+  const auto error = good.error().in(document);
+  // DDS-Security 1.2, Table 59: what says neither "good" nor "revoked" counts as none.
+  if (policy == OcspPolicy::hard || error.code() == Code::ocsp_revoked)
+    return std::unexpected(error);
+  return error;
+}
+
+}  // namespace ddssec::authentication

@@ -1,0 +1,318 @@
+// OCSP responses in handshakes: what is sent, and what a peer's response means.
+#include "pki/ocsp.hpp"
+
+#include <gmock/gmock.h>
+
+#include "tests/support/ocsp_responder.hpp"
+#include "tests/support/recorded_document.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/unit/authentication/fixture.hpp"
+
+namespace ddssec::authentication {
+namespace {
+
+using testing::HasSubstr;
+
+Bytes response_about(const pki::Certificate& certificate, int status = V_OCSP_CERTSTATUS_GOOD,
+                     std::chrono::seconds this_update = 0s,
+                     std::chrono::seconds next_update = 24h) {
+  return test::ocsp_response({.answers = {{.certificate = certificate,
+                                           .ca = test_ca().certificate(),
+                                           .status = status,
+                                           .this_update = this_update,
+                                           .next_update = next_update}},
+                              .signer = test_ca().certificate(),
+                              .key = test_ca().key(),
+                              .now = kNow});
+}
+
+const Identity& alice() {
+  static const auto identity = make_identity(test_ca(), "CN=alice,O=Example");
+  return identity;
+}
+const Identity& bob() {
+  static const auto identity = make_identity(test_ca(), "CN=bob,O=Example", {}, kYear, 1);
+  return identity;
+}
+
+/// `identity` with a file for its response.
+Identity with_file(Identity identity, const test::TemporaryFolder& folder,
+                   const std::string& name = "ocsp.der") {
+  set(identity.properties, spi::property::kOcspResponse, "file:" + folder.path() + "/" + name);
+  set(identity.properties, spi::property::kFilesPollInterval, "1");
+  return identity;
+}
+Identity with_policy(Identity identity, const std::string& policy) {
+  set(identity.properties, spi::property::kOcsp, policy);
+  return identity;
+}
+
+int count_of(const Collector& events, Code code) {
+  return static_cast<int>(std::ranges::count_if(
+      events.events, [&](const Event& event) { return event.error.code() == code; }));
+}
+
+/// Two that shake hands; what each sends is changed on the way.
+struct Meeting {
+  Meeting(const Identity& first, const Identity& second) : pairing(first, second) {}
+
+  using Change = std::function<Token(Token)>;
+  static Change replace(std::optional<Bytes> response) {
+    return [=](Token token) {
+      return response ? with(std::move(token), "ocsp_status", *response)
+                      : without(std::move(token), "ocsp_status");
+    };
+  }
+  /// The first error of the handshake.
+  Status meet(const Change& request_change, const Change& reply_change) {
+    auto& two = pairing.two;
+    DDSSEC_ASSIGN_OR_RETURN(const auto request, two.request());
+    DDSSEC_ASSIGN_OR_RETURN(const auto reply, two.reply(request_change(*request.message)));
+    DDSSEC_ASSIGN_OR_RETURN(const auto final,
+                            two.at_low(request.handle, reply_change(*reply.message)));
+    DDSSEC_RETURN_IF_ERROR(two.at_high(reply.handle, *final.message));
+    return {};
+  }
+  /// Both show this response of theirs.
+  Status meet_with(const std::function<std::optional<Bytes>(const pki::Certificate&)>& response) {
+    const auto& low = pairing.two.low.guid == pairing.a.guid ? alice() : bob();
+    const auto& high = pairing.two.low.guid == pairing.a.guid ? bob() : alice();
+    return meet(replace(response(low.certificate)), replace(response(high.certificate)));
+  }
+  int events_of(Code code) const {
+    return count_of(pairing.first_engine.events, code) +
+           count_of(pairing.second_engine.events, code);
+  }
+  Pairing pairing;
+};
+
+// ---- the policies
+
+struct Policies : testing::TestWithParam<bool> {
+  /// With what only one side demands: that of the request or that of the reply.
+  Status meet(const std::string& policy,
+              std::optional<Bytes> (*response)(const pki::Certificate&)) {
+    Meeting meeting(GetParam() ? with_policy(alice(), policy) : with_policy(alice(), "ignore"),
+                    GetParam() ? with_policy(bob(), "ignore") : with_policy(bob(), policy));
+    const auto status = meeting.meet_with(response);
+    unused = meeting.events_of(Code::ocsp_status_unused);
+    return status;
+  }
+  int unused = 0;
+};
+INSTANTIATE_TEST_SUITE_P(OfEitherSide, Policies, testing::Bool());
+
+using Response = std::optional<Bytes>;
+Response good(const pki::Certificate& of) { return response_about(of); }
+Response none(const pki::Certificate&) { return {}; }
+Response revoked(const pki::Certificate& of) {
+  return response_about(of, V_OCSP_CERTSTATUS_REVOKED);
+}
+Response expired(const pki::Certificate& of) {
+  return response_about(of, V_OCSP_CERTSTATUS_GOOD, -48h, -24h);
+}
+Response unknown(const pki::Certificate& of) {
+  return response_about(of, V_OCSP_CERTSTATUS_UNKNOWN);
+}
+Response of_another(const pki::Certificate&) { return response_about(test_ca().certificate()); }
+Response garbage(const pki::Certificate&) { return Bytes(100, 0x41); }
+Response empty(const pki::Certificate&) { return Bytes(); }
+Response too_long(const pki::Certificate&) { return Bytes(pki::kMostOcspOctets + 1, 0x30); }
+
+TEST_P(Policies, Hard_WantsAGoodResponse) {
+  EXPECT_TRUE(meet("hard", good));
+  EXPECT_CODE(meet("hard", none), ocsp_status_missing);
+  EXPECT_CODE(meet("hard", revoked), ocsp_revoked);
+  EXPECT_CODE(meet("hard", expired), ocsp_expired);
+  EXPECT_CODE(meet("hard", unknown), ocsp_unknown);
+  EXPECT_CODE(meet("hard", of_another), ocsp_other_certificate);
+  EXPECT_CODE(meet("hard", garbage), ocsp_malformed);
+  EXPECT_CODE(meet("hard", empty), ocsp_malformed);
+  EXPECT_CODE(meet("hard", too_long), ocsp_too_large);
+}
+
+// DDS-Security 1.2, Table 59: "revoked" counts, "good" counts, all else is as no response.
+TEST_P(Policies, Soft_RefusesARevokedPeerOnly) {
+  EXPECT_TRUE(meet("soft", good));
+  EXPECT_EQ(unused, 0);
+  EXPECT_TRUE(meet("soft", none));
+  EXPECT_EQ(unused, 0);
+  EXPECT_CODE(meet("soft", revoked), ocsp_revoked);
+  for (const auto response : {expired, unknown, of_another, garbage, empty, too_long}) {
+    EXPECT_TRUE(meet("soft", response));
+    EXPECT_EQ(unused, 1);
+  }
+}
+
+TEST_P(Policies, Ignore_LooksAtNothing) {
+  EXPECT_TRUE(meet("ignore", revoked));
+  EXPECT_TRUE(meet("ignore", garbage));
+  EXPECT_TRUE(meet("ignore", too_long));
+  EXPECT_EQ(unused, 0);
+}
+
+TEST(OcspPolicy, IsSoftUnlessSaidOtherwise) {
+  Meeting meeting(alice(), bob());
+  EXPECT_CODE(meeting.meet_with(revoked), ocsp_revoked);
+  for (const auto* value : {"", "Hard", "true", "none"}) {
+    Engine engine;
+    EXPECT_CODE(
+        engine->validate_local_identity(0, with_policy(alice(), value).properties, candidate(1)),
+        invalid_property);
+  }
+}
+
+// A stranger who copies messages cannot end an honest handshake.
+TEST(OcspStatus, GarbageInACopyOfARequest_LeavesTheHonestOneAlone) {
+  Meeting meeting(with_policy(alice(), "hard"), with_policy(bob(), "hard"));
+  auto& two = meeting.pairing.two;
+  const auto& low = two.low.guid == meeting.pairing.a.guid ? alice() : bob();
+  const auto& high = two.low.guid == meeting.pairing.a.guid ? bob() : alice();
+  const auto showing = [](const Token& token, const Identity& of) {
+    return with(token, "ocsp_status", response_about(of.certificate));
+  };
+  const auto request = two.request();
+  ASSERT_OK(request);
+  EXPECT_CODE(two.reply(*request->message), ocsp_status_missing);
+  EXPECT_CODE(two.reply(with(*request->message, "ocsp_status", Bytes(9))), ocsp_malformed);
+  const auto reply = two.reply(showing(*request->message, low));
+  ASSERT_OK(reply);
+  // The same request without its response gets the same reply: it was judged.
+  ASSERT_OK(two.reply(*request->message));
+  EXPECT_CODE(two.at_low(request->handle, *reply->message), ocsp_status_missing);
+  EXPECT_CODE(two.at_low(request->handle, with(*reply->message, "ocsp_status", Bytes(9))),
+              ocsp_malformed);
+  auto honest = *reply;
+  honest.message = showing(*reply->message, high);
+  meeting.pairing.expect_finish(*request, honest);
+}
+
+TEST(OcspStatus, Twice_IsRefused) {
+  Meeting meeting(alice(), bob());
+  const auto request = meeting.pairing.two.request();
+  ASSERT_OK(request);
+  auto twice = *request->message;
+  for (int i = 0; i < 2; ++i) twice.binary_properties.push_back({"ocsp_status", Bytes(1)});
+  EXPECT_CODE(meeting.pairing.two.reply(twice), token_field_repeated);
+}
+
+TEST(OcspStatus, ThatIsGoodHelpsNoCertificateOnAList) {
+  const std::array listed = {alice().certificate, bob().certificate};
+  const auto crl =
+      test_ca().make_crl({.revoked = listed, .this_update = kNow - 1h, .next_update = kNow + 24h});
+  auto carol = make_identity(test_ca(), "CN=carol,O=Example", {}, kYear, 2);
+  set(carol.properties, spi::property::kCrl, "data:," + crl->pem());
+  Meeting meeting(with_policy(carol, "hard"), bob());
+  auto& two = meeting.pairing.two;
+  const auto request = two.request();
+  ASSERT_OK(request);
+  const bool carol_begins = two.low.guid == meeting.pairing.a.guid;
+  const auto change =
+      Meeting::replace(response_about(carol_begins ? carol.certificate : bob().certificate));
+  const auto reply = two.reply(change(*request->message));
+  if (!carol_begins) {
+    EXPECT_CODE(reply, certificate_revoked);
+    return;
+  }
+  ASSERT_OK(reply);
+  EXPECT_CODE(two.at_low(request->handle,
+                         with(*reply->message, "ocsp_status", response_about(bob().certificate))),
+              certificate_revoked);
+}
+
+// ---- our own response
+
+TEST(OwnOcsp, BesideTheCertificate_IsSent) {
+  const test::TemporaryFolder folder;
+  folder.replace("cert.pem", alice().certificate.pem());
+  folder.replace("ocsp.der", std::string(as_text(response_about(alice().certificate))));
+  auto identity = alice();
+  set(identity.properties, spi::property::kIdentityCertificate,
+      "file:" + folder.path() + "/cert.pem");
+  const test::TemporaryFolder other;
+  other.replace("bob.der", std::string(as_text(response_about(bob().certificate))));
+  Pairing pairing(with_policy(identity, "hard"),
+                  with_policy(with_file(bob(), other, "bob.der"), "hard"));
+  pairing.expect_success();
+  const auto state = test::recorded_document(pairing.first_engine.documents, "OCSP response");
+  EXPECT_THAT(state.dump(), HasSubstr(folder.path() + "/ocsp.der"));
+  EXPECT_THAT(state.dump(), HasSubstr(to_string(kNow + 24h)));
+}
+
+TEST(OwnOcsp, ThatComesLater_IsTaken) {
+  const test::TemporaryFolder folder;
+  Pairing pairing(with_file(alice(), folder), with_file(bob(), folder, "bob.der"));
+  auto& two = pairing.two;
+  const bool alice_begins = two.low.guid == pairing.a.guid;
+  auto& engine = alice_begins ? pairing.first_engine : pairing.second_engine;
+  const auto& own = alice_begins ? alice() : bob();
+  EXPECT_EQ(spi::find_binary_property(*two.request()->message, "ocsp_status"), nullptr);
+  const auto response = response_about(own.certificate);
+  folder.replace(alice_begins ? "ocsp.der" : "bob.der", std::string(as_text(response)));
+  engine.clock.advance(6s);
+  EXPECT_TRUE(engine->expire().empty());
+  EXPECT_EQ(count_of(engine.events, Code::ocsp_response_renewed), 1);
+  // Another attempt, so that the request is made anew.
+  two.low.data.push_back(0);
+  const auto request = two.request();
+  ASSERT_OK(request);
+  EXPECT_EQ(field(*request->message, "ocsp_status"), response);
+}
+
+struct OwnOcspFile : testing::Test {
+  explicit OwnOcspFile() { set(identity.properties, spi::property::kFilesPollInterval, "1"); }
+  void put(const Bytes& response) { folder.replace("ocsp.der", std::string(as_text(response))); }
+  Result<spi::Authentication::LocalIdentity> start() {
+    return engine->validate_local_identity(0, identity.properties, candidate(1));
+  }
+  std::vector<IdentityHandle> look() {
+    engine.clock.advance(1s);
+    return engine->expire();
+  }
+  const test::TemporaryFolder folder;
+  Identity identity = with_file(alice(), folder);
+  Engine engine;
+};
+
+TEST_F(OwnOcspFile, ThatCannotBeUsed_IsReportedOnceAndDoesNotKeepUsOut) {
+  put(response_about(bob().certificate));
+  ASSERT_OK(start());
+  for (int i = 0; i < 5; ++i) EXPECT_TRUE(look().empty());
+  ASSERT_EQ(count_of(engine.events, Code::ocsp_response_refused), 1);
+  EXPECT_THAT(engine.events.events.back().error.to_sentence(), HasSubstr("another certificate"));
+  put(response_about(alice().certificate));
+  for (int i = 0; i < 5; ++i) look();
+  EXPECT_EQ(count_of(engine.events, Code::ocsp_response_renewed), 1);
+}
+
+TEST_F(OwnOcspFile, ThatEnds_IsReportedOnce) {
+  put(response_about(alice().certificate, V_OCSP_CERTSTATUS_GOOD, 0s, 1h));
+  ASSERT_OK(start());
+  look();
+  EXPECT_EQ(count_of(engine.events, Code::ocsp_response_ended), 0);
+  engine.clock.advance(2h);
+  for (int i = 0; i < 5; ++i) look();
+  EXPECT_EQ(count_of(engine.events, Code::ocsp_response_ended), 1);
+}
+
+TEST_F(OwnOcspFile, ThatSaysRevoked_EndsUs) {
+  put(response_about(alice().certificate, V_OCSP_CERTSTATUS_REVOKED));
+  EXPECT_CODE(start(), ocsp_revoked);
+  put(response_about(alice().certificate));
+  const auto us = start();
+  ASSERT_OK(us);
+  EXPECT_TRUE(look().empty());
+  put(response_about(alice().certificate, V_OCSP_CERTSTATUS_REVOKED));
+  EXPECT_THAT(look(), testing::ElementsAre(us->handle));
+  EXPECT_EQ(count_of(engine.events, Code::ocsp_revoked), 2);
+  EXPECT_TRUE(look().empty());
+  EXPECT_CODE(engine->identity_token(us->handle, spi::kStandardCiphers), ocsp_revoked);
+}
+
+TEST_F(OwnOcspFile, MustBeAFile) {
+  set(identity.properties, spi::property::kOcspResponse, "data:,x");
+  EXPECT_CODE(start(), invalid_property);
+}
+
+}  // namespace
+}  // namespace ddssec::authentication
