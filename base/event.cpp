@@ -110,6 +110,7 @@ bool is_news(Code code) {
     case Code::peer_permissions_renewed:
     case Code::governance_renewed:
     case Code::crl_renewed:
+    case Code::ocsp_response_renewed:
       return true;
     default:
       return false;

@@ -168,7 +168,7 @@ bool OcspJudge::names_as_signer(const Certificate& candidate) const {
                                       static_cast<std::size_t>(ASN1_STRING_length(key))));
 }
 
-/// RFC 6960 4.2.2.2: the CA itself certifies whom it lets answer.
+/// RFC 6960 4.2.2.2: the CA itself certifies the responders that may answer for it.
 Result<Signer> OcspJudge::delegate(const Certificate& candidate, const Certificate& ca) const {
   auto* const x509 = candidate.impl().x509.get();
   const bool may_sign = (X509_get_extension_flags(x509) & EXFLAG_XKUSAGE) != 0 &&
@@ -268,6 +268,7 @@ Result<OcspGood> OcspJudge::judge(BytesView response) {
   DDSSEC_RETURN_IF_ERROR(check_extent(basic.get()));
   DDSSEC_RETURN_IF_ERROR(check_digest(basic.get()));
   for (const auto& ca : trust.anchors()) {
+    if (ca.subject() != certificate.issuer()) continue;
     DDSSEC_ASSIGN_OR_RETURN(const auto answers, answers_with(ca));
     if (answers.empty() || !certificate.is_issued_by(ca)) continue;
     DDSSEC_ASSIGN_OR_RETURN(const auto by, signer(ca));

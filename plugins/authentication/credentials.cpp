@@ -52,7 +52,6 @@ Result<Credentials> Credentials::read(const TokenFields& fields) {
 
 void Credentials::write(spi::Token& token) const {
   for (const auto& field : in_order(*this)) add_field(token, field.name, field.value);
-  if (ocsp_status) add_field(token, kOcspStatus.name, *ocsp_status);
 }
 
 Sha256Digest Credentials::hash() const {

@@ -28,7 +28,8 @@ struct Credentials {
   BytesView signature_algorithm;        ///< c.dsign_algo
   BytesView key_agreement_algorithm;    ///< c.kagree_algo
   pki::KeyAgreementKind key_agreement;  ///< what c.kagree_algo names
-  /// ocsp_status: the OCSP response about c.id (DER). Not in the hash, and so not signed.
+  /// ocsp_status, as received: the OCSP response about c.id (DER). Not in the hash, and so not
+  /// signed; `write` does not write it.
   std::optional<BytesView> ocsp_status = {};
 
   /// Reads and checks the fields. Errors: token_field_missing, token_field_repeated,

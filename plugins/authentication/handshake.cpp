@@ -58,18 +58,15 @@ Status check_announced(const HandshakeContext& context, const spi::Challenge& ch
                .found = to_hex(BytesView(challenge).first(16))});
 }
 
-/// `ocsp` lives as long as what is returned.
 Credentials own_credentials(const Presented& own, BytesView participant_data,
-                            BytesView key_agreement_name,
-                            const std::shared_ptr<const OcspInForce>& ocsp) {
+                            BytesView key_agreement_name) {
   return {
       .id = as_bytes(own.certificate.pem()),
       .permissions = own.permissions,
       .participant_data = participant_data,
       .signature_algorithm = as_bytes(signature_algorithm_name(own.certificate.key_algorithm())),
       .key_agreement_algorithm = key_agreement_name,
-      .key_agreement = {},
-      .ocsp_status = ocsp ? std::optional(BytesView(ocsp->octets)) : std::nullopt};
+      .key_agreement = {}};
 }
 
 std::unexpected<Error> unexpected_message(TokenClass token_class, std::string_view state) {
@@ -151,10 +148,11 @@ Result<HandshakeOutcome> on(const AwaitReply& state, const HandshakeReply& reply
 
 // AwaitFinal --the same Req--> AwaitFinal
 Result<HandshakeOutcome> on(const AwaitFinal& state, const HandshakeRequest& request,
-                            const HandshakeContext&) {
+                            const HandshakeContext& context) {
   if (!same_request(state.transcript, request))
     return unexpected_message(TokenClass::request, "another request than the one answered");
-  return HandshakeOutcome{ValidationResult::pending_handshake_message, state.reply};
+  return HandshakeOutcome{ValidationResult::pending_handshake_message,
+                          with_ocsp_response(state.reply, context.local, *state.own, context.now)};
 }
 
 // AwaitFinal --Final--> Established
@@ -218,15 +216,15 @@ Result<HandshakeOutcome> start_request(const HandshakeContext& context,
   constexpr auto kKind = pki::KeyAgreementKind::ecdh_p256;
   DDSSEC_ASSIGN_OR_RETURN(auto key, pki::EphemeralKey::generate(kKind));
   auto own = context.local.presented();
-  const auto ocsp = context.local.ocsp_response_for(own->certificate, context.now);
   const auto credentials =
-      own_credentials(*own, participant_data, as_bytes(key_agreement_name(kKind)), ocsp);
+      own_credentials(*own, participant_data, as_bytes(key_agreement_name(kKind)));
   DDSSEC_ASSIGN_OR_RETURN(auto dh1, public_octets(key, pki::PublicKeyEncoding::point));
   Transcript transcript{.hash_c1 = context.local.hash_of(own, credentials),
                         .challenge1 = context.own_challenge,
                         .dh1 = std::move(dh1)};
   auto request = HandshakeRequest::write(credentials, transcript);
-  HandshakeOutcome outcome{ValidationResult::pending_handshake_message, request};
+  HandshakeOutcome outcome{ValidationResult::pending_handshake_message,
+                           with_ocsp_response(request, context.local, *own, context.now)};
   outcome.next =
       AwaitReply{std::move(own), std::move(key), std::move(transcript), std::move(request)};
   return outcome;
@@ -247,13 +245,13 @@ Result<HandshakeOutcome> start_reply(const HandshakeContext& context, const spi:
   auto own = context.local.presented();
   // Fast DDS demands its own name back, octet for octet. Cyclone DDS accepts it without the NUL.
   const auto name = as_bytes(algorithm_text(request.credentials.key_agreement_algorithm));
-  const auto ocsp = context.local.ocsp_response_for(own->certificate, context.now);
-  const auto credentials = own_credentials(*own, participant_data, name, ocsp);
+  const auto credentials = own_credentials(*own, participant_data, name);
   transcript.hash_c2 = context.local.hash_of(own, credentials);
   transcript.challenge2 = context.own_challenge;
   DDSSEC_ASSIGN_OR_RETURN(transcript.dh2, public_octets(key, peer_key.encoding()));
   DDSSEC_ASSIGN_OR_RETURN(auto reply, HandshakeReply::write(credentials, transcript, own->key));
-  HandshakeOutcome outcome{ValidationResult::pending_handshake_message, reply};
+  HandshakeOutcome outcome{ValidationResult::pending_handshake_message,
+                           with_ocsp_response(reply, context.local, *own, context.now)};
   outcome.next = AwaitFinal{.own = std::move(own),
                             .key = std::move(key),
                             .peer_key = std::move(peer_key),
@@ -272,6 +270,13 @@ Result<HandshakeOutcome> process(const HandshakeState& state, const HandshakeCon
   if (token_class == TokenClass::final) return dispatch<HandshakeFinal>(state, context, message);
   return fail(Code::token_class_wrong,
               {.document = "handshake message", .found = message.class_id.substr(0, 64)});
+}
+
+spi::Token with_ocsp_response(spi::Token message, const LocalIdentity& local, const Presented& own,
+                              WallTime now) {
+  if (const auto response = local.ocsp_response_for(own.certificate, now))
+    add_field(message, kOcspStatus.name, response->octets);
+  return message;
 }
 
 bool is_answer_to(const HandshakeState& state, const spi::Token& token) {

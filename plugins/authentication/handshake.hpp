@@ -39,7 +39,7 @@ struct AwaitReply {
   std::shared_ptr<const Presented> own;
   pki::EphemeralKey key;
   Transcript transcript;  ///< hash_c1, challenge1, dh1
-  spi::Token request;
+  spi::Token request;     ///< without an OCSP response
 };
 
 /// The reply was sent.
@@ -49,7 +49,7 @@ struct AwaitFinal {
   pki::PeerPublicKey peer_key;
   Transcript transcript;  ///< complete
   JudgedPeer peer;
-  spi::Token reply;
+  spi::Token reply;  ///< without an OCSP response
 };
 
 /// The handshake has ended: both sides have proven that they hold the key of their certificate.
@@ -89,6 +89,11 @@ Result<HandshakeOutcome> start_reply(const HandshakeContext& context, const spi:
 /// JudgedPeer::judge, public_key_malformed, public_key_not_in_group, signature_invalid, internal.
 Result<HandshakeOutcome> process(const HandshakeState& state, const HandshakeContext& context,
                                  const spi::Token& message);
+
+/// A request or reply with the OCSP response that counts at `now`, if there is one. It is not part
+/// of what is signed: so a message that waits for its answer gets the newest each time it is sent.
+spi::Token with_ocsp_response(spi::Token message, const LocalIdentity& local, const Presented& own,
+                              WallTime now);
 
 /// True if `request` is the one that was answered to get into `state`. Compares every value that is
 /// signed later.

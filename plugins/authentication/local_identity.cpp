@@ -123,7 +123,7 @@ Status check_belongs(const pki::PrivateKey& key, const pki::Certificate& certifi
 Result<IdentityFiles> IdentityFiles::load(const spi::PropertyList& properties, TrustStores& stores,
                                           WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(auto warn_before_end, spi::warning_days(properties));
-  DDSSEC_ASSIGN_OR_RETURN(const auto ocsp_policy, authentication::ocsp_policy(properties));
+  DDSSEC_ASSIGN_OR_RETURN(const auto ocsp_policy, spi::ocsp_policy(properties));
   DDSSEC_ASSIGN_OR_RETURN(auto ocsp_response, OwnOcspResponse::of(properties));
   DDSSEC_ASSIGN_OR_RETURN(auto watch, IdentityWatch::of(properties));
   DDSSEC_ASSIGN_OR_RETURN(auto authorities, watch_authorities(properties));

@@ -4,17 +4,6 @@
 
 namespace ddssec::authentication {
 
-Result<OcspPolicy> ocsp_policy(const spi::PropertyList& properties) {
-  constexpr auto kName = spi::property::kOcsp;
-  const auto* const text = spi::find_property(properties, kName);
-  if (text == nullptr || *text == "soft") return OcspPolicy::soft;
-  if (*text == "hard") return OcspPolicy::hard;
-  if (*text == "ignore") return OcspPolicy::ignore;
-  return fail(Code::invalid_property, {.document = std::string(kName),
-                                       .expected = "ignore, soft or hard",
-                                       .found = text->substr(0, 64)});
-}
-
 Result<std::optional<Error>> check_ocsp_status(const std::optional<BytesView>& response,
                                                const pki::Certificate& certificate,
                                                const TrustStore& trust, OcspPolicy policy,

@@ -106,6 +106,7 @@ class PkiDh final : public spi::Authentication {
                              const Token& offer) const;
   Event renewed_peer(const Pair& pair, const Established& session) const;
   void take_up_request(const std::shared_ptr<Pair>& pair);
+  Token shown(const Token& message, const Pair& pair, const Presented& own) const;
   Status check_room(const Pair& pair) const;
   void make_room(Pair& pair);
   HandshakeStep keep(const std::shared_ptr<Pair>& pair, HandshakeOutcome outcome,

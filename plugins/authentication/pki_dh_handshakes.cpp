@@ -94,6 +94,10 @@ PkiDh::HandshakeStep PkiDh::keep(const std::shared_ptr<Pair>& pair, HandshakeOut
   return {handle, outcome.result, std::move(outcome.message)};
 }
 
+Token PkiDh::shown(const Token& message, const Pair& pair, const Presented& own) const {
+  return with_ocsp_response(message, *pair.local, own, environment_.clock.now());
+}
+
 Result<PkiDh::HandshakeStep> PkiDh::begin_handshake_request(IdentityHandle initiator,
                                                             IdentityHandle replier,
                                                             BytesView participant_data) {
@@ -112,7 +116,7 @@ Result<PkiDh::HandshakeStep> PkiDh::request(IdentityHandle local, IdentityHandle
     if (waiting != nullptr && may_go_on(*pair, handshake, waiting->own) &&
         std::ranges::equal(handshake.participant_data, participant_data))
       return HandshakeStep{handshake.handle, ValidationResult::pending_handshake_message,
-                           waiting->request};
+                           shown(waiting->request, *pair, *waiting->own)};
   }
   DDSSEC_ASSIGN_OR_RETURN(const auto what, context(*pair));
   DDSSEC_RETURN_IF_ERROR(check_room(*pair));
@@ -150,7 +154,7 @@ Result<PkiDh::HandshakeStep> PkiDh::answer(const std::shared_ptr<Pair>& pair, co
                   {.document = "handshake request", .note = "after the handshake that it began"});
     if (!may_go_on(*pair, handshake, waiting->own)) continue;
     return HandshakeStep{handshake.handle, ValidationResult::pending_handshake_message,
-                         waiting->reply};
+                         shown(waiting->reply, *pair, *waiting->own)};
   }
   DDSSEC_ASSIGN_OR_RETURN(auto what, context(*pair));
   what.reply_keys = &pair->reply_keys;

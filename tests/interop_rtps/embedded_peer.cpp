@@ -1,4 +1,5 @@
 // The embedded participant behind the command line of the interop peers.
+#include <cstdlib>
 #include <memory>
 #include <string>
 
@@ -6,6 +7,7 @@
 #include "plugins/access_control/access_control.hpp"
 #include "plugins/authentication/authentication.hpp"
 #include "plugins/cryptography/cryptography.hpp"
+#include "plugins/spi/property_file.hpp"
 #include "plugins/spi/property_names.hpp"
 #include "rtps/dcps/domain_participant.hpp"
 
@@ -134,6 +136,11 @@ spi::PropertyList properties_of(const peer_options& options) {
     if (value == nullptr) continue;
     const bool is_uri = !is_file || std::string_view(value).starts_with("data:");
     out.push_back({std::string(name), is_uri ? value : "file:" + std::string(value), false});
+  }
+  // As our plugins in Cyclone DDS do.
+  if (const char* const file = std::getenv("DDSSEC_PROPERTIES")) {
+    const auto properties = spi::read_property_file(file).value();
+    out.insert(out.end(), properties.begin(), properties.end());
   }
   return out;
 }

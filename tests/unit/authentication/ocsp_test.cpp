@@ -246,17 +246,19 @@ TEST(OwnOcsp, ThatComesLater_IsTaken) {
   const bool alice_begins = two.low.guid == pairing.a.guid;
   auto& engine = alice_begins ? pairing.first_engine : pairing.second_engine;
   const auto& own = alice_begins ? alice() : bob();
-  EXPECT_EQ(spi::find_binary_property(*two.request()->message, "ocsp_status"), nullptr);
+  const auto before = two.request();
+  ASSERT_OK(before);
+  EXPECT_EQ(spi::find_binary_property(*before->message, "ocsp_status"), nullptr);
   const auto response = response_about(own.certificate);
   folder.replace(alice_begins ? "ocsp.der" : "bob.der", std::string(as_text(response)));
   engine.clock.advance(6s);
   EXPECT_TRUE(engine->expire().empty());
   EXPECT_EQ(count_of(engine.events, Code::ocsp_response_renewed), 1);
-  // Another attempt, so that the request is made anew.
-  two.low.data.push_back(0);
+  // The same request, which waits for its reply.
   const auto request = two.request();
   ASSERT_OK(request);
   EXPECT_EQ(field(*request->message, "ocsp_status"), response);
+  EXPECT_EQ(field(*request->message, "dh1"), field(*before->message, "dh1"));
 }
 
 struct OwnOcspFile : testing::Test {

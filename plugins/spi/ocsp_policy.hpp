@@ -1,0 +1,19 @@
+// What the OCSP response of a peer means: the property org.ddssec.auth.ocsp.
+#pragma once
+
+#include <cstdint>
+
+#include "plugins/spi/token.hpp"
+
+namespace ddssec::spi {
+
+enum class OcspPolicy : std::uint8_t {
+  ignore,  ///< a response is not looked into
+  soft,    ///< "revoked" counts; no response, or one that cannot be used, has no effect
+  hard,    ///< the peer must send a response that says "good"
+};
+
+/// The value of `org.ddssec.auth.ocsp`; soft without it. Error: invalid_property.
+Result<OcspPolicy> ocsp_policy(const PropertyList& properties);
+
+}  // namespace ddssec::spi
