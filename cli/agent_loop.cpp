@@ -41,7 +41,8 @@ bool must_not_be_tried_again(Code code) {
 Json known_members(const Json& event) {
   constexpr std::size_t kMaxText = 4096, kMaxFiles = 8;
   Json out = Json::object();
-  for (const auto* name : {"event", "subject", "serial", "not_after", "next", "sha256"})
+  for (const auto* name :
+       {"event", "subject", "serial", "not_after", "next", "sha256", "ocsp_until"})
     if (event.contains(name)) out[name] = text_in(event, name).substr(0, kMaxText);
   for (const auto* name : {"rekeyed", "permissions_extended", "restart_needed"})
     if (event.contains(name)) out[name] = event[name] == true;
@@ -293,9 +294,10 @@ void Agent::note_success(Folder& folder, Json event) {
   if (name == "renewed") {
     folder.task.known = text_in(event, "sha256");
     folder.task.known_renewal = next.value_or(now);
-    for (auto& file : files_from(event)) written_.push_back(std::move(file));
   }
-  const bool is_news = name != "current" || folder.told != text_in(event, "serial");
+  for (auto& file : files_from(event)) written_.push_back(std::move(file));
+  const bool is_news =
+      name != "current" || event.contains("problem") || folder.told != text_in(event, "serial");
   folder.told = text_in(event, "serial");
   if (event.contains("problem")) {
     const auto problem = error_from(event["problem"]);

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/tool_code.hpp"
+#include "cli/agent_response.hpp"
 #include "cli/agent_schedule.hpp"
 #include "cli/ca_folder.hpp"
 #include "cli/documents.hpp"
@@ -283,6 +284,7 @@ Result<Json> renew(const Participant& self, const AskCa& ask) {
   event["files"] = to_json(files);
   event["sha256"] = to_hex(renewed.fingerprint());
   if (answer.problem) event["problem"] = error_to_json(*answer.problem);
+  keep_response({self.files, renewed, self.now()}, event);
   return event;
 }
 
@@ -293,7 +295,11 @@ Result<Json> tend_folder(const AgentTask& task, const LockedFolder* locked, cons
   ::umask(022);
   DDSSEC_ASSIGN_OR_RETURN(const auto self, read_participant(task, locked, context));
   const auto due = due_time(self);
-  if (due > self.now()) return event_of("current", self.certificate, due);
+  if (due > self.now()) {
+    auto event = event_of("current", self.certificate, due);
+    if (!task.is_dry_run) keep_response({self.files, self.certificate, self.now()}, event);
+    return event;
+  }
   if (task.is_dry_run) return event_of("due", self.certificate, due);
   return renew(self, ask);
 }

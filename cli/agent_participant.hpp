@@ -34,7 +34,8 @@ using AskCa = std::function<Result<RenewalAnswer>(const RenewalRequest&)>;
 /// requested key; it must chain to the folder's identity CA and be valid now, not be revoked by the
 /// folder's crl.pem, not begin earlier than the certificate in place, and end later. Files are
 /// replaced only after that, all or none, with their former owner and mode. The result is an event:
-///   {"event": "current" | "due" | "renewed", "subject", "not_after", "next", ...}
+///   {"event": "current" | "due" | "renewed" | "ocsp_renewed", "subject", "not_after", "next", ...}
+/// If the certificate names an OCSP responder, its response is kept, too (agent_response.hpp).
 /// Errors: folder_untrusted, key_in_token, key_mismatch, renewal_unfit, renewal_goes_back, those of
 /// `ask`, of ChainVerifier::verify and of Replacement.
 /// With a locked folder, the one of the task must be that one.

@@ -41,6 +41,11 @@ constexpr Example kExamples[] = {
     {"DOC023 crl_expired crl_missing no_revocation_list crl_incomplete",
      "ddssec crl new --ca demo"},
     {"DOC023 crl_expired crl_missing no_revocation_list", "ddssec crl distribute --ca demo"},
+    {"ocsp_no_responder DOC112 DOC113 ocsp_status_missing ocsp_expired ocsp_other_certificate "
+     "ocsp_response_ended ocsp_response_refused ocsp_fetch_failed",
+     "ddssec identity ocsp demo/talker --url http://ca.example:2560/"},
+    {"ocsp_malformed ocsp_signer_wrong ocsp_unknown ocsp_not_yet_valid",
+     "openssl ocsp -respin demo/talker/ocsp.der -noverify -resp_text"},
     {"pkcs11_pin_missing",
      "ddssec identity csr talker -o talker --key "
      "'pkcs11:token=robot;object=talker?pin-source=file:/etc/robot/pin'"},

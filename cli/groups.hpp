@@ -14,6 +14,7 @@ std::vector<Command> governance_commands();
 std::vector<Command> permissions_commands();
 std::vector<Command> identity_renew_commands();
 std::vector<Command> identity_revoke_commands();
+std::vector<Command> ocsp_commands();  ///< identity ocsp
 std::vector<Command> crl_commands();
 std::vector<Command> document_commands();  ///< governance and permissions: sign, verify
 std::vector<Command> show_commands();      ///< governance and permissions: show

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "cli/ocsp_checks.hpp"
 #include "cli/participant_diagnosis.hpp"
 #include "plugins/cryptography/passphrase.hpp"
 #include "plugins/spi/property_file.hpp"
@@ -164,6 +165,7 @@ doctor::Meeting meet_with_keys(const doctor::Party& a, const doctor::Party& b,
   auto out = doctor::meet(a, b, settings, topics);
   for (const auto* party : {&a, &b}) refuse_beyond_folder(*party, settings, out);
   refuse_topics(a, b, out);
+  for (auto& finding : demanded_responses(a, b, settings.now)) refuse(out, std::move(finding));
   const auto needs_keys = [&](const doctor::Party& party) {
     return party.vendor == doctor::Vendor::ours &&
            is_protected(asked_for(party.folder, settings.domain));

@@ -48,6 +48,7 @@ const std::vector<Command>& commands() {
              identity_commands(),
              identity_renew_commands(),
              identity_revoke_commands(),
+             ocsp_commands(),
              crl_commands(),
              governance_commands(),
              permissions_commands(),

@@ -1,0 +1,38 @@
+// The OCSP response of a participant's folder: fetched, or as it lies there.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "base/clock.hpp"
+#include "base/result.hpp"
+#include "pki/certificate.hpp"
+#include "pki/ocsp.hpp"
+#include "pki/participant_folder.hpp"
+
+namespace ddssec::cli {
+
+/// ocsp.der beside the certificate, where a participant looks for it.
+std::filesystem::path ocsp_file(const pki::ParticipantFolder& files);
+
+/// Which response to fetch.
+struct ResponseWanted {
+  const pki::ParticipantFolder& files;
+  const pki::Certificate& certificate;
+  std::string url = {};  ///< empty: that of the certificate
+  std::chrono::seconds longest{10};
+};
+
+struct FetchedResponse {
+  Bytes octets;
+  pki::OcspGood good;
+  std::string url;
+};
+
+/// A response that says "good", judged by the folder's identity CAs. Errors: ocsp_no_responder,
+/// issuer_unknown, those of pki::fetch_ocsp and pki::judge_ocsp.
+Result<FetchedResponse> fetch_response(const ResponseWanted& wanted, WallTime now);
+
+}  // namespace ddssec::cli

@@ -1,0 +1,120 @@
+#include "pki/ocsp_fetch.hpp"
+
+#include <memory>
+
+#include <openssl/http.h>
+#include <openssl/ocsp.h>
+
+#include "base/tool_code.hpp"
+#include "pki/openssl.hpp"
+
+namespace ddssec::pki {
+namespace {
+
+using OcspRequestPtr = std::unique_ptr<OCSP_REQUEST, Deleter<OCSP_REQUEST_free>>;
+
+void free_headers(STACK_OF(CONF_VALUE) * headers) noexcept {
+  sk_CONF_VALUE_pop_free(headers, X509V3_conf_free);
+}
+using HeadersPtr = std::unique_ptr<STACK_OF(CONF_VALUE), Deleter<free_headers>>;
+void free_texts(STACK_OF(OPENSSL_STRING) * texts) noexcept { X509_email_free(texts); }
+using TextsPtr = std::unique_ptr<STACK_OF(OPENSSL_STRING), Deleter<free_texts>>;
+
+std::unexpected<Error> failed(const std::string& url, std::string note) {
+  return fail(tool_code::ocsp_fetch_failed, {.found = url, .note = std::move(note)});
+}
+
+/// More than judge_ocsp reads, which then says that it is too much.
+constexpr std::size_t kMostFetched = 64 * 1024;
+
+/// A URL taken apart by OpenSSL.
+struct Address {
+  std::string host, port, path;
+};
+
+Result<Address> parse(const std::string& url) {
+  char *host = nullptr, *port = nullptr, *path = nullptr;
+  int has_tls = 0;
+  const int is_url = OSSL_HTTP_parse_url(url.c_str(), &has_tls, nullptr, &host, &port, nullptr,
+                                         &path, nullptr, nullptr);
+  const OpensslText owners[] = {OpensslText(host), OpensslText(port), OpensslText(path)};
+  take_openssl_reason();
+  if (is_url != 1 || host == nullptr || port == nullptr || path == nullptr)
+    return failed(url, "it is not the address of a responder");
+  // The answer is signed; that it is read on the way tells little more than the handshake does.
+  if (has_tls != 0 || !url.starts_with("http://"))
+    return failed(url, "only http:// is used: the answer is signed");
+  return Address{host, port, path};
+}
+
+/// SHA-1 identifies the certificate: it is what every responder understands (RFC 5019).
+Result<BioPtr> request_for(const OcspQuestion& question) {
+  const OcspRequestPtr request(OCSP_REQUEST_new());
+  OCSP_CERTID* const id = OCSP_cert_to_id(EVP_sha1(), question.certificate.impl().x509.get(),
+                                          question.ca.impl().x509.get());
+  if (!request || id == nullptr || OCSP_request_add0_id(request.get(), id) == nullptr) {
+    OCSP_CERTID_free(id);
+    return openssl_failure(Code::internal);
+  }
+  BioPtr bio(BIO_new(BIO_s_mem()));
+  if (!bio || ASN1_i2d_bio(reinterpret_cast<i2d_of_void*>(i2d_OCSP_REQUEST), bio.get(),
+                           reinterpret_cast<unsigned char*>(request.get())) != 1)
+    return openssl_failure(Code::internal);
+  return bio;
+}
+
+/// A responder may be one of several hosts at its address.
+Result<HeadersPtr> headers_for(const Address& address) {
+  const auto host = address.port == "80" ? address.host : address.host + ":" + address.port;
+  STACK_OF(CONF_VALUE)* headers = nullptr;
+  const int added = X509V3_add_value("Host", host.c_str(), &headers);
+  HeadersPtr out(headers);
+  if (added != 1) return openssl_failure(Code::internal);
+  return out;
+}
+
+Bytes all_of(BIO* bio) {
+  Bytes out(kMostFetched);
+  std::size_t size = 0;
+  while (size < out.size()) {
+    const int count = BIO_read(bio, out.data() + size, static_cast<int>(out.size() - size));
+    if (count <= 0) break;
+    size += static_cast<std::size_t>(count);
+  }
+  out.resize(size);
+  return out;
+}
+
+}  // namespace
+
+std::string ocsp_responder_of(const Certificate& certificate) {
+  const TextsPtr urls(X509_get1_ocsp(certificate.impl().x509.get()));
+  for (int i = 0; i < sk_OPENSSL_STRING_num(urls.get()); ++i) {
+    const std::string url = sk_OPENSSL_STRING_value(urls.get(), i);
+    if (url.starts_with("http://")) return url;
+  }
+  return {};
+}
+
+Result<Bytes> fetch_ocsp(const OcspQuestion& question, const std::string& url,
+                         std::chrono::seconds longest) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto address, parse(url));
+  DDSSEC_ASSIGN_OR_RETURN(const auto request, request_for(question));
+  DDSSEC_ASSIGN_OR_RETURN(const auto headers, headers_for(address));
+  // An empty proxy is none, whatever the environment says: OpenSSL 3.0.17 reads beyond the end of
+  // the variable no_proxy (CVE-2025-9232).
+  const BioPtr answer(
+      OSSL_HTTP_transfer(nullptr, address.host.c_str(), address.port.c_str(), address.path.c_str(),
+                         0, "", nullptr, nullptr, nullptr, nullptr, nullptr, 0, headers.get(),
+                         "application/ocsp-request", request.get(), "application/ocsp-response", 1,
+                         kMostFetched, static_cast<int>(longest.count()), 0));
+  if (!answer) {
+    const auto reason = take_openssl_reason();
+    return failed(url, reason.empty() ? "no answer" : reason);
+  }
+  auto octets = all_of(answer.get());
+  take_openssl_reason();
+  return octets;
+}
+
+}  // namespace ddssec::pki

@@ -1,0 +1,198 @@
+#!/usr/bin/env python3
+"""identity ocsp against `openssl ocsp` on the loopback, and what doctor and check say of responses."""
+
+import contextlib
+import re
+import socket
+import subprocess
+import threading
+
+from transcript import Transcript, main
+
+CONTENT_TYPE = "Content-type: application/ocsp-response"
+
+
+ASK = ("identity", "ocsp", "demo/talker", "--url")
+
+
+class Ocsp(Transcript):
+    def setUp(self):
+        super().setUp()
+        self.run_program("init", "demo", "--participant", "talker", "--participant", "listener")
+        self.ca = self.at / "demo/ca/identity"
+
+    def serial(self, name):
+        return self.openssl("x509", "-in", f"demo/{name}/cert.pem", "-noout", "-serial").strip().split("=")[1]
+
+    def index(self, **states):
+        """The responder's list of certificates: V is valid, R is revoked; others are unknown."""
+        dates = {"V": "V\t400101000000Z\t", "R": "R\t400101000000Z\t250101000000Z,keyCompromise"}
+        lines = [f"{dates[state]}\t{self.serial(name)}\tunknown\t/CN={name}\n" for name, state in states.items()]
+        (self.at / "index").write_text("".join(lines))
+
+    @contextlib.contextmanager
+    def responder(self, *more):
+        """OpenSSL's own, which picks a port and says which."""
+        process = subprocess.Popen(
+            ["openssl", "ocsp", "-port", "0", "-index", self.at / "index", "-CA", self.ca / "ca.pem",
+             "-rsigner", self.ca / "ca.pem", "-rkey", self.ca / "ca.key.pem", "-rmd", "sha256", "-ndays", "2",
+             *more], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        try:
+            lines, found = [], None
+            end = threading.Timer(20, process.kill)
+            end.start()
+            while not found:
+                lines.append(process.stdout.readline())
+                self.assertTrue(lines[-1], lines)
+                found = re.search(r"ACCEPT .*:(\d+)", lines[-1])
+            end.cancel()
+            yield f"http://127.0.0.1:{found[1]}/"
+        finally:
+            process.kill()
+            process.wait()
+            process.stdout.close()
+
+    @contextlib.contextmanager
+    def server(self, answer):
+        """A server that answers every request with these octets, or not at all (None)."""
+        done = threading.Event()
+
+        def serve(listener):
+            while not done.is_set():
+                with contextlib.suppress(OSError):
+                    peer, _ = listener.accept()
+                    with peer:
+                        peer.settimeout(20)
+                        peer.recv(65536)
+                        if answer is not None:
+                            peer.sendall(answer)
+                            peer.shutdown(socket.SHUT_WR)
+                        peer.recv(65536)  # until the other side gives up
+
+        with socket.create_server(("127.0.0.1", 0)) as listener:
+            listener.settimeout(0.2)
+            thread = threading.Thread(target=serve, args=(listener,))
+            thread.start()
+            try:
+                yield f"http://127.0.0.1:{listener.getsockname()[1]}/"
+            finally:
+                done.set()
+                thread.join()
+
+    def fetch(self, url):
+        return self.json(*ASK, url)
+
+    def not_good(self, code, url):
+        """The responder's answer is judged so, and no file changes."""
+        before = self.files()
+        (told,) = self.json(*ASK, url, exit=1)["diagnostics"]
+        self.assertEqual((told["id"], self.files()), (code, before))
+        return told["message"]
+
+    def set_property(self, name, text):
+        (self.at / f"demo/{name}/security.properties").write_text(text)
+
+    def test_a_good_answer_lies_beside_the_certificate(self):
+        self.index(talker="V")
+        with self.responder() as url:
+            answer = self.fetch(url)
+            self.assertEqual(self.fetch(url)["result"]["url"], url)  # once more, in place of the first
+        file = self.at / "demo/talker/ocsp.der"
+        self.assertEqual(answer["files_written"][0]["path"], "demo/talker/ocsp.der")
+        told = self.openssl("ocsp", "-respin", file, "-CAfile", self.ca / "ca.pem", "-issuer", self.ca / "ca.pem",
+                            "-cert", "demo/talker/cert.pem", "-no_nonce")
+        self.assertIn("demo/talker/cert.pem: good", told)
+        doctor = self.json("doctor", "demo/talker", exit=None)
+        self.assertFalse([one for one in doctor["diagnostics"] if one["id"] == "DOC112"])
+
+    def test_a_revoked_or_unknown_certificate_gets_no_file(self):
+        self.index(talker="R")
+        with self.responder() as url:
+            self.assertRegex(self.not_good("ocsp_revoked", url), "keyCompromise")
+        self.index(listener="V")
+        with self.responder() as url:
+            self.not_good("ocsp_unknown", url)
+        self.assertNotIn("demo/talker/ocsp.der", self.files())
+
+    def test_a_responder_of_another_ca_is_not_believed(self):
+        self.run_program("init", "other", "--participant", "x")
+        self.index(talker="V")
+        stranger = self.at / "other/ca/identity"
+        with self.responder("-rsigner", stranger / "ca.pem", "-rkey", stranger / "ca.key.pem") as url:
+            self.not_good("ocsp_signer_wrong", url)
+        self.assertNotIn("demo/talker/ocsp.der", self.files())
+
+    def test_what_is_no_answer_is_refused_in_time(self):
+        with self.server(b"HTTP/1.0 404 Not Found\r\n\r\n") as url:
+            self.refused("ocsp_fetch_failed", 1, *ASK, url)
+        with self.server(b"HTTP/1.0 200 OK\r\nContent-type: text/html\r\n\r\n<html>") as url:
+            self.refused("ocsp_fetch_failed", 1, *ASK, url)
+        with self.server(f"HTTP/1.0 200 OK\r\n{CONTENT_TYPE}\r\n\r\n".encode() + b"\x30\x03\x0a\x01\x03") as url:
+            self.not_good("ocsp_not_successful", url)
+        with self.server(f"HTTP/1.0 200 OK\r\n{CONTENT_TYPE}\r\n\r\n".encode() + b"\x30\x82\xff\xff" + bytes(70000)) as url:
+            self.refused("ocsp_fetch_failed", 1, *ASK, url)
+        with self.server(b"HTTP/1.0 302 Found\r\nLocation: http://127.0.0.1:1/\r\n\r\n") as url:
+            self.refused("ocsp_fetch_failed", 1, *ASK, url)
+        with self.server(None) as url:
+            self.refused("ocsp_fetch_failed", 1, *ASK, url, "--timeout", "1")
+        with socket.create_server(("127.0.0.1", 0)) as gone:
+            url = f"http://127.0.0.1:{gone.getsockname()[1]}/"
+        self.refused("ocsp_fetch_failed", 1, *ASK, url)
+        for url in ("https://127.0.0.1/", "ftp://127.0.0.1/", "nonsense", "http://"):
+            self.refused("ocsp_fetch_failed", 1, *ASK, url)
+
+    def test_a_certificate_that_names_no_responder_needs_a_url(self):
+        self.refused("ocsp_no_responder", 1, "identity", "ocsp", "demo/talker")
+
+    def test_a_certificate_that_names_a_responder_needs_no_url(self):
+        self.index(talker="V")
+        with self.responder() as url:
+            extensions = self.at / "extensions"
+            extensions.write_text(f"keyUsage=critical,digitalSignature\nauthorityInfoAccess=OCSP;URI:{url}\n")
+            self.openssl("req", "-new", "-key", "demo/talker/key.pem", "-subj", "/CN=talker", "-out", "request.pem")
+            self.openssl("x509", "-req", "-in", "request.pem", "-CA", self.ca / "ca.pem", "-CAkey", self.ca / "ca.key.pem",
+                         "-set_serial", "0x" + self.serial("talker"), "-days", "30", "-extfile", extensions,
+                         "-out", "demo/talker/cert.pem")
+            self.assertEqual(self.json("identity", "ocsp", "demo/talker")["result"]["url"], url)
+
+    def test_doctor_says_what_is_wrong_with_the_response(self):
+        self.index(talker="V", listener="V")
+        with self.responder() as url:
+            self.run_program("identity", "ocsp", "demo/listener", "--url", url)
+        listener = (self.at / "demo/listener/ocsp.der").read_bytes()
+        (self.at / "demo/talker/ocsp.der").write_bytes(listener)
+        (told,) = self.about("talker", "DOC112")
+        self.assertEqual(told["severity"], "warning")
+        self.assertRegex(told["message"], "^ocsp.der: the OCSP response is about another certificate")
+        self.assertFalse(self.about("listener", "DOC112"))
+        (told,) = self.about("listener", "DOC112", "--now", "2099-01-01T00:00:00Z")[:1]
+        self.assertRegex(told["message"], "is out of date")
+        (self.at / "demo/talker/ocsp.der").unlink()
+        self.set_property("talker", "org.ddssec.auth.ocsp = strict\n")
+        (told,) = self.about("talker", "DOC112")
+        self.assertEqual(told["severity"], "error")
+        self.assertRegex(told["message"], "ignore, soft or hard")
+
+    def about(self, name, rule, *more):
+        answer = self.json("doctor", f"demo/{name}", *more, exit=None)
+        return [one for one in answer["diagnostics"] if one["id"] == rule]
+
+    def test_check_knows_that_a_side_demands_a_response(self):
+        talk = ("check", "demo/talker", "demo/listener")
+        self.assertTrue(self.json(*talk)["result"]["talk"])
+        self.set_property("listener", "org.ddssec.auth.ocsp = hard\n")
+        answer = self.json(*talk, exit=1)
+        self.assertFalse(answer["result"]["talk"])
+        (told,) = [one for one in answer["diagnostics"] if one["id"] == "DOC113"]
+        self.assertRegex(told["message"], "listener demands an OCSP response .*, and talker has none .*: there is no ocsp.der$")
+        self.index(talker="V")
+        with self.responder() as url:
+            self.fetch(url)
+        self.assertTrue(self.json(*talk)["result"]["talk"])
+        answer = self.json(*talk, "--vendor", "A=cyclonedds", exit=1)
+        (told,) = [one for one in answer["diagnostics"] if one["id"] == "DOC113"]
+        self.assertRegex(told["message"], "Cyclone DDS 0.10.2 sends none")
+
+
+if __name__ == "__main__":
+    main()
