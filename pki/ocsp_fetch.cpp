@@ -39,7 +39,7 @@ Result<Address> parse(const std::string& url) {
                                          &path, nullptr, nullptr);
   const OpensslText owners[] = {OpensslText(host), OpensslText(port), OpensslText(path)};
   take_openssl_reason();
-  if (is_url != 1 || host == nullptr || port == nullptr || path == nullptr)
+  if (is_url != 1 || host == nullptr || *host == 0 || port == nullptr || path == nullptr)
     return failed(url, "it is not the address of a responder");
   // The answer is signed; that it is read on the way tells little more than the handshake does.
   if (has_tls != 0 || !url.starts_with("http://"))

@@ -137,23 +137,51 @@ class Ocsp(Transcript):
             self.refused("ocsp_fetch_failed", 1, *ASK, url, "--timeout", "1")
         with socket.create_server(("127.0.0.1", 0)) as gone:
             url = f"http://127.0.0.1:{gone.getsockname()[1]}/"
-        self.refused("ocsp_fetch_failed", 1, *ASK, url)
+        self.refused("ocsp_fetch_failed", 1, *ASK, url, "--timeout", "1")
         for url in ("https://127.0.0.1/", "ftp://127.0.0.1/", "nonsense", "http://"):
             self.refused("ocsp_fetch_failed", 1, *ASK, url)
 
     def test_a_certificate_that_names_no_responder_needs_a_url(self):
         self.refused("ocsp_no_responder", 1, "identity", "ocsp", "demo/talker")
 
+    def name_responder(self, url):
+        """A certificate of the talker that names this responder, with the serial number of the former one."""
+        extensions = self.at / "extensions"
+        extensions.write_text(f"keyUsage=critical,digitalSignature\nauthorityInfoAccess=OCSP;URI:{url}\n")
+        self.openssl("req", "-new", "-key", "demo/talker/key.pem", "-subj", "/CN=talker", "-out", "request.pem")
+        self.openssl("x509", "-req", "-sha256", "-in", "request.pem", "-CA", self.ca / "ca.pem", "-CAkey", self.ca / "ca.key.pem",
+                     "-set_serial", "0x" + self.serial("talker"), "-days", "30", "-extfile", extensions,
+                     "-out", "demo/talker/cert.pem")
+
     def test_a_certificate_that_names_a_responder_needs_no_url(self):
         self.index(talker="V")
         with self.responder() as url:
-            extensions = self.at / "extensions"
-            extensions.write_text(f"keyUsage=critical,digitalSignature\nauthorityInfoAccess=OCSP;URI:{url}\n")
-            self.openssl("req", "-new", "-key", "demo/talker/key.pem", "-subj", "/CN=talker", "-out", "request.pem")
-            self.openssl("x509", "-req", "-in", "request.pem", "-CA", self.ca / "ca.pem", "-CAkey", self.ca / "ca.key.pem",
-                         "-set_serial", "0x" + self.serial("talker"), "-days", "30", "-extfile", extensions,
-                         "-out", "demo/talker/cert.pem")
+            self.name_responder(url)
             self.assertEqual(self.json("identity", "ocsp", "demo/talker")["result"]["url"], url)
+
+    def agent(self, *more, exit=0):
+        answer = self.json("agent", "demo/talker", "--ca", "demo", "--once", *more, exit=exit)
+        (event,) = answer["result"]["events"]
+        return answer, event
+
+    def test_the_agent_fetches_at_half_of_the_life_of_the_response(self):
+        _, event = self.agent()
+        self.assertNotIn("ocsp_until", event)  # the certificate names no responder
+        self.index(talker="V")
+        with self.responder() as url:
+            self.name_responder(url)
+            self.assertNotIn("ocsp_until", self.agent("--dry-run")[1])
+            answer, event = self.agent()
+            self.assertEqual(event["event"], "ocsp_renewed")
+            self.assertEqual([file["path"] for file in answer["files_written"]], ["demo/talker/ocsp.der"])
+            self.assertLess(event["next"], event["ocsp_until"])
+            first = (self.at / "demo/talker/ocsp.der").read_bytes()
+            self.assertEqual(self.agent("--now", "+20h")[1]["event"], "current")
+            self.assertEqual((self.at / "demo/talker/ocsp.der").read_bytes(), first)
+            self.assertEqual(self.agent("--now", "+25h")[1]["event"], "ocsp_renewed")
+        answer, event = self.agent("--now", "+30h", exit=1)
+        self.assertEqual((event["event"], event["problem"]["code"]), ("current", "ocsp_fetch_failed"))
+        self.assertIn("ocsp_fetch_failed", [one["id"] for one in answer["diagnostics"]])
 
     def test_doctor_says_what_is_wrong_with_the_response(self):
         self.index(talker="V", listener="V")
