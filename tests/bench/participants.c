@@ -10,7 +10,13 @@
 #include <string.h>
 #include <time.h>
 
-enum { WARM_UP = 200, MAX_SIZE = 64 << 20, MAX_COUNT = 10000000 };
+enum {
+  PATIENCE_NS = 20000000,
+  SETTLE_MS = 100,
+  WARM_UP = 200,
+  MAX_SIZE = 64 << 20,
+  MAX_COUNT = 10000000
+};
 static const uint32_t end_marker = 0xffffffffu;
 
 static volatile sig_atomic_t stopped;
@@ -37,7 +43,7 @@ static void usage(const char* program) {
   fprintf(stderr,
           "usage: %s --role ping|pong|tput-pub|tput-sub|matched --domain N [--count N]\n"
           "       [--size OCTETS] [--duration S] [--timeout S] [--security DIR|off]\n"
-          "       [--address IP]\n",
+          "       [--address IP] [--best-effort] [--listener] [--waiting] [--interval US]\n",
           program);
   exit(BENCH_USAGE);
 }
@@ -82,6 +88,18 @@ static void apply(const char* program, int option, struct bench_options* options
     case 'a':
       options->address = optarg;
       break;
+    case 'b':
+      options->best_effort = true;
+      break;
+    case 'l':
+      options->listener = true;
+      break;
+    case 'w':
+      options->waiting = true;
+      break;
+    case 'i':
+      options->interval_us = (uint32_t)number(program, optarg, 1e6);
+      break;
     default:
       usage(program);
   }
@@ -91,7 +109,9 @@ void bench_parse(int argc, char** argv, struct bench_options* options) {
   static const struct option table[] = {
       {"role", 1, NULL, 'r'},     {"domain", 1, NULL, 'd'},  {"count", 1, NULL, 'c'},
       {"size", 1, NULL, 's'},     {"timeout", 1, NULL, 't'}, {"duration", 1, NULL, 'u'},
-      {"security", 1, NULL, 'k'}, {"address", 1, NULL, 'a'}, {NULL, 0, NULL, 0}};
+      {"security", 1, NULL, 'k'}, {"address", 1, NULL, 'a'}, {"best-effort", 0, NULL, 'b'},
+      {"listener", 0, NULL, 'l'}, {"waiting", 0, NULL, 'w'}, {"interval", 1, NULL, 'i'},
+      {NULL, 0, NULL, 0}};
   *options = (struct bench_options){
       .count = 10, .size = 64, .timeout = 30, .duration = 2, .address = "127.0.0.1"};
   bool role = false;
@@ -168,61 +188,174 @@ static int ascending(const void* left, const void* right) {
   return (a > b) - (a < b);
 }
 
-static void say_round_trips(const struct run* run, double* microseconds, size_t count) {
-  qsort(microseconds, count, sizeof *microseconds, ascending);
-  const double last = (double)(count - 1);
-  printf("{\"event\":\"rtt\",\"size\":%" PRIu32
-         ",\"n\":%zu,\"min_us\":%.3f,\"median_us\":%.3f,"
-         "\"p90_us\":%.3f,\"p99_us\":%.3f}\n",
-         run->options->size, count, microseconds[0], microseconds[(size_t)(last * 0.5)],
-         microseconds[(size_t)(last * 0.9)], microseconds[(size_t)(last * 0.99)]);
+static double cpu_seconds(void) {
+  struct timespec time;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
 }
 
-// One round trip in microseconds; negative: it was over first.
-static double round_trip(struct run* run, uint32_t seq) {
+/// The round trips of role ping. The listener and the main thread never use it at the same time,
+/// except for `done`.
+static struct {
+  double* microseconds;
+  uint32_t measured, lost, next;
+  int64_t begin, until;
+  double cpu_before;
+  atomic_bool done;
+} trips;
+static struct run* pinging;
+
+// How much one round trip differs from the one before, on average.
+static double jitter(const double* microseconds, size_t count) {
+  double sum = 0;
+  for (size_t i = 1; i < count; ++i) {
+    const double step = microseconds[i] - microseconds[i - 1];
+    sum += step < 0 ? -step : step;
+  }
+  return count > 1 ? sum / (double)(count - 1) : 0;
+}
+
+static void say_round_trips(const struct run* run, double cpu) {
+  double* microseconds = trips.microseconds;
+  const size_t count = trips.measured;
+  const double jitter_us = jitter(microseconds, count);
+  qsort(microseconds, count, sizeof *microseconds, ascending);
+  const double last = (double)(count - 1);
+  printf("{\"event\":\"rtt\",\"size\":%" PRIu32 ",\"n\":%zu,\"lost\":%" PRIu32
+         ",\"min_us\":%.3f,\"median_us\":%.3f,\"p90_us\":%.3f,\"p99_us\":%.3f,"
+         "\"p999_us\":%.3f,\"p9999_us\":%.3f,\"max_us\":%.3f,\"jitter_us\":%.3f,"
+         "\"cpu_us\":%.3f}\n",
+         run->options->size, count, trips.lost, microseconds[0], microseconds[(size_t)(last * 0.5)],
+         microseconds[(size_t)(last * 0.9)], microseconds[(size_t)(last * 0.99)],
+         microseconds[(size_t)(last * 0.999)], microseconds[(size_t)(last * 0.9999)],
+         microseconds[count - 1], jitter_us, cpu * 1e6 / (double)count);
+}
+
+static bool send_ping(struct run* run) {
   const struct bench_stack* stack = run->stack;
-  const int64_t begin = now();
-  const struct bench_blob ping = {seq, 0, (uint64_t)begin, run->payload, run->options->size};
-  if (!stack->write(stack->self, &ping)) return -1;
+  trips.begin = now();
+  trips.until = trips.begin + PATIENCE_NS;
+  const struct bench_blob ping = {trips.next, 0, (uint64_t)trips.begin, run->payload,
+                                  run->options->size};
+  if (trips.next == WARM_UP) trips.cpu_before = cpu_seconds();
+  if (!stack->write(stack->self, &ping)) return false;
   ++run->written;
+  return true;
+}
+
+// Whether the pong is the one that is awaited; then its time is noted.
+static bool note_pong(struct run* run, const struct bench_blob* pong) {
+  if (pong->seq != trips.next) return false;
+  ++run->received;
+  run->corrupt +=
+      pong->length != run->options->size || memcmp(pong->data, run->payload, pong->length) != 0;
+  if (trips.next >= WARM_UP)
+    trips.microseconds[trips.measured++] = (double)(now() - trips.begin) * 1e-3;
+  return true;
+}
+
+static bool is_last(const struct run* run) {
+  return trips.next + 1 >= WARM_UP + run->options->count;
+}
+
+// False: it did not come. A best-effort sample may be lost.
+static bool await_pong(struct run* run) {
+  const struct bench_stack* stack = run->stack;
   struct bench_blob pong;
-  while (!stack->take(stack->self, &pong)) {
-    if (over(run)) return -1;
+  while (!over(run)) {
+    while (stack->take(stack->self, &pong))
+      if (note_pong(run, &pong)) return true;
+    if (run->options->best_effort && now() >= trips.until) break;
     stack->wait(stack->self);
   }
-  ++run->received;
-  const bool same = pong.seq == seq && pong.length == ping.length &&
-                    memcmp(pong.data, ping.data, ping.length) == 0;
-  run->corrupt += !same;
-  return (double)(now() - begin) * 1e-3;
+  return false;
+}
+
+static void pace(const struct run* run) {
+  const int64_t left = trips.begin + (int64_t)run->options->interval_us * 1000 - now();
+  if (run->options->interval_us > 0 && left > 0)
+    nanosleep(&(struct timespec){.tv_sec = left / 1000000000, .tv_nsec = left % 1000000000}, NULL);
+}
+
+static void ping_and_wait(struct run* run) {
+  for (; trips.next < WARM_UP + run->options->count; ++trips.next) {
+    if (!send_ping(run)) return;
+    if (await_pong(run))
+      pace(run);
+    else if (over(run) || !run->options->best_effort)
+      return;
+    else
+      ++trips.lost;
+  }
+}
+
+// The listener sends the next ping. A lost best-effort sample ends the run.
+static void ping_and_listen(struct run* run) {
+  pinging = run;
+  if (!send_ping(run)) return;
+  while (!trips.done && !over(run)) nap(20);
+}
+
+static void bench_next(struct run* run) {
+  struct bench_blob pong;
+  while (run->stack->take(run->stack->self, &pong)) {
+    if (trips.done || !note_pong(run, &pong)) continue;
+    if (is_last(run)) {
+      trips.done = true;
+      return;
+    }
+    ++trips.next;
+    pace(run);
+    if (!send_ping(run)) trips.done = true;
+  }
 }
 
 static int run_ping(struct run* run) {
   if (!wait_for_match(run)) return BENCH_NEVER_MATCHED;
   const uint32_t count = run->options->count;
-  double* microseconds = calloc(count + 1u, sizeof *microseconds);
-  if (microseconds == NULL) return BENCH_NOT_CREATED;
-  size_t measured = 0;
-  for (uint32_t i = 0; i < WARM_UP + count; ++i) {
-    const double taken = round_trip(run, i);
-    if (taken < 0) break;
-    if (i >= WARM_UP) microseconds[measured++] = taken;
-  }
-  if (measured > 0) say_round_trips(run, microseconds, measured);
-  free(microseconds);
-  return run->corrupt > 0 ? BENCH_WRONG : measured < count ? BENCH_MISSING : BENCH_DONE;
+  trips.microseconds = calloc(count + 1u, sizeof *trips.microseconds);
+  if (trips.microseconds == NULL) return BENCH_NOT_CREATED;
+  // The other side may match a little later, and what is sent before is lost.
+  nap(SETTLE_MS);
+  if (run->options->listener)
+    ping_and_listen(run);
+  else
+    ping_and_wait(run);
+  const double cpu = cpu_seconds() - trips.cpu_before;
+  const bool whole = trips.measured + trips.lost >= count;
+  if (trips.measured > 0 && (whole || !run->options->listener)) say_round_trips(run, cpu);
+  return run->corrupt > 0 ? BENCH_WRONG : whole ? BENCH_DONE : BENCH_MISSING;
 }
 
-void bench_echo(const struct bench_stack* stack) {
+bool bench_listens(const struct bench_options* options) {
+  return options->role == BENCH_PING ? options->listener
+                                     : options->role == BENCH_PONG && !options->waiting;
+}
+
+static bool echo(const struct bench_stack* stack) {
   struct bench_blob ping;
-  while (stack->take(stack->self, &ping))
+  bool any = false;
+  for (; stack->take(stack->self, &ping); any = true)
     if (stack->write(stack->self, &ping)) ++echoed;
+  return any;
+}
+
+void bench_on_data(const struct bench_stack* stack) {
+  if (pinging != NULL)
+    bench_next(pinging);
+  else
+    echo(stack);
 }
 
 static int run_pong(struct run* run) {
   while (!over(run)) {
     if (!is_matched(run) && run->ever_matched) break;
-    nap(20);
+    if (!run->options->waiting) {
+      nap(20);
+      continue;
+    }
+    do run->stack->wait(run->stack->self);
+    while (echo(run->stack) && !over(run));
   }
   run->received = run->written = echoed;
   return run->ever_matched ? BENCH_DONE : BENCH_NEVER_MATCHED;
@@ -278,12 +411,6 @@ static int run_tput_sub(struct run* run) {
   say_throughput(run, sent, octets, last - first);
   if (run->corrupt > 0) return BENCH_WRONG;
   return ended && sent == run->received ? BENCH_DONE : BENCH_MISSING;
-}
-
-static double cpu_seconds(void) {
-  struct timespec time;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-  return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
 }
 
 // Until --count writers and readers are matched, its own among them. It stays, silent, until it is

@@ -34,6 +34,10 @@ struct bench_options {
   double duration;
   const char* security;  ///< a folder, or NULL
   const char* address;   ///< of the interface; counts for role matched alone
+  bool best_effort;      ///< endpoints are BEST_EFFORT and KEEP_LAST 1
+  bool listener;         ///< role ping receives in its listener
+  bool waiting;          ///< role pong waits, and answers without a listener
+  uint32_t interval_us;  ///< from one ping to the next; 0: the next follows the pong
 };
 
 /// What both makes keep at most of unacknowledged samples: as ddssec-peer, and 64 MiB.
@@ -74,8 +78,10 @@ char* bench_document(const char* prefix, const char* directory, const char* name
 
 /// Says that something could not be created; BENCH_NOT_CREATED.
 int bench_refused(const char* what, const char* reason);
-/// Role pong, from the listener of its reader: answers what has come.
-void bench_echo(const struct bench_stack* stack);
+/// The role receives in the listener of its reader, which calls bench_on_data.
+bool bench_listens(const struct bench_options* options);
+/// From the listener: answers what has come, or measures it.
+void bench_on_data(const struct bench_stack* stack);
 /// Runs the role to its end and says `done` and `exit`. Returns the exit code.
 int bench_run(const struct bench_options* options, const struct bench_stack* stack);
 

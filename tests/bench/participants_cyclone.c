@@ -89,7 +89,7 @@ static bool acknowledged(void* self) {
 static void on_data(dds_entity_t reader, void* self) {
   (void)reader;
   const struct cyclone* cyclone = self;
-  bench_echo(&cyclone->stack);
+  bench_on_data(&cyclone->stack);
 }
 
 // ---- set-up ---------------------------------------------------------------------------------
@@ -122,8 +122,13 @@ static void set_security(dds_qos_t* qos, const char* folder) {
   set_document(qos, "dds.sec.access.permissions", folder, "permissions.p7s");
 }
 
-static dds_qos_t* endpoint_qos(void) {
+static dds_qos_t* endpoint_qos(const struct bench_options* options) {
   dds_qos_t* qos = dds_create_qos();
+  if (options->best_effort) {
+    dds_qset_reliability(qos, DDS_RELIABILITY_BEST_EFFORT, 0);
+    dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, 1);
+    return qos;
+  }
   dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
   dds_qset_history(qos, DDS_HISTORY_KEEP_ALL, 0);
   return qos;
@@ -133,9 +138,9 @@ static bool create_endpoints(dds_entity_t participant, const struct bench_option
                              struct cyclone* cyclone) {
   const char* written = bench_written(options->role);
   const char* read = bench_read(options->role);
-  dds_qos_t* qos = endpoint_qos();
+  dds_qos_t* qos = endpoint_qos(options);
   dds_listener_t* listener = dds_create_listener(cyclone);
-  if (options->role == BENCH_PONG) dds_lset_data_available(listener, on_data);
+  if (bench_listens(options)) dds_lset_data_available(listener, on_data);
   if (written != NULL) {
     const dds_entity_t topic = dds_create_topic(participant, &Blob_desc, written, NULL, NULL);
     cyclone->writer = dds_create_writer(participant, topic, qos, NULL);
@@ -145,7 +150,7 @@ static bool create_endpoints(dds_entity_t participant, const struct bench_option
     cyclone->reader = dds_create_reader(participant, topic, qos, listener);
     cyclone->waitset = dds_create_waitset(participant);
     dds_set_status_mask(cyclone->reader, DDS_DATA_AVAILABLE_STATUS);
-    if (options->role != BENCH_PONG) dds_waitset_attach(cyclone->waitset, cyclone->reader, 0);
+    if (!bench_listens(options)) dds_waitset_attach(cyclone->waitset, cyclone->reader, 0);
   }
   dds_delete_listener(listener);
   dds_delete_qos(qos);

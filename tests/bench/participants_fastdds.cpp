@@ -104,7 +104,7 @@ bool acknowledged(void* self) {
 class Echo : public fdds::DataReaderListener {
  public:
   explicit Echo(Fast& made) : made_(made) {}
-  void on_data_available(fdds::DataReader*) override { bench_echo(&made_.stack); }
+  void on_data_available(fdds::DataReader*) override { bench_on_data(&made_.stack); }
 
  private:
   Fast& made_;
@@ -136,10 +136,12 @@ void set_security(fdds::DomainParticipantQos& qos, const char* folder) {
 
 template <class Qos>
 void set_endpoint(Qos& qos, const bench_options& options) {
-  qos.reliability().kind = fdds::RELIABLE_RELIABILITY_QOS;
+  qos.reliability().kind =
+      options.best_effort ? fdds::BEST_EFFORT_RELIABILITY_QOS : fdds::RELIABLE_RELIABILITY_QOS;
   qos.reliability().max_blocking_time = Duration_t(1, 0);
   qos.durability().kind = fdds::VOLATILE_DURABILITY_QOS;
-  qos.history().kind = fdds::KEEP_ALL_HISTORY_QOS;
+  qos.history().kind =
+      options.best_effort ? fdds::KEEP_LAST_HISTORY_QOS : fdds::KEEP_ALL_HISTORY_QOS;
   qos.resource_limits().max_samples = static_cast<int32_t>(bench_most_samples(&options));
   qos.resource_limits().max_samples_per_instance = qos.resource_limits().max_samples;
   qos.resource_limits().allocated_samples = 16;
@@ -181,7 +183,7 @@ int use(fdds::DomainParticipant& participant, const bench_options& options) {
   made.stack = {&made, readers, writers, write_blob, take_blob, wait_for_data, acknowledged};
   Echo echo(made);
   if (!create_endpoints(participant, type, options, made,
-                        options.role == BENCH_PONG ? &echo : nullptr))
+                        bench_listens(&options) ? &echo : nullptr))
     return bench_refused("endpoint", "Fast DDS gives no reason");
   const int code = bench_run(&options, &made.stack);
   if (made.reader) made.reader->set_listener(nullptr);
