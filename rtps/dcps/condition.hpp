@@ -13,11 +13,16 @@ namespace ddssec::rtps {
 
 class AnyDataReader;
 class Entity;
+class ServingTurn;
 struct WaitSetState;
 
 /// The state that a condition shares with the wait sets it is attached to. It outlives both, so
 /// that a condition and a wait set may be destroyed at the same time in different threads.
 struct ConditionState {
+  explicit ConditionState(std::shared_ptr<ServingTurn> of) : turn(std::move(of)) {}
+  /// Of the participant whose entity triggers the condition; nullptr: the application triggers it,
+  /// or the participant has no thread of its own.
+  const std::shared_ptr<ServingTurn> turn;
   std::atomic<bool> trigger = false;
   std::mutex mutex;
   std::vector<std::shared_ptr<WaitSetState>> sets;
@@ -27,7 +32,8 @@ struct ConditionState {
 /// may be destroyed while a wait set is destroyed, but not while it is being attached or detached.
 class Condition {
  public:
-  Condition() = default;
+  explicit Condition(std::shared_ptr<ServingTurn> turn = {})
+      : state_(std::make_shared<ConditionState>(std::move(turn))) {}
   virtual ~Condition();
   Condition(const Condition&) = delete;
   Condition& operator=(const Condition&) = delete;
@@ -36,10 +42,11 @@ class Condition {
 
  protected:
   void trigger(bool value);
+  const std::shared_ptr<ServingTurn>& turn() const { return state_->turn; }
 
  private:
   friend class WaitSet;
-  const std::shared_ptr<ConditionState> state_ = std::make_shared<ConditionState>();
+  const std::shared_ptr<ConditionState> state_;
 };
 
 /// Triggered by the application.
@@ -52,13 +59,15 @@ class GuardCondition final : public Condition {
 /// been read. All statuses are enabled at first.
 class StatusCondition final : public Condition {
  public:
-  explicit StatusCondition(Entity& entity) : entity_(entity) {}
+  StatusCondition(Entity& entity, std::shared_ptr<ServingTurn> turn)
+      : Condition(std::move(turn)), entity_(entity) {}
 
   Entity& entity() const { return entity_; }
   StatusMask enabled_statuses() const { return StatusMask::from(enabled_); }
   void set_enabled_statuses(StatusMask statuses);
 
  private:
+  friend class ReadCondition;
   friend class StatusChanges;
   void update();
 
@@ -79,7 +88,7 @@ class ReadCondition : public Condition {
 
  protected:
   friend class ReadConditions;
-  ReadCondition(AnyDataReader& reader, const States& states) : reader_(reader), states_(states) {}
+  ReadCondition(AnyDataReader& reader, const States& states);
 
   AnyDataReader& reader_;
   const States states_;

@@ -100,6 +100,9 @@ Result<std::unique_ptr<DomainParticipant>> DomainParticipant::create(
     DomainParticipantOptions wanted, const Environment& environment) {
   if (wanted.domain_id < 0 || wanted.domain_id > kGreatestDomain)
     return bad_option("domain_id", "0 to 232", std::to_string(wanted.domain_id));
+  if (wanted.busy_wait < std::chrono::nanoseconds::zero() ||
+      wanted.busy_wait > DomainParticipantOptions::kLongestBusyWait)
+    return bad_option("busy_wait", "0 to 1000000 ns", std::to_string(wanted.busy_wait.count()));
   DDSSEC_ASSIGN_OR_RETURN(auto interfaces, choose_interfaces(wanted.interfaces));
   // RTPS 9.3.1.5: the first two octets name the vendor.
   GuidPrefix prefix;
@@ -115,6 +118,7 @@ Result<std::unique_ptr<DomainParticipant>> DomainParticipant::create(
   DDSSEC_ASSIGN_OR_RETURN(
       auto participant_sockets,
       ParticipantSockets::open(options.domain_id, std::move(interfaces), options.receive_buffer));
+  participant_sockets->loop().busy_wait(options.busy_wait);
   service.use(std::move(participant_sockets));
   if (const auto enough = service.sockets().check_receive_buffer(); !enough)
     environment.events.raise(Event(enough.error()));

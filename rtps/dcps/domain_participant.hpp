@@ -41,6 +41,11 @@ struct DomainParticipantOptions {
   /// Receive buffer to request from the operating system for each socket, in octets. If less is
   /// granted than large samples need, a warning event is raised.
   std::size_t receive_buffer = UdpSocket::kWantedBuffer;
+  /// Before a thread sleeps until something arrives, it looks for it again and again for this long.
+  /// Takes a processor meanwhile, and saves the time until a sleeping thread runs. At most
+  /// kLongestBusyWait.
+  std::chrono::nanoseconds busy_wait{};
+  static constexpr std::chrono::nanoseconds kLongestBusyWait = std::chrono::milliseconds(1);
   bool own_thread = true;  ///< false: the application calls poll()
   /// Delivers samples to participants of the same process directly, in the writer's thread, unless
   /// the topic is protected. false: always over the network.
@@ -92,7 +97,7 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
 
   /// Creates a participant and raises the event rtps_joined, which names the interfaces. The clock,
   /// random source and event sink in `environment` must outlive the participant.
-  /// Errors: invalid_property (invalid domain or peer address), rtps_address_not_here (no such
+  /// Errors: invalid_property (invalid domain, peer address or busy_wait), rtps_address_not_here (no such
   /// interface), rtps_port_taken (all participant indexes are in use), rtps_no_multicast (multicast
   /// fails and there are no peers), rtps_socket_failed, random_failed, rtps_thread_failed,
   /// rtps_store_unusable, rtps_store_failed; with security also those of the plugins.

@@ -9,6 +9,7 @@
 #include "rtps/dcps/callback_lock.hpp"
 #include "rtps/dcps/link.hpp"
 #include "rtps/dcps/reader_cache.hpp"
+#include "rtps/dcps/serving_turn.hpp"
 #include "rtps/participant/participant.hpp"
 #include "rtps/reliability/timer_queue.hpp"
 
@@ -29,15 +30,18 @@ class ParticipantContext {
     virtual void serve(std::chrono::nanoseconds most) = 0;
   };
 
-  ParticipantContext(const Environment& environment, Server& server, bool own_thread,
+  /// `turn`: nullptr if the participant has no thread of its own.
+  ParticipantContext(const Environment& environment, Server& server,
+                     std::shared_ptr<ServingTurn> turn,
                      std::shared_ptr<Neighbourhood> neighbourhood)
       : environment_(environment),
         server_(server),
-        own_thread_(own_thread),
+        turn_(std::move(turn)),
         neighbourhood_(std::move(neighbourhood)),
         mutex_(neighbourhood_->mutex()) {}
 
   std::mutex& mutex() const { return mutex_; }
+  const std::shared_ptr<ServingTurn>& turn() const { return turn_; }
   const std::shared_ptr<Neighbourhood>& neighbourhood() const { return neighbourhood_; }
   const Environment& environment() const { return environment_; }
   MonotonicTime now() const { return environment_.clock.monotonic(); }
@@ -67,13 +71,15 @@ class ParticipantContext {
     if (serving_)
       changed_while_serving_ = true;
     else
-      changed_.notify_all();
+      notify_now();
   }
   /// Returns false if `ready` did not become true in time. A participant without a thread of its
   /// own is served meanwhile. Does not wait in a callback, because no other thread could change
-  /// anything.
+  /// anything. A thread that waits for data may serve a participant that has a thread.
   template <class Ready>
-  bool wait(std::unique_lock<std::mutex>& lock, std::chrono::nanoseconds most, Ready ready);
+  bool wait(std::unique_lock<std::mutex>& lock, std::chrono::nanoseconds most, Ready ready,
+            ServingTurn::For reason = ServingTurn::For::other);
+  bool has_pending() const { return !pending_.empty(); }
   /// The entity has a status for which its listeners must be called.
   void enqueue(Link<Entity>& entity) { entity.append_to(pending_); }
 
@@ -92,6 +98,11 @@ class ParticipantContext {
   /// Calls the listeners of the enqueued entities. Returns true if there were any. While another
   /// thread deletes entities it does nothing: that thread wakes the server afterwards.
   bool dispatch();
+  /// Makes waiting calls check again, or serve.
+  void notify_waiting() {
+    const std::lock_guard lock(mutex_);
+    notify_now();
+  }
   /// True if this thread is calling a listener of the participant.
   bool in_callback() const;
   /// Called by the thread that is about to call listeners, and for as long as it does.
@@ -135,16 +146,25 @@ class ParticipantContext {
     ParticipantContext& context;
     bool& changed;
   };
+  void notify_now() {
+    changed_.notify_all();
+    if (std::exchange(waiting_serves_, false)) turn_->wake();
+  }
+  template <class Ready>
+  bool wait_beside_thread(std::unique_lock<std::mutex>& lock,
+                          std::chrono::steady_clock::time_point end, Ready ready,
+                          ServingTurn::For reason);
   /// Wakes the server if listeners, timers or work at time `other` cannot wait, unless it has
   /// already been woken.
   void wake_if(MonotonicTime other);
 
   const Environment environment_;
   Server& server_;
-  const bool own_thread_;
+  const std::shared_ptr<ServingTurn> turn_;
   const std::shared_ptr<Neighbourhood> neighbourhood_;
   std::mutex& mutex_;
   std::condition_variable changed_;
+  bool waiting_serves_ = false;  ///< a thread that waits here serves, and must be woken
   bool serving_ = false;
   bool changed_while_serving_ = false;
   std::unique_ptr<Participant> protocol_;
@@ -160,18 +180,39 @@ class ParticipantContext {
 
 template <class Ready>
 bool ParticipantContext::wait(std::unique_lock<std::mutex>& lock, std::chrono::nanoseconds most,
-                              Ready ready) {
+                              Ready ready, ServingTurn::For reason) {
   constexpr std::chrono::nanoseconds kLongest = std::chrono::hours(24 * 365);
   if (ready()) return true;
   const auto end = std::chrono::steady_clock::now() + std::min(most, kLongest);
   if (in_callback()) return false;
-  if (own_thread_) return changed_.wait_until(lock, end, ready);
+  if (turn_ != nullptr) return wait_beside_thread(lock, end, ready, reason);
   while (!ready()) {
     const auto left = end - std::chrono::steady_clock::now();
     if (left <= std::chrono::nanoseconds::zero()) return false;
     lock.unlock();
     server_.serve(left);
     lock.lock();
+  }
+  return true;
+}
+
+template <class Ready>
+bool ParticipantContext::wait_beside_thread(std::unique_lock<std::mutex>& lock,
+                                            std::chrono::steady_clock::time_point end, Ready ready,
+                                            ServingTurn::For reason) {
+  ServingTurn::Waiting waiting(*turn_, reason);
+  while (!ready()) {
+    const auto left = end - std::chrono::steady_clock::now();
+    if (left <= std::chrono::nanoseconds::zero()) return false;
+    if (!waiting.serves()) {
+      changed_.wait_until(lock, end);
+      continue;
+    }
+    waiting_serves_ = true;
+    lock.unlock();
+    waiting.serve(left);
+    lock.lock();
+    waiting_serves_ = false;
   }
   return true;
 }

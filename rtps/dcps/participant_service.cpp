@@ -10,6 +10,9 @@ namespace {
 // After work that was due ended with an exception, it is due again after this time.
 constexpr MonotonicTime kRetry = std::chrono::milliseconds(100);
 
+// More datagrams than this at once are better received while the application handles the first.
+constexpr std::size_t kBulk = 2;
+
 }  // namespace
 
 Status ParticipantService::adopt(std::unique_ptr<Participant> protocol) {
@@ -21,6 +24,7 @@ Status ParticipantService::adopt(std::unique_ptr<Participant> protocol) {
 void ParticipantService::receive(UdpSocket& socket) {
   caught_.run("received datagrams", [&] {
     const auto count = socket.fetch();
+    if (turn_ != nullptr && count > kBulk) turn_->prefer_own(ServingTurn::kAfterBulk);
     context_.serve([&] { receive_batch(socket, count); });
   });
 }
@@ -38,27 +42,33 @@ void ParticipantService::receive_batch(UdpSocket& socket, std::size_t count) {
 Status ParticipantService::start() {
   const std::lock_guard held(context_.mutex());
   started_ = true;
-  if (!own_thread_) return {};
+  if (turn_ == nullptr) return {};
   context_.protocol().allow_lingering();
   try {
-    thread_ = start_background_thread<std::thread>([this] {
-      while (!stopping_) serve(std::chrono::seconds(10));
-    });
+    thread_ = start_background_thread<std::thread>([this] { run(); });
   } catch (const std::system_error& error) {
     return fail(Code::rtps_thread_failed, {.document = "participant", .found = error.what()});
   }
   return {};
 }
 
+void ParticipantService::run() {
+  while (turn_->await()) do
+      serve(std::chrono::seconds(10));
+    while (!turn_->yield());
+}
+
 void ParticipantService::stop() {
-  stopping_ = true;
-  if (sockets_ != nullptr) wake();
+  if (turn_ != nullptr) turn_->close();
+  if (sockets_ != nullptr) sockets_->loop().wake();
   if (thread_.joinable()) thread_.join();
 }
 
-void ParticipantService::wake() { sockets_->loop().wake(); }
+void ParticipantService::wake() {
+  if (turn_ == nullptr || !turn_->take_over()) sockets_->loop().wake();
+}
 
-void ParticipantService::serve(std::chrono::nanoseconds most) {
+std::optional<MonotonicTime> ParticipantService::tick(std::chrono::nanoseconds most) {
   std::optional<MonotonicTime> until;
   const bool ticked = caught_.run("timers", [&] {
     context_.serve([&] {
@@ -66,17 +76,37 @@ void ParticipantService::serve(std::chrono::nanoseconds most) {
     });
   });
   if (!ticked) until = context_.now() + std::min<MonotonicTime>(most, kRetry);
+  return until;
+}
+
+bool ParticipantService::dispatch() {
+  bool any = false;
+  const bool whole = caught_.run("a listener", [&] { any = context_.dispatch(); });
+  any = any || !whole;
+  if (any && turn_ != nullptr) turn_->prefer_own(ServingTurn::kAfterListeners);
+  return any;
+}
+
+void ParticipantService::serve(std::chrono::nanoseconds most) {
+  auto until = tick(most);
   if (!until) return;
-  const auto dispatch = [&] {
-    bool any = false;
-    return !caught_.run("a listener", [&] { any = context_.dispatch(); }) || any;
-  };
   if (dispatch()) {
     const std::lock_guard held(context_.mutex());
     until = std::min(*until, context_.next());
   }
   sockets_->loop().wait(std::max(*until - context_.now(), MonotonicTime::zero()));
   dispatch();
+}
+
+void ParticipantService::serve_for_waiting(std::chrono::nanoseconds most) {
+  const auto has_pending = [&] {
+    const std::lock_guard held(context_.mutex());
+    return context_.has_pending();
+  };
+  const auto until = tick(most);
+  if (until && !has_pending())
+    sockets_->loop().wait(std::max(*until - context_.now(), MonotonicTime::zero()));
+  if (has_pending()) turn_->prefer_own(ServingTurn::kAfterListeners);
 }
 
 }  // namespace ddssec::rtps

@@ -1,7 +1,6 @@
 // Serves the sockets, timers and listeners of a participant.
 #pragma once
 
-#include <atomic>
 #include <thread>
 
 #include "rtps/dcps/caught_exceptions.hpp"
@@ -13,12 +12,12 @@ namespace ddssec::rtps {
 /// Runs in a thread of its own, or whenever serve is called. Owns what the participant's entities
 /// share. No exception leaves it: the datagram, timer or listener is given up, counted and
 /// reported.
-class ParticipantService final : private ParticipantContext::Server {
+class ParticipantService final : private ParticipantContext::Server, private ServingTurn::Server {
  public:
   ParticipantService(const Environment& environment, bool own_thread,
                      std::shared_ptr<Neighbourhood> neighbourhood)
-      : own_thread_(own_thread),
-        context_(environment, *this, own_thread, std::move(neighbourhood)),
+      : turn_(own_thread ? std::make_shared<ServingTurn>(turn_server()) : nullptr),
+        context_(environment, *this, turn_, std::move(neighbourhood)),
         caught_(environment.events) {}
   ~ParticipantService() override { stop(); }
 
@@ -43,15 +42,22 @@ class ParticipantService final : private ParticipantContext::Server {
 
  private:
   void wake() override;
+  void serve_for_waiting(std::chrono::nanoseconds most) override;
+  void end_serving() override { sockets_->loop().wake(); }
+  void notify_waiting() override { context_.notify_waiting(); }
+  ServingTurn::Server& turn_server() { return *this; }
+  /// Does what is due. Returns the time until which to wait for the sockets; empty: not started.
+  std::optional<MonotonicTime> tick(std::chrono::nanoseconds most);
+  bool dispatch();
+  void run();
   void receive(UdpSocket& socket);
   void receive_batch(UdpSocket& socket, std::size_t count);
 
-  const bool own_thread_;
+  const std::shared_ptr<ServingTurn> turn_;      ///< nullptr: no thread of its own
   std::unique_ptr<ParticipantSockets> sockets_;  // the protocol sends through them
   ParticipantContext context_;
   CaughtExceptions caught_;
   bool started_ = false;  ///< protected by the lock
-  std::atomic<bool> stopping_ = false;
   std::thread thread_;
 };
 

@@ -1,8 +1,11 @@
 #include "rtps/dcps/read_conditions.hpp"
 
-#include "rtps/dcps/entity.hpp"
+#include "rtps/dcps/data_reader.hpp"
 
 namespace ddssec::rtps {
+
+ReadCondition::ReadCondition(AnyDataReader& reader, const States& states)
+    : Condition(reader.status_condition().turn()), reader_(reader), states_(states) {}
 
 ReadCondition& ReadConditions::create(const States& states) {
   conditions_.emplace_back(new ReadCondition(reader_, states));

@@ -12,7 +12,7 @@ class StatusChanges {
  public:
   /// `entity` and `context` must outlive this object.
   StatusChanges(Entity& entity, ParticipantContext& context)
-      : entity_(entity), context_(context), condition_(entity), pending_(&entity) {}
+      : entity_(entity), context_(context), condition_(entity, context.turn()), pending_(&entity) {}
 
   /// The status changed. Waiting calls check their condition again, and the status's listener, if
   /// there is one, will be called.

@@ -1,6 +1,7 @@
 #include "rtps/dcps/wait_set.hpp"
 
 #include <algorithm>
+#include <list>
 
 namespace ddssec::rtps {
 namespace {
@@ -28,10 +29,14 @@ void Condition::trigger(bool value) {
   const bool was = state_->trigger.exchange(value);
   if (was || !value) return;
   const std::lock_guard lock(state_->mutex);
-  for (const auto& set : state_->sets) {
-    { const std::lock_guard waiting(set->mutex); }
-    set->changed.notify_all();
-  }
+  for (const auto& set : state_->sets) set->notify();
+}
+
+// A thread that serves checks the conditions itself after what it has triggered.
+void WaitSetState::notify() {
+  const std::lock_guard held(mutex);
+  changed.notify_all();
+  if (served != nullptr && ::pthread_equal(serving, ::pthread_self()) == 0) served->wake();
 }
 
 WaitSet::WaitSet() : state_(std::make_shared<WaitSetState>()) {}
@@ -54,9 +59,11 @@ void WaitSet::attach_condition(Condition& condition) {
     if (std::ranges::find(condition.state_->sets, state_) != condition.state_->sets.end()) return;
     condition.state_->sets.push_back(state_);
   }
-  const std::lock_guard lock(state_->mutex);
-  state_->conditions.push_back({&condition, condition.state_});
-  state_->changed.notify_all();
+  {
+    const std::lock_guard lock(state_->mutex);
+    state_->conditions.push_back({&condition, condition.state_});
+  }
+  state_->notify();
 }
 
 Status WaitSet::detach_condition(Condition& condition) {
@@ -81,22 +88,66 @@ std::vector<Condition*> WaitSet::conditions() const {
   return out;
 }
 
+std::vector<Condition*> WaitSet::triggered() const {
+  std::vector<Condition*> out;
+  for (const auto& attached : state_->conditions)
+    if (attached.state->trigger) out.push_back(attached.condition);
+  return out;
+}
+
 Result<std::vector<Condition*>> WaitSet::wait(std::chrono::nanoseconds most) {
+  const auto end = std::chrono::steady_clock::now() + std::min(most, kLongestWait);
   std::unique_lock lock(state_->mutex);
   if (state_->waiting)
     return fail(Code::rtps_precondition_not_met,
                 {.document = "wait set", .expected = "one waiting thread", .found = "a second"});
   state_->waiting = true;
-  std::vector<Condition*> triggered;
-  state_->changed.wait_for(lock, std::min(most, kLongestWait), [&] {
-    triggered.clear();
-    for (const auto& attached : state_->conditions)
-      if (attached.state->trigger) triggered.push_back(attached.condition);
-    return !triggered.empty();
-  });
+  auto out = triggered();
+  if (out.empty()) {
+    wait_until(lock, end);
+    out = triggered();
+  }
   state_->waiting = false;
-  if (triggered.empty()) return fail(Code::rtps_timeout, {.document = "wait set"});
-  return triggered;
+  if (out.empty()) return fail(Code::rtps_timeout, {.document = "wait set"});
+  return out;
+}
+
+// Each participant of the conditions must know that a thread waits. The thread serves the
+// participant if there is only one. If that is deleted meanwhile, its turn is closed but remains.
+void WaitSet::wait_until(std::unique_lock<std::mutex>& lock,
+                         std::chrono::steady_clock::time_point end) {
+  auto& turns = state_->turns;
+  turns.clear();
+  for (const auto& attached : state_->conditions)
+    if (attached.state->turn && std::ranges::find(turns, attached.state->turn) == turns.end())
+      turns.push_back(attached.state->turn);
+  if (turns.size() == 1) {
+    ServingTurn::Waiting waiting(*turns.front(), ServingTurn::For::data, state_);
+    return wait_until(lock, end, &waiting);
+  }
+  std::list<ServingTurn::Waiting> waiting;
+  for (const auto& turn : turns) waiting.emplace_back(*turn, ServingTurn::For::other, state_);
+  wait_until(lock, end, nullptr);
+}
+
+/// `own`: the thread's place among those that wait for the only participant; otherwise nullptr.
+void WaitSet::wait_until(std::unique_lock<std::mutex>& lock,
+                         std::chrono::steady_clock::time_point end, ServingTurn::Waiting* own) {
+  const auto any = [](const auto& attached) { return attached.state->trigger.load(); };
+  while (std::ranges::none_of(state_->conditions, any)) {
+    const auto left = end - std::chrono::steady_clock::now();
+    if (left <= std::chrono::nanoseconds::zero()) return;
+    if (own == nullptr || !own->serves()) {
+      state_->changed.wait_until(lock, end);
+      continue;
+    }
+    state_->served = state_->turns.front().get();
+    state_->serving = ::pthread_self();
+    lock.unlock();
+    own->serve(left);
+    lock.lock();
+    state_->served = nullptr;
+  }
 }
 
 }  // namespace ddssec::rtps

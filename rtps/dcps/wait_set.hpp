@@ -3,9 +3,11 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <pthread.h>
 
 #include "base/result.hpp"
 #include "rtps/dcps/condition.hpp"
+#include "rtps/dcps/serving_turn.hpp"
 
 namespace ddssec::rtps {
 
@@ -22,6 +24,14 @@ struct WaitSetState {
   /// Never contains a destroyed condition. Without this mutex only a condition's state may be used.
   std::vector<AttachedCondition> conditions;
   bool waiting = false;
+  /// What the waiting thread serves; nullptr: it waits for `changed`.
+  ServingTurn* served = nullptr;
+  pthread_t serving{};  ///< valid if `served` is set
+  /// Those of the participants whose conditions the thread waits for; for that thread alone.
+  std::vector<std::shared_ptr<ServingTurn>> turns;
+
+  /// Makes the waiting thread check its conditions. The caller does not hold the mutex.
+  void notify();
 };
 
 /// Waits until any of the attached conditions is triggered. A condition may be attached to several
@@ -46,6 +56,10 @@ class WaitSet {
   Result<std::vector<Condition*>> wait(std::chrono::nanoseconds most);
 
  private:
+  std::vector<Condition*> triggered() const;
+  void wait_until(std::unique_lock<std::mutex>& lock, std::chrono::steady_clock::time_point end);
+  void wait_until(std::unique_lock<std::mutex>& lock, std::chrono::steady_clock::time_point end,
+                  ServingTurn::Waiting* own);
   std::shared_ptr<WaitSetState> state_;
 };
 

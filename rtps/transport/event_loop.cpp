@@ -37,6 +37,14 @@ int wait_for_events(int epoll, std::span<epoll_event> events, std::chrono::nanos
   return ::epoll_wait(epoll, events.data(), most, for_ever ? -1 : static_cast<int>(rounded));
 }
 
+int look_for_events(int epoll, std::span<epoll_event> events, std::chrono::nanoseconds how_long) {
+  const auto end = std::chrono::steady_clock::now() + how_long;
+  int count = 0;
+  do count = wait_for_events(epoll, events, std::chrono::nanoseconds::zero());
+  while (count == 0 && std::chrono::steady_clock::now() < end);
+  return count;
+}
+
 }  // namespace
 
 Result<EventLoop> EventLoop::create() {
@@ -56,7 +64,14 @@ Status EventLoop::watch(int fd, std::function<void()> on_readable) {
 
 void EventLoop::wait(std::chrono::nanoseconds timeout) {
   std::array<epoll_event, 8> events;
-  const int count = wait_for_events(epoll_.value(), events, timeout);
+  const bool for_ever = timeout < std::chrono::nanoseconds::zero();
+  const auto busy = for_ever ? busy_wait_ : std::min(busy_wait_, timeout);
+  int count = 0;
+  if (busy > std::chrono::nanoseconds::zero()) {
+    count = look_for_events(epoll_.value(), events, busy);
+    if (!for_ever) timeout -= busy;
+  }
+  if (count == 0) count = wait_for_events(epoll_.value(), events, timeout);
   for (int i = 0; i < count; ++i) {
     const auto tag = events[static_cast<std::size_t>(i)].data.u64;
     if (tag != kWakeUp) {

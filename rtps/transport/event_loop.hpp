@@ -16,6 +16,8 @@ class EventLoop {
 
   /// From now on `wait` calls `on_readable` whenever `fd` is readable. Errors: rtps_socket_failed.
   Status watch(int fd, std::function<void()> on_readable);
+  /// From now on `wait` first looks for readable sockets again and again, for this long.
+  void busy_wait(std::chrono::nanoseconds how_long) { busy_wait_ = how_long; }
   /// Waits for at most `timeout` (negative: without limit) and calls the handlers of readable
   /// sockets.
   void wait(std::chrono::nanoseconds timeout);
@@ -29,6 +31,7 @@ class EventLoop {
   FileDescriptor epoll_;
   FileDescriptor wake_up_;
   std::vector<std::function<void()>> handlers_;
+  std::chrono::nanoseconds busy_wait_{};
 };
 
 }  // namespace ddssec::rtps

@@ -99,6 +99,16 @@ struct UdpSocket::Batch {
   std::array<sockaddr_storage, kBatch> sources;
   std::array<iovec, kBatch> vectors;
   std::array<mmsghdr, kBatch> headers;
+  std::size_t used = kBatch;  ///< so many headers must be prepared before the next call
+
+  void prepare(std::size_t i) {
+    vectors[i] = {octets[i].data(), octets[i].size()};
+    headers[i] = {};
+    headers[i].msg_hdr.msg_name = &sources[i];
+    headers[i].msg_hdr.msg_namelen = sizeof sources[i];
+    headers[i].msg_hdr.msg_iov = &vectors[i];
+    headers[i].msg_hdr.msg_iovlen = 1;
+  }
 };
 
 void UdpSocket::BatchDelete::operator()(Batch* batch) const noexcept { delete batch; }
@@ -176,16 +186,11 @@ Status UdpSocket::check_receive_buffer() const {
 std::size_t UdpSocket::fetch() {
   if (batch_ == nullptr) batch_.reset(new Batch);
   auto& batch = *batch_;
-  for (std::size_t i = 0; i < kBatch; ++i) {
-    batch.vectors[i] = {batch.octets[i].data(), batch.octets[i].size()};
-    batch.headers[i] = {};
-    batch.headers[i].msg_hdr.msg_name = &batch.sources[i];
-    batch.headers[i].msg_hdr.msg_namelen = sizeof batch.sources[i];
-    batch.headers[i].msg_hdr.msg_iov = &batch.vectors[i];
-    batch.headers[i].msg_hdr.msg_iovlen = 1;
-  }
+  // The kernel changed the headers that it filled the last time.
+  for (; batch.used > 0; --batch.used) batch.prepare(batch.used - 1);
   const int count = ::recvmmsg(fd(), batch.headers.data(), kBatch, MSG_DONTWAIT, nullptr);
-  return count > 0 ? static_cast<std::size_t>(count) : 0;
+  batch.used = count > 0 ? static_cast<std::size_t>(count) : 0;
+  return batch.used;
 }
 
 BytesView UdpSocket::datagram(std::size_t index) const {

@@ -50,7 +50,7 @@ struct UnservedContext {
   Events events;
   NoServer server;
   ParticipantContext context{
-      {clock, random, events}, server, false, std::make_shared<Neighbourhood>()};
+      {clock, random, events}, server, nullptr, std::make_shared<Neighbourhood>()};
 };
 
 /// One end: a participant with the usual entities.

@@ -1,0 +1,147 @@
+#include "rtps/dcps/serving_turn.hpp"
+
+#include <algorithm>
+#include <sys/timerfd.h>
+#include <unistd.h>
+
+#include "rtps/dcps/wait_set.hpp"
+
+namespace ddssec::rtps {
+
+ServingTurn::ServingTurn(Server& server)
+    : server_(server), timer_(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC)) {
+  if (timer_.value() < 0) own_until_ = Clock::time_point::max();
+}
+
+ServingTurn::Waiting::Waiting(ServingTurn& turn, For reason, std::shared_ptr<WaitSetState> set)
+    : turn_(turn), may_serve_(reason == For::data), set_(std::move(set)) {
+  const auto now = Clock::now();
+  const std::lock_guard held(turn.mutex_);
+  turn.returns_soon_ = now - turn.last_end_ < kGrace;
+  turn.add(*this);
+  if (turn.count_ == 1 && may_serve_) return;
+  // A thread that serves for itself alone would leave the others without service at times.
+  turn.own_until_ = std::max(turn.own_until_, now + (may_serve_ ? kAfterListeners : kAfterBulk));
+  if (turn.holder_ == Holder::none) turn.arm(std::chrono::nanoseconds::zero());
+}
+
+ServingTurn::Waiting::~Waiting() {
+  const auto now = Clock::now();
+  const std::lock_guard held(turn_.mutex_);
+  turn_.remove(*this);
+  turn_.last_end_ = now;
+  if (serves_) turn_.give_up(now);
+}
+
+bool ServingTurn::Waiting::serves() {
+  if (!may_serve_) return false;
+  const auto now = Clock::now();
+  const std::lock_guard held(turn_.mutex_);
+  const bool may = !turn_.closed_ && now >= turn_.own_until_;
+  if (serves_ && !may) {
+    serves_ = false;
+    turn_.give_up(now);
+  }
+  if (serves_ || !may || turn_.holder_ != Holder::none || turn_.count_ != 1) return serves_;
+  turn_.holder_ = Holder::application;
+  turn_.at_once_ = false;
+  // At a low rate, stopping the timer costs less than the wake-up of the participant's thread.
+  if (turn_.armed_ && now - turn_.last_turn_ > kGrace) turn_.arm(std::chrono::nanoseconds::max());
+  turn_.last_turn_ = now;
+  return serves_ = true;
+}
+
+void ServingTurn::add(Waiting& waiting) {
+  waiting.next_ = std::exchange(list_, &waiting);
+  ++count_;
+}
+
+void ServingTurn::remove(Waiting& waiting) {
+  auto** at = &list_;
+  while (*at != &waiting) at = &(*at)->next_;
+  *at = waiting.next_;
+  --count_;
+}
+
+void ServingTurn::give_up(Clock::time_point now) {
+  holder_ = Holder::none;
+  given_up_at_ = now;
+  if (closed_) given_up_.notify_all();
+  if (closed_ || now < own_until_ || count_ > 0)
+    arm(std::chrono::nanoseconds::zero());
+  else if (!armed_)
+    arm(kGrace);
+}
+
+/// Zero: at once. The greatest value: never.
+void ServingTurn::arm(std::chrono::nanoseconds after) {
+  armed_ = after != std::chrono::nanoseconds::max();
+  at_once_ = after == std::chrono::nanoseconds::zero();
+  itimerspec when{};
+  if (armed_) when.it_value.tv_nsec = std::max<std::int64_t>(after.count(), 1);
+  ::timerfd_settime(timer_.value(), 0, &when, nullptr);
+}
+
+bool ServingTurn::await() {
+  for (;;) {
+    {
+      const std::lock_guard held(mutex_);
+      armed_ = false;  // it has fired, or this is the first turn
+      if (closed_) return false;
+      if (holder_ == Holder::own) return true;
+      if (holder_ == Holder::none) {
+        const auto left = given_up_at_ + kGrace - Clock::now();
+        if (at_once_ || left <= std::chrono::nanoseconds::zero()) {
+          at_once_ = false;
+          holder_ = Holder::own;
+          return true;
+        }
+        arm(left);
+      }
+    }
+    std::uint64_t expirations = 0;
+    [[maybe_unused]] const auto size = ::read(timer_.value(), &expirations, sizeof expirations);
+  }
+}
+
+bool ServingTurn::yield() {
+  std::shared_ptr<WaitSetState> set;
+  {
+    const auto now = Clock::now();
+    const std::lock_guard held(mutex_);
+    if (closed_) return true;
+    if (count_ != 1 || !list_->may_serve_ || !returns_soon_ || now < own_until_) return false;
+    set = list_->set_;
+    holder_ = Holder::none;
+    given_up_at_ = now;
+    arm(kGrace);
+  }
+  if (set)
+    set->notify();
+  else
+    server_.notify_waiting();
+  return true;
+}
+
+void ServingTurn::prefer_own(std::chrono::nanoseconds how_long) {
+  const auto until = Clock::now() + how_long;
+  const std::lock_guard held(mutex_);
+  own_until_ = std::max(own_until_, until);
+}
+
+bool ServingTurn::take_over() {
+  const std::lock_guard held(mutex_);
+  if (holder_ != Holder::none) return false;
+  arm(std::chrono::nanoseconds::zero());
+  return true;
+}
+
+void ServingTurn::close() {
+  std::unique_lock held(mutex_);
+  closed_ = true;
+  arm(std::chrono::nanoseconds::zero());
+  if (holder_ == Holder::application) server_.end_serving();
+  given_up_.wait(held, [&] { return holder_ != Holder::application; });
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,117 @@
+// Which thread serves the sockets and timers of a participant: its own, or the application thread
+// that waits for data ("leader and followers"). A thread that waits and serves gets its data
+// without a further switch of threads.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "rtps/transport/udp_socket.hpp"
+
+namespace ddssec::rtps {
+
+struct WaitSetState;
+
+/// One for each participant with a thread of its own, shared with what may outlive it.
+///
+/// The participant's thread has the turn at first. It gives the turn to a thread that waits for
+/// data if no other thread waits, and if that thread came back soon after its last wait. The thread
+/// that serves gives the turn up when its wait ends. If none takes it within kGrace, the
+/// participant's thread does: a timer wakes it, so that a wait that ends wakes no thread.
+///
+/// Only the participant's thread calls listeners. So a thread that waits may hold locks that
+/// listeners take. Thread-safe.
+class ServingTurn {
+ public:
+  using Clock = std::chrono::steady_clock;
+  /// How long sockets and timers may wait after a wait has ended.
+  static constexpr std::chrono::nanoseconds kGrace = std::chrono::milliseconds(1);
+  /// How long the participant's thread keeps the turn after what a waiting thread cannot serve
+  /// well: data in bulk, listeners, and waits of several threads.
+  static constexpr std::chrono::nanoseconds kAfterBulk = std::chrono::milliseconds(10);
+  static constexpr std::chrono::nanoseconds kAfterListeners = std::chrono::milliseconds(100);
+
+  class Server {
+   public:
+    virtual ~Server() = default;
+    /// Serves sockets and timers once, for at most `most`. Calls no listener.
+    virtual void serve_for_waiting(std::chrono::nanoseconds most) = 0;
+    /// Ends a call of serve_for_waiting, from any thread.
+    virtual void end_serving() = 0;
+    /// Makes the threads that wait in calls of the participant check again.
+    virtual void notify_waiting() = 0;
+  };
+  /// `server` must exist until `close` returns. If the system has no timer, the participant's
+  /// thread keeps the turn.
+  explicit ServingTurn(Server& server);
+
+  enum class For : std::uint8_t {
+    data,  ///< the thread may serve while it waits
+    other  ///< the participant's thread serves
+  };
+  /// A wait of the calling thread, from its construction until its destruction.
+  class Waiting {
+   public:
+    /// `set`: the wait set whose condition variable the thread waits on; nullptr: it waits in a
+    /// call of the participant.
+    Waiting(ServingTurn& turn, For reason, std::shared_ptr<WaitSetState> set = {});
+    ~Waiting();
+    Waiting(const Waiting&) = delete;
+    Waiting& operator=(const Waiting&) = delete;
+    /// True: the thread has the turn and must call `serve`. False: another thread serves. The
+    /// caller holds the mutex of its condition variable until it waits, so that it is not notified
+    /// in vain.
+    bool serves();
+    /// The caller holds no lock.
+    void serve(std::chrono::nanoseconds most) { turn_.server_.serve_for_waiting(most); }
+
+   private:
+    friend class ServingTurn;
+    ServingTurn& turn_;
+    const bool may_serve_;
+    const std::shared_ptr<WaitSetState> set_;
+    bool serves_ = false;
+    Waiting* next_ = nullptr;
+  };
+
+  // For the participant's thread:
+  /// Waits for the turn. Returns false after `close`.
+  bool await();
+  /// Gives the turn to a thread that waits, or to none after `close`. Returns false if the
+  /// participant's thread keeps it.
+  bool yield();
+
+  /// The participant's thread shall have the turn for a while, soon.
+  void prefer_own(std::chrono::nanoseconds how_long);
+  /// Returns true if no thread serves. Then the participant's thread will at once.
+  bool take_over();
+  /// Ends the wait of the thread that serves, if it is an application's.
+  void wake() { server_.end_serving(); }
+  /// From now on no thread gets the turn. Returns when no application thread has it.
+  void close();
+
+ private:
+  enum class Holder : std::uint8_t { none, own, application };
+
+  // The caller holds the mutex:
+  void add(Waiting& waiting);
+  void remove(Waiting& waiting);
+  void give_up(Clock::time_point now);
+  void arm(std::chrono::nanoseconds after);
+
+  Server& server_;
+  const FileDescriptor timer_;  ///< wakes the participant's thread while it does not serve
+  std::mutex mutex_;            ///< a leaf: no other lock is taken with it
+  std::condition_variable given_up_;
+  Holder holder_ = Holder::own;
+  bool closed_ = false, at_once_ = false, armed_ = false;
+  bool returns_soon_ = false;  ///< the last wait began less than kGrace after the one before
+  Waiting* list_ = nullptr;
+  std::size_t count_ = 0;
+  Clock::time_point given_up_at_{}, last_end_{}, last_turn_{}, own_until_{};
+};
+
+}  // namespace ddssec::rtps
