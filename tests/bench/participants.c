@@ -39,6 +39,10 @@ static const struct {
 const char* bench_written(enum bench_role role) { return roles[role].written; }
 const char* bench_read(enum bench_role role) { return roles[role].read; }
 
+bool bench_is_local(const struct bench_options* options) {
+  return options->role != BENCH_MATCHED && strcmp(options->address, "127.0.0.1") == 0;
+}
+
 static void usage(const char* program) {
   fprintf(stderr,
           "usage: %s --role ping|pong|tput-pub|tput-sub|matched --domain N [--count N]\n"

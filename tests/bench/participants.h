@@ -33,7 +33,7 @@ struct bench_options {
   double timeout;
   double duration;
   const char* security;  ///< a folder, or NULL
-  const char* address;   ///< of the interface; counts for role matched alone
+  const char* address;   ///< of the interface; bench_is_local: the loopback, without multicast
   bool best_effort;      ///< endpoints are BEST_EFFORT and KEEP_LAST 1
   bool listener;         ///< role ping receives in its listener
   bool waiting;          ///< role pong waits, and answers without a listener
@@ -69,6 +69,7 @@ struct bench_stack {
 
 /// Parses argv; prints usage and ends the process if it must.
 void bench_parse(int argc, char** argv, struct bench_options* options);
+bool bench_is_local(const struct bench_options* options);
 /// The topic the role writes or reads; NULL: it does not.
 const char* bench_written(enum bench_role role);
 const char* bench_read(enum bench_role role);

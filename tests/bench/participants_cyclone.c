@@ -160,7 +160,7 @@ static bool create_endpoints(dds_entity_t participant, const struct bench_option
 static int run(const struct bench_options* options) {
   char shared[sizeof multicast + 64];
   snprintf(shared, sizeof shared, multicast, options->address);
-  if (dds_create_domain(options->domain, options->role == BENCH_MATCHED ? shared : loopback) < 0)
+  if (dds_create_domain(options->domain, bench_is_local(options) ? loopback : shared) < 0)
     return bench_refused("domain", "Cyclone DDS does not take its configuration");
   if (options->role == BENCH_TPUT_PUB) dds_write_set_batch(true);
   dds_qos_t* qos = dds_create_qos();

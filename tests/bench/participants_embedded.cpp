@@ -103,7 +103,7 @@ int run(const bench_options& options) {
   RateLimitedSink events(log, clock);
   const Environment environment{clock, random, events};
   secured::Engines engines(environment);
-  const bool fleet = options.role == BENCH_MATCHED;
+  const bool fleet = !bench_is_local(&options);
   rtps::DomainParticipantOptions wanted{.domain_id = static_cast<DomainId>(options.domain),
                                         .interfaces = {options.address},
                                         .multicast = fleet,
