@@ -87,6 +87,8 @@ def round_trips(variant, options, folders, network):
     program = options.build / "bin" / PROGRAMS[variant.make]
     arguments = ["--count", str(options.count), "--size", str(options.size), "--interval", str(options.interval),
                  *variant.arguments()]
+    if variant.make == "ours" and options.busy_wait:
+        arguments += ["--busy-wait", str(options.busy_wait)]
     folders = folders if variant.secured else ("off", "off")
     (where_ping, enter_ping), (where_pong, enter_pong) = network.places()
     first = ["chrt", "--fifo", "10"] if options.realtime else []
@@ -153,6 +155,8 @@ def parse():
     parser.add_argument("--size", type=int, default=64, help="octets of payload")
     parser.add_argument("--interval", type=int, default=0, metavar="US",
                         help="microseconds from one ping to the next; 0: the next follows the answer")
+    parser.add_argument("--busy-wait", type=int, default=0, metavar="US",
+                        help="ours looks for messages for so many microseconds before it sleeps")
     parser.add_argument("--loss", type=float, default=0, metavar="P", help="a link that loses this share, such as 0.2")
     parser.add_argument("--load", type=int, default=0, metavar="N", help="so many processes compute meanwhile")
     parser.add_argument("--realtime", action="store_true", help="with SCHED_FIFO, before all else on the machine; as root")
@@ -180,6 +184,7 @@ def main():
         network.close()
     title = (f"Round trips in microseconds, {options.size} octets, medians of {options.rounds} rounds of {options.count}; "
              f"{machine()}, load average {os.getloadavg()[0]:.1f}"
+             + (f", ours with a busy wait of {options.busy_wait} us" if options.busy_wait else "")
              + (", SCHED_FIFO" if options.realtime else "") + (f", {options.load} processes compute" if options.load else "")
              + (f", {options.loss:.0%} of packets lost each way" if options.loss else ""))
     print(title + "\n")

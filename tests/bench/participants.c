@@ -47,7 +47,8 @@ static void usage(const char* program) {
   fprintf(stderr,
           "usage: %s --role ping|pong|tput-pub|tput-sub|matched --domain N [--count N]\n"
           "       [--size OCTETS] [--duration S] [--timeout S] [--security DIR|off]\n"
-          "       [--address IP] [--best-effort] [--listener] [--waiting] [--interval US]\n",
+          "       [--address IP] [--best-effort] [--listener] [--waiting] [--interval US]\n"
+          "       [--busy-wait US]\n",
           program);
   exit(BENCH_USAGE);
 }
@@ -101,6 +102,9 @@ static void apply(const char* program, int option, struct bench_options* options
     case 'w':
       options->waiting = true;
       break;
+    case 'y':
+      options->busy_wait_us = (uint32_t)number(program, optarg, 1000);
+      break;
     case 'i':
       options->interval_us = (uint32_t)number(program, optarg, 1e6);
       break;
@@ -111,11 +115,11 @@ static void apply(const char* program, int option, struct bench_options* options
 
 void bench_parse(int argc, char** argv, struct bench_options* options) {
   static const struct option table[] = {
-      {"role", 1, NULL, 'r'},     {"domain", 1, NULL, 'd'},  {"count", 1, NULL, 'c'},
-      {"size", 1, NULL, 's'},     {"timeout", 1, NULL, 't'}, {"duration", 1, NULL, 'u'},
-      {"security", 1, NULL, 'k'}, {"address", 1, NULL, 'a'}, {"best-effort", 0, NULL, 'b'},
-      {"listener", 0, NULL, 'l'}, {"waiting", 0, NULL, 'w'}, {"interval", 1, NULL, 'i'},
-      {NULL, 0, NULL, 0}};
+      {"role", 1, NULL, 'r'},      {"domain", 1, NULL, 'd'},  {"count", 1, NULL, 'c'},
+      {"size", 1, NULL, 's'},      {"timeout", 1, NULL, 't'}, {"duration", 1, NULL, 'u'},
+      {"security", 1, NULL, 'k'},  {"address", 1, NULL, 'a'}, {"best-effort", 0, NULL, 'b'},
+      {"listener", 0, NULL, 'l'},  {"waiting", 0, NULL, 'w'}, {"interval", 1, NULL, 'i'},
+      {"busy-wait", 1, NULL, 'y'}, {NULL, 0, NULL, 0}};
   *options = (struct bench_options){
       .count = 10, .size = 64, .timeout = 30, .duration = 2, .address = "127.0.0.1"};
   bool role = false;

@@ -32,12 +32,13 @@ struct bench_options {
   uint32_t size;
   double timeout;
   double duration;
-  const char* security;  ///< a folder, or NULL
-  const char* address;   ///< of the interface; bench_is_local: the loopback, without multicast
-  bool best_effort;      ///< endpoints are BEST_EFFORT and KEEP_LAST 1
-  bool listener;         ///< role ping receives in its listener
-  bool waiting;          ///< role pong waits, and answers without a listener
-  uint32_t interval_us;  ///< from one ping to the next; 0: the next follows the pong
+  const char* security;   ///< a folder, or NULL
+  const char* address;    ///< of the interface; bench_is_local: the loopback, without multicast
+  bool best_effort;       ///< endpoints are BEST_EFFORT and KEEP_LAST 1
+  bool listener;          ///< role ping receives in its listener
+  bool waiting;           ///< role pong waits, and answers without a listener
+  uint32_t busy_wait_us;  ///< of the embedded participant alone
+  uint32_t interval_us;   ///< from one ping to the next; 0: the next follows the pong
 };
 
 /// What both makes keep at most of unacknowledged samples: as ddssec-peer, and 64 MiB.

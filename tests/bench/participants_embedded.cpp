@@ -108,6 +108,7 @@ int run(const bench_options& options) {
                                         .interfaces = {options.address},
                                         .multicast = fleet,
                                         .announce_types = false};
+  wanted.busy_wait = std::chrono::microseconds(options.busy_wait_us);
   if (fleet) wanted.peers = {};
   if (options.security != nullptr)
     wanted.security.emplace(engines.view(),

@@ -138,15 +138,17 @@ struct Served : ::testing::Test {
   Events events;
   Environment environment{clock, random, events};
 
-  static DomainParticipantOptions options(bool in_process) {
+  static DomainParticipantOptions options(bool in_process, std::chrono::nanoseconds busy = {}) {
     return {.domain_id = static_cast<DomainId>(::getpid() % 200 + 30),
             .domain_tag = "turns " + std::to_string(::getpid()),
             .interfaces = {"127.0.0.1"},
             .multicast = false,
+            .busy_wait = busy,
             .in_process = in_process};
   }
   struct Side {
-    Side(const Environment& environment, bool in_process) : end(environment, options(in_process)) {}
+    Side(const Environment& environment, bool in_process, std::chrono::nanoseconds busy)
+        : end(environment, options(in_process, busy)) {}
     End end;
     DataWriter<Reading>* writer = &end.writer(reliable());
     DataReader<Reading>* reader = &end.reader(reliable());
@@ -155,9 +157,9 @@ struct Served : ::testing::Test {
   };
   std::unique_ptr<Side> a, b;
 
-  void create(bool in_process = false) {
-    a = std::make_unique<Side>(environment, in_process);
-    b = std::make_unique<Side>(environment, in_process);
+  void create(bool in_process = false, std::chrono::nanoseconds busy = {}) {
+    a = std::make_unique<Side>(environment, in_process, busy);
+    b = std::make_unique<Side>(environment, in_process, busy);
     const auto all = [](AnyDataReader& reader) {
       return reader.matched_publications().size() == 2;
     };
@@ -209,6 +211,20 @@ TEST_F(Served, ThreadsThatWaitBySet_GetEverySample) {
   for (const bool in_process : {false, true}) {
     create(in_process);
     exchange(500, true);
+  }
+}
+
+TEST_F(Served, BusyWait_GetsEverySample) {
+  create(false, 50us);
+  exchange(200, true);
+}
+
+TEST_F(Served, BusyWaitOutsideItsLimits_IsRefused) {
+  for (const std::chrono::nanoseconds busy :
+       {std::chrono::nanoseconds(-1), DomainParticipantOptions::kLongestBusyWait + 1ns}) {
+    const auto created = DomainParticipant::create(options(false, busy), environment);
+    ASSERT_FALSE(created.has_value());
+    EXPECT_EQ(created.error().code(), Code::invalid_property);
   }
 }
 
