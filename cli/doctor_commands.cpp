@@ -11,7 +11,6 @@
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
-#include "cli/key_limits.hpp"
 #include "cli/meeting_report.hpp"
 #include "cli/near.hpp"
 #include "cli/options.hpp"

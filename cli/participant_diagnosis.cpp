@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "cli/inputs.hpp"
-#include "cli/key_limits.hpp"
 #include "cli/ocsp_checks.hpp"
+#include "cli/own_start.hpp"
 #include "cli/pre_shared_keys.hpp"
 #include "governance/doctor/cyclonedds_configuration.hpp"
 #include "governance/doctor/effective_security.hpp"
@@ -259,8 +259,8 @@ doctor::Diagnosis diagnosis_beyond_folder(const LoadedFolder& folder,
                                           const doctor::Settings& settings) {
   doctor::Diagnosis out(settings.lineup);
   check_pre_shared_keys(folder, settings, out);
-  check_key_limits(folder, settings, out);
   check_ocsp(folder, settings, out);
+  check_own_start(folder, settings, doctor::Diagnosis(out), out);
   check_environment(folder, settings, out);
   check_profiles_file(folder, settings, out);
   check_enforcement(folder, settings, out);

@@ -63,9 +63,15 @@ bool ReaderCache::may_own(const Instance& instance, const Guid& writer) const {
 }
 
 bool ReaderCache::is_wanted_again(const Change& change) {
-  if (!exclusive_ || change.origin().writer != change.writer) return false;
+  if (change.origin().writer != change.writer) return false;
   auto* instance = held_.find(change.key_hash.value_or(KeyHash{}));
-  if (instance == nullptr || !may_own(*instance, change.writer)) return false;
+  if (instance == nullptr) return false;
+  if (!exclusive_) {
+    // Otherwise the instance would end with the one that sent the sample first, such as a keeper.
+    if (change.is_alive()) held_.join(*instance, change.writer, writer_of(change.writer).share);
+    return false;
+  }
+  if (!may_own(*instance, change.writer)) return false;
   const auto& latest = instance->latest;
   if (latest.writer != change.writer || latest.number < change.sequence_number) return true;
   held_.join(*instance, change.writer, writer_of(change.writer).share);

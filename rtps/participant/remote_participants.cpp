@@ -92,6 +92,7 @@ RemoteParticipant& RemoteParticipants::add(ParticipantData data, LocatorList met
   next_end_ = std::min(next_end_, end);
   auto& remote =
       remotes_[prefix] = {std::move(data), std::move(metatraffic), std::move(user), end, core_.now};
+  remote.account = prefix;
   remote.source = core_.source;
   remote.metatraffic_sources.assign(remote.metatraffic.size(), core_.source);
   remote.user_sources.assign(remote.user.size(), core_.source);
@@ -146,8 +147,18 @@ std::optional<GuidPrefix> RemoteParticipants::next_to_give_way() {
 }
 
 void RemoteParticipants::accept(RemoteParticipant& remote) {
-  if (core_.is_authenticated(remote.prefix())) discharge(remote);
+  if (core_.is_authenticated(remote.prefix())) {
+    move_to_identity(remote);
+    discharge(remote);
+  }
   if (!std::exchange(remote.accepted, true)) on_changed(remote);
+}
+
+void RemoteParticipants::move_to_identity(RemoteParticipant& remote) {
+  const AnnouncedShares::Amount own{remote.endpoint_octets, remote.endpoints.size()};
+  const auto identity = core_.identity_of(remote.prefix());
+  announced_.add(identity, own);
+  announced_.remove(std::exchange(remote.account, identity), own);
 }
 
 void RemoteParticipants::on_changed(const RemoteParticipant& remote) {
@@ -211,17 +222,18 @@ void RemoteParticipants::raise_about(Error error, const EntityId& local, const G
   core_.raise_about(std::move(error), local, remote);
 }
 
-// A participant that announces much does not displace those that announce little.
+// A participant that announces much does not displace those that announce little, however many
+// there are of its identity.
 bool RemoteParticipants::has_room(RemoteParticipant& remote, const EndpointData& endpoint) {
   const auto price = price_of(endpoint);
   const auto known = remote.endpoints.find(endpoint.guid.entity);
   const bool is_new = known == remote.endpoints.end();
   const auto before = is_new ? 0 : known->second.price;
   const auto of_it = remote.endpoint_octets - before + price;
-  const auto of_all = endpoint_octets_ - before + price;
-  const bool fits = of_it <= kMostEndpointOctetsPerParticipant && of_all <= kMostEndpointOctets &&
-                    (!is_new || (remote.endpoints.size() < kMostEndpointsPerParticipant &&
-                                 endpoints_ < kMostEndpoints));
+  const std::size_t old = is_new ? 0 : 1;
+  const bool fits = of_it <= kMostEndpointOctetsPerParticipant &&
+                    (!is_new || remote.endpoints.size() < kMostEndpointsPerParticipant) &&
+                    announced_.has_room(remote.account, {price, 1}, {before, old});
   if (fits || of_it <= kEndpointOctetsOfEach) return true;
   ++core_.counters.refused_discovery;
   if (!std::exchange(remote.exceeds, true))
@@ -237,9 +249,9 @@ RemoteEndpoint& RemoteParticipants::store(RemoteParticipant& remote, EndpointDat
   const auto price = price_of(data);
   const auto [at, is_new] = remote.endpoints.try_emplace(data.guid.entity);
   auto& endpoint = at->second;
-  endpoints_ += is_new ? 1 : 0;
+  announced_.add(remote.account, {price, 1});
+  announced_.remove(remote.account, {endpoint.price, is_new ? 0u : 1u});
   remote.endpoint_octets += price - endpoint.price;
-  endpoint_octets_ += price - endpoint.price;
   endpoint.price = price;
   endpoint.data = std::move(data);
   if (discovery_ != nullptr) discovery_->on_endpoint(endpoint.data);
@@ -251,9 +263,8 @@ void RemoteParticipants::remove(RemoteParticipant& remote, const EntityId& id) {
   if (known == remote.endpoints.end()) return;
   if (discovery_ != nullptr) discovery_->on_endpoint_gone(known->second.data);
   remote.endpoint_octets -= known->second.price;
-  endpoint_octets_ -= known->second.price;
+  announced_.remove(remote.account, {known->second.price, 1});
   remote.endpoints.erase(known);
-  --endpoints_;
 }
 
 void RemoteParticipants::listen(DiscoveryListener* listener) {

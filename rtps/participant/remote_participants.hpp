@@ -4,6 +4,7 @@
 #include <array>
 #include <map>
 
+#include "rtps/budget/announced_shares.hpp"
 #include "rtps/discovery/discovery_listener.hpp"
 #include "rtps/participant/endpoint_listener.hpp"
 #include "rtps/participant/participant_core.hpp"
@@ -41,6 +42,7 @@ struct RemoteParticipant {
   bool has_displaced_addresses = false;  ///< messages also went to addresses that are not known now
   bool heard_participants_secure = false;
   std::size_t endpoint_octets = 0;  ///< sum of their prices
+  GuidPrefix account = {};          ///< the identity that its endpoints count for
   bool exceeds = false;             ///< it announced more than the limit, and the event was raised
   /// The sources that announced these locators.
   std::vector<SourceAddress> metatraffic_sources = {}, user_sources = {};
@@ -70,8 +72,9 @@ class RemoteParticipants {
   static constexpr std::size_t kMostParticipants = 512;
   static_assert(Handshakes::kMaxAuthenticated < kMostParticipants, "some are left for newcomers");
   static constexpr std::size_t kMostEndpointsPerParticipant = 16384;
-  static constexpr std::size_t kMostEndpoints = 65536;  ///< limit for all participants together
-  /// Limits for the memory of announcements, including a fixed price for each endpoint.
+  /// Limit for all participants together. One identity gets no more than is free.
+  static constexpr std::size_t kMostEndpoints = 65536;
+  /// Limits for the memory of announcements, including a fixed price for each endpoint; the same.
   static constexpr std::size_t kMostEndpointOctetsPerParticipant = std::size_t{64} << 20;
   static constexpr std::size_t kMostEndpointOctets = std::size_t{256} << 20;
   static constexpr std::size_t kPricePerEndpoint = 1024;
@@ -165,6 +168,8 @@ class RemoteParticipants {
   /// The time after this share of the lease, or after kLeastPause if that is later; kNever if the
   /// lease does not end.
   MonotonicTime next_time(const ParticipantData& data, int share) const;
+  /// The endpoints of a participant that has authenticated count for its identity.
+  void move_to_identity(RemoteParticipant& remote);
   /// From now on the participant does not count as unproven.
   void discharge(RemoteParticipant& remote);
 
@@ -172,9 +177,8 @@ class RemoteParticipants {
   std::map<GuidPrefix, RemoteParticipant> remotes_;
   RemoteParticipant self_;
   DiscoveryListener* discovery_ = nullptr;
-  std::size_t endpoints_ = 0;        ///< number of all endpoints
-  std::size_t endpoint_octets_ = 0;  ///< sum of their prices
-  UnprovenParticipants unproven_;    ///< only used by a secured participant
+  AnnouncedShares announced_{{kMostEndpointOctets, kMostEndpoints}};
+  UnprovenParticipants unproven_;  ///< only used by a secured participant
   MonotonicTime next_end_ = kNever;
   MonotonicTime next_question_ = kNever;
 };

@@ -382,7 +382,7 @@ class Check(WithoutLists):
         self.apart("DOC090", "listener cannot start on its own with Cyclone DDS 0.10.2",
                    words=("--vendor", "B=cyclonedds"))
 
-    def test_limits_of_keys(self):
+    def test_properties_with_which_the_plugins_do_not_start(self):
         revising = GOVERNANCE.replace("</enable_join_access_control>", "</enable_join_access_control>"
                                       "<enable_key_revision>true</enable_key_revision>")
         properties = self.listener.path / "security.properties"
@@ -392,6 +392,9 @@ class Check(WithoutLists):
                 (GOVERNANCE, "org.ddssec.crypto.key_lifetime = 0\n", None),
                 (revising, "org.ddssec.crypto.key_lifetime = 3600\n", None),
                 (revising, "org.ddssec.crypto.key_lifetime = 1h\n", "from 20 to 31536000"),
+                (GOVERNANCE, "org.ddssec.files_poll_interval = five\n", "org.ddssec.files_poll_interval"),
+                (GOVERNANCE, "org.ddssec.crypto.trust_type_information = 1\n", "true or false"),
+                (GOVERNANCE, "dds.sec.access.permissions = file:p.p7s\n", "[property_without_effect 1017]"),
                 (revising, "org.ddssec.crypto.max_blocks_per_key = -1\n", "org.ddssec.crypto.max_blocks_per_key"),
                 (revising, "no equals sign\n", "security.properties")):
             for made in (self.talker, self.listener):
@@ -405,7 +408,7 @@ class Check(WithoutLists):
                     self.check(exit=0)
                     continue
                 self.assertIn(sentence, found[0]["message"])
-                self.apart("DOC093", sentence, document="security.properties")
+                self.apart("DOC093", sentence)
         # Cyclone DDS and Fast DDS do not read the file.
         self.listener.sign("governance", GOVERNANCE)
         self.talker.sign("governance", GOVERNANCE)

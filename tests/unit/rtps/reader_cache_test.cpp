@@ -7,6 +7,19 @@ namespace {
 using namespace testing;
 using ReaderCacheTest = Cache;
 
+// Before, the instance ended with a keeper that had sent its sample first.
+TEST_F(ReaderCacheTest, AWriter_WhoseSampleCameFromAnotherFirst_KeepsItsInstanceAlive) {
+  put(1, 10, {}, 2);
+  Change own;
+  own.writer = writer(1);
+  own.key_hash = KeyHash{1};
+  EXPECT_FALSE(cache().is_wanted_again(own));
+  put(1, 0, kUnregister, 2);
+  const auto samples = read();
+  ASSERT_FALSE(samples.empty());
+  EXPECT_EQ(samples.back().info.instance_state, InstanceState::alive);
+}
+
 TEST_F(ReaderCacheTest, ReadKeepsAndTakeRemoves) {
   put(1, 10), put(1, 11);
   auto first = read();

@@ -133,6 +133,16 @@ TEST(Joining, NothingPlainLeavesWhereEverythingIsEncrypted) {
   EXPECT_FALSE(seen);
 }
 
+// Before, the participants of one certificate could fill the table of endpoints.
+TEST(Joining, EndpointsOfAPeer_CountForItsIdentity) {
+  Pair pair(everything(kEncrypt));
+  ASSERT_TRUE(pair.match());
+  const auto& remotes = pair.a->remote_participants();
+  const auto& remote = remotes.all().at(pair.b->prefix());
+  EXPECT_EQ(remote.account, remotes.core().identity_of(pair.b->prefix()));
+  EXPECT_NE(remote.account, pair.b->prefix());
+}
+
 TEST(Joining, TheGuidIsBoundToTheSubject) {
   Pair pair({});
   for (auto* node : {&pair.a, &pair.b}) EXPECT_NE((*node)->prefix().octets[0] & 0x80, 0);
