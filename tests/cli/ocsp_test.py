@@ -2,11 +2,10 @@
 """identity ocsp against `openssl ocsp` on the loopback, and what doctor and check say of responses."""
 
 import contextlib
-import re
 import socket
-import subprocess
 import threading
 
+from ocsp_responder import index_line, responder
 from transcript import Transcript, main
 
 CONTENT_TYPE = "Content-type: application/ocsp-response"
@@ -25,32 +24,12 @@ class Ocsp(Transcript):
         return self.openssl("x509", "-in", f"demo/{name}/cert.pem", "-noout", "-serial").strip().split("=")[1]
 
     def index(self, **states):
-        """The responder's list of certificates: V is valid, R is revoked; others are unknown."""
-        dates = {"V": "V\t400101000000Z\t", "R": "R\t400101000000Z\t250101000000Z,keyCompromise"}
-        lines = [f"{dates[state]}\t{self.serial(name)}\tunknown\t/CN={name}\n" for name, state in states.items()]
-        (self.at / "index").write_text("".join(lines))
+        """The responder's list of certificates; others are unknown to it."""
+        (self.at / "index").write_text(
+            "".join(index_line(state, self.serial(name), name) for name, state in states.items()))
 
-    @contextlib.contextmanager
     def responder(self, *more):
-        """OpenSSL's own, which picks a port and says which."""
-        process = subprocess.Popen(
-            ["openssl", "ocsp", "-port", "0", "-index", self.at / "index", "-CA", self.ca / "ca.pem",
-             "-rsigner", self.ca / "ca.pem", "-rkey", self.ca / "ca.key.pem", "-rmd", "sha256", "-ndays", "2",
-             *more], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-        try:
-            lines, found = [], None
-            end = threading.Timer(20, process.kill)
-            end.start()
-            while not found:
-                lines.append(process.stdout.readline())
-                self.assertTrue(lines[-1], lines)
-                found = re.search(r"ACCEPT .*:(\d+)", lines[-1])
-            end.cancel()
-            yield f"http://127.0.0.1:{found[1]}/"
-        finally:
-            process.kill()
-            process.wait()
-            process.stdout.close()
+        return responder(self.at / "index", self.ca, *more)
 
     @contextlib.contextmanager
     def server(self, answer):

@@ -4,6 +4,7 @@
 import copy
 import unittest
 
+from ocsp_responder import index_line, responder
 from running import running_participant
 from transcript import ANSWERS, DATA, SCHEMA, Transcript, main
 
@@ -63,6 +64,7 @@ class EveryCommand(Transcript):
         self.ask("identity", "csr", "device", "-o", "device")
         self.ask("identity", "sign-csr", "device/request.pem", "--ca", "ca", "--yes")
         self.ask("identity", "show", "a")
+        self.ask_ocsp()
         self.ask("identity", "renew", "a", "--ca", "ca")
         self.ask("identity", "renew", "a", "--ca", "ca", "--within", "3")
         self.ask("identity", "revoke", "device", "--ca", "ca")
@@ -73,6 +75,12 @@ class EveryCommand(Transcript):
         self.ask("crl", "verify", "ca", "--ca", "ca")
         self.ask("crl", "distribute", "--ca", "ca")
         self.ask("ca", "rotate", "ca", "--role", "identity")
+
+    def ask_ocsp(self):
+        serial = self.json("identity", "show", "a")["result"]["serial"]
+        (self.at / "index").write_text(index_line("V", serial, "a"))
+        with responder(self.at / "index", self.at / "ca/identity") as url:
+            self.answers.append(self.json("identity", "ocsp", "a", "--url", url))  # by its clock
 
     def ask_documents(self):
         trust = ("--ca", "ca/permissions/ca.pem")
