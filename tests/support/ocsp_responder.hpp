@@ -60,8 +60,11 @@ inline Bytes ocsp_response(const OcspContent& content) {
   for (const auto& answer : content.answers) add_answer(basic, answer, content.now);
   for (const auto& one : content.sent) OCSP_basic_add1_cert(basic, one.impl().x509.get());
   const unsigned long flags = OCSP_NOCERTS | (content.by_key ? OCSP_RESPID_KEY : 0);
-  OCSP_basic_sign(basic, content.signer.impl().x509.get(), content.key.impl().pkey.get(),
-                  content.digest, nullptr, flags);
+  if (OCSP_basic_sign(basic, content.signer.impl().x509.get(), content.key.impl().pkey.get(),
+                      content.digest, nullptr, flags) != 1) {
+    OCSP_BASICRESP_free(basic);
+    return {};
+  }
   OCSP_RESPONSE* const response = OCSP_response_create(OCSP_RESPONSE_STATUS_SUCCESSFUL, basic);
   unsigned char* octets = nullptr;
   const int size = i2d_OCSP_RESPONSE(response, &octets);
