@@ -88,7 +88,8 @@ struct Renewal {
   fs::path path;  ///< of the certificate
   pki::ParticipantFolder files;
   pki::Certificate old;
-  fs::path recorded = {};  ///< the folder by the CA's log
+  fs::path recorded = {};                          ///< the folder by the CA's log
+  std::optional<OldPermissions> permissions = {};  ///< those in place, if the CA signed them
 
   WallTime now() const { return context.clock.now(); }
   bool is_rekeying() const { return arguments.has("--rekey"); }
@@ -240,7 +241,7 @@ Status renew_permissions(const Renewal& job, const pki::Certificate& renewed, Ca
                          Replacement& out, Report& report) {
   if (job.arguments.has("--permissions"))
     DDSSEC_RETURN_IF_ERROR(check_no_broken_link(job.files.permissions));
-  const auto seen = permissions_seen(job.files, job.arguments, job.old, job.now());
+  const auto& seen = job.permissions;
   const bool is_asked = job.arguments.has("--permissions") && is_there(job.files.permissions);
   const auto end = seen ? seen->grant.validity.not_after : WallTime();
   if (is_asked && (!seen || end < renewed.not_after())) {
@@ -275,9 +276,16 @@ Status renew_permissions(const Renewal& job, const pki::Certificate& renewed, Ca
 
 // What a participant that runs makes of it.
 void add_consequence(const Renewal& job, const pki::Certificate& renewed, Report& report) {
+  const bool is_extended = report.result["permissions_until"] == to_string(renewed.not_after());
   if (job.old.not_after() <= job.now()) {
     report.text +=
         "the identity had ended, and with it all connections: start the participant again\n";
+    return;
+  }
+  if (job.permissions && job.permissions->has_ended) {
+    if (is_extended)
+      report.text +=
+          "the permissions had ended, and with them all connections: start the participant again\n";
     return;
   }
   const bool is_in_place = job.path == job.files.certificate;
@@ -292,13 +300,14 @@ void add_consequence(const Renewal& job, const pki::Certificate& renewed, Report
 }
 
 Result<Report> renew(Renewal job) {
-  const auto& [arguments, context, path, files, old, recorded] = job;
+  const auto& [arguments, context, path, files, old, recorded, permissions] = job;
   const auto now = job.now();
   DDSSEC_ASSIGN_OR_RETURN(const auto wanted, validity(arguments, now));
   CaOpener opener(arguments);
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open("identity"));
   DDSSEC_ASSIGN_OR_RETURN(job.old, certificate_of(path));  // a rotation may have been waited for
   DDSSEC_ASSIGN_OR_RETURN(job.recorded, check_renewable(job, ca));
+  job.permissions = permissions_seen(files, arguments, old, now);
   DDSSEC_ASSIGN_OR_RETURN(const auto life, within_ca(validity_after(old, wanted, now),
                                                      ca.certificate(), arguments.has("--clamp")));
   std::optional<pki::PrivateKey> key;

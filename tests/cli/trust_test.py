@@ -91,6 +91,15 @@ class Permissions(Trust):
         self.assertEqual(out["permissions_until"], "2027-11-21T00:00:00Z")
         self.json("can", "demo/a", "publish", "Any", *NOW)
 
+    def test_EndedPermissions_GivenAgain_NeedAStartOfTheParticipant(self):
+        self.sign(grant(end="2025-06-01T00:00:00Z"))
+        renew = ("identity", "renew", "demo/a", "--ca", "demo")
+        for more in ((), ("--permissions", "--ended-permissions")):
+            told = self.run_program(*renew, *more, *NOW).stdout
+            self.assertNotIn("takes it while it runs", told)
+        self.assertIn("the permissions had ended, and with them all connections: start the participant again", told)
+        self.assertIn("takes it while it runs", self.run_program(*renew, "--permissions", *NOW).stdout)
+
     def test_only_the_participants_own_grant_is_signed_and_told(self):
         self.sign(grant("CN=admin", "Others"), grant())
         told = self.run_program(*self.RENEW, *NOW).stdout
