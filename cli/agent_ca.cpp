@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <unistd.h>
 
+#include <fmt/format.h>
+
 #include "base/tool_code.hpp"
 #include "cli/agent_hook.hpp"
 #include "cli/agent_schedule.hpp"
@@ -115,7 +117,9 @@ Result<Bytes> extended_by_ca(const Bytes& old_octets, const pki::Certificate& re
         {.document = file,
          .found = "an end on " + to_string(old.grant.validity.not_after),
          .note = "rights that have ended are not given again unasked",
-         .hint = "ddssec identity renew --permissions --ended-permissions gives them again"});
+         .hint = fmt::format("give them again: ddssec identity renew {} --ca CA --permissions "
+                             "--ended-permissions; then start the participant again",
+                             file.parent_path().string())});
   const auto xml = to_xml(extended(old, renewed, renewed.not_after()));
   DDSSEC_ASSIGN_OR_RETURN(auto out, sign_permissions(ca.authority, xml, now, context.random));
   DDSSEC_RETURN_IF_ERROR(log_signed(ca, as_bytes(xml), file, now, old.text));

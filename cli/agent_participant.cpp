@@ -288,6 +288,45 @@ Result<Json> renew(const Participant& self, const AskCa& ask) {
   return event;
 }
 
+// A key in a token is not tried: each time costs a PIN.
+Status check_key(const Participant& self) {
+  if (self.files.key.extension() == ".p11") return {};
+  DDSSEC_ASSIGN_OR_RETURN(const auto key, read_key(self.files.key, nullptr));
+  return named(key.matches(self.certificate), self.files.key);
+}
+
+Status check_permissions(const Participant& self) {
+  const auto& file = self.files.permissions;
+  if (!self.task.takes_permissions || !is_there(file)) return {};
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMostSentPermissionsOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto permissions, verified_permissions(self, octets));
+  const auto end = permissions.grant.validity.not_after;
+  if (end > self.now()) return {};
+  return fail(
+      Code::grant_expired,
+      {.document = file,
+       .found = "an end on " + to_string(end),
+       .note = "the participant cannot start, and rights that have ended are not given "
+               "again unasked",
+       .hint = fmt::format("give them again: ddssec identity renew {} --ca CA --permissions "
+                           "--ended-permissions; then start the participant again",
+                           self.files.folder.string())});
+}
+
+// A certificate that is not due says nothing about the files beside it, without which the
+// participant does not start and the renewal will fail.
+Status check_fit(const Participant& self) {
+  DDSSEC_RETURN_IF_ERROR(check_key(self));
+  DDSSEC_RETURN_IF_ERROR(check_chain(self, self.certificate));
+  return check_permissions(self);
+}
+
+Json not_renewed(const Participant& self, WallTime due) {
+  auto event = event_of(due > self.now() ? "current" : "due", self.certificate, due);
+  if (const auto fit = check_fit(self); !fit) event["problem"] = error_to_json(fit.error());
+  return event;
+}
+
 }  // namespace
 
 Result<Json> tend_folder(const AgentTask& task, const LockedFolder* locked, const AskCa& ask,
@@ -296,11 +335,11 @@ Result<Json> tend_folder(const AgentTask& task, const LockedFolder* locked, cons
   DDSSEC_ASSIGN_OR_RETURN(const auto self, read_participant(task, locked, context));
   const auto due = due_time(self);
   if (due > self.now()) {
-    auto event = event_of("current", self.certificate, due);
+    auto event = not_renewed(self, due);
     if (!task.is_dry_run) keep_response({self.files, self.certificate, self.now()}, event);
     return event;
   }
-  if (task.is_dry_run) return event_of("due", self.certificate, due);
+  if (task.is_dry_run) return not_renewed(self, due);
   return renew(self, ask);
 }
 

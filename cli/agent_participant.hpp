@@ -35,10 +35,12 @@ using AskCa = std::function<Result<RenewalAnswer>(const RenewalRequest&)>;
 /// folder's crl.pem, not begin earlier than the certificate in place, and end later. Files are
 /// replaced only after that, all or none, with their former owner and mode. The result is an event:
 ///   {"event": "current" | "due" | "renewed" | "ocsp_renewed", "subject", "not_after", "next", ...}
-/// If the certificate names an OCSP responder, its response is kept, too (agent_response.hpp).
-/// Errors: folder_untrusted, key_in_token, key_mismatch, renewal_unfit, renewal_goes_back, those of
-/// `ask`, of ChainVerifier::verify and of Replacement.
-/// With a locked folder, the one of the task must be that one.
+/// "problem" of an event says why the participant does not start, or the next renewal will fail:
+/// the key, the identity CA, the list or (with takes_permissions) the permissions in the folder. If
+/// the certificate names an OCSP responder, its response is kept, too (agent_response.hpp). Errors:
+/// folder_untrusted, key_in_token, key_mismatch, renewal_unfit, renewal_goes_back, those of `ask`,
+/// of ChainVerifier::verify and of Replacement. With a locked folder, the one of the task must be
+/// that one.
 Result<Json> tend_folder(const AgentTask& task, const LockedFolder* locked, const AskCa& ask,
                          const Context& context);
 

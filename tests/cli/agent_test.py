@@ -102,7 +102,29 @@ class OwnCa(AgentTest):
         event, = self.renew("--permissions", exit=1)
         self.assertEqual((event["event"], event["permissions_extended"]), ("renewed", False))
         self.assertEqual(event["problem"]["code"], "grant_expired")
-        self.assertEqual(self.once("--ca", "demo", "--permissions", "--now", "+301d")[0]["event"], "current")
+        event, = self.once("--ca", "demo", "--permissions", "--now", "+301d", exit=1)
+        self.assertEqual((event["event"], event["problem"]["code"]), ("current", "grant_expired"))
+
+    def test_Current_WithPermissionsThatHaveEnded_HasAProblem(self):
+        self.run_program("permissions", "new", "--cert", "demo/talker/cert.pem", "--publish", "x", "--days", "2", "--sign",
+                         "--ca", "demo", "-o", "demo/talker/permissions.xml", "--replace")
+        for more in ((), ("--dry-run",)):
+            event, = self.once("--ca", "demo", "--permissions", "--now", "+5d", *more, exit=1)
+            self.assertEqual((event["event"], event["problem"]["code"]), ("current", "grant_expired"))
+            self.assertIn("ddssec identity renew demo/talker --ca CA --permissions --ended-permissions",
+                          event["problem"]["hint"])
+        self.assertNotIn("problem", self.once("--ca", "demo", "--now", "+5d")[0])  # the permissions are not the agent's
+
+    def test_Current_WithFilesThatDoNotFit_HasAProblem(self):
+        for file, code in (("key.pem", "key_mismatch"), ("permissions.p7s", "no_grant_for_subject")):
+            right = (self.talker / file).read_bytes()
+            (self.talker / file).write_bytes((self.at / "demo/listener" / file).read_bytes())
+            event, = self.once("--ca", "demo", "--permissions", exit=1)
+            self.assertEqual((event["event"], event["problem"]["code"]), ("current", code))
+            (self.talker / file).write_bytes(right)
+        (self.talker / "identity_ca.pem").write_bytes((self.talker / "permissions_ca.pem").read_bytes())
+        event, = self.once("--ca", "demo", exit=1)
+        self.assertEqual((event["event"], event["problem"]["code"]), ("current", "issuer_unknown"))
 
     def test_a_new_key_on_request(self):
         key = self.public_key()
