@@ -148,17 +148,14 @@ std::optional<GuidPrefix> RemoteParticipants::next_to_give_way() {
 
 void RemoteParticipants::accept(RemoteParticipant& remote) {
   if (core_.is_authenticated(remote.prefix())) {
-    move_to_identity(remote);
+    // From now on its endpoints count for its identity.
+    const AnnouncedShares::Amount own{remote.endpoint_octets, remote.endpoints.size()};
+    const auto identity = core_.identity_of(remote.prefix());
+    announced_.add(identity, own);
+    announced_.remove(std::exchange(remote.account, identity), own);
     discharge(remote);
   }
   if (!std::exchange(remote.accepted, true)) on_changed(remote);
-}
-
-void RemoteParticipants::move_to_identity(RemoteParticipant& remote) {
-  const AnnouncedShares::Amount own{remote.endpoint_octets, remote.endpoints.size()};
-  const auto identity = core_.identity_of(remote.prefix());
-  announced_.add(identity, own);
-  announced_.remove(std::exchange(remote.account, identity), own);
 }
 
 void RemoteParticipants::on_changed(const RemoteParticipant& remote) {

@@ -168,8 +168,6 @@ class RemoteParticipants {
   /// The time after this share of the lease, or after kLeastPause if that is later; kNever if the
   /// lease does not end.
   MonotonicTime next_time(const ParticipantData& data, int share) const;
-  /// The endpoints of a participant that has authenticated count for its identity.
-  void move_to_identity(RemoteParticipant& remote);
   /// From now on the participant does not count as unproven.
   void discharge(RemoteParticipant& remote);
 

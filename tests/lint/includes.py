@@ -38,7 +38,7 @@ ARROWS = {
     "programs": ["base", "pki", "governance", "wire", "rtps", "secured", "plugins"],
     "idl": [],
     "cli": ["base", "pki", "governance", "plugins/spi", "plugins/authentication",
-            "plugins/access_control", "plugins/cryptography", "wire", "rtps"],
+            "plugins/access_control", "plugins/cryptography", "wire", "rtps", "secured"],
 }
 
 # libraries of others -> the folders whose headers may show them / whose sources may use them.
