@@ -217,26 +217,26 @@ void check_folder_mode(const LoadedFolder& folder, Diagnosis& out) {
 }  // namespace
 
 // A key that DDS-Security does not allow. What comes up with it is unsafe: ddssec does not read the
-// certificate, so nothing else about it is judged. Measured with Cyclone DDS 0.10.2 and Fast
-// DDS 2.9.1: of a permissions CA both take every key that OpenSSL takes (RSA-1024, P-224, P-521,
-// secp256k1), but for RSASSA-PSS with Fast DDS, which also starts with no Ed25519 or Ed448 key of
-// an identity CA.
+// certificate, so nothing else about it is judged. Only what a permissions CA signed is judged all
+// the same. Measured with Cyclone DDS 0.10.2 and Fast DDS 2.9.1: of a permissions CA both take
+// every key that OpenSSL takes (RSA-1024, P-224, P-521, secp256k1), but for RSASSA-PSS with Fast
+// DDS, which also starts with no Ed25519 or Ed448 key of an identity CA.
 Outcomes outcomes_of_key(const pki::ParticipantFolder& paths, const fs::path& path,
                          const Error& error, const Lineup& lineup) {
   const bool is_of_permissions_ca = path == paths.permissions_ca;
   const bool is_explicit = is_key_of_explicit_curve(error);
   const std::string_view key = error.details().found;
-  auto out = kNobody;
   const bool is_edwards = key.contains("ED");
-  out.fastdds =
-      measured(is_edwards && !is_of_permissions_ca ? Variant::ed25519 : Variant::rsa_1024, lineup)
-          .fastdds;
+  auto out = kNobody;
   if (is_key_of_another_curve(error) || is_explicit) out.cyclonedds = Outcome::unsafe;
-  if (is_of_permissions_ca && !is_explicit) out.cyclonedds = Outcome::unsafe;
-  const bool is_refused = is_of_permissions_ca
-                              ? key.contains("RSA-PSS")
-                              : is_explicit || (path == paths.identity_ca && is_edwards);
-  if (is_refused) out.fastdds = Outcome::fail;
+  if (is_of_permissions_ca) {
+    if (!is_explicit) out.cyclonedds = Outcome::ok;
+    out.fastdds = key.contains("RSA-PSS") ? Outcome::fail : Outcome::ok;
+    return out;
+  }
+  const bool is_refused = is_explicit || (path == paths.identity_ca && is_edwards);
+  const auto variant = is_edwards ? Variant::ed25519 : Variant::rsa_1024;
+  out.fastdds = is_refused ? Outcome::fail : measured(variant, lineup).fastdds;
   return out;
 }
 
