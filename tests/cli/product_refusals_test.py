@@ -271,11 +271,12 @@ class UnreadByUs(ProductRefusals):
         self.expect()
 
     def test_kinds_of_keys_that_fast_dds_takes(self):
-        for kind in ("rsa1024", "ed25519"):
+        # With Ed25519 it starts and authenticates nobody (measured).
+        for kind, verdict, answer in (("rsa1024", "unsafe", 3), ("ed25519", "late", 1)):
             Folder(self.shop, self.at / kind, f"/CN={kind}", kind, kind=kind)
-            self.assertEqual(self.doctor(folder=kind)[0]["fastdds@2.9.1"], "ok")
+            self.assertEqual(self.doctor(folder=kind)[0]["fastdds@2.9.1"], verdict)
             for folders in ((kind, "partner"), ("partner", kind)):
-                self.run_program("check", *folders, "--topics", "Square", "--vendor", "fastdds", exit=3)
+                self.run_program("check", *folders, "--topics", "Square", "--vendor", "fastdds", exit=answer)
                 self.run_program("check", *folders, "--topics", "Square", "--vendor", "cyclonedds", exit=1)
 
     def test_ca_by_its_key_usage_only(self):
