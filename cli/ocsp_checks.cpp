@@ -31,11 +31,13 @@ fs::path response_file(const LoadedFolder& folder, const spi::PropertyList& prop
   return file_named_by(absolute_uri(named)).value_or(ocsp_file(folder.paths).string());
 }
 
-/// Errors: file_not_found; those of read_file and judge_ocsp, or of the parts that it needs.
-Result<pki::OcspGood> response_of(const LoadedFolder& folder, const fs::path& file, WallTime now) {
+/// `judge`: whose CAs and revocation lists count. Errors: file_not_found; those of read_file and
+/// judge_ocsp, or of the parts that it needs.
+Result<pki::OcspGood> response_of(const LoadedFolder& folder, const fs::path& file,
+                                  const LoadedFolder& judge, WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMostOcspOctets));
   if (!folder.certificate) return std::unexpected(folder.certificate.error());
-  DDSSEC_ASSIGN_OR_RETURN(const auto verifier, folder.chain());
+  DDSSEC_ASSIGN_OR_RETURN(const auto verifier, judge.chain());
   return pki::judge_ocsp(octets, *folder.certificate, verifier, now);
 }
 
@@ -52,11 +54,13 @@ bool demands(const doctor::Party& party) {
   return policy && *policy == spi::OcspPolicy::hard;
 }
 
-/// Why the participant shows no response that says "good"; empty if it does.
-std::string lack_of(const doctor::Party& party, WallTime now) {
+/// Why the participant shows no response that says "good" to the judge; empty if it does. It sends
+/// none that is not good to itself.
+std::string lack_of(const doctor::Party& party, const LoadedFolder& judge, WallTime now) {
   if (party.vendor != doctor::Vendor::ours) return party.product() + " sends none";
   const auto file = response_file(party.folder, properties_of(party.folder));
-  const auto response = response_of(party.folder, file, now);
+  auto response = response_of(party.folder, file, party.folder, now);
+  if (response) response = response_of(party.folder, file, judge, now);
   if (response) return {};
   if (response.error().code() == Code::file_not_found)
     return fmt::format("there is no {}", file.filename().string());
@@ -80,7 +84,7 @@ void check_ocsp(const LoadedFolder& folder, const doctor::Settings& settings,
                                          .document = folder.paths.properties.string(),
                                          .hint = std::string(policy.error().hint())});
   if (!is_there(file) || !folder.certificate || !folder.chain()) return;
-  const auto response = response_of(folder, file, settings.now);
+  const auto response = response_of(folder, file, folder, settings.now);
   if (response) return;
   auto finding = about_response(file, response.error());
   if (response.error().code() == Code::ocsp_revoked)
@@ -98,7 +102,7 @@ std::vector<Finding> demanded_responses(const doctor::Party& a, const doctor::Pa
     const auto& judge = *parties[i];
     const auto& other = *parties[1 - i];
     if (!demands(judge)) continue;
-    const auto lack = lack_of(other, now);
+    const auto lack = lack_of(other, judge.folder, now);
     if (lack.empty()) continue;
     out.push_back({.rule = Rule::DOC113,
                    .message = fmt::format("{} demands an OCSP response ({} = hard), and {} has "

@@ -1,5 +1,6 @@
 #include "pki/ocsp_fetch.hpp"
 
+#include <algorithm>
 #include <memory>
 
 #include <openssl/http.h>
@@ -32,7 +33,13 @@ struct Address {
   std::string host, port, path;
 };
 
+/// A line break would let a certificate write requests of its own.
+bool is_plain(std::string_view url) {
+  return std::ranges::all_of(url, [](char c) { return c > ' ' && c < 0x7f; });
+}
+
 Result<Address> parse(const std::string& url) {
+  if (!is_plain(url)) return failed(url, "it has blanks, or octets that are not printable ASCII");
   char *host = nullptr, *port = nullptr, *path = nullptr;
   int has_tls = 0;
   const int is_url = OSSL_HTTP_parse_url(url.c_str(), &has_tls, nullptr, &host, &port, nullptr,
@@ -91,7 +98,7 @@ std::string ocsp_responder_of(const Certificate& certificate) {
   const TextsPtr urls(X509_get1_ocsp(certificate.impl().x509.get()));
   for (int i = 0; i < sk_OPENSSL_STRING_num(urls.get()); ++i) {
     const std::string url = sk_OPENSSL_STRING_value(urls.get(), i);
-    if (url.starts_with("http://")) return url;
+    if (url.starts_with("http://") && is_plain(url)) return url;
   }
   return {};
 }

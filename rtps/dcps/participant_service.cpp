@@ -1,8 +1,10 @@
 #include "rtps/dcps/participant_service.hpp"
 
+#include <pthread.h>
 #include <system_error>
 
 #include "base/background_thread.hpp"
+#include "base/rollback.hpp"
 
 namespace ddssec::rtps {
 namespace {
@@ -98,7 +100,18 @@ void ParticipantService::serve(std::chrono::nanoseconds most) {
   dispatch();
 }
 
+// A thread that is cancelled in a system call would leave the participant half way.
 void ParticipantService::serve_for_waiting(std::chrono::nanoseconds most) {
+  {
+    int state = 0;
+    ::pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, &state);
+    const Rollback restored([&] { ::pthread_setcancelstate(state, nullptr); });
+    serve_once_for_waiting(most);
+  }
+  ::pthread_testcancel();
+}
+
+void ParticipantService::serve_once_for_waiting(std::chrono::nanoseconds most) {
   const auto has_pending = [&] {
     const std::lock_guard held(context_.mutex());
     return context_.has_pending();

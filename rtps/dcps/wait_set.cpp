@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <list>
 
+#include "base/rollback.hpp"
+
 namespace ddssec::rtps {
 namespace {
 
@@ -102,12 +104,13 @@ Result<std::vector<Condition*>> WaitSet::wait(std::chrono::nanoseconds most) {
     return fail(Code::rtps_precondition_not_met,
                 {.document = "wait set", .expected = "one waiting thread", .found = "a second"});
   state_->waiting = true;
+  // Also when the thread is cancelled.
+  const Rollback is_over([&] { state_->waiting = false; });
   auto out = triggered();
   if (out.empty()) {
     wait_until(lock, end);
     out = triggered();
   }
-  state_->waiting = false;
   if (out.empty()) return fail(Code::rtps_timeout, {.document = "wait set"});
   return out;
 }
@@ -144,9 +147,11 @@ void WaitSet::wait_until(std::unique_lock<std::mutex>& lock,
     state_->served = state_->turns.front().get();
     state_->serving = ::pthread_self();
     lock.unlock();
+    const Rollback is_served([&] {
+      lock.lock();
+      state_->served = nullptr;
+    });
     own->serve(left);
-    lock.lock();
-    state_->served = nullptr;
   }
 }
 

@@ -2,6 +2,7 @@
 """identity ocsp against `openssl ocsp` on the loopback, and what doctor and check say of responses."""
 
 import contextlib
+import shutil
 import socket
 import threading
 
@@ -120,6 +121,12 @@ class Ocsp(Transcript):
         for url in ("https://127.0.0.1/", "ftp://127.0.0.1/", "nonsense", "http://"):
             self.refused("ocsp_fetch_failed", 1, *ASK, url)
 
+    def test_a_line_break_in_a_url_is_refused(self):
+        with self.server(None) as url:
+            for path in ("x HTTP/1.1\r\nHost: inner", "a b", "\x1b"):
+                told = self.refused("ocsp_fetch_failed", 1, *ASK, url + path)
+                self.assertIn("printable", told["message"])
+
     def test_a_certificate_that_names_no_responder_needs_a_url(self):
         self.refused("ocsp_no_responder", 1, "identity", "ocsp", "demo/talker")
 
@@ -196,6 +203,22 @@ class Ocsp(Transcript):
         with self.responder() as url:
             self.fetch(url)
         self.assertTrue(self.json(*talk)["result"]["talk"])
+        # The side that demands it judges with its own lists.
+        self.openssl("req", "-new", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-subj", "/CN=delegate",
+                     "-keyout", "delegate.key", "-out", "delegate.csr")
+        (self.at / "delegate.ext").write_text("keyUsage=critical,digitalSignature\nextendedKeyUsage=OCSPSigning\n")
+        self.openssl("x509", "-req", "-sha256", "-in", "delegate.csr", "-CA", self.ca / "ca.pem", "-CAkey", self.ca / "ca.key.pem",
+                     "-set_serial", "77", "-days", "30", "-extfile", "delegate.ext", "-out", "delegate.pem")
+        with responder(self.at / "index", self.ca, "-rsigner", self.at / "delegate.pem", "-rkey", self.at / "delegate.key") as url:
+            self.fetch(url)
+        self.assertTrue(self.json(*talk)["result"]["talk"])
+        self.run_program("identity", "revoke", "delegate.pem", "--ca", "demo", "--subject", "CN=delegate")
+        shutil.copy(self.ca / "crl.pem", self.at / "demo/listener/crl.pem")
+        answer = self.json(*talk, exit=1)
+        self.assertIn("DOC113", [one["id"] for one in answer["diagnostics"]])
+        self.index(talker="V")
+        with self.responder() as url:
+            self.fetch(url)
         answer = self.json(*talk, "--vendor", "A=cyclonedds", exit=1)
         (told,) = [one for one in answer["diagnostics"] if one["id"] == "DOC113"]
         self.assertRegex(told["message"], "Cyclone DDS 0.10.2 sends none")

@@ -244,6 +244,32 @@ TEST_F(Served, GuardConditionWhileAThreadServes_EndsItsWait) {
   }
 }
 
+// Before, the process ended, or no other thread could wait by the set.
+TEST_F(Served, ThreadThatIsCancelled_LeavesSetAndParticipantInOrder) {
+  create();
+  exchange(50, true);  // from now on the waiting threads serve
+  for (int i = 0; i < 200; ++i) {
+    static_cast<void>(a->set.wait(1us));
+    pthread_t thread{};
+    const auto wait = [](void* set) -> void* {
+      static_cast<void>(static_cast<WaitSet*>(set)->wait(20s));
+      return nullptr;
+    };
+    ASSERT_EQ(::pthread_create(&thread, nullptr, wait, &a->set), 0);
+    std::this_thread::sleep_for(i % 2 == 0 ? 1ms : 0ms);
+    if (i % 4 == 0) {
+      ASSERT_TRUE(b->writer->write({"south", i}));  // it has something to receive
+    }
+    ASSERT_EQ(::pthread_cancel(thread), 0);
+    ASSERT_EQ(::pthread_join(thread, nullptr), 0);
+    taken(*a->reader);
+    const auto next = a->set.wait(1us);
+    ASSERT_TRUE(next || next.error().code() == Code::rtps_timeout) << next.error().to_sentence();
+  }
+  taken(*b->reader);
+  exchange(20, true);
+}
+
 TEST_F(Served, SampleWithinTheProcessWhileAThreadServes_EndsItsWait) {
   create(true);
   for (int i = 0; i < 100; ++i) {
