@@ -11,6 +11,7 @@
 #include "cli/agent_ca.hpp"
 #include "cli/agent_schedule.hpp"
 #include "cli/agent_worker.hpp"
+#include "cli/ca_folder.hpp"
 #include "cli/held_folder.hpp"
 #include "cli/inputs.hpp"
 #include "cli/transaction.hpp"
@@ -42,7 +43,7 @@ Json known_members(const Json& event) {
   constexpr std::size_t kMaxText = 4096, kMaxFiles = 8;
   Json out = Json::object();
   for (const auto* name :
-       {"event", "subject", "serial", "not_after", "next", "sha256", "ocsp_until"})
+       {"event", "subject", "serial", "not_after", "next", "sha256", "ocsp_until", "ocsp_silent"})
     if (event.contains(name)) out[name] = text_in(event, name).substr(0, kMaxText);
   for (const auto* name : {"rekeyed", "permissions_extended", "restart_needed"})
     if (event.contains(name)) out[name] = event[name] == true;
@@ -166,6 +167,7 @@ void Agent::look_at_all_now() {
   }
   ca_refusal_.reset();
   owners_with_wrong_pin_.clear();
+  silent_responders_.clear();
 }
 
 void Agent::tend(Folder& folder) {
@@ -183,6 +185,7 @@ Result<Json> Agent::try_to_tend(Folder& folder) {
   }
   if (folder.lock)
     folder.task.uses_no_token = owners_with_wrong_pin_.contains(folder.lock->owner().user);
+  folder.task.responders = responders_for(folder);
   const int lock = folder.lock ? folder.lock->descriptor() : -1;
   const bool is_own = folder.lock && folder.lock->owner().user == ::geteuid();
   DDSSEC_ASSIGN_OR_RETURN(auto worker, ChildProcess::start(
@@ -199,6 +202,24 @@ Result<Json> Agent::try_to_tend(Folder& folder) {
   const auto sent = worker.write(order, steady_clock::now() + kTimeForFiles);
   if (sent != End::done) return worker_ended(sent);
   return converse(folder, worker);
+}
+
+// The agent's own user could ask any responder anyway.
+RespondersAsked Agent::responders_for(const Folder& folder) const {
+  RespondersAsked out{.of_cas_from = hook_ ? "--trust" : "--ca"};
+  if (!folder.lock) return out;  // with --dry-run none is asked
+  const auto owner = folder.lock->owner().user;
+  out.not_now = silent_responders_.of(owner, context_.clock.since_boot());
+  if (hook_ && !arguments_.has("--trust")) {
+    out.none = owner != ::geteuid();
+    return out;
+  }
+  const auto cas =
+      read_certificates(hook_ ? std::filesystem::path(arguments_.text("--trust"))
+                              : ca_paths(arguments_.text("--ca"), "identity").certificate);
+  if (cas) out.of_cas = to_pem(*cas);
+  out.none = !cas;
+  return out;
 }
 
 // Only the process that asks the CA, and the hook, need them.
@@ -304,6 +325,10 @@ void Agent::note_success(Folder& folder, Json event) {
     errors_.push_back(problem);
     event["problem"] = event_members(problem);
   }
+  if (folder.lock)
+    silent_responders_.note(folder.lock->owner().user, text_in(event, "ocsp_silent"),
+                            context_.clock.since_boot());
+  event.erase("ocsp_silent");
   event.erase("event");
   if (is_news) events_.report(name, folder.task.folder, std::move(event));
 }

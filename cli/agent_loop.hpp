@@ -13,6 +13,7 @@
 #include "cli/agent_messages.hpp"
 #include "cli/agent_participant.hpp"
 #include "cli/agent_process.hpp"
+#include "cli/agent_responders.hpp"
 #include "cli/command.hpp"
 
 namespace ddssec::cli {
@@ -44,6 +45,7 @@ class Agent {
 
   void tend(Folder& folder);
   Result<Json> try_to_tend(Folder& folder);
+  RespondersAsked responders_for(const Folder& folder) const;
   Result<Json> converse(Folder& folder, ChildProcess& worker);
   Result<RenewalAnswer> ask_ca(const Folder& folder, const RenewalRequest& request);
   Result<RenewalAnswer> ask_own_ca(const Folder& folder, const RenewalRequest& request);
@@ -64,6 +66,7 @@ class Agent {
   std::vector<Folder> folders_;
   std::optional<Error> ca_refusal_ = {};        ///< the CA's key did not take its PIN or passphrase
   std::set<uid_t> owners_with_wrong_pin_ = {};  ///< so said a token that a folder of theirs names
+  SilentResponders silent_responders_ = {};
   std::vector<Error> errors_ = {};
   std::vector<WrittenFile> written_ = {};
 };

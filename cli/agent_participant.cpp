@@ -284,7 +284,7 @@ Result<Json> renew(const Participant& self, const AskCa& ask) {
   event["files"] = to_json(files);
   event["sha256"] = to_hex(renewed.fingerprint());
   if (answer.problem) event["problem"] = error_to_json(*answer.problem);
-  keep_response({self.files, renewed, self.now()}, event);
+  keep_response({self.files, renewed, self.now(), self.task.responders}, event);
   return event;
 }
 
@@ -336,7 +336,8 @@ Result<Json> tend_folder(const AgentTask& task, const LockedFolder* locked, cons
   const auto due = due_time(self);
   if (due > self.now()) {
     auto event = not_renewed(self, due);
-    if (!task.is_dry_run) keep_response({self.files, self.certificate, self.now()}, event);
+    if (!task.is_dry_run)
+      keep_response({self.files, self.certificate, self.now(), task.responders}, event);
     return event;
   }
   if (task.is_dry_run) return not_renewed(self, due);

@@ -9,6 +9,7 @@
 
 #include "cli/agent_folder.hpp"
 #include "cli/agent_messages.hpp"
+#include "cli/agent_response.hpp"
 #include "cli/command.hpp"
 
 namespace ddssec::cli {
@@ -24,6 +25,7 @@ struct AgentTask {
   /// whose validity began long before it was issued would be renewed again at once.
   std::string known = {};
   WallTime known_renewal = {};
+  RespondersAsked responders = {};
 };
 
 /// Asks the CA; the answer is not yet checked.

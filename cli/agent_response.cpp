@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "base/tool_code.hpp"
 #include "cli/agent_messages.hpp"
 #include "cli/ca_folder.hpp"
 #include "cli/documents.hpp"
@@ -30,15 +31,49 @@ Result<pki::OcspGood> response_in_place(const ResponseTask& task) {
   return pki::judge_ocsp(octets, task.certificate, verifier, task.now);
 }
 
+Status check_issued_by_own(const ResponseTask& task) {
+  const auto& asked = task.asked;
+  const auto refused = [&] {
+    return fail(Code::issuer_unknown,
+                {.document = task.files.certificate,
+                 .expected = "a certificate that a CA of " + asked.of_cas_from + " has issued",
+                 .found = "one of " + task.certificate.issuer(),
+                 .note = "so the OCSP responder that it names is not asked"});
+  };
+  if (asked.none) return refused();
+  if (asked.of_cas.empty()) return {};
+  DDSSEC_ASSIGN_OR_RETURN(const auto cas,
+                          pki::Certificate::bundle_from_pem(as_bytes(asked.of_cas)));
+  const auto is_issuer = [&](const auto& ca) { return task.certificate.is_issued_by(ca); };
+  if (std::ranges::none_of(cas, is_issuer)) return refused();
+  return {};
+}
+
+Status check_may_ask(const ResponseTask& task) {
+  DDSSEC_RETURN_IF_ERROR(check_issued_by_own(task));
+  const auto url = pki::ocsp_responder_of(task.certificate);
+  const auto& not_now = task.asked.not_now;
+  if (std::ranges::find(not_now, url) == not_now.end()) return {};
+  return fail(tool_code::ocsp_fetch_failed,
+              {.found = url,
+               .note = "it did not answer another folder's request; it is asked again within five "
+                       "minutes"});
+}
+
 Result<pki::OcspGood> renew(const ResponseTask& task, Json& event) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto fetched,
-                          fetch_response({task.files, task.certificate}, task.now));
+  DDSSEC_RETURN_IF_ERROR(check_may_ask(task));
+  const auto fetched = fetch_response({task.files, task.certificate}, task.now);
+  if (!fetched) {
+    if (fetched.error().code() == tool_code::ocsp_fetch_failed)
+      event["ocsp_silent"] = pki::ocsp_responder_of(task.certificate);
+    return std::unexpected(fetched.error());
+  }
   Replacement out;
-  DDSSEC_RETURN_IF_ERROR(out.put(ocsp_file(task.files), fetched.octets, 0644));
+  DDSSEC_RETURN_IF_ERROR(out.put(ocsp_file(task.files), fetched->octets, 0644));
   DDSSEC_ASSIGN_OR_RETURN(const auto written, out.commit());
   for (const auto& file : written)
     event["files"].push_back({{"path", file.path}, {"mode", file.mode}, {"sha256", file.sha256}});
-  return fetched.good;
+  return fetched->good;
 }
 
 /// The time of a renewed certificate stays: it is what the agent remembers it by.

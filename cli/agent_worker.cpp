@@ -79,6 +79,15 @@ LockedFolder locked_from(const Json& json) {
           .inode = static_cast<ino_t>(number_in(json, "inode"))};
 }
 
+RespondersAsked responders_from(const Json& json) {
+  RespondersAsked out{.of_cas = text_in(json, "cas"),
+                      .of_cas_from = text_in(json, "cas_from"),
+                      .none = is_set(json, "ask_none")};
+  for (const auto& url : json["not_now"])
+    if (url.is_string()) out.not_now.push_back(url.get<std::string>());
+  return out;
+}
+
 Result<Order> receive_order() {
   DDSSEC_ASSIGN_OR_RETURN(const auto line, receive(kIn));
   DDSSEC_ASSIGN_OR_RETURN(const auto json, json_from(line));
@@ -90,7 +99,8 @@ Result<Order> receive_order() {
                      .is_dry_run = is_set(json, "dry_run"),
                      .uses_no_token = is_set(json, "no_token"),
                      .known = text_in(json, "known"),
-                     .known_renewal = time_in(json, "known_renewal")}};
+                     .known_renewal = time_in(json, "known_renewal"),
+                     .responders = responders_from(json)}};
   if (json.contains("now")) out.now = time_in(json, "now");
   if (json.contains("locked")) out.locked = locked_from(json["locked"]);
   return out;
@@ -155,7 +165,11 @@ std::string order_line(const AgentTask& task, const LockedFolder* locked,
               {"dry_run", int(task.is_dry_run)},
               {"no_token", int(task.uses_no_token)},
               {"known", task.known},
-              {"known_renewal", task.known_renewal.time_since_epoch().count()}};
+              {"known_renewal", task.known_renewal.time_since_epoch().count()},
+              {"cas", task.responders.of_cas},
+              {"cas_from", task.responders.of_cas_from},
+              {"ask_none", int(task.responders.none)},
+              {"not_now", task.responders.not_now}};
   if (now) out["now"] = now->time_since_epoch().count();
   if (locked != nullptr)
     out["locked"] = {{"user", locked->owner.user},

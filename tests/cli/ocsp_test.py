@@ -5,6 +5,7 @@ import contextlib
 import shutil
 import socket
 import threading
+import time
 
 from ocsp_responder import index_line, responder
 from transcript import Transcript, main
@@ -130,14 +131,15 @@ class Ocsp(Transcript):
     def test_a_certificate_that_names_no_responder_needs_a_url(self):
         self.refused("ocsp_no_responder", 1, "identity", "ocsp", "demo/talker")
 
-    def name_responder(self, url):
-        """A certificate of the talker that names this responder, with the serial number of the former one."""
+    def name_responder(self, url, name="talker", ca=None):
+        """A certificate that names this responder, with the serial number of the former one."""
+        ca = ca or self.ca
         extensions = self.at / "extensions"
         extensions.write_text(f"keyUsage=critical,digitalSignature\nauthorityInfoAccess=OCSP;URI:{url}\n")
-        self.openssl("req", "-new", "-key", "demo/talker/key.pem", "-subj", "/CN=talker", "-out", "request.pem")
-        self.openssl("x509", "-req", "-sha256", "-in", "request.pem", "-CA", self.ca / "ca.pem", "-CAkey", self.ca / "ca.key.pem",
-                     "-set_serial", "0x" + self.serial("talker"), "-days", "30", "-extfile", extensions,
-                     "-out", "demo/talker/cert.pem")
+        self.openssl("req", "-new", "-key", f"demo/{name}/key.pem", "-subj", f"/CN={name}", "-out", "request.pem")
+        self.openssl("x509", "-req", "-sha256", "-in", "request.pem", "-CA", ca / "ca.pem", "-CAkey", ca / "ca.key.pem",
+                     "-set_serial", "0x" + self.serial(name), "-days", "30", "-extfile", extensions,
+                     "-out", f"demo/{name}/cert.pem")
 
     def test_a_certificate_that_names_a_responder_needs_no_url(self):
         self.index(talker="V")
@@ -168,6 +170,32 @@ class Ocsp(Transcript):
         answer, event = self.agent("--now", "+30h", exit=1)
         self.assertEqual((event["event"], event["problem"]["code"]), ("current", "ocsp_fetch_failed"))
         self.assertIn("ocsp_fetch_failed", [one["id"] for one in answer["diagnostics"]])
+
+    def test_the_agent_asks_no_responder_for_a_certificate_of_another_ca(self):
+        self.run_program("init", "other", "--participant", "x")
+        stranger = self.at / "other/ca/identity"
+        shutil.copy(stranger / "ca.pem", self.at / "demo/talker/identity_ca.pem")
+        with socket.create_server(("127.0.0.1", 0)) as listener:
+            self.name_responder(f"http://127.0.0.1:{listener.getsockname()[1]}/", ca=stranger)
+            answer, event = self.agent(exit=1)
+            self.assertEqual(event["problem"]["code"], "issuer_unknown")
+            self.assertRegex(event["problem"]["message"], "a CA of --ca.*is not asked")
+            listener.settimeout(0.2)
+            with self.assertRaises(TimeoutError):
+                listener.accept()
+        self.assertNotIn("demo/talker/ocsp.der", self.files())
+
+    def test_the_agent_waits_once_for_a_responder_that_does_not_answer(self):
+        with self.server(None) as url:
+            for name in ("talker", "listener"):
+                self.name_responder(url, name)
+            begin = time.monotonic()
+            answer = self.json("agent", "demo/talker", "demo/listener", "--ca", "demo", "--once", exit=1)
+            self.assertLess(time.monotonic() - begin, 18)  # a request takes 10 s
+        first, second = (event["problem"] for event in answer["result"]["events"])
+        self.assertEqual((first["code"], second["code"]), ("ocsp_fetch_failed", "ocsp_fetch_failed"))
+        self.assertRegex(second["message"], "another folder's request")
+        self.assertNotIn("ocsp_silent", str(answer))
 
     def test_doctor_says_what_is_wrong_with_the_response(self):
         self.index(talker="V", listener="V")
