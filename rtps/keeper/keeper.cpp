@@ -75,6 +75,15 @@ Event kept_event(const EndpointData& writer, bool is_from_store) {
   return Event(Error(Code::rtps_topic_kept, {.field = std::move(where)}));
 }
 
+Error no_room(const std::string& topic) {
+  return Error(Code::rtps_store_failed,
+               {.document = "keeper",
+                .field = "topics",
+                .expected = fmt::format("at most {}, and of one identity as many as are free",
+                                        Keeper::kMostTopics),
+                .found = topic});
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Keeper>> Keeper::create(DomainParticipantOptions options,
@@ -215,12 +224,7 @@ Status Keeper::keep(const EndpointData& writer, const std::optional<Guid>& annou
   if (is_settled(key, writer)) return {};
   topics_.erase(key);
   if (announcer ? !make_room(identity) : topics_.size() >= kMostTopics)
-    return fail(Code::rtps_store_failed,
-                {.document = "keeper",
-                 .field = "topics",
-                 .expected = fmt::format("at most {}, and of one identity as many as are free",
-                                         kMostTopics),
-                 .found = writer.topic_name});
+    return std::unexpected(no_room(writer.topic_name));
   const auto remember = [this, writer, key, announcer] {
     if (announcer)
       store_->append(known_, announcement(writer, key), participant_->context_.moment().wall);
@@ -285,9 +289,23 @@ bool Keeper::make_room(const GuidPrefix& identity) {
   if (counts[identity] < kMostTopics - topics_.size()) return true;
   const auto most = std::ranges::max_element(
       empty, {}, [&](const auto& candidate) { return counts[candidate.first]; });
-  if (most == empty.end() || counts[most->first] < counts[identity]) return false;
-  topics_.erase(most->second);
+  if (most == empty.end() || counts[most->first] <= counts[identity]) return false;
+  const auto found = topics_.find(most->second);
+  const auto name = found->second.topic->name();
+  topics_.erase(found);
+  note_giving_way(name);
   return true;
+}
+
+void Keeper::note_giving_way(const std::string& name) {
+  std::optional<EndpointData> any;
+  for (const auto& writer : writers_on({name})) {
+    const auto announced = wanted(writer);
+    if (!announced) continue;
+    any = announced;
+    refused_->add(writer, announced->guid.prefix);
+  }
+  if (any) report(no_room(name), *any);
 }
 
 std::size_t Keeper::topics() const {

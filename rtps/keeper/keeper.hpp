@@ -100,8 +100,11 @@ class Keeper final : private DataReaderListener {
   /// Returns the names of the removed topics.
   std::set<std::string> remove_abandoned();
   std::vector<Guid> writers_on(const std::set<std::string>& topics) const;
-  /// Returns false if all places that `identity` may have are taken by topics with samples.
+  /// Makes room for one more topic of `identity`: a topic without samples gives way if its identity
+  /// has more topics. Returns false if none does.
   bool make_room(const GuidPrefix& identity);
+  /// The topic with that name gave way: its writers are considered again.
+  void note_giving_way(const std::string& name);
   template <class Count>
   std::uint64_t sum(Count count) const;
 

@@ -313,6 +313,32 @@ TEST_P(KeeperTest, TopicsWithoutSamplesGiveWay) {
   EXPECT_EQ(late_joiner(*service, b, 3), (Values{0, 1, 2}));
 }
 
+// Before: a topic that had given way to another of the same identity was never kept again.
+TEST_P(KeeperTest, TopicThatFoundNoRoom_IsKeptWhenThereIs) {
+  constexpr std::size_t kAll = 280, kLeave = 100, kOfOne = Keeper::kMostTopics / 2;
+  const auto service = keeper();
+  End crowd(environment, options());
+  std::vector<DataWriter<Reading>*> writers;
+  const auto until = [&](std::size_t topics) {
+    const auto end = std::chrono::steady_clock::now() + 20s;  // a thread considers writers again
+    while (service->topics() != topics && std::chrono::steady_clock::now() < end) {
+      crowd.participant->poll(1ms);
+      both(*service, 1);
+    }
+    return service->topics();
+  };
+  for (std::size_t i = 0; i < kAll; ++i) {
+    auto* topic = *crowd.participant->create_topic<Reading>("Any" + std::to_string(i));
+    writers.push_back(
+        *crowd.publisher->create_datawriter<Reading>(*topic, durable(DurabilityKind::transient)));
+  }
+  ASSERT_EQ(until(kOfOne), kOfOne);
+  for (int i = 0; i < 20; ++i) crowd.participant->poll(0ms), both(*service, 1);
+  for (std::size_t i = 0; i < kLeave; ++i)
+    ASSERT_TRUE(crowd.publisher->delete_datawriter(*writers[i]));
+  EXPECT_EQ(until(kAll - kLeave), kAll - kLeave);
+}
+
 // Before: the first writer to announce a topic decided for ever how it is kept.
 TEST_P(KeeperTest, ATopicWithoutSamplesGoesWithTheWriterThatAnnouncedIt) {
   const auto service = keeper();
