@@ -64,8 +64,8 @@ Status Endpoint::check_regroup(const GroupQos& group) {
   const auto held = lock();
   if (!enabled()) return {};
   auto& protocol = context_.protocol();
-  return check_partition_change(protocol.remote_participants().core(),
-                                protocol.local_endpoints().find_writer(guid_.entity), announced);
+  return check_partition_change(protocol.remote_participants().core(), protocol.local_endpoints(),
+                                guid_.entity, announced);
 }
 
 Status Endpoint::regroup(const GroupQos& group) {

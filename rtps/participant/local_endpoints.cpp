@@ -148,6 +148,12 @@ LocalReader* LocalEndpoints::find_reader(const EntityId& id) {
   return at == readers_.end() ? nullptr : &at->second;
 }
 
+const EndpointData* LocalEndpoints::find(const EntityId& id) const {
+  if (const auto at = writers_.find(id); at != writers_.end()) return &at->second.data;
+  const auto at = readers_.find(id);
+  return at == readers_.end() ? nullptr : &at->second.data;
+}
+
 std::vector<Guid> LocalEndpoints::matched(const Guid& endpoint) const {
   if (const auto at = writers_.find(endpoint.entity); at != writers_.end())
     return at->second.matched.guids();

@@ -49,6 +49,7 @@ class LocalEndpoints final : public Neighbour {
   LocalWriter* find_writer(const EntityId& id);
   const LocalWriter* find_writer(const EntityId& id) const;
   LocalReader* find_reader(const EntityId& id);
+  const EndpointData* find(const EntityId& id) const;
   std::map<EntityId, LocalWriter>& writers() { return writers_; }
   std::map<EntityId, LocalReader>& readers() { return readers_; }
   BuiltinEndpoints& builtin() { return builtin_; }

@@ -129,8 +129,9 @@ Status Participant::change_qos(const Guid& endpoint, Qos qos, MonotonicTime now)
   core_.now = now;
   DDSSEC_RETURN_IF_ERROR(check_consistency(qos));
   const auto* writer = local_.find_writer(endpoint.entity);
-  DDSSEC_RETURN_IF_ERROR(check_partition_change(core_, writer, qos));
+  DDSSEC_RETURN_IF_ERROR(check_partition_change(core_, local_, endpoint.entity, qos));
   if (leaves_readers(core_, writer, qos)) DDSSEC_RETURN_IF_ERROR(core_.security->revise_keys());
+  if (core_.security) core_.security->set_partitions(endpoint.entity, qos.partition);
   const auto apply = [&](auto* local) {
     if (local == nullptr) return;
     local->data.qos = qos;

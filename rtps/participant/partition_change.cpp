@@ -10,8 +10,12 @@ bool leaves_readers(const ParticipantCore& core, const LocalWriter* writer, cons
          (attributes->is_payload_protected() || attributes->is_submessage_protected());
 }
 
-Status check_partition_change(const ParticipantCore& core, const LocalWriter* writer,
-                              const Qos& qos) {
+Status check_partition_change(const ParticipantCore& core, const LocalEndpoints& locals,
+                              const EntityId& endpoint, const Qos& qos) {
+  const auto* data = locals.find(endpoint);
+  if (!core.security || data == nullptr || data->qos.partition == qos.partition) return {};
+  DDSSEC_RETURN_IF_ERROR(core.security->check_partitions(endpoint, qos.partition));
+  const auto* writer = locals.find_writer(endpoint);
   if (!leaves_readers(core, writer, qos) || core.attributes().is_key_revision_enabled) return {};
   return fail(Code::rtps_immutable_policy,
               {.document = "QoS of the publisher of a writer on topic " + writer->data.topic_name,

@@ -155,6 +155,18 @@ bool Admission::may_still(const EntityId& id) {
   return status.has_value();
 }
 
+Status Admission::check_partitions(const EntityId& id, const std::vector<std::string>& partitions) {
+  const auto asked = own_.find(id);
+  if (asked == own_.end()) return {};
+  return check_own(id,
+                   {asked->second.topic, partitions, asked->second.data_tags, spi::PropertyList()});
+}
+
+void Admission::set_partitions(const EntityId& id, const std::vector<std::string>& partitions) {
+  const auto asked = own_.find(id);
+  if (asked != own_.end()) asked->second.partitions = partitions;
+}
+
 Result<Admission::Announced> Admission::create_endpoint(const EntityId& id,
                                                         const NewEndpoint& endpoint) {
   auto& plugin = core_.own->plugins().access_control;

@@ -65,6 +65,11 @@ class Admission {
   /// Checks whether the local endpoint may be created, and registers it. Errors: those of access
   /// control and cryptography.
   Result<Announced> create_endpoint(const EntityId& id, const NewEndpoint& endpoint);
+  /// Success if our permissions allow the local endpoint in these partitions. Errors: those of
+  /// access control.
+  Status check_partitions(const EntityId& id, const std::vector<std::string>& partitions);
+  /// It is in these partitions from now on.
+  void set_partitions(const EntityId& id, const std::vector<std::string>& partitions);
   /// It is gone.
   void forget_endpoint(const EntityId& id) { own_.erase(id); }
 

@@ -134,10 +134,34 @@ TEST(KeyRevision, WithoutIt_AProtectedWriter_StaysInItsPartitions) {
     }
     return code_of(status);
   };
-  EXPECT_EQ(moved({.data = kEncrypt}), Code::rtps_immutable_policy);
-  EXPECT_EQ(moved({.metadata = kEncrypt}), Code::rtps_immutable_policy);
-  EXPECT_EQ(moved({.rtps = kEncrypt}), Code{}) << "the topic has no keys";
+  EXPECT_EQ(moved({.data = kEncrypt, .partitions = "*"}), Code::rtps_immutable_policy);
+  EXPECT_EQ(moved({.metadata = kEncrypt, .partitions = "*"}), Code::rtps_immutable_policy);
+  EXPECT_EQ(moved({.rtps = kEncrypt, .partitions = "*"}), Code{}) << "the topic has no keys";
   EXPECT_EQ(moved({.data = kEncrypt, .access_control = false}), Code{}) << "all may read it";
+}
+
+// Before, the call succeeded, and only the remote side refused.
+TEST(OwnPermissions, PartitionsThatTheyDoNotAllow_AreRefusedForExistingEndpoints) {
+  Pair pair(revising({.data = kEncrypt, .partitions = "a*"}));
+  auto writing = default_writer_qos();
+  auto reading = default_reader_qos();
+  writing.partition = reading.partition = {"a"};
+  auto& node = pair.a;
+  const auto writer = node->create_writer(square(writing), node.listener, pair.world.now);
+  const auto reader = node->create_reader(square(reading), node.listener, pair.world.now);
+  ASSERT_TRUE(writer && reader);
+  for (auto [endpoint, qos] : {std::pair(*writer, writing), std::pair(*reader, reading)}) {
+    qos.partition = {"b"};
+    const auto refused = node->change_qos(endpoint, qos, pair.world.now);
+    ASSERT_FALSE(refused.has_value());
+    EXPECT_EQ(refused.error().code(),
+              endpoint == *writer ? Code::publish_not_allowed : Code::subscribe_not_allowed)
+        << refused.error().to_sentence();
+    EXPECT_EQ(node->local_endpoints().find(endpoint.entity)->qos.partition,
+              (std::vector<std::string>{"a"}));
+    qos.partition = {"ab"};
+    EXPECT_TRUE(node->change_qos(endpoint, qos, pair.world.now));
+  }
 }
 
 TEST(KeyRevision, IsToBeHadForTheAsking) {
