@@ -131,7 +131,7 @@ Status Participant::change_qos(const Guid& endpoint, Qos qos, MonotonicTime now)
   const auto* writer = local_.find_writer(endpoint.entity);
   DDSSEC_RETURN_IF_ERROR(check_partition_change(core_, local_, endpoint.entity, qos));
   if (leaves_readers(core_, writer, qos)) DDSSEC_RETURN_IF_ERROR(core_.security->revise_keys());
-  if (core_.security) core_.security->set_partitions(endpoint.entity, qos.partition);
+  if (core_.security) core_.security->admission().set_partitions(endpoint.entity, qos.partition);
   const auto apply = [&](auto* local) {
     if (local == nullptr) return;
     local->data.qos = qos;

@@ -14,7 +14,7 @@ Status check_partition_change(const ParticipantCore& core, const LocalEndpoints&
                               const EntityId& endpoint, const Qos& qos) {
   const auto* data = locals.find(endpoint);
   if (!core.security || data == nullptr || data->qos.partition == qos.partition) return {};
-  DDSSEC_RETURN_IF_ERROR(core.security->check_partitions(endpoint, qos.partition));
+  DDSSEC_RETURN_IF_ERROR(core.security->admission().check_partitions(endpoint, qos.partition));
   const auto* writer = locals.find_writer(endpoint);
   if (!leaves_readers(core, writer, qos) || core.attributes().is_key_revision_enabled) return {};
   return fail(Code::rtps_immutable_policy,

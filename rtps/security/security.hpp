@@ -49,12 +49,8 @@ class Security {
     return admission_.create_endpoint(id, endpoint);
   }
 
-  Status check_partitions(const EntityId& id, const std::vector<std::string>& partitions) {
-    return admission_.check_partitions(id, partitions);
-  }
-  void set_partitions(const EntityId& id, const std::vector<std::string>& partitions) {
-    admission_.set_partitions(id, partitions);
-  }
+  /// For the partitions of local endpoints.
+  Admission& admission() { return admission_; }
   void forget_endpoint(const EntityId& id) {
     admission_.forget_endpoint(id);
     core_.keyring.remove_local(id);
