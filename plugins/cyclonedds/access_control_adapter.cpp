@@ -251,23 +251,15 @@ DDS_Security_boolean check_remote_datawriter_dispose_instance(
 
 DDS_Security_boolean get_permissions_token(Instance* instance, CToken* token,
                                            const CPermissions handle, Exception* ex) {
-  return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    DDSSEC_RETURN_IF_ERROR(require(token));
-    *token = {};
-    DDSSEC_ASSIGN_OR_RETURN(const auto permissions_token,
-                            adapter.engine().permissions_token(permissions(handle)));
-    return copy_token(permissions_token, *token);
+  return ask_token<Adapter>(instance, token, ex, [&](Adapter& adapter) {
+    return adapter.engine().permissions_token(permissions(handle));
   });
 }
 
 DDS_Security_boolean get_permissions_credential_token(Instance* instance, CToken* token,
                                                       const CPermissions handle, Exception* ex) {
-  return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    DDSSEC_RETURN_IF_ERROR(require(token));
-    *token = {};
-    DDSSEC_ASSIGN_OR_RETURN(const auto permissions_credential_token,
-                            adapter.engine().permissions_credential_token(permissions(handle)));
-    return copy_token(permissions_credential_token, *token);
+  return ask_token<Adapter>(instance, token, ex, [&](Adapter& adapter) {
+    return adapter.engine().permissions_credential_token(permissions(handle));
   });
 }
 
@@ -280,12 +272,8 @@ DDS_Security_boolean set_listener(Instance* instance,
   });
 }
 
-/// The host declares the object const although it gives it back, and never uses it again.
 DDS_Security_boolean return_token(Instance* instance, const CToken* token, Exception* ex) {
-  return ask<Adapter>(instance, ex, [&](Adapter&) -> Status {
-    if (token != nullptr) free_token(const_cast<CToken&>(*token));
-    return {};
-  });
+  return take_back_token<Adapter>(instance, token, ex);
 }
 
 DDS_Security_boolean get_participant_sec_attributes(

@@ -92,23 +92,15 @@ CResult validate_local_identity(Instance* instance, CIdentity* handle,
 
 DDS_Security_boolean get_identity_token(Instance* instance, CToken* token, const CIdentity handle,
                                         Exception* ex) {
-  return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    DDSSEC_RETURN_IF_ERROR(require(token));
-    *token = {};
-    DDSSEC_ASSIGN_OR_RETURN(const auto identity_token, adapter.engine().identity_token(
-                                                           identity(handle), ciphers_of_process()));
-    return copy_token(identity_token, *token);
+  return ask_token<Adapter>(instance, token, ex, [&](Adapter& adapter) {
+    return adapter.engine().identity_token(identity(handle), ciphers_of_process());
   });
 }
 
 DDS_Security_boolean get_identity_status_token(Instance* instance, CToken* token,
                                                const CIdentity handle, Exception* ex) {
-  return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    DDSSEC_RETURN_IF_ERROR(require(token));
-    *token = {};
-    DDSSEC_ASSIGN_OR_RETURN(const auto identity_status_token,
-                            adapter.engine().identity_status_token(identity(handle)));
-    return copy_token(identity_status_token, *token);
+  return ask_token<Adapter>(instance, token, ex, [&](Adapter& adapter) {
+    return adapter.engine().identity_status_token(identity(handle));
   });
 }
 
@@ -125,10 +117,6 @@ DDS_Security_boolean set_permissions_credential_and_token(Instance* instance,
   });
 }
 
-bool admits_unauthenticated(CIdentity local) {
-  return holds(GovernanceFact::allows_unauthenticated, identity(local));
-}
-
 /// True if the refusal is final for this GUID, whatever is announced in its name.
 bool is_for_good(const Error& refusal) {
   return refusal.code() == Code::remote_guid_is_local || refusal.code() == Code::guid_not_adjusted;
@@ -141,7 +129,7 @@ bool is_for_good(const Error& refusal) {
 /// unauthenticated participants, the core treats the peer as one.
 Result<CResult> not_admitted(Adapter& adapter, CIdentity local, const Guid& guid, Error refusal,
                              CIdentity& remote_handle) {
-  if (is_for_good(refusal) || admits_unauthenticated(local) ||
+  if (is_for_good(refusal) || admits_unauthenticated(identity(local)) ||
       adapter.remotes().has_ended(identity(local)))
     return std::unexpected(std::move(refusal));
   const auto of_host = adapter.remotes().note_refused(guid);
@@ -185,7 +173,7 @@ CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
       free_token(sent);
     }
     adapter.watch().met(of_host, guid,
-                        admits_unauthenticated(local_handle)
+                        admits_unauthenticated(identity(local_handle))
                             ? HandshakeWatch::kMaxWaitForUnauthenticated
                             : HandshakeWatch::kMaxWait);
     *remote_handle = of_host.value;
@@ -300,14 +288,10 @@ DDS_Security_SharedSecretHandle get_shared_secret(Instance* instance, const CHan
 DDS_Security_boolean get_authenticated_peer_credential_token(Instance* instance, CToken* token,
                                                              const CHandshake handle,
                                                              Exception* ex) {
-  return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    DDSSEC_RETURN_IF_ERROR(require(token));
-    *token = {};
+  return ask_token<Adapter>(instance, token, ex, [&](Adapter& adapter) -> Result<spi::Token> {
     DDSSEC_ASSIGN_OR_RETURN(
         auto credential, adapter.engine().authenticated_peer_credential_token(handshake(handle)));
-    DDSSEC_ASSIGN_OR_RETURN(const auto text_properties,
-                            with_text_properties(std::move(credential)));
-    return copy_token(text_properties, *token);
+    return with_text_properties(std::move(credential));
   });
 }
 
@@ -320,12 +304,8 @@ DDS_Security_boolean set_listener(Instance* instance,
   });
 }
 
-/// The host declares the token const although it gives it back, and never uses it again.
 DDS_Security_boolean return_token(Instance* instance, const CToken* token, Exception* ex) {
-  return ask<Adapter>(instance, ex, [&](Adapter&) -> Status {
-    if (token != nullptr) free_token(const_cast<CToken&>(*token));
-    return {};
-  });
+  return take_back_token<Adapter>(instance, token, ex);
 }
 
 DDS_Security_boolean return_handshake_handle(Instance* instance, const CHandshake handle,
@@ -414,80 +394,6 @@ void AuthenticationAdapter::present_renewed_permissions() {
     // A refusal has its event; the same document is not tried again.
     static_cast<void>(engine_->set_permissions_credential_and_token(local.handle, credential, {}));
     renewals_[local.handle] = times;
-  }
-}
-
-void AuthenticationAdapter::revoke_stuck(const std::stop_token& stop, const Revoke& revoke) {
-  constexpr int kMostFarewells = 32;  // per second: attackers can invent peers that never answer
-  int farewells = 0;
-  for (const auto& stuck : watch_.give_up(questions_to_cryptography())) {
-    if (stop.stop_requested()) return;
-    if (!stuck.lacks_endpoints && ++farewells <= kMostFarewells) say_farewell(stuck.guid);
-    if (stuck.is_first) {
-      const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(stuck.waited);
-      const std::string found = stuck.lacks_endpoints ? "not all of its builtin endpoints"
-                                : stuck.was_disturbed ? "a refused message and then nothing"
-                                                      : "nothing";
-      host_->notice(Event(
-          Error(Code::handshake_begun_again,
-                {.document = "the handshake with a discovered participant",
-                 .expected = "that it ends",
-                 .found = found + " for " + std::to_string(waited.count()) + " ms",
-                 .note = "from now on it is begun again at growing intervals; this event is not "
-                         "repeated, but Cyclone DDS may log each attempt"}),
-          {}, stuck.guid.to_string(),
-          // A peer that lacks endpoints has finished its handshake; all others may be invented by
-          // an attacker.
-          stuck.lacks_endpoints ? PeerProof::authenticated : PeerProof::claimed));
-    }
-    revoke(stuck.remote.value);
-  }
-}
-
-/// Not where unauthenticated participants are admitted: the peer may be matched as one of them.
-void AuthenticationAdapter::say_farewell(const Guid& peer) {
-  for (const auto& local : farewells_.locals()) {
-    if (!remotes_.has_met(local.handle, peer) || admits_unauthenticated(local.handle.value))
-      continue;
-    const auto farewell = write_farewell(local.prefix, peer.prefix);
-    send_to_discovery(farewell);
-    send_datagram(farewell, lost_sessions_.addresses_of(peer));
-  }
-}
-
-void AuthenticationAdapter::revoke_reset(const std::stop_token& stop, const Revoke& revoke) {
-  // Without libddssec_cryptography no peer can prove that it lost its session.
-  void* const symbol = dlsym(RTLD_DEFAULT, kTakeSessionResetSymbol);
-  if (symbol == nullptr) return;
-  for (const auto& [remote, guid] : remotes_.all()) {
-    if (stop.stop_requested()) return;
-    if (!reinterpret_cast<TakeSessionReset*>(symbol)(remote.value)) continue;
-    host_->notice(
-        Event(Error(Code::session_reset_by_peer), {}, guid.to_string(), PeerProof::authenticated));
-    revoke(remote.value);
-  }
-}
-
-void AuthenticationAdapter::revoke_stranded(const std::stop_token& stop, const Revoke& revoke) {
-  void* const symbol = dlsym(RTLD_DEFAULT, kTakeStrandedKeysSymbol);
-  if (symbol == nullptr) return;
-  for (const auto& [remote, guid] : remotes_.all()) {
-    if (stop.stop_requested()) return;
-    if (!reinterpret_cast<TakeStrandedKeys*>(symbol)(remote.value)) continue;
-    host_->notice(
-        Event(Error(Code::session_begun_again), {}, guid.to_string(), PeerProof::authenticated));
-    revoke(remote.value);
-  }
-}
-
-void AuthenticationAdapter::send_resets() {
-  const auto has_met = [&](auto local, const auto& guid) { return remotes_.has_met(local, guid); };
-  for (const auto& reset : lost_sessions_.due(has_met)) {
-    send_datagram(reset.message, reset.to);
-    // The local host may not meet the peer because it believes that the peer has no security. The
-    // peer's host may believe the same about the local participant.
-    if (!reset.is_meeting && !admits_unauthenticated(reset.local.value))
-      send_datagram(write_farewell(reset.own, reset.remote.prefix), reset.to);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "plugins/cyclonedds/c_boundary.hpp"
+#include "plugins/cyclonedds/token_translation.hpp"
 
 namespace ddssec::cyclonedds {
 
@@ -32,6 +33,30 @@ DDS_Security_long_long ask_handle(Instance* instance, Exception* ex, F&& f) noex
   }
   auto& context = Context::of(*instance);
   return handle_at_c_boundary(context.host(), ex, [&] { return f(context); });
+}
+
+/// Puts a copy of the token that `f(context) -> Result<spi::Token>` returns into `*out`, which is
+/// nil if there is none.
+template <class Context, class Instance, class F>
+DDS_Security_boolean ask_token(Instance* instance, DDS_Security_DataHolder* out, Exception* ex,
+                               F&& f) noexcept {
+  return ask<Context>(instance, ex, [&](Context& context) -> Status {
+    DDSSEC_RETURN_IF_ERROR(require(out));
+    *out = {};
+    DDSSEC_ASSIGN_OR_RETURN(const spi::Token token, f(context));
+    return copy_token(token, *out);
+  });
+}
+
+/// Frees a token of ask_token. The host declares it const although it gives it back, and never uses
+/// it again.
+template <class Context, class Instance>
+DDS_Security_boolean take_back_token(Instance* instance, const DDS_Security_DataHolder* token,
+                                     Exception* ex) noexcept {
+  return ask<Context>(instance, ex, [&](Context&) -> Status {
+    if (token != nullptr) free_token(const_cast<DDS_Security_DataHolder&>(*token));
+    return {};
+  });
 }
 
 }  // namespace ddssec::cyclonedds

@@ -45,5 +45,8 @@ void cut_off_access_control(spi::IdentityHandle local);
 
 /// True if the fact holds. False without libddssec_access_control.
 bool holds(GovernanceFact fact, spi::IdentityHandle local);
+inline bool admits_unauthenticated(spi::IdentityHandle local) {
+  return holds(GovernanceFact::allows_unauthenticated, local);
+}
 
 }  // namespace ddssec::cyclonedds

@@ -1,0 +1,83 @@
+// What the authentication adapter does about peers that have lost their session, or never got one.
+#include <dlfcn.h>
+
+#include "plugins/cyclonedds/authentication_adapter.hpp"
+#include "plugins/cyclonedds/datagrams.hpp"
+#include "plugins/cyclonedds/process_questions.hpp"
+
+namespace ddssec::cyclonedds {
+
+void AuthenticationAdapter::revoke_stuck(const std::stop_token& stop, const Revoke& revoke) {
+  constexpr int kMostFarewells = 32;  // per second: attackers can invent peers that never answer
+  int farewells = 0;
+  for (const auto& stuck : watch_.give_up(questions_to_cryptography())) {
+    if (stop.stop_requested()) return;
+    if (!stuck.lacks_endpoints && ++farewells <= kMostFarewells) say_farewell(stuck.guid);
+    if (stuck.is_first) {
+      const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(stuck.waited);
+      const std::string found = stuck.lacks_endpoints ? "not all of its builtin endpoints"
+                                : stuck.was_disturbed ? "a refused message and then nothing"
+                                                      : "nothing";
+      host_->notice(Event(
+          Error(Code::handshake_begun_again,
+                {.document = "the handshake with a discovered participant",
+                 .expected = "that it ends",
+                 .found = found + " for " + std::to_string(waited.count()) + " ms",
+                 .note = "from now on it is begun again at growing intervals; this event is not "
+                         "repeated, but Cyclone DDS may log each attempt"}),
+          {}, stuck.guid.to_string(),
+          // A peer that lacks endpoints has finished its handshake; all others may be invented by
+          // an attacker.
+          stuck.lacks_endpoints ? PeerProof::authenticated : PeerProof::claimed));
+    }
+    revoke(stuck.remote.value);
+  }
+}
+
+/// Not where unauthenticated participants are admitted: the peer may be matched as one of them.
+void AuthenticationAdapter::say_farewell(const Guid& peer) {
+  for (const auto& local : farewells_.locals()) {
+    if (!remotes_.has_met(local.handle, peer) || admits_unauthenticated(local.handle)) continue;
+    const auto farewell = write_farewell(local.prefix, peer.prefix);
+    send_to_discovery(farewell);
+    send_datagram(farewell, lost_sessions_.addresses_of(peer));
+  }
+}
+
+void AuthenticationAdapter::revoke_reset(const std::stop_token& stop, const Revoke& revoke) {
+  // Without libddssec_cryptography no peer can prove that it lost its session.
+  void* const symbol = dlsym(RTLD_DEFAULT, kTakeSessionResetSymbol);
+  if (symbol == nullptr) return;
+  for (const auto& [remote, guid] : remotes_.all()) {
+    if (stop.stop_requested()) return;
+    if (!reinterpret_cast<TakeSessionReset*>(symbol)(remote.value)) continue;
+    host_->notice(
+        Event(Error(Code::session_reset_by_peer), {}, guid.to_string(), PeerProof::authenticated));
+    revoke(remote.value);
+  }
+}
+
+void AuthenticationAdapter::revoke_stranded(const std::stop_token& stop, const Revoke& revoke) {
+  void* const symbol = dlsym(RTLD_DEFAULT, kTakeStrandedKeysSymbol);
+  if (symbol == nullptr) return;
+  for (const auto& [remote, guid] : remotes_.all()) {
+    if (stop.stop_requested()) return;
+    if (!reinterpret_cast<TakeStrandedKeys*>(symbol)(remote.value)) continue;
+    host_->notice(
+        Event(Error(Code::session_begun_again), {}, guid.to_string(), PeerProof::authenticated));
+    revoke(remote.value);
+  }
+}
+
+void AuthenticationAdapter::send_resets() {
+  const auto has_met = [&](auto local, const auto& guid) { return remotes_.has_met(local, guid); };
+  for (const auto& reset : lost_sessions_.due(has_met)) {
+    send_datagram(reset.message, reset.to);
+    // The local host may not meet the peer because it believes that the peer has no security. The
+    // peer's host may believe the same about the local participant.
+    if (!reset.is_meeting && !admits_unauthenticated(reset.local))
+      send_datagram(write_farewell(reset.own, reset.remote.prefix), reset.to);
+  }
+}
+
+}  // namespace ddssec::cyclonedds
