@@ -34,7 +34,7 @@ bool is_written_alike(const pki::SubjectName& name) {
   return std::ranges::all_of(name.attributes(), [](const pki::NameAttribute& attribute) {
     const bool is_number = attribute.type.find_first_not_of("0123456789.") == std::string::npos;
     return !is_number && std::ranges::none_of(attribute.value, [](char c) {
-      return (c >= 0 && c < ' ') || c == '\x7f';
+      return static_cast<unsigned char>(c) < ' ' || c == '\x7f';
     });
   });
 }

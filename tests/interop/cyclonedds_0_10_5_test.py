@@ -23,7 +23,6 @@ import runner  # noqa: E402
 import scenarios  # noqa: E402
 from pki import Pki  # noqa: E402
 
-HERE = pathlib.Path(__file__).resolve().parent
 BUILD = pathlib.Path(sys.argv[1]).resolve()
 ROOT = BUILD / "debian13"
 NEWER = "@0.10.5"
@@ -95,7 +94,7 @@ def prepare():
     if NATIVE:
         check_installed()
         return 0
-    status = subprocess.run([HERE / "debian13_packages.sh", ROOT], check=False).returncode
+    status = debian13.Packages(ROOT).fetch(*debian13.CYCLONE)
     if status != 0:
         print("NOT RUN: Debian 13's packages of Cyclone DDS 0.10.5 cannot be had; the reason is above")
         return 77 if status == 77 else 1

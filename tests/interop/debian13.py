@@ -1,10 +1,11 @@
-"""Programs under Debian 13's loader, C library and DDS, from packages that debian13_packages.sh unpacked."""
+"""Programs under Debian 13's loader, C library and DDS, from packages that debian_packages.sh unpacked."""
 
 import os
 import pathlib
 import subprocess
 
-HERE = pathlib.Path(__file__).resolve().parent
+FETCH = pathlib.Path(__file__).resolve().parent.parent / "support/debian_packages.sh"
+CYCLONE = ("cyclonedds-tools", "iceoryx", "libssl3t64")
 
 
 def is_installed():
@@ -21,8 +22,8 @@ class Packages:
         self.stock_plugins = self.libraries / "libddsc0debian"
 
     def fetch(self, *packages):
-        """The exit status of debian13_packages.sh: 77, they cannot be had."""
-        return subprocess.run([HERE / "debian13_packages.sh", self.root, *packages], check=False).returncode
+        """The exit status of debian_packages.sh: 77, they cannot be had."""
+        return subprocess.run([FETCH, "trixie", "amd64", self.root, *packages], check=False).returncode
 
     def loader(self, plugins, *command):
         """The command line that runs a program with these libraries; `plugins` come first."""

@@ -42,7 +42,7 @@ def newer(source, build):
         return forecast.installed(build)
     cyclone = debian13.Packages(build / "debian13")
     fast = debian13.Packages(build / "debian13-fastdds")
-    if cyclone.fetch() or fast.fetch("libfastdds-dev", "libssl3t64"):
+    if cyclone.fetch(*debian13.CYCLONE) or fast.fetch("libfastdds-dev", "libssl3t64"):
         return None
     program = build / "debian13-fastdds/fastdds_peer"
     debian13.build_fastdds_peer(source, fast, program)

@@ -1,14 +1,13 @@
 #!/usr/bin/env bash
-# Unpacks packages of Debian 13, Cyclone DDS and iceoryx unless others are named, with all that they need down
-# to the C library, into a folder.
+# Unpacks packages of a release of Debian, with all that they need down to the C library, into FOLDER/root.
 # Takes the mirror and the proxy from the machine's apt, and changes nothing of it: lists, cache and
 # state are in the folder.
-# Usage: debian13_packages.sh FOLDER [PACKAGE...]     Quick if FOLDER is complete. Exit 77: they cannot be had here.
+# Usage: debian_packages.sh RELEASE ARCHITECTURE FOLDER PACKAGE...    as: trixie amd64 build/debian13 iceoryx
+# Quick if FOLDER is complete. Exit 77: they cannot be had here.
 set -euo pipefail
-folder=$(realpath -m "$1")
-shift
-[ $# -gt 0 ] || set -- cyclonedds-tools iceoryx libssl3t64
-cannot() { printf 'debian13_packages.sh: %s\n' "$*" >&2; exit 77; }
+release=$1 architecture=$2 folder=$(realpath -m "$3")
+shift 3
+cannot() { printf 'debian_packages.sh: %s\n' "$*" >&2; exit 77; }
 
 [ ! -e "$folder/complete" ] || exit 0
 command -v apt-get >/dev/null || cannot "there is no apt-get"
@@ -22,7 +21,7 @@ mirror=$(apt-get indextargets --format '$(ORIGIN) $(LABEL) $(REPO_URI)' 'Created
 rm -rf "$folder"
 mkdir -p "$folder"/{lists/partial,cache/archives/partial,state,root}
 : > "$folder/state/status"
-echo "deb [signed-by=$keys] $mirror trixie main" > "$folder/sources.list"
+echo "deb [signed-by=$keys] $mirror $release main" > "$folder/sources.list"
 # The machine's hooks are for its own packages. Read last, so this is the last word.
 cat > "$folder/apt.conf" <<CONF
 #clear APT::Update::Pre-Invoke;
@@ -31,6 +30,8 @@ cat > "$folder/apt.conf" <<CONF
 #clear DPkg::Pre-Invoke;
 #clear DPkg::Post-Invoke;
 #clear DPkg::Pre-Install-Pkgs;
+APT::Architecture "$architecture";
+APT::Architectures { "$architecture"; };
 Dir::Etc::SourceList "$folder/sources.list";
 Dir::Etc::SourceParts "/dev/null";
 Dir::Etc::Preferences "/dev/null";
@@ -44,9 +45,9 @@ Acquire::Retries "2";
 APT::Sandbox::User "root";
 CONF
 apt() { timeout 120 apt-get --config-file "$folder/apt.conf" -qq "$@"; }
-apt update || cannot "the package lists of Debian 13 cannot be fetched"
+apt update || cannot "the package lists of Debian cannot be fetched"
 apt -y --no-install-recommends --download-only install "$@" ||
-  cannot "the packages of Debian 13 cannot be fetched"
+  cannot "the packages of Debian $release cannot be fetched"
 for package in "$folder"/cache/archives/*.deb; do dpkg-deb -x "$package" "$folder/root"; done
 rm -rf "$folder"/{lists,cache,state}
 touch "$folder/complete"
