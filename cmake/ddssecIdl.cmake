@@ -2,6 +2,8 @@
 # An interface library whose users include "FILE.hpp": the structs, enumerations and constants of each
 # FILE.idl with what ddssec::rtps needs to know of them (rtps/cdr/type.hpp). What the generator cannot
 # do is an error of the build with file, line and what to do instead. idlc may run for DDSSEC_IDLC_SECONDS.
+# Where the build is for another processor, DDSSEC_IDLC_PLUGIN and DDSSEC_IDL_EXPLAIN must name libddssec_idlc.so and
+# ddssec-idl-explain of a build for this machine.
 function(ddssec_idl_generate target)
   cmake_parse_arguments(ARG "" "NAMESPACE;EXTENSIBILITY" "INCLUDES" ${ARGN})
   find_program(DDSSEC_IDLC idlc NO_CMAKE_FIND_ROOT_PATH)
@@ -9,6 +11,10 @@ function(ddssec_idl_generate target)
     message(FATAL_ERROR "ddssec_idl_generate needs idlc, the IDL compiler of Cyclone DDS (Debian: cyclonedds-tools)")
   endif()
   set(DDSSEC_IDLC_SECONDS 60 CACHE STRING "Seconds after which an idlc that hangs is stopped")
+  if(CMAKE_CROSSCOMPILING AND NOT EXISTS "${DDSSEC_IDLC_PLUGIN}")
+    message(FATAL_ERROR "ddssec_idl_generate: this build is for another processor. Build ddssec_idlc and "
+                        "ddssec-idl-explain for this machine, and set DDSSEC_IDLC_PLUGIN and DDSSEC_IDL_EXPLAIN")
+  endif()
   if(NOT TARGET ddssec_idlc AND NOT EXISTS "${DDSSEC_IDLC_PLUGIN}")
     message(FATAL_ERROR "ddssec_idl_generate: this ddssec was built without Cyclone DDS's idl library "
                         "(Debian: cyclonedds-dev), so it cannot make types from IDL")
@@ -16,7 +22,7 @@ function(ddssec_idl_generate target)
   if(NOT ARG_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "ddssec_idl_generate(${target}): no IDL file is named")
   endif()
-  if(TARGET ddssec_idlc)
+  if(TARGET ddssec_idlc AND NOT CMAKE_CROSSCOMPILING)
     set(plugin $<TARGET_FILE:ddssec_idlc>)
     set(explain $<TARGET_FILE:ddssec-idl-explain>)
     set(depends ddssec_idlc ddssec-idl-explain)
