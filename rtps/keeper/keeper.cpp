@@ -121,8 +121,8 @@ Status Keeper::start() {
       store_->open_stream(stream_of_announcements(participant_->domain_id(), domain_tag_),
                           DurabilityService{}, participant_->context_.moment().wall));
   known_ = known.id;
-  for (const auto& change : known.history) keep_known(change);
   refused_ = std::make_unique<RefusedWriters>([this](const Guid& writer) { return retry(writer); });
+  for (const auto& change : known.history) keep_known(change);
   auto* reader = participant_->builtin_datareader<PublicationBuiltinTopicData>();
   reader->set_listener(this, StatusKind::data_available);
   on_data_available(*reader);
@@ -132,7 +132,15 @@ Status Keeper::start() {
 void Keeper::keep_known(const Change& announced) {
   const auto writer = read_publication_data(announced.payload.view());
   if (!writer || !wants(*writer)) return;
-  if (const auto kept = keep(*writer, std::nullopt); !kept) report(kept.error(), *writer);
+  const auto kept = keep(*writer, std::nullopt);
+  if (kept) return;
+  report(kept.error(), *writer);
+  if (!may_succeed_later(kept.error())) return;
+  {
+    const std::lock_guard held(mutex_);
+    refused_known_.emplace(writer->guid, *writer);
+  }
+  refused_->add(writer->guid, writer->guid.prefix);
 }
 
 void Keeper::report(const Error& error, const EndpointData& writer) const {
@@ -196,7 +204,21 @@ void Keeper::consider(const Guid& writer) {
   report(kept.error(), *announced);
 }
 
+bool Keeper::retry_known(const Guid& writer, const EndpointData& announced) {
+  const auto kept = keep(announced, std::nullopt);
+  if (!kept && may_succeed_later(kept.error())) return false;
+  const std::lock_guard held(mutex_);
+  refused_known_.erase(writer);
+  return true;
+}
+
 bool Keeper::retry(const Guid& writer) {
+  std::optional<EndpointData> known;
+  {
+    const std::lock_guard held(mutex_);
+    if (const auto at = refused_known_.find(writer); at != refused_known_.end()) known = at->second;
+  }
+  if (known) return retry_known(writer, *known);
   const auto announced = wanted(writer);
   if (!announced) return true;
   if (!may_write(writer)) return false;

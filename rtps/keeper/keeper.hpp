@@ -89,6 +89,7 @@ class Keeper final : private DataReaderListener {
   void report(const Error& error, const EndpointData& writer) const;
   /// Considers a refused writer again. Returns false if it is still refused.
   bool retry(const Guid& writer);
+  bool retry_known(const Guid& writer, const EndpointData& announced);
   /// Keeps the topic from now on, if it is not kept yet. `announcer`: empty if the topic is already
   /// in the store. Errors: rtps_store_failed, those of KeptTopic::open.
   Status keep(const EndpointData& writer, const std::optional<Guid>& announcer);
@@ -120,8 +121,10 @@ class Keeper final : private DataReaderListener {
     GuidPrefix identity;  ///< of the announcer
     Guid announcer;  ///< the writer that the topic was created for; not used once there are samples
   };
-  mutable std::mutex mutex_;  ///< protects topics_
+  mutable std::mutex mutex_;  ///< protects topics_ and refused_known_
   std::map<KeyHash, Entry> topics_;
+  /// Topics in the store that could not be kept at the start, by the writers that announced them.
+  std::map<Guid, EndpointData> refused_known_;
   std::unique_ptr<RefusedWriters> refused_;  ///< its thread uses all of the above
 };
 

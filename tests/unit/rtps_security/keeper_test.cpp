@@ -268,6 +268,43 @@ TEST_F(SecuredKeeper, ATopic_ThatRenewedPermissionsAllow_IsKept) {
   EXPECT_EQ(keeper->topics(), 1u) << process.events.text();
 }
 
+// Before, it was served again only when a writer announced it.
+TEST_F(SecuredKeeper, AStoredTopic_ThatRenewedPermissionsAllowAgain_IsServed) {
+  mallory.reset();
+  keeper.reset();
+  const auto store =
+      std::filesystem::temp_directory_path() / ("ddssec-again-" + std::to_string(::getpid()));
+  const auto start = [&](DomainParticipantOptions options) {
+    return Keeper::create(std::move(options), {.store = store}, process.environment).value();
+  };
+  keeper = start(process.options("CN=keeper,O=Example", rules));
+  auto* publisher = *alice.participant->create_publisher();
+  auto& writer =
+      **publisher->create_datawriter<Sensor>(*alice.topic, durable(DurabilityKind::transient));
+  ASSERT_TRUE(eventually([&] { return !writer.matched_subscriptions().empty(); }));
+  run(50);
+  ASSERT_TRUE(writer.write({1, 7}));
+  run(50);
+  ASSERT_TRUE(keeper->flush(5s));
+  ASSERT_TRUE(publisher->delete_contained_entities());
+  keeper.reset();
+
+  auto options = process.options("CN=keeper,O=Example", rules, "", {"Other"});
+  DocumentFiles files(options.security->properties);
+  options.security->properties = files.in(std::move(options.security->properties));
+  keeper = start(std::move(options));
+  EXPECT_EQ(keeper->topics(), 0u);
+  files.put(properties_of("CN=keeper,O=Example", rules, {"*"}));
+  for (int i = 0; i < 100 && keeper->topics() == 0; ++i) {
+    run(30);
+    std::this_thread::sleep_for(100ms);
+  }
+  EXPECT_EQ(keeper->topics(), 1u) << process.events.text();
+  EXPECT_EQ(late_joiner(1), (std::vector<std::int32_t>{7}));
+  keeper.reset();
+  std::filesystem::remove(store);
+}
+
 // Any participant could fill a keeper with announcements, and leave.
 TEST_F(SecuredKeeper, TopicsOfWritersThatAreNotAllowedTakeNoPlace) {
   auto* publisher = *mallory->participant->create_publisher();
