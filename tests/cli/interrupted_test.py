@@ -127,6 +127,25 @@ class Interrupted(Transcript):
         self.run_program(*new, *NOW)
         self.everywhere(*new, "--profile", "open", "--replace", after=[verify])
 
+    def test_what_replaces_a_ca(self):
+        self.run_program("init", "demo", *NOW)
+        well = [("ca", "show", "demo"), ("check", "demo/talker", "demo/listener")]
+        for role in ("identity", "permissions"):
+            rotate = ("ca", "rotate", "demo", "--role", role)
+            self.everywhere(*rotate, after=well, refused=(4,))
+            for step in (("--overlap", "30d"), ("--move",), ("--end",)):
+                self.everywhere(*rotate, *step, after=well, refused=(4,))
+                self.run_program(*rotate, *step, *NOW)
+
+    def test_what_signs_what_is_there(self):
+        self.run_program("init", "demo", *NOW)
+        (self.at / "demo/governance.p7s").unlink()
+        sign = ("governance", "sign", "demo/governance.xml", "--ca", "demo", "-o", "demo/governance.p7s")
+        self.everywhere(*sign, after=[("governance", "verify", "demo/governance.p7s", "--ca", "demo")], again=(*sign, "--replace"))
+        self.run_program("permissions", "new", "--cert", "demo/talker/cert.pem", "--publish", "x", "-o", "p.xml", *NOW)
+        sign = ("permissions", "sign", "p.xml", "--ca", "demo", "-o", "demo/talker/permissions.p7s")
+        self.everywhere(*sign, "--replace", after=[("doctor", "demo/talker"), ("check", "demo/talker", "demo/listener")])
+
     def test_what_renews_a_ca_and_takes_one_over(self):
         self.run_program("init", "demo", *NOW)
         self.everywhere("ca", "renew", "demo", after=[("ca", "show", "demo"), ("check", "demo/talker", "demo/listener")])
