@@ -9,12 +9,14 @@
 
 #include "base/hash.hpp"
 #include "base/ordered.hpp"
+#include "cli/ca_folder.hpp"
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
 #include "cli/options.hpp"
 #include "governance/read.hpp"
 #include "pki/crl.hpp"
+#include "pki/ocsp.hpp"
 #include "pki/smime_diagnosis.hpp"
 #include "pki/source.hpp"
 
@@ -26,10 +28,11 @@ namespace fs = std::filesystem;
 constexpr int kDeepest = 16;
 constexpr std::size_t kMostFiles = 500'000;
 constexpr auto kKinds = "a certificate, a revocation list or permissions";
+constexpr std::string_view kOcspResponse = "OCSP response";
 
 /// Something that expires.
 struct Ending {
-  std::string_view kind;  ///< "CA", "certificate", "revocation list", "permissions"
+  std::string_view kind;  ///< "CA", "certificate", "revocation list", "permissions", kOcspResponse
   std::string subject;
   WallTime end;
   fs::path file;
@@ -164,8 +167,9 @@ class Search {
   static bool may_have_an_end(const fs::path& file) {
     const auto ending = file.extension();
     return ending == ".pem" || ending == ".crt" || ending == ".cer" || ending == ".crl" ||
-           is_document(file);
+           is_document(file) || is_ocsp_response(file);
   }
+  static bool is_ocsp_response(const fs::path& file) { return file.filename() == "ocsp.der"; }
   static bool is_document(const fs::path& file) {
     return file.extension() == ".p7s" || file.extension() == ".smime";
   }
@@ -192,9 +196,10 @@ class Search {
     }
     const auto octets = read_file(file, pki::kMostDocumentOctets);
     const auto before = hits_;
-    const auto status = !octets             ? Status(std::unexpected(octets.error()))
-                        : is_document(file) ? look_into_document(file, *octets)
-                                            : look_into_pem(file, *octets);
+    const auto status = !octets                  ? Status(std::unexpected(octets.error()))
+                        : is_ocsp_response(file) ? look_into_response(file, *octets)
+                        : is_document(file)      ? look_into_document(file, *octets)
+                                                 : look_into_pem(file, *octets);
     if (!status) {
       if (!is_closed_key(file, status.error().code()))
         unreadable_.push_back(status.error().in(file));
@@ -248,6 +253,18 @@ class Search {
     return {};
   }
 
+  Status look_into_response(const fs::path& file, BytesView octets) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto dates, pki::ocsp_dates(octets));
+    const auto certificate = read_certificate(fs::path(file).replace_filename("cert.pem"));
+    add({.kind = kOcspResponse,
+         .subject = certificate ? certificate->subject() : "unknown",
+         .end = dates.until,
+         .file = file,
+         .begin = dates.this_update},
+        to_hex(sha256(octets)));
+    return {};
+  }
+
   // Its date counts whatever its signature: a forged date is found by verify and doctor.
   Status look_into_document(const fs::path& file, BytesView octets) {
     const auto form = pki::examine_document(octets);
@@ -297,10 +314,15 @@ class Search {
   bool is_folder_ = false;  ///< a whole folder is searched
 };
 
+/// An OCSP response lasts for hours or days, and the agent renews it at half of its life.
+WallTime soon_from(const Ending& ending, WallTime now, WallTime horizon) {
+  return ending.kind == kOcspResponse ? now + (ending.end - ending.begin) / 2 : horizon;
+}
+
 std::string_view state_of(const Ending& ending, WallTime now, WallTime horizon) {
   if (ending.end <= now) return "expired";
   if (ending.begin > now) return "not yet";
-  return ending.end <= horizon ? "soon" : "ok";
+  return ending.end <= std::min(horizon, soon_from(ending, now, horizon)) ? "soon" : "ok";
 }
 
 std::string row(const Ending& ending, std::string_view state, std::int64_t days) {
@@ -345,8 +367,8 @@ Result<Report> expiry(const Arguments& arguments, const Context& context) {
 std::vector<Command> expiry_commands() {
   return {{.group = "",
            .name = "expiry",
-           .summary = "Shows when certificates, CAs, signers of documents, revocation lists and "
-                      "permissions end; exit 1: one within the time.",
+           .summary = "Shows when certificates, CAs, signers of documents, revocation lists, "
+                      "permissions and OCSP responses end; exit 1: one within the time.",
            .positionals = {{"PATHS", "files and folders; without any, this folder", true, true}},
            .options = {{"--within", "TIME", "what counts as soon: 30d, 12h, 4w", "30d"}},
            .examples = {"ddssec expiry fleet ca --within 30d",

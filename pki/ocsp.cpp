@@ -123,6 +123,20 @@ Result<Answer> read(OCSP_SINGLERESP* single) {
 
 }  // namespace
 
+Result<OcspDates> ocsp_dates(BytesView response) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto basic, parse(response));
+  DDSSEC_RETURN_IF_ERROR(check_extent(basic.get()));
+  std::optional<OcspDates> out;
+  for (int i = 0; i < OCSP_resp_count(basic.get()); ++i) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto answer, read(OCSP_resp_get0(basic.get(), i)));
+    const auto until = answer.next_update.value_or(answer.this_update + kOcspLifeWithoutEnd);
+    if (!out) out = OcspDates{answer.this_update, until};
+    out = OcspDates{std::max(out->this_update, answer.this_update), std::min(out->until, until)};
+  }
+  if (!out) return malformed("it has no answer");
+  return *out;
+}
+
 struct OcspJudge {
   const Certificate& certificate;
   const ChainVerifier& trust;

@@ -43,6 +43,14 @@ class OcspGood {
   WallTime until_;
 };
 
+/// What a response says of its own time, whoever signed it.
+struct OcspDates {
+  WallTime this_update;  ///< the latest of its answers
+  WallTime until;        ///< the earliest nextUpdate
+};
+/// Errors: ocsp_too_large, ocsp_malformed, ocsp_not_successful, out_of_memory.
+Result<OcspDates> ocsp_dates(BytesView response);
+
 /// Judges a response (DER) about `certificate`. It must be signed by the CA among the anchors that
 /// issued the certificate, or by a responder that this CA issued a certificate with the extended
 /// key usage OCSPSigning; `trust` judges that certificate like any other. A certificate that was

@@ -197,6 +197,23 @@ class Ocsp(Transcript):
         self.assertRegex(second["message"], "another folder's request")
         self.assertNotIn("ocsp_silent", str(answer))
 
+    def test_expiry_lists_the_response(self):
+        def told(*more, exit=0):
+            entries = self.json("expiry", "demo/talker", *more, exit=exit)["result"]["entries"]
+            (one,) = [one for one in entries if one["kind"] == "OCSP response"]
+            return one
+        self.index(talker="V")
+        with self.responder() as url:
+            self.fetch(url)
+        self.assertEqual([told()[name] for name in ("state", "subject", "places")], ["ok", "CN=talker", 1])
+        self.assertEqual(told("--now", "+20h")["state"], "ok")  # it lasts for two days
+        self.assertEqual(told("--now", "+25h", exit=1)["state"], "soon")
+        self.assertEqual(told("--now", "+25h", "--within", "12h")["state"], "ok")
+        self.assertEqual(told("--now", "+49h", exit=1)["state"], "expired")
+        (self.at / "demo/talker/ocsp.der").write_bytes(b"nothing")
+        answer = self.json("expiry", "demo/talker", exit=3)
+        self.assertEqual([one["id"] for one in answer["diagnostics"]], ["ocsp_malformed"])
+
     def test_doctor_says_what_is_wrong_with_the_response(self):
         self.index(talker="V", listener="V")
         with self.responder() as url:
