@@ -16,6 +16,7 @@
 #include "cli/participant.hpp"
 #include "cli/signed_documents.hpp"
 #include "governance/write.hpp"
+#include "pki/ocsp_address.hpp"
 #include "pki/renewal_request.hpp"
 #include "pki/smime.hpp"
 
@@ -61,8 +62,9 @@ Result<pki::Certificate> issue(const RenewalRequest& request, const pki::Certifi
   DDSSEC_ASSIGN_OR_RETURN(const auto wanted, next_validity(arguments, old, now));
   DDSSEC_ASSIGN_OR_RETURN(const auto life,
                           within_ca(validity_after(old, wanted, now), ca.certificate(), true));
-  DDSSEC_ASSIGN_OR_RETURN(const auto renewed, ca.authority.sign_request(as_bytes(request.request),
-                                                                        life, context.random));
+  DDSSEC_ASSIGN_OR_RETURN(const auto renewed,
+                          ca.authority.sign_request(as_bytes(request.request), life, context.random,
+                                                    pki::ocsp_responder_of(old)));
   DDSSEC_RETURN_IF_ERROR(check_later(renewed, old, ca.certificate(), now));
   return renewed;
 }

@@ -156,6 +156,7 @@ Result<Report> identity_sign_csr(const Arguments& arguments, const Context& cont
       arguments.has("-o") ? fs::path(arguments.text("-o")) : from.parent_path() / "cert.pem";
   const auto now = context.clock.now();
   DDSSEC_ASSIGN_OR_RETURN(const auto wanted, validity(arguments, now));
+  DDSSEC_ASSIGN_OR_RETURN(const auto responder, ocsp_responder(arguments));
   DDSSEC_ASSIGN_OR_RETURN(const auto request, read_file(from, pki::kMostCertificateOctets));
   DDSSEC_ASSIGN_OR_RETURN(const auto content, named(pki::read_request(request), from));
   DDSSEC_RETURN_IF_ERROR(confirm_request(content, arguments));
@@ -165,7 +166,7 @@ Result<Report> identity_sign_csr(const Arguments& arguments, const Context& cont
   DDSSEC_ASSIGN_OR_RETURN(const auto life,
                           within_ca(wanted, ca.certificate(), arguments.has("--clamp")));
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate,
-                          ca.authority.sign_request(request, life, context.random));
+                          ca.authority.sign_request(request, life, context.random, responder));
   const auto folder = fs::absolute(to, ignored).lexically_normal().parent_path();
   // Checked before the log is written, so that a refusal leaves nothing.
   DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(ca.paths));
@@ -215,6 +216,7 @@ std::vector<Command> identity_commands() {
                         "certificate for another key"},
                        days("365"),
                        kClampToCa,
+                       kOcspResponder,
                        kPassphraseFile,
                        kPassphraseEnv,
                        kInsecureKeyMode},

@@ -65,6 +65,7 @@ Result<ParticipantSpec> common_spec(const Arguments& arguments, WallTime now, Fi
   out.partitions = arguments.all("--partition");
   out.takes_other_grants = arguments.has("--other-grants");
   DDSSEC_ASSIGN_OR_RETURN(out.dropin, drop_in_of(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(out.ocsp_responder, ocsp_responder(arguments));
   return out;
 }
 
@@ -469,6 +470,7 @@ std::vector<Command> identity_issue_commands() {
                    kOtherGrants,
                    {"--governance", "FILE", "a signed governance document to copy"},
                    kDropIn,
+                   kOcspResponder,
                    {"--replace", "",
                     "in a folder that is there: make key, certificate and the documents that are "
                     "asked for anew; without it, only what is missing is added"},

@@ -18,6 +18,7 @@
 #include "cli/held_folder.hpp"
 #include "cli/transaction.hpp"
 #include "governance/date_time.hpp"
+#include "pki/ocsp_address.hpp"
 #include "pki/participant_folder.hpp"
 #include "pki/source.hpp"
 
@@ -230,6 +231,19 @@ Result<std::chrono::seconds> duration(const Arguments& arguments, std::string_vi
 
 pki::Validity validity_of(int days, WallTime now) {
   return {now - kBackdated, now + std::chrono::days(days)};
+}
+
+Result<std::string> ocsp_responder(const Arguments& arguments) {
+  constexpr std::size_t kMostOctets = 512;
+  auto url = arguments.text("--ocsp-responder");
+  if (url.empty()) return url;
+  const auto address = pki::parse_ocsp_address(url);
+  if (address && url.size() <= kMostOctets) return url;
+  return fail(Code::usage,
+              {.field = "--ocsp-responder",
+               .expected = fmt::format("an http:// URL of at most {} octets", kMostOctets),
+               .found = url.substr(0, kMostOctets),
+               .note = address ? "" : address.error().details().note});
 }
 
 Result<pki::Validity> validity(const Arguments& arguments, WallTime now) {

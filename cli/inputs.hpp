@@ -60,6 +60,9 @@ Result<std::chrono::seconds> duration(const Arguments& arguments, std::string_vi
 pki::Validity validity_of(int days, WallTime now);
 /// The same for `--days`. Error: usage.
 Result<pki::Validity> validity(const Arguments& arguments, WallTime now);
+
+/// The URL of --ocsp-responder; empty without. Error: usage.
+Result<std::string> ocsp_responder(const Arguments& arguments);
 /// The validity of a certificate in place of `former`. It does not begin before that one, because a
 /// running participant takes no such certificate. One that is not valid yet does not count: it was
 /// issued while the clock was ahead.

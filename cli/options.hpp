@@ -32,6 +32,8 @@ inline constexpr Option kDomains{.name = "--domain",
                                  .summary = "a domain or a range of them",
                                  .fallback = "0",
                                  .repeated = true};
+inline constexpr Option kOcspResponder{
+    "--ocsp-responder", "URL", "an OCSP responder that the certificate names (http://HOST...)"};
 inline constexpr Option kClampToCa{"--clamp", "", "end with the CA if it ends before"};
 inline constexpr Option kSubject{"--subject", "DN", "the certificate's name, if not CN=NAME"};
 inline constexpr Option kSubjectOfFolder{

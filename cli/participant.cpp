@@ -124,8 +124,9 @@ Result<std::string> permissions_xml(const ParticipantSpec& spec,
 
 Result<NewParticipant> make_participant(const ParticipantSpec& spec, const Issuers& issuers,
                                         const Context& context) {
-  DDSSEC_ASSIGN_OR_RETURN(auto issued, issuers.identity.authority.issue(spec.subject, spec.key,
-                                                                        spec.life, context.random));
+  DDSSEC_ASSIGN_OR_RETURN(auto issued,
+                          issuers.identity.authority.issue(spec.subject, spec.key, spec.life,
+                                                           context.random, spec.ocsp_responder));
   NewParticipant out{
       .self = std::move(issued), .permissions_xml = {}, .permissions = {}, .dropin = spec.dropin};
   DDSSEC_RETURN_IF_ERROR(check_not_of_ca(out.self.certificate, issuers));

@@ -32,6 +32,7 @@ struct ParticipantSpec {
   /// certificate.
   std::optional<governance::Grant> grant = std::nullopt;
   std::filesystem::path dropin = {};  ///< drop_in_of
+  std::string ocsp_responder = {};    ///< URL for the certificate; empty: none
 
   bool has_permissions() const {
     return permissions || grant || !publish.empty() || !subscribe.empty();

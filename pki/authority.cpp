@@ -7,6 +7,7 @@
 
 #include "base/tool_code.hpp"
 #include "pki/mime.hpp"
+#include "pki/ocsp_address.hpp"
 #include "pki/openssl.hpp"
 #include "pki/subject_name.hpp"
 
@@ -73,6 +74,23 @@ bool add_extension(X509* x509, X509V3_CTX* context, int nid, const std::string& 
   return extension && X509_add_ext(x509, extension.get(), -1) == 1;
 }
 
+// By hand: in OpenSSL's words a comma in the URL would begin another value.
+bool add_ocsp_responder(X509* x509, const std::string& url) {
+  const AccessPtr access(AUTHORITY_INFO_ACCESS_new());
+  auto* entry = ACCESS_DESCRIPTION_new();
+  if (!access || entry == nullptr || sk_ACCESS_DESCRIPTION_push(access.get(), entry) <= 0) {
+    ACCESS_DESCRIPTION_free(entry);
+    return false;
+  }
+  ASN1_OBJECT_free(entry->method);
+  entry->method = OBJ_nid2obj(NID_ad_OCSP);
+  auto* text = ASN1_IA5STRING_new();
+  if (text == nullptr) return false;
+  GENERAL_NAME_set0_value(entry->location, GEN_URI, text);
+  return ASN1_STRING_set(text, url.data(), static_cast<int>(url.size())) == 1 &&
+         X509_add1_ext_i2d(x509, NID_info_access, access.get(), 0, X509V3_ADD_DEFAULT) == 1;
+}
+
 Status add_extensions(X509* x509, X509* issuer, const CertificateTemplate& content) {
   X509V3_CTX context;
   X509V3_set_ctx(&context, issuer, x509, nullptr, nullptr, 0);
@@ -86,7 +104,8 @@ Status add_extensions(X509* x509, X509* issuer, const CertificateTemplate& conte
       add_extension(x509, &context, NID_subject_key_identifier, "hash") &&
       // A self-signed certificate's own identifier is there by now.
       add_extension(x509, &context, NID_authority_key_identifier,
-                    issuer == x509 || X509_get0_subject_key_id(issuer) ? "keyid" : "issuer");
+                    issuer == x509 || X509_get0_subject_key_id(issuer) ? "keyid" : "issuer") &&
+      (content.ocsp_responder.empty() || add_ocsp_responder(x509, content.ocsp_responder));
   if (!added) return openssl_failure(Code::internal, {.field = "extensions"});
   return {};
 }
@@ -133,7 +152,8 @@ CertificateTemplate ca_template(std::string_view subject, Validity validity) {
 
 // The template of a certificate that takes another's place.
 CertificateTemplate again(const Certificate& old, Validity validity) {
-  if (!old.is_ca()) return {.subject = {}, .validity = validity};
+  if (!old.is_ca())
+    return {.subject = {}, .validity = validity, .ocsp_responder = ocsp_responder_of(old)};
   auto content = ca_template("", validity);
   content.path_length = old.path_length();
   return content;
@@ -320,11 +340,12 @@ Result<Authority> Authority::subordinate(std::string_view subject, PrivateKey ke
 }
 
 Result<Credential> Authority::issue(std::string_view subject, KeySpec key, Validity validity,
-                                    Random& random) const {
+                                    Random& random, std::string_view ocsp_responder) const {
   DDSSEC_ASSIGN_OR_RETURN(auto own, PrivateKey::generate(key.kind, key.bits));
-  DDSSEC_ASSIGN_OR_RETURN(
-      auto certificate,
-      certify({.subject = std::string(subject), .validity = validity}, own, random));
+  DDSSEC_ASSIGN_OR_RETURN(auto certificate, certify({.subject = std::string(subject),
+                                                     .validity = validity,
+                                                     .ocsp_responder = std::string(ocsp_responder)},
+                                                    own, random));
   return Credential{std::move(certificate), std::move(own)};
 }
 
@@ -350,10 +371,11 @@ Result<Certificate> Authority::renewed(Validity validity, Random& random) const 
 }
 
 Result<Certificate> Authority::sign_request(BytesView request_pem, Validity validity,
-                                            Random& random) const {
+                                            Random& random, std::string_view ocsp_responder) const {
   DDSSEC_ASSIGN_OR_RETURN(const auto request, parsed_request(request_pem));
   DDSSEC_RETURN_IF_ERROR(check_subject_length(X509_REQ_get_subject_name(request.get())));
-  const CertificateTemplate content{.subject = {}, .validity = validity};
+  const CertificateTemplate content{
+      .subject = {}, .validity = validity, .ocsp_responder = std::string(ocsp_responder)};
   return build(content,
                {X509_REQ_get_subject_name(request.get()), X509_REQ_get0_pubkey(request.get())},
                &self_.certificate, self_.key, random);

@@ -39,6 +39,8 @@ struct CertificateTemplate {
   std::optional<int> path_length = {};  ///< CA only
   /// OpenSSL's words for the keyUsage extension; empty = no such extension.
   std::string key_usage = "critical,digitalSignature";
+  /// The URL of an OCSP responder, for authorityInfoAccess (RFC 5280 4.2.2.1); empty: none.
+  std::string ocsp_responder = {};
 };
 
 /// The keyUsage of CAs made by ddssec: peers demand digitalSignature of a document's signer.
@@ -117,9 +119,10 @@ class Authority {
   Result<Authority> subordinate(std::string_view subject, PrivateKey key, Validity validity,
                                 Random& random) const;
 
-  /// A new key and a certificate for it, for one participant.
-  Result<Credential> issue(std::string_view subject, KeySpec key, Validity validity,
-                           Random& random) const;
+  /// A new key and a certificate for it, for one participant. `ocsp_responder`: as in
+  /// CertificateTemplate.
+  Result<Credential> issue(std::string_view subject, KeySpec key, Validity validity, Random& random,
+                           std::string_view ocsp_responder = {}) const;
 
   /// A certificate for the public half of `key`. Errors: subject_name_malformed, random_failed,
   /// internal.
@@ -128,8 +131,8 @@ class Authority {
 
   /// Issues `old` again with a new validity and serial number. The subject is the same octet for
   /// octet. The key is the public half of `key`, or the old public key if `key` is null. A CA stays
-  /// a CA with the same path length. The signer of `old` is not checked. Errors: random_failed,
-  /// internal.
+  /// a CA with the same path length. The OCSP responder stays the same. The signer of `old` is not
+  /// checked. Errors: random_failed, internal.
   Result<Certificate> reissue(const Certificate& old, Validity validity, Random& random,
                               const PrivateKey* key = nullptr) const;
 
@@ -138,8 +141,10 @@ class Authority {
   Result<Certificate> renewed(Validity validity, Random& random) const;
 
   /// A certificate for a PKCS#10 request, with its subject but without its extensions. Errors:
-  /// request_invalid, key_not_allowed, random_failed, internal.
-  Result<Certificate> sign_request(BytesView request_pem, Validity validity, Random& random) const;
+  /// request_invalid, key_not_allowed, random_failed, internal. `ocsp_responder`: as in
+  /// CertificateTemplate.
+  Result<Certificate> sign_request(BytesView request_pem, Validity validity, Random& random,
+                                   std::string_view ocsp_responder = {}) const;
 
   /// A revocation list. Errors: internal; crl_malformed if the serial number of an entry is
   /// invalid.

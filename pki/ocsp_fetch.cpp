@@ -18,8 +18,6 @@ void free_headers(STACK_OF(CONF_VALUE) * headers) noexcept {
   sk_CONF_VALUE_pop_free(headers, X509V3_conf_free);
 }
 using HeadersPtr = std::unique_ptr<STACK_OF(CONF_VALUE), Deleter<free_headers>>;
-void free_texts(STACK_OF(OPENSSL_STRING) * texts) noexcept { X509_email_free(texts); }
-using TextsPtr = std::unique_ptr<STACK_OF(OPENSSL_STRING), Deleter<free_texts>>;
 
 std::unexpected<Error> failed(const std::string& url, std::string note) {
   return fail(tool_code::ocsp_fetch_failed, {.found = url, .note = std::move(note)});
@@ -27,32 +25,6 @@ std::unexpected<Error> failed(const std::string& url, std::string note) {
 
 /// More than judge_ocsp reads, which then says that it is too much.
 constexpr std::size_t kMostFetched = 64 * 1024;
-
-/// A URL taken apart by OpenSSL.
-struct Address {
-  std::string host, port, path;
-};
-
-/// A line break would let a certificate write requests of its own.
-bool is_plain(std::string_view url) {
-  return std::ranges::all_of(url, [](char c) { return c > ' ' && c < 0x7f; });
-}
-
-Result<Address> parse(const std::string& url) {
-  if (!is_plain(url)) return failed(url, "it has blanks, or octets that are not printable ASCII");
-  char *host = nullptr, *port = nullptr, *path = nullptr;
-  int has_tls = 0;
-  const int is_url = OSSL_HTTP_parse_url(url.c_str(), &has_tls, nullptr, &host, &port, nullptr,
-                                         &path, nullptr, nullptr);
-  const OpensslText owners[] = {OpensslText(host), OpensslText(port), OpensslText(path)};
-  take_openssl_reason();
-  if (is_url != 1 || host == nullptr || *host == 0 || port == nullptr || path == nullptr)
-    return failed(url, "it is not the address of a responder");
-  // The answer is signed; that it is read on the way tells little more than the handshake does.
-  if (has_tls != 0 || !url.starts_with("http://"))
-    return failed(url, "only http:// is used: the answer is signed");
-  return Address{host, port, path};
-}
 
 /// SHA-1 identifies the certificate: it is what every responder understands (RFC 5019).
 Result<BioPtr> request_for(const OcspQuestion& question) {
@@ -71,7 +43,7 @@ Result<BioPtr> request_for(const OcspQuestion& question) {
 }
 
 /// A responder may be one of several hosts at its address.
-Result<HeadersPtr> headers_for(const Address& address) {
+Result<HeadersPtr> headers_for(const OcspAddress& address) {
   const auto host = address.port == "80" ? address.host : address.host + ":" + address.port;
   STACK_OF(CONF_VALUE)* headers = nullptr;
   const int added = X509V3_add_value("Host", host.c_str(), &headers);
@@ -94,18 +66,9 @@ Bytes all_of(BIO* bio) {
 
 }  // namespace
 
-std::string ocsp_responder_of(const Certificate& certificate) {
-  const TextsPtr urls(X509_get1_ocsp(certificate.impl().x509.get()));
-  for (int i = 0; i < sk_OPENSSL_STRING_num(urls.get()); ++i) {
-    const std::string url = sk_OPENSSL_STRING_value(urls.get(), i);
-    if (url.starts_with("http://") && is_plain(url)) return url;
-  }
-  return {};
-}
-
 Result<Bytes> fetch_ocsp(const OcspQuestion& question, const std::string& url,
                          std::chrono::seconds longest) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto address, parse(url));
+  DDSSEC_ASSIGN_OR_RETURN(const auto address, parse_ocsp_address(url));
   DDSSEC_ASSIGN_OR_RETURN(const auto request, request_for(question));
   DDSSEC_ASSIGN_OR_RETURN(const auto headers, headers_for(address));
   // An empty proxy is none, whatever the environment says: OpenSSL 3.0.17 reads beyond the end of

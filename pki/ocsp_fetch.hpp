@@ -9,12 +9,9 @@
 #include "base/bytes.hpp"
 #include "base/result.hpp"
 #include "pki/certificate.hpp"
+#include "pki/ocsp_address.hpp"
 
 namespace ddssec::pki {
-
-/// The first responder that the certificate names (authorityInfoAccess, RFC 5280 4.2.2.1) with a
-/// http: URL; empty if there is none.
-std::string ocsp_responder_of(const Certificate& certificate);
 
 struct OcspQuestion {
   const Certificate& certificate;

@@ -54,6 +54,7 @@ using SecretBignumPtr = std::unique_ptr<BIGNUM, Deleter<BN_clear_free>>;
 using CmsPtr = std::unique_ptr<CMS_ContentInfo, Deleter<CMS_ContentInfo_free>>;
 using CrlPtr = std::unique_ptr<X509_CRL, Deleter<X509_CRL_free>>;
 using DigestPtr = std::unique_ptr<EVP_MD, Deleter<EVP_MD_free>>;
+using AccessPtr = std::unique_ptr<AUTHORITY_INFO_ACCESS, Deleter<AUTHORITY_INFO_ACCESS_free>>;
 using ExtensionPtr = std::unique_ptr<X509_EXTENSION, Deleter<X509_EXTENSION_free>>;
 using NamePtr = std::unique_ptr<X509_NAME, Deleter<free_name>>;
 using OpensslMemory = std::unique_ptr<unsigned char, Deleter<free_openssl_memory>>;

@@ -197,6 +197,24 @@ class Ocsp(Transcript):
         self.assertRegex(second["message"], "another folder's request")
         self.assertNotIn("ocsp_silent", str(answer))
 
+    def test_a_certificate_names_the_responder_that_was_asked_for_and_so_do_those_that_follow(self):
+        url = "http://ocsp.example:8888/a,b?c=d"
+
+        def named(folder):
+            return self.openssl("x509", "-in", f"{folder}/cert.pem", "-noout", "-ocsp_uri").strip()
+        self.run_program("identity", "issue", "third", "--ca", "demo", "-o", "demo/third", "--ocsp-responder", url)
+        self.assertEqual(named("demo/third"), url)
+        self.run_program("identity", "renew", "demo/third", "--ca", "demo", "--rekey")
+        self.assertEqual(named("demo/third"), url)
+        self.json("agent", "demo/third", "--ca", "demo", "--once", "--days", "500", "--now", "+300d", exit=None)
+        self.assertEqual(named("demo/third"), url)
+        self.assertEqual(named("demo/talker"), "")
+        self.run_program("identity", "csr", "fourth", "-o", "fourth")
+        self.run_program("identity", "sign-csr", "fourth", "--ca", "demo", "--yes", "--ocsp-responder", url)
+        self.assertEqual(named("fourth"), url)
+        for wrong in ("https://ocsp.example/", "ocsp.example", "http://a b/", "http://" + 600 * "a"):
+            self.refused("usage", 2, "identity", "issue", "x", "--ca", "demo", "-o", "x", "--ocsp-responder", wrong)
+
     def test_expiry_lists_the_response(self):
         def told(*more, exit=0):
             entries = self.json("expiry", "demo/talker", *more, exit=exit)["result"]["entries"]
