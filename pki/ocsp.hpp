@@ -43,7 +43,7 @@ class OcspGood {
   WallTime until_;
 };
 
-/// What a response says of its own time, whoever signed it.
+/// What a response says of its own time; the signature is not checked.
 struct OcspDates {
   WallTime this_update;  ///< the latest of its answers
   WallTime until;        ///< the earliest nextUpdate
