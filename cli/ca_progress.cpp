@@ -121,6 +121,37 @@ std::string moved_words(std::size_t moved, std::size_t all) {
                      moved == 1 ? "has" : "have");
 }
 
+namespace {
+
+struct Remaining {
+  bool is_overlap;
+  bool is_here_left;  ///< a folder of this machine has not moved, or not ended
+  bool is_elsewhere;  ///< a folder is not where the log has it
+};
+
+std::string next_step(const std::string& command, const std::string& role,
+                      const Remaining& remaining) {
+  const bool moves = remaining.is_overlap && (remaining.is_here_left || remaining.is_elsewhere);
+  const auto step = moves ? "--move" : "--end";
+  if (!remaining.is_elsewhere || (remaining.is_overlap && remaining.is_here_left))
+    return fmt::format("  next   {} --role {} {}\n", command, role, step);
+  const auto then =
+      remaining.is_overlap ? fmt::format("  then   {} --role {} --end\n", command, role) : "";
+  // Only a new certificate tells the log where its participant is now.
+  if (role == "permissions")
+    return fmt::format(
+        "  first  put the folders that are not here back, or issue these participants again\n"
+        "  next   {} --role {} {}\n{}",
+        command, role, step, then);
+  return fmt::format(
+      "  next   {} PLACES --role {} {}\n"
+      "         PLACES: where the folders that are not here are now. A participant on another "
+      "machine can also be issued again.\n{}",
+      command, role, step, then);
+}
+
+}  // namespace
+
 Result<ShownRotation> shown_rotation(const fs::path& given, const std::string& role, WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(const auto progress, RotationProgress::of(given, role, now));
   DDSSEC_ASSIGN_OR_RETURN(const auto known, known_followers(given, now));
@@ -139,7 +170,6 @@ Result<ShownRotation> shown_rotation(const fs::path& given, const std::string& r
                 {"folders", all},
                 {"left", names_of(left)},
                 {"elsewhere", known.elsewhere}};
-  const auto step = overlap && !left.empty() ? "--move" : "--end";
   out.text = overlap ? fmt::format(
                            "overlap  this is the successor; the former CA counts beside it "
                            "until {}; {}\n",
@@ -151,8 +181,10 @@ Result<ShownRotation> shown_rotation(const fs::path& given, const std::string& r
                            left.size() + away.size() == 1 ? "has" : "have");
   for (const auto& one : left) out.text += fmt::format("  left   {}\n", one.name);
   for (const auto& one : known.elsewhere) out.text += fmt::format("  not here  {}\n", one);
-  out.text +=
-      fmt::format("  next   ddssec ca rotate {} --role {} {}\n", given.string(), role, step);
+  out.text += next_step(fmt::format("ddssec ca rotate {}", given.string()), role,
+                        {.is_overlap = overlap.has_value(),
+                         .is_here_left = !left.empty(),
+                         .is_elsewhere = overlap ? !known.elsewhere.empty() : !away.empty()});
   return out;
 }
 

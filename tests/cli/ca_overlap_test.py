@@ -188,6 +188,53 @@ class Overlap(Transcript):
             self.assertEqual([path for path in self.files() if "unreached" in path], [])
         self.assertTrue(self.talks("demo/talker", "demo/listener"))
 
+    def steps_shown(self, role, place):
+        """The commands that `ca show` proposes, with the place of the folder that is not here."""
+        shown = self.run_program("ca", "show", "demo", "--role", role, *NOW).stdout
+        return [line.split()[2:] for line in shown.replace("PLACES --", f"{place} --").splitlines()
+                if line.startswith(("  next ", "  then "))]
+
+    def without_the_listener(self, role):
+        self.rotate(role, "--overlap", "30d")
+        (self.at / "demo/listener").rename(self.at / "away")
+
+    def steps_end_an_overlap(self, role):
+        self.without_the_listener(role)
+        (step,) = self.steps_shown(role, "away")  # for the talker
+        self.assertEqual(step[-1], "--move")
+        self.run_program(*step, *NOW, exit=1)
+        steps = self.steps_shown(role, "away")
+        self.assertEqual([step[-1] for step in steps], ["--move", "--end"])
+        self.put_back(role)
+        for step in steps:
+            self.run_program(*step, *NOW)
+        self.assertIsNone(self.rotation(role))
+
+    def put_back(self, role):
+        if role == "permissions":
+            self.assertIn("  first  put the folders", self.run_program("ca", "show", "demo", "--role", role, *NOW).stdout)
+            (self.at / "away").rename(self.at / "demo/listener")
+
+    def step_ends_what_an_end_has_left(self, role):
+        self.without_the_listener(role)
+        self.rotate(role, "--end", exit=1)
+        (step,) = self.steps_shown(role, "away")
+        self.put_back(role)
+        self.run_program(*step, *NOW)
+        self.assertIsNone(self.rotation(role))
+
+    def test_StepsThatShowProposes_OfAnIdentityCa_ReachAFolderThatIsElsewhere(self):
+        self.steps_end_an_overlap("identity")
+
+    def test_StepsThatShowProposes_OfAPermissionsCa_ReachAFolderThatIsElsewhere(self):
+        self.steps_end_an_overlap("permissions")
+
+    def test_StepThatShowProposes_AfterTheEndOfAnIdentityCa_ReachesAFolderThatIsElsewhere(self):
+        self.step_ends_what_an_end_has_left("identity")
+
+    def test_StepThatShowProposes_AfterTheEndOfAPermissionsCa_ReachesAFolderThatIsElsewhere(self):
+        self.step_ends_what_an_end_has_left("permissions")
+
     def test_FolderThatIsGone_OfARevokedParticipant_IsNotWaitedFor(self):
         self.rotate("identity", "--overlap", "30d")
         self.json("identity", "revoke", "demo/listener", "--ca", "demo", *NOW, exit=1)
