@@ -30,4 +30,7 @@ cmake -S . -B "$at/build" -G Ninja -DCMAKE_TOOLCHAIN_FILE="$PWD/cmake/aarch64.cm
       -DDDSSEC_IDLC_PLUGIN="$at/host/lib/libddssec_idlc.so" -DDDSSEC_IDL_EXPLAIN="$at/host/lib/ddssec-idl-explain" >/dev/null ||
   die "cmake could not configure"
 cmake --build "$at/build" || die "the build failed"
-ctest --test-dir "$at/build" --output-on-failure --no-tests=error --parallel "$(nproc)" "$@"
+# Not these: below qemu "/" is the folder of the libraries, signal 64 is qemu's own, and no token is installed. Those of
+# governance_compare that take minutes here would take hours.
+ctest --test-dir "$at/build" --output-on-failure --no-tests=error --parallel "$(nproc)" \
+      --exclude-regex '^(base\.(BackgroundThread|Server|Service)\.|pki_token)|Speed\.|HostileDocuments|AgreesOn' "$@"
