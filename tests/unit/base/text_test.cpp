@@ -64,13 +64,16 @@ TEST(Text, TheFirstMisleadingCharacter) {
   EXPECT_EQ(first_misleading("rt/\xff"), char32_t{0xfffd});
 }
 
-TEST(Text, DistanceCountsInsertionsRemovalsAndChanges) {
+TEST(Text, DistanceCountsInsertionsRemovalsChangesAndSwaps) {
   EXPECT_EQ(edit_distance("", ""), 0u);
   EXPECT_EQ(edit_distance("", "abc"), 3u);
   EXPECT_EQ(edit_distance("abc", ""), 3u);
   EXPECT_EQ(edit_distance("kitten", "sitting"), 3u);
   EXPECT_EQ(edit_distance("lawn", "flaw"), 2u);
   EXPECT_EQ(edit_distance("same", "same"), 0u);
+  EXPECT_EQ(edit_distance("tarck", "track"), 1u);
+  EXPECT_EQ(edit_distance("ab", "ba"), 1u);
+  EXPECT_EQ(edit_distance("abcd", "badc"), 2u);
 }
 
 }  // namespace
