@@ -33,4 +33,4 @@ cmake --build "$at/build" || die "the build failed"
 # Not these: below qemu "/" is the folder of the libraries, signal 64 is qemu's own, and no token is installed. Those of
 # governance_compare that take minutes here would take hours.
 ctest --test-dir "$at/build" --output-on-failure --no-tests=error --parallel "$(nproc)" \
-      --exclude-regex '^(base\.(BackgroundThread|Server|Service)\.|pki_token)|Speed\.|HostileDocuments|AgreesOn' "$@"
+      --exclude-regex '^(base\.(BackgroundThread|Server|Service)\.|pki_token)|Speed\.|HostileDocuments|AgreesOn|^sim\.' "$@"

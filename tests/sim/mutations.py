@@ -98,8 +98,8 @@ FAULTS = [
      "  if (anything_counts || signs.is_proof || (signs.is_news",
      "  if (FAULT || anything_counts || signs.is_proof || (signs.is_news"),
     ("that signed addresses replace announced ones", "rtps/participant/discovery.cpp",
-     "remote->user = usable(proven.default_unicast, remote->user);",
-     "if (!FAULT) remote->user = usable(proven.default_unicast, remote->user);"),
+     "      adopt_signed_addresses(core_, *remote, std::move(metatraffic), std::move(user));",
+     "      !FAULT && adopt_signed_addresses(core_, *remote, std::move(metatraffic), std::move(user));"),
     ("that announcements change no signed addresses", "rtps/participant/discovery.cpp",
      "  if (remote.has_signed_addresses && ", "  if (!FAULT && remote.has_signed_addresses && "),
     ("that an announcement counts again when it is repeated", "rtps/participant/discovery.cpp",
@@ -139,13 +139,22 @@ FAULTS = [
 ]
 
 
+def check_texts(root):
+    """Each fault's text stands in its file once; a change of the product must change it here, too."""
+    wrong = [f"{what}: {name} holds its text {count} times" for what, name, old, _ in FAULTS
+             if (count := (root / name).read_text(encoding="utf-8").count(old)) != 1]
+    if wrong:
+        sys.exit("\n".join(wrong))
+
+
 def patch(scratch):
+    check_texts(scratch)
     (scratch / "base/fault.hpp").write_text(HEADER)
     for number, (what, name, old, new) in enumerate(FAULTS, 1):
         file = scratch / name
         text = file.read_text(encoding="utf-8")
-        if text.count(old) != 1:
-            sys.exit(f"{what}: {name} holds its text {text.count(old)} times")
+        if old not in text:
+            sys.exit(f"{what}: an earlier fault has changed its text in {name}")
         text = text.replace(old, new.replace("FAULT", f"::ddssec_fault({number})"))
         if "base/fault.hpp" not in text:
             text = '#include "base/fault.hpp"\n' + text
@@ -205,12 +214,19 @@ def find(binary, number, seeds, known):
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("root", type=pathlib.Path)
-    parser.add_argument("scratch", type=pathlib.Path, help="a folder for the changed copy")
+    parser.add_argument("scratch", type=pathlib.Path, nargs="?", help="a folder for the changed copy")
     parser.add_argument("--seeds", type=int, default=200, help="that are tried for each fault")
     parser.add_argument("--record", action="store_true", help="write seeds.txt anew")
+    parser.add_argument("--check", action="store_true", help="only whether each fault fits the sources")
     parser.add_argument("--patch-only", action="store_true", help="only make the changed copy")
     parser.add_argument("--binary", type=pathlib.Path, help="of a changed copy that was built already")
     options = parser.parse_args()
+    if options.check:
+        check_texts(options.root)
+        print(f"{len(FAULTS)} faults fit the sources")
+        return 0
+    if options.scratch is None and options.binary is None:
+        parser.error("a folder for the changed copy is needed")
     binary = options.binary
     if binary is None:
         copy(options.root.resolve(), options.scratch)
