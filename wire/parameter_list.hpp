@@ -4,32 +4,13 @@
 #include <optional>
 #include <string_view>
 
+#include "base/parameter_ids.hpp"
 #include "base/reader.hpp"
 #include "wire/span_writer.hpp"
 
 namespace ddssec::rtps {
 
-/// ParameterId_t. A number, not an enumeration: most ids of other vendors are skipped.
-using ParameterId = std::uint16_t;
-
-namespace pid {
-inline constexpr ParameterId kPad = 0x0000;
-inline constexpr ParameterId kSentinel = 0x0001;
-inline constexpr ParameterId kContentFilterProperty = 0x0035;
-inline constexpr ParameterId kContentFilterInfo = 0x0055;
-inline constexpr ParameterId kCoherentSet = 0x0056;
-inline constexpr ParameterId kOriginalWriterInfo = 0x0061;
-inline constexpr ParameterId kGroupCoherentSet = 0x0063;
-inline constexpr ParameterId kGroupSeqNum = 0x0064;
-inline constexpr ParameterId kWriterGroupInfo = 0x0065;
-inline constexpr ParameterId kKeyHash = 0x0070;
-inline constexpr ParameterId kStatusInfo = 0x0071;
-/// A reader that does not know an id with this bit must not use the sample (RTPS 9.6.3.1).
-inline constexpr ParameterId kMustUnderstand = 0x4000;
-inline constexpr ParameterId kVendorSpecific = 0x8000;
-/// Specific to ddssec: the source timestamp of a DATA, as Time_t.
-inline constexpr ParameterId kSourceTime = 0x8d5e;
-}  // namespace pid
+using ParameterId = pid::Id;
 
 struct Parameter {
   ParameterId id = 0;

@@ -4,18 +4,12 @@
 #include <array>
 #include <optional>
 
+#include "base/parameter_ids.hpp"
 #include "base/reader.hpp"
 #include "plugins/authentication/identity_token.hpp"
 
 namespace ddssec::authentication {
 namespace {
-
-constexpr std::uint16_t kPidSentinel = 0x0001;
-constexpr std::uint16_t kPidVendorId = 0x0016;
-constexpr std::uint16_t kPidMetatrafficUnicastLocator = 0x0032;
-constexpr std::uint16_t kPidParticipantGuid = 0x0050;
-constexpr std::uint16_t kPidBuiltinEndpointSet = 0x0058;
-constexpr std::uint16_t kPidIdentityToken = 0x1001;
 
 std::unexpected<Error> malformed(std::string found) {
   return fail(Code::participant_data_malformed, {.field = "c.pdata", .found = std::move(found)});
@@ -32,7 +26,7 @@ Result<std::optional<Parameter>> next_parameter(Reader& reader) {
   const auto id = reader.read<std::uint16_t>();
   const auto length = reader.read<std::uint16_t>();
   if (!id || !length) return malformed("half a parameter header");
-  if (*id == kPidSentinel) return std::nullopt;
+  if (*id == pid::kSentinel) return std::nullopt;
   const auto value = reader.read_bytes(*length);
   if (!value) return malformed("a parameter longer than the list");
   return Parameter{*id, *value};
@@ -71,7 +65,7 @@ Result<Guid> participant_guid_in(BytesView participant_data) {
     DDSSEC_ASSIGN_OR_RETURN(const auto parameter, next_parameter(reader));
     if (!parameter) break;
 
-    if (parameter->id != kPidParticipantGuid) continue;
+    if (parameter->id != pid::kParticipantGuid) continue;
     if (parameter->value.size() < 16) return malformed("a short PARTICIPANT_GUID");
     const Guid guid = guid_from(parameter->value);
     if (found && *found != guid) return malformed("two different PARTICIPANT_GUIDs");
@@ -87,7 +81,7 @@ spi::CipherMask ciphers_in_participant_data(BytesView participant_data) {
   for (;;) {
     const auto parameter = next_parameter(reader);
     if (!parameter || !*parameter) break;
-    if ((*parameter)->id != kPidIdentityToken) continue;
+    if ((*parameter)->id != pid::kIdentityToken) continue;
     Reader value((*parameter)->value, Endian::big);
     auto token = spi::read_token(value);
     if (!token || found) return spi::kStandardCiphers;
@@ -102,7 +96,7 @@ std::uint32_t builtin_endpoints_in_participant_data(BytesView participant_data) 
   for (;;) {
     const auto parameter = next_parameter(reader);
     if (!parameter || !*parameter) break;
-    if ((*parameter)->id != kPidBuiltinEndpointSet) continue;
+    if ((*parameter)->id != pid::kBuiltinEndpointSet) continue;
     const auto set = Reader((*parameter)->value, Endian::big).read<std::uint32_t>();
     if (!set || found) return 0;
     found = *set;
@@ -117,7 +111,7 @@ bool is_of_fast_dds(BytesView participant_data) {
   for (;;) {
     const auto parameter = next_parameter(reader);
     if (!parameter || !*parameter) break;
-    if ((*parameter)->id != kPidVendorId) continue;
+    if ((*parameter)->id != pid::kVendorId) continue;
     const auto& value = (*parameter)->value;
     if (found || value.size() < kFastDds.size()) return false;
     found = std::ranges::equal(value.first(kFastDds.size()), kFastDds);
@@ -131,7 +125,7 @@ std::vector<spi::UdpAddress> addresses_in_participant_data(BytesView participant
   while (out.size() < kMostAddresses) {
     const auto parameter = next_parameter(reader);
     if (!parameter || !*parameter) break;
-    if ((*parameter)->id != kPidMetatrafficUnicastLocator) continue;
+    if ((*parameter)->id != pid::kMetatrafficUnicastLocator) continue;
     const auto address = unicast_address((*parameter)->value);
     if (address && std::ranges::find(out, *address) == out.end()) out.push_back(*address);
   }

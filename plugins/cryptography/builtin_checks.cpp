@@ -1,12 +1,12 @@
 #include "plugins/cryptography/builtin_checks.hpp"
 
+#include "base/parameter_ids.hpp"
 #include "plugins/cryptography/builtin_names.hpp"
 #include "plugins/cryptography/data_piece.hpp"
 
 namespace ddssec::cryptography {
 namespace {
 
-constexpr std::uint16_t kKeyHash = 0x0070, kStatusInfo = 0x0071;
 constexpr std::size_t kEncapsulationSize = 4;
 constexpr std::size_t kGuidSize = GuidPrefix::size + EntityId::size;  ///< and that of a key hash
 
@@ -32,11 +32,11 @@ struct InlineForm {
 
   void note(const Parameter& parameter) {
     const auto& value = parameter.value;
-    if (parameter.id == kStatusInfo) {
+    if (parameter.id == pid::kStatusInfo) {
       const bool is_known = value.size() == 4 && value[0] == 0 && value[1] == 0 && value[2] == 0 &&
                             value[3] <= kDisposedOrUnregistered;
       is_usual = is_usual && is_known && ++status_infos == 1;
-    } else if (parameter.id == kKeyHash) {
+    } else if (parameter.id == pid::kKeyHash) {
       is_usual = is_usual && value.size() == kGuidSize && ++key_hashes == 1;
     } else {
       is_usual = false;
@@ -58,9 +58,9 @@ Result<Ending> check_inline_qos(const BuiltinTopic& topic, const Owner& owner,
     if (!parameter || !*parameter) break;  // read once already
     if (is_deprecated_address((*parameter)->id))
       return unreadable_name(topic, "it has an address in the form of RTPS 1");
-    if ((*parameter)->id == kKeyHash)
+    if ((*parameter)->id == pid::kKeyHash)
       DDSSEC_RETURN_IF_ERROR(check_name(topic, owner, "key hash", (*parameter)->value));
-    if ((*parameter)->id == kStatusInfo) {
+    if ((*parameter)->id == pid::kStatusInfo) {
       const bool says = says_end((*parameter)->value);
       if (form.status_infos > 0 && form.ends != says)
         return unreadable_name(topic, "it has two values of PID_STATUS_INFO");

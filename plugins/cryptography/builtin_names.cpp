@@ -4,30 +4,22 @@
 #include <numeric>
 #include <string>
 
+#include "base/parameter_ids.hpp"
+
 namespace ddssec::cryptography {
 namespace {
 
-namespace parameter_id {
-/// Parameters that name a participant or one of its entities by a GUID (RTPS 9.6.3).
-constexpr std::uint16_t kParticipantGuid = 0x0050, kEndpointGuid = 0x005a, kKeyHash = 0x0070,
-                        kCycloneTopicGuid = 0x801b;
-constexpr std::uint16_t kSentinel = 0x0001;
-constexpr std::uint16_t kPartition = 0x0029;
-constexpr std::uint16_t kPropertyList = 0x0059;
-constexpr std::uint16_t kTypeInformation = 0x0075;  ///< DDS-XTypes 7.6.3.2.1
-constexpr std::uint16_t kEndpointSecurityInfo = 0x1004;
 /// Bits for vendors' parameters and for those that must be understood. Hosts may ignore them.
-constexpr std::uint16_t kFlags = 0xc000;
-}  // namespace parameter_id
+constexpr std::uint16_t kFlags = pid::kMustUnderstand | pid::kVendorSpecific;
 
 constexpr std::array kTopics = {
-    BuiltinTopic{{{0x00, 0x01, 0x00, 0xc2}}, parameter_id::kParticipantGuid},
-    BuiltinTopic{{{0xff, 0x01, 0x01, 0xc2}}, parameter_id::kParticipantGuid},
-    BuiltinTopic{{{0x00, 0x00, 0x03, 0xc2}}, parameter_id::kEndpointGuid},
-    BuiltinTopic{{{0xff, 0x00, 0x03, 0xc2}}, parameter_id::kEndpointGuid},
-    BuiltinTopic{{{0x00, 0x00, 0x04, 0xc2}}, parameter_id::kEndpointGuid},
-    BuiltinTopic{{{0xff, 0x00, 0x04, 0xc2}}, parameter_id::kEndpointGuid},
-    BuiltinTopic{{{0x00, 0x00, 0x02, 0xc2}}, parameter_id::kCycloneTopicGuid},
+    BuiltinTopic{{{0x00, 0x01, 0x00, 0xc2}}, pid::kParticipantGuid},
+    BuiltinTopic{{{0xff, 0x01, 0x01, 0xc2}}, pid::kParticipantGuid},
+    BuiltinTopic{{{0x00, 0x00, 0x03, 0xc2}}, pid::kEndpointGuid},
+    BuiltinTopic{{{0xff, 0x00, 0x03, 0xc2}}, pid::kEndpointGuid},
+    BuiltinTopic{{{0x00, 0x00, 0x04, 0xc2}}, pid::kEndpointGuid},
+    BuiltinTopic{{{0xff, 0x00, 0x04, 0xc2}}, pid::kEndpointGuid},
+    BuiltinTopic{{{0x00, 0x00, 0x02, 0xc2}}, pid::kCycloneTopicGuid},
     BuiltinTopic{{{0x00, 0x02, 0x00, 0xc2}}, 0},
     BuiltinTopic{{{0xff, 0x02, 0x00, 0xc2}}, 0},
 };
@@ -38,12 +30,13 @@ struct LocatorKind {
   const char* name;
   bool is_multicast = false;
 };
-constexpr std::array kLocators = {LocatorKind{0x002f, "PID_UNICAST_LOCATOR"},
-                                  LocatorKind{0x0030, "PID_MULTICAST_LOCATOR", true},
-                                  LocatorKind{0x0031, "PID_DEFAULT_UNICAST_LOCATOR"},
-                                  LocatorKind{0x0048, "PID_DEFAULT_MULTICAST_LOCATOR", true},
-                                  LocatorKind{0x0032, "PID_METATRAFFIC_UNICAST_LOCATOR"},
-                                  LocatorKind{0x0033, "PID_METATRAFFIC_MULTICAST_LOCATOR", true}};
+constexpr std::array kLocators = {
+    LocatorKind{pid::kUnicastLocator, "PID_UNICAST_LOCATOR"},
+    LocatorKind{pid::kMulticastLocator, "PID_MULTICAST_LOCATOR", true},
+    LocatorKind{pid::kDefaultUnicastLocator, "PID_DEFAULT_UNICAST_LOCATOR"},
+    LocatorKind{pid::kDefaultMulticastLocator, "PID_DEFAULT_MULTICAST_LOCATOR", true},
+    LocatorKind{pid::kMetatrafficUnicastLocator, "PID_METATRAFFIC_UNICAST_LOCATOR"},
+    LocatorKind{pid::kMetatrafficMulticastLocator, "PID_METATRAFFIC_MULTICAST_LOCATOR", true}};
 
 /// PID_METATRAFFIC_MULTICAST_IPADDRESS, PID_DEFAULT_UNICAST_IPADDRESS,
 /// PID_METATRAFFIC_UNICAST_PORT, PID_DEFAULT_UNICAST_PORT, PID_MULTICAST_IPADDRESS,
@@ -61,17 +54,16 @@ struct NamingParameter {
   std::uint16_t id;
   const char* name;
 };
-constexpr std::array kNames = {
-    NamingParameter{parameter_id::kParticipantGuid, "PID_PARTICIPANT_GUID"},
-    NamingParameter{parameter_id::kEndpointGuid, "PID_ENDPOINT_GUID"},
-    NamingParameter{parameter_id::kKeyHash, "PID_KEY_HASH"},
-    NamingParameter{parameter_id::kCycloneTopicGuid, "PID_CYCLONE_TOPIC_GUID"}};
+constexpr std::array kNames = {NamingParameter{pid::kParticipantGuid, "PID_PARTICIPANT_GUID"},
+                               NamingParameter{pid::kEndpointGuid, "PID_ENDPOINT_GUID"},
+                               NamingParameter{pid::kKeyHash, "PID_KEY_HASH"},
+                               NamingParameter{pid::kCycloneTopicGuid, "PID_CYCLONE_TOPIC_GUID"}};
 
 /// The index in kNames; empty if the parameter names nothing in samples of this topic.
 std::optional<std::size_t> name_of(const BuiltinTopic& topic, std::uint16_t id) {
   const auto found = std::ranges::find(kNames, id, &NamingParameter::id);
   if (found == kNames.end()) return std::nullopt;
-  if (id == parameter_id::kCycloneTopicGuid && id != topic.key) return std::nullopt;
+  if (id == pid::kCycloneTopicGuid && id != topic.key) return std::nullopt;
   return static_cast<std::size_t>(found - kNames.begin());
 }
 
@@ -175,7 +167,7 @@ Status ParameterWalk::begin_list(const BuiltinTopic& topic) {
 Status ParameterWalk::begin_parameter(const BuiltinTopic& topic) {
   id_ = word(0);
   length_ = word(2);
-  if (id_ == parameter_id::kSentinel) {
+  if (id_ == pid::kSentinel) {
     state_ = State::ended;
     return {};
   }
@@ -183,10 +175,10 @@ Status ParameterWalk::begin_parameter(const BuiltinTopic& topic) {
   if (length_ % 4 != 0) return unreadable_name(topic, "its parameters have lengths that lie");
   if (is_deprecated_address(id_))
     return unreadable_name(topic, "it has an address in the form of RTPS 1");
-  if (id_ == parameter_id::kTypeInformation) DDSSEC_RETURN_IF_ERROR(note_type_information(topic));
-  if (id_ == parameter_id::kPartition) return begin_partitions(topic);
+  if (id_ == pid::kTypeInformation) DDSSEC_RETURN_IF_ERROR(note_type_information(topic));
+  if (id_ == pid::kPartition) return begin_partitions(topic);
   DDSSEC_RETURN_IF_ERROR(count_locator(topic));
-  if (id_ == parameter_id::kPropertyList) properties_ += length_;
+  if (id_ == pid::kPropertyList) properties_ += length_;
   if (begin_security_info()) return {};
   if (!name_of(topic, id_)) {
     to_skip_ = length_;
@@ -200,9 +192,9 @@ Status ParameterWalk::begin_parameter(const BuiltinTopic& topic) {
 
 /// True if its first octets are read next.
 bool ParameterWalk::begin_security_info() {
-  if ((id_ & ~parameter_id::kFlags) != parameter_id::kEndpointSecurityInfo) return false;
+  if ((id_ & ~kFlags) != pid::kEndpointSecurityInfo) return false;
   security_infos_ = security_infos_ == 0 ? 1 : 2;
-  if (id_ != parameter_id::kEndpointSecurityInfo || length_ < kSecurityMaskSize) return false;
+  if (id_ != pid::kEndpointSecurityInfo || length_ < kSecurityMaskSize) return false;
   state_ = State::security_info;
   wanted_ = kSecurityMaskSize;
   return true;

@@ -16,9 +16,6 @@ struct Disposal {
   Guid gone;
 };
 
-inline constexpr rtps::ParameterId kParticipantGuid = 0x0050;
-inline constexpr rtps::ParameterId kEndpointGuid = 0x005a;
-
 /// Writes the submessage: the entity is disposed and unregistered.
 void write(rtps::SpanWriter& out, const Disposal& disposal);
 

@@ -15,7 +15,7 @@ Bytes write_farewell(const GuidPrefix& own, const GuidPrefix& peer) {
   write(out, Disposal{.reader = rtps::kSpdpReader,
                       .writer = rtps::kSpdpWriter,
                       .number = rtps::SequenceNumber{2},
-                      .key = kParticipantGuid,
+                      .key = pid::kParticipantGuid,
                       .gone = {own, kEntityIdParticipant}});
   octets.resize(out.size());
   return octets;

@@ -11,7 +11,6 @@
 namespace ddssec::cyclonedds {
 namespace {
 
-constexpr rtps::ParameterId kTopicName = 0x0005, kUserData = 0x002c;
 constexpr std::size_t kGuidSize = GuidPrefix::size + EntityId::size;
 constexpr std::size_t kEncapsulationSize = 4;
 
@@ -71,13 +70,13 @@ struct OwnReaders::Announcement {
 };
 
 void OwnReaders::Announcement::take(const rtps::Parameter& parameter) {
-  if (parameter.id == kEndpointGuid) {
+  if (parameter.id == pid::kEndpointGuid) {
     reader = guid_from(parameter.value).value_or(Guid{});
-  } else if (parameter.id == kTopicName) {
+  } else if (parameter.id == pid::kTopicName) {
     auto name = as_text(counted(parameter));
     if (name.ends_with('\0')) name.remove_suffix(1);
     is_carrier = name == kCarrierTopic;
-  } else if (parameter.id == kUserData) {
+  } else if (parameter.id == pid::kUserData) {
     ended = guid_from(counted(parameter));
   }
 }
@@ -122,7 +121,7 @@ BytesView OwnReaders::said(BytesView submessage, Room& room) {
   write(out, Disposal{.reader = announcement->to,
                       .writer = rtps::kSubscriptionsSecureWriter,
                       .number = announcement->number,
-                      .key = kEndpointGuid,
+                      .key = pid::kEndpointGuid,
                       .gone = *ended});
   return out.view();
 }

@@ -15,7 +15,6 @@ struct Announced {
 };
 
 using Row = ParameterRow<Announced>;
-constexpr ParameterId kPidEndpointGuid = 0x005a;
 
 template <class E>
 Status read_enum(Reader& reader, E& value, E greatest) {
@@ -146,7 +145,7 @@ Status read_partition(Reader& r, Announced& a) {
 
 void write_partition(SpanWriter& w, const Announced& a) {
   if (a.data.qos.partition.empty()) return;
-  const ParameterScope scope(w, 0x0029);
+  const ParameterScope scope(w, pid::kPartition);
   w.write(static_cast<std::uint32_t>(a.data.qos.partition.size()));
   for (const auto& name : a.data.qos.partition) write_text(w, name);
 }
@@ -186,7 +185,7 @@ Status read_representation(Reader& r, Announced& a) {
 
 void write_representation(SpanWriter& w, const Announced& a) {
   if (a.data.qos.data_representation == Qos{}.data_representation) return;
-  const ParameterScope scope(w, 0x0073);
+  const ParameterScope scope(w, pid::kDataRepresentation);
   w.write(static_cast<std::uint32_t>(a.data.qos.data_representation.size()));
   for (auto entry : a.data.qos.data_representation) w.write(static_cast<std::int16_t>(entry));
 }
@@ -206,10 +205,8 @@ Status read_liveliness(Reader& r, Announced& a) {
   return read_duration_into(r, a.data.qos.liveliness.lease_duration);
 }
 
-constexpr ParameterId kPidTypeInformation = 0x0075;
 // Specific to ddssec: the minimal TypeObjects, after a mark that a parameter of another vendor with
 // the same id would not have.
-constexpr ParameterId kPidTypeObjects = pid::kVendorSpecific | 0x0d75;
 constexpr std::array<std::uint8_t, 8> kTypeObjectsMark = {'d', 'd', 's', 's', 'e', 'c', 'T', 'O'};
 
 // An announcement is not refused because its type is malformed: then the names decide.
@@ -248,7 +245,7 @@ Status read_type_consistency(Reader& r, Announced& a) {
 void write_type_consistency(SpanWriter& w, const Announced& a) {
   const auto& value = a.data.qos.type_consistency;
   if (value == TypeConsistency{} || !is_reader(a.data.guid.entity)) return;
-  const ParameterScope scope(w, 0x0074);
+  const ParameterScope scope(w, pid::kTypeConsistencyEnforcement);
   w.write(static_cast<std::uint16_t>(value.kind));
   for (const bool flag :
        {value.ignore_sequence_bounds, value.ignore_string_bounds, value.ignore_member_names,
@@ -267,120 +264,121 @@ Status read_durability_service(Reader& r, Announced& a) {
 }
 
 constexpr Row kTable[] = {
-    {kPidEndpointGuid,
+    {pid::kEndpointGuid,
      [](Reader& r, Announced& a) -> Status {
        DDSSEC_ASSIGN_OR_RETURN(a.data.guid, read_guid(r));
        return {};
      },
      [](SpanWriter& w, const Announced& a) {
-       const ParameterScope scope(w, kPidEndpointGuid);
+       const ParameterScope scope(w, pid::kEndpointGuid);
        w.write_bytes(a.data.guid.octets());
      },
      false, true},
-    {0x0050,
+    {pid::kParticipantGuid,
      [](Reader& r, Announced& a) -> Status {
        DDSSEC_ASSIGN_OR_RETURN(a.participant, read_guid(r));
        return {};
      },
      [](SpanWriter& w, const Announced& a) {
-       const ParameterScope scope(w, 0x0050);
+       const ParameterScope scope(w, pid::kParticipantGuid);
        w.write_bytes(Guid{a.data.guid.prefix, kEntityIdParticipant}.octets());
      }},
-    {0x0015, [](Reader&, Announced&) { return Status{}; },
+    {pid::kProtocolVersion, [](Reader&, Announced&) { return Status{}; },
      [](SpanWriter& w, const Announced&) {
-       const ParameterScope scope(w, 0x0015);
+       const ParameterScope scope(w, pid::kProtocolVersion);
        w.write_bytes(kProtocolVersion.view());
      }},
-    {0x0016, [](Reader&, Announced&) { return Status{}; },
+    {pid::kVendorId, [](Reader&, Announced&) { return Status{}; },
      [](SpanWriter& w, const Announced&) {
-       const ParameterScope scope(w, 0x0016);
+       const ParameterScope scope(w, pid::kVendorId);
        w.write_bytes(kVendorDdssec.view());
      }},
-    text_row<0x0005, &EndpointData::topic_name>(true),
-    text_row<0x0007, &EndpointData::type_name>(true),
-    {kPidTypeInformation, read_type_information,
+    text_row<pid::kTopicName, &EndpointData::topic_name>(true),
+    text_row<pid::kTypeName, &EndpointData::type_name>(true),
+    {pid::kTypeInformation, read_type_information,
      [](SpanWriter& w, const Announced& a) {
        if (a.data.type.information.empty()) return;
-       const ParameterScope scope(w, kPidTypeInformation);
+       const ParameterScope scope(w, pid::kTypeInformation);
        w.write_bytes(a.data.type.information);
      }},
-    {kPidTypeObjects, read_type_objects,
+    {pid::kTypeObjects, read_type_objects,
      [](SpanWriter& w, const Announced& a) {
        if (a.data.type.objects.empty()) return;
-       const ParameterScope scope(w, kPidTypeObjects);
+       const ParameterScope scope(w, pid::kTypeObjects);
        w.write_bytes(kTypeObjectsMark);
        w.write_bytes(a.data.type.objects);
      }},
-    {0x001a, read_reliability,
+    {pid::kReliability, read_reliability,
      [](SpanWriter& w, const Announced& a) {
-       const ParameterScope scope(w, 0x001a);
+       const ParameterScope scope(w, pid::kReliability);
        write_enum(w, a.data.qos.reliability.kind);
        write_time(w, a.data.qos.reliability.max_blocking_time);
      }},
-    enum_row<0x001d, &Qos::durability, DurabilityKind::persistent>(),
-    {0x001e, read_durability_service,
+    enum_row<pid::kDurability, &Qos::durability, DurabilityKind::persistent>(),
+    {pid::kDurabilityService, read_durability_service,
      [](SpanWriter& w, const Announced& a) {
        const auto& value = a.data.qos.durability_service;
        if (value == DurabilityService{}) return;
-       const ParameterScope scope(w, 0x001e);
+       const ParameterScope scope(w, pid::kDurabilityService);
        write_time(w, value.cleanup_delay);
        write_history(w, value.history);
        write_limits(w, value.limits);
      }},
-    {0x0040, [](Reader& r, Announced& a) { return read_history(r, a.data.qos.history); },
+    {pid::kHistory, [](Reader& r, Announced& a) { return read_history(r, a.data.qos.history); },
      [](SpanWriter& w, const Announced& a) {
-       const ParameterScope scope(w, 0x0040);
+       const ParameterScope scope(w, pid::kHistory);
        write_history(w, a.data.qos.history);
      }},
-    {0x0041, [](Reader& r, Announced& a) { return read_limits(r, a.data.qos.resource_limits); },
+    {pid::kResourceLimits,
+     [](Reader& r, Announced& a) { return read_limits(r, a.data.qos.resource_limits); },
      [](SpanWriter& w, const Announced& a) {
        if (a.data.qos.resource_limits == ResourceLimits{}) return;
-       const ParameterScope scope(w, 0x0041);
+       const ParameterScope scope(w, pid::kResourceLimits);
        write_limits(w, a.data.qos.resource_limits);
      }},
-    duration_row<0x0023, &Qos::deadline>(),
-    duration_row<0x0027, &Qos::latency_budget>(),
-    duration_row<0x002b, &Qos::lifespan>(),
-    duration_row<0x0004, &Qos::time_based_filter>(),
-    {0x001b, read_liveliness,
+    duration_row<pid::kDeadline, &Qos::deadline>(),
+    duration_row<pid::kLatencyBudget, &Qos::latency_budget>(),
+    duration_row<pid::kLifespan, &Qos::lifespan>(),
+    duration_row<pid::kTimeBasedFilter, &Qos::time_based_filter>(),
+    {pid::kLiveliness, read_liveliness,
      [](SpanWriter& w, const Announced& a) {
        if (a.data.qos.liveliness == Liveliness{}) return;
-       const ParameterScope scope(w, 0x001b);
+       const ParameterScope scope(w, pid::kLiveliness);
        write_enum(w, a.data.qos.liveliness.kind);
        write_time(w, a.data.qos.liveliness.lease_duration);
      }},
-    enum_row<0x001f, &Qos::ownership, OwnershipKind::exclusive>(),
-    number_row<0x0006, &Qos::ownership_strength>(),
-    enum_row<0x0025, &Qos::destination_order, DestinationOrderKind::by_source>(),
-    {0x0021, read_presentation,
+    enum_row<pid::kOwnership, &Qos::ownership, OwnershipKind::exclusive>(),
+    number_row<pid::kOwnershipStrength, &Qos::ownership_strength>(),
+    enum_row<pid::kDestinationOrder, &Qos::destination_order, DestinationOrderKind::by_source>(),
+    {pid::kPresentation, read_presentation,
      [](SpanWriter& w, const Announced& a) {
        const auto& value = a.data.qos.presentation;
        if (value == Presentation{}) return;
-       const ParameterScope scope(w, 0x0021);
+       const ParameterScope scope(w, pid::kPresentation);
        write_enum(w, value.scope);
        w.write(std::uint8_t{value.coherent_access});
        w.write(std::uint8_t{value.ordered_access});
      }},
-    {0x0029, read_partition, write_partition},
-    number_row<0x0049, &Qos::transport_priority>(),
-    {0x0073, read_representation, write_representation},
-    {0x0074, read_type_consistency, write_type_consistency},
-    opaque_row<0x002c, &Qos::user_data>(),
-    opaque_row<0x002d, &Qos::group_data>(),
-    opaque_row<0x002e, &Qos::topic_data>(),
-    locator_row<0x002f, &EndpointData::unicast>(),
-    locator_row<0x0030, &EndpointData::multicast>(),
-    {0x0052,
+    {pid::kPartition, read_partition, write_partition},
+    number_row<pid::kTransportPriority, &Qos::transport_priority>(),
+    {pid::kDataRepresentation, read_representation, write_representation},
+    {pid::kTypeConsistencyEnforcement, read_type_consistency, write_type_consistency},
+    opaque_row<pid::kUserData, &Qos::user_data>(),
+    opaque_row<pid::kGroupData, &Qos::group_data>(),
+    opaque_row<pid::kTopicData, &Qos::topic_data>(),
+    locator_row<pid::kUnicastLocator, &EndpointData::unicast>(),
+    locator_row<pid::kMulticastLocator, &EndpointData::multicast>(),
+    {pid::kGroupGuid,
      [](Reader& r, Announced& a) -> Status {
        DDSSEC_ASSIGN_OR_RETURN(a.data.group_guid, read_guid(r));
        return {};
      },
      [](SpanWriter& w, const Announced& a) {
        if (!a.data.group_guid) return;
-       const ParameterScope scope(w, 0x0052);
+       const ParameterScope scope(w, pid::kGroupGuid);
        w.write_bytes(a.data.group_guid->octets());
      }},
-    {0x0043,
+    {pid::kExpectsInlineQos,
      [](Reader& r, Announced& a) -> Status {
        DDSSEC_ASSIGN_OR_RETURN(const auto expects_inline_qos, r.read<std::uint8_t>());
        a.data.expects_inline_qos = expects_inline_qos != 0;
@@ -388,7 +386,7 @@ constexpr Row kTable[] = {
      },
      [](SpanWriter& w, const Announced& a) {
        if (!a.data.expects_inline_qos) return;
-       const ParameterScope scope(w, 0x0043);
+       const ParameterScope scope(w, pid::kExpectsInlineQos);
        w.write(std::uint8_t{1});
      }},
     {pid::kContentFilterProperty,
@@ -466,11 +464,11 @@ Result<EndpointData> read_subscription_data(BytesView payload) {
 }
 
 Result<Guid> read_endpoint_key(BytesView payload) {
-  return read_guid_key(payload, kPidEndpointGuid);
+  return read_guid_key(payload, pid::kEndpointGuid);
 }
 
 void write_endpoint_key(SpanWriter& out, const Guid& guid) {
-  write_guid_key(out, kPidEndpointGuid, guid);
+  write_guid_key(out, pid::kEndpointGuid, guid);
 }
 
 }  // namespace ddssec::rtps

@@ -8,8 +8,6 @@ namespace ddssec::rtps {
 namespace {
 
 using ParticipantRow = ParameterRow<ParticipantData>;
-constexpr ParameterId kPidParticipantGuid = 0x0050;
-constexpr ParameterId kPidVendorVersion = 0x8007;  // PID_ADLINK_PARTICIPANT_VERSION_INFO
 
 Status read_property_list(Reader& reader, spi::PropertyList& out) {
   DDSSEC_ASSIGN_OR_RETURN(const auto count, reader.read_count(8));
@@ -25,7 +23,7 @@ Status read_property_list(Reader& reader, spi::PropertyList& out) {
 void write_property_list(SpanWriter& out, const spi::PropertyList& properties) {
   const auto count = std::ranges::count_if(properties, &spi::Property::propagate);
   if (count == 0) return;
-  const ParameterScope scope(out, 0x0059);
+  const ParameterScope scope(out, pid::kPropertyList);
   out.write(static_cast<std::uint32_t>(count));
   for (const auto& property : properties) {
     if (!property.propagate) continue;
@@ -56,46 +54,47 @@ constexpr ParticipantRow participant_locator_row() {
 }
 
 constexpr ParticipantRow kParticipantTable[] = {
-    {0x0015,
+    {pid::kProtocolVersion,
      [](Reader& r, ParticipantData& d) -> Status {
        DDSSEC_ASSIGN_OR_RETURN(const auto octets, r.read_bytes(2));
        d.version = ProtocolVersion::from(octets);
        return {};
      },
      [](SpanWriter& w, const ParticipantData& d) {
-       const ParameterScope scope(w, 0x0015);
+       const ParameterScope scope(w, pid::kProtocolVersion);
        w.write_bytes(d.version.view());
      }},
-    {0x0016,
+    {pid::kVendorId,
      [](Reader& r, ParticipantData& d) -> Status {
        DDSSEC_ASSIGN_OR_RETURN(const auto octets, r.read_bytes(2));
        d.vendor = VendorId::from(octets);
        return {};
      },
      [](SpanWriter& w, const ParticipantData& d) {
-       const ParameterScope scope(w, 0x0016);
+       const ParameterScope scope(w, pid::kVendorId);
        w.write_bytes(d.vendor.view());
      }},
-    {kPidVendorVersion, read_vendor_version, [](SpanWriter&, const ParticipantData&) {}, true},
-    {kPidParticipantGuid,
+    {pid::kAdlinkParticipantVersionInfo, read_vendor_version,
+     [](SpanWriter&, const ParticipantData&) {}, true},
+    {pid::kParticipantGuid,
      [](Reader& r, ParticipantData& d) -> Status {
        DDSSEC_ASSIGN_OR_RETURN(d.guid, read_guid(r));
        if (d.guid.entity != kEntityIdParticipant) return fail(Code::rtps_parameter_invalid);
        return {};
      },
      [](SpanWriter& w, const ParticipantData& d) {
-       const ParameterScope scope(w, kPidParticipantGuid);
+       const ParameterScope scope(w, pid::kParticipantGuid);
        w.write_bytes(d.guid.octets());
      },
      false, true},
-    {0x000f,
+    {pid::kDomainId,
      [](Reader& r, ParticipantData& d) -> Status {
        DDSSEC_ASSIGN_OR_RETURN(d.domain_id, r.read<std::uint32_t>());
        return {};
      },
      [](SpanWriter& w, const ParticipantData& d) {
        if (!d.domain_id) return;
-       const ParameterScope scope(w, 0x000f);
+       const ParameterScope scope(w, pid::kDomainId);
        w.write(*d.domain_id);
      }},
     {0x4014,
@@ -108,60 +107,63 @@ constexpr ParticipantRow kParticipantTable[] = {
        const ParameterScope scope(w, 0x4014);
        write_text(w, d.domain_tag);
      }},
-    {0x0058,
+    {pid::kBuiltinEndpointSet,
      [](Reader& r, ParticipantData& d) -> Status {
        DDSSEC_ASSIGN_OR_RETURN(d.builtin_endpoints, r.read<std::uint32_t>());
        return {};
      },
      [](SpanWriter& w, const ParticipantData& d) {
-       const ParameterScope scope(w, 0x0058);
+       const ParameterScope scope(w, pid::kBuiltinEndpointSet);
        w.write(d.builtin_endpoints);
      },
      false, true},
-    {0x0002,
+    {pid::kParticipantLeaseDuration,
      [](Reader& r, ParticipantData& d) -> Status {
        DDSSEC_ASSIGN_OR_RETURN(d.lease_duration, read_duration(r));
        return {};
      },
      [](SpanWriter& w, const ParticipantData& d) {
-       const ParameterScope scope(w, 0x0002);
+       const ParameterScope scope(w, pid::kParticipantLeaseDuration);
        write_time(w, d.lease_duration);
      }},
-    participant_locator_row<0x0032, &ParticipantData::metatraffic_unicast>(),
-    participant_locator_row<0x0033, &ParticipantData::metatraffic_multicast>(),
-    participant_locator_row<0x0031, &ParticipantData::default_unicast>(),
-    participant_locator_row<0x0048, &ParticipantData::default_multicast>(),
-    {0x0034,
+    participant_locator_row<pid::kMetatrafficUnicastLocator,
+                            &ParticipantData::metatraffic_unicast>(),
+    participant_locator_row<pid::kMetatrafficMulticastLocator,
+                            &ParticipantData::metatraffic_multicast>(),
+    participant_locator_row<pid::kDefaultUnicastLocator, &ParticipantData::default_unicast>(),
+    participant_locator_row<pid::kDefaultMulticastLocator, &ParticipantData::default_multicast>(),
+    {pid::kParticipantManualLivelinessCount,
      [](Reader& r, ParticipantData& d) -> Status {
        DDSSEC_ASSIGN_OR_RETURN(d.manual_liveliness_count, r.read<std::int32_t>());
        return {};
      },
      [](SpanWriter& w, const ParticipantData& d) {
        if (d.manual_liveliness_count == 0) return;
-       const ParameterScope scope(w, 0x0034);
+       const ParameterScope scope(w, pid::kParticipantManualLivelinessCount);
        w.write(d.manual_liveliness_count);
      }},
-    {0x0062,
+    {pid::kEntityName,
      [](Reader& r, ParticipantData& d) -> Status {
        DDSSEC_ASSIGN_OR_RETURN(d.entity_name, read_bounded_string(r, kMostNameLength));
        return {};
      },
      [](SpanWriter& w, const ParticipantData& d) {
        if (d.entity_name.empty()) return;
-       const ParameterScope scope(w, 0x0062);
+       const ParameterScope scope(w, pid::kEntityName);
        write_text(w, d.entity_name);
      }},
-    {0x002c,
+    {pid::kUserData,
      [](Reader& r, ParticipantData& d) -> Status {
        DDSSEC_ASSIGN_OR_RETURN(d.user_data, read_opaque(r));
        return {};
      },
      [](SpanWriter& w, const ParticipantData& d) {
        if (d.user_data.empty()) return;
-       const ParameterScope scope(w, 0x002c);
+       const ParameterScope scope(w, pid::kUserData);
        write_opaque(w, d.user_data);
      }},
-    {0x0059, [](Reader& r, ParticipantData& d) { return read_property_list(r, d.properties); },
+    {pid::kPropertyList,
+     [](Reader& r, ParticipantData& d) { return read_property_list(r, d.properties); },
      [](SpanWriter& w, const ParticipantData& d) { write_property_list(w, d.properties); }},
     {pid::kIdentityToken,
      [](Reader& r, ParticipantData& d) { return read_token_into(r, d.identity_token); },
@@ -204,11 +206,11 @@ Result<ParticipantData> read_participant_data(BytesView payload) {
 }
 
 Result<Guid> read_participant_key(BytesView payload) {
-  return read_guid_key(payload, kPidParticipantGuid);
+  return read_guid_key(payload, pid::kParticipantGuid);
 }
 
 void write_participant_key(SpanWriter& out, const Guid& guid) {
-  write_guid_key(out, kPidParticipantGuid, guid);
+  write_guid_key(out, pid::kParticipantGuid, guid);
 }
 
 bool is_of_domain(const ParticipantData& data, DomainId domain_id, std::string_view domain_tag) {

@@ -11,17 +11,6 @@
 
 namespace ddssec::rtps {
 
-namespace pid {
-inline constexpr ParameterId kIdentityToken = 0x1001;
-inline constexpr ParameterId kPermissionsToken = 0x1002;
-inline constexpr ParameterId kDataTags = 0x1003;
-inline constexpr ParameterId kEndpointSecurityInfo = 0x1004;
-inline constexpr ParameterId kParticipantSecurityInfo = 0x1005;
-// DDS-Security 1.2, clauses 7.5.1.4 and 7.5.1.5; peers of other vendors skip them.
-inline constexpr ParameterId kParticipantCiphers = 0x1012;
-inline constexpr ParameterId kEndpointCiphers = 0x1013;
-}  // namespace pid
-
 Status read_token_into(Reader& reader, std::optional<spi::Token>& token);
 void write_token(SpanWriter& out, ParameterId id, const std::optional<spi::Token>& token);
 /// Also accepts the 12-octet form of DDS-Security 1.2. Writes the 8-octet form, which all peers can

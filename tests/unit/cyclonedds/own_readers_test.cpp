@@ -43,7 +43,7 @@ Bytes list_of(const Told& told) {
     out.write_bytes(told.user_data);
   }
   {
-    const rtps::ParameterScope guid(out, kEndpointGuid);
+    const rtps::ParameterScope guid(out, pid::kEndpointGuid);
     out.write_bytes(told.reader.octets());
   }
   rtps::write_sentinel(out);
@@ -200,7 +200,7 @@ TEST_F(OwnReaders_, EndAlsoWhenTheHostSaysIt) {
   write(out, Disposal{.reader = rtps::kSubscriptionsSecureReader,
                       .writer = rtps::kSubscriptionsSecureWriter,
                       .number = rtps::SequenceNumber{8},
-                      .key = kEndpointGuid,
+                      .key = pid::kEndpointGuid,
                       .gone = kReader});
   octets.resize(out.size());
   EXPECT_EQ(said(octets), octets);

@@ -61,7 +61,7 @@ struct ReaderEnds_ : ::testing::Test {
     rtps::SpanWriter parameters(list);
     parameters.write_bytes(std::array<std::uint8_t, 4>{0, 3, 0, 0});
     {
-      const rtps::ParameterScope key(parameters, kEndpointGuid);
+      const rtps::ParameterScope key(parameters, pid::kEndpointGuid);
       parameters.write_bytes(guid.octets());
     }
     rtps::write_sentinel(parameters);
