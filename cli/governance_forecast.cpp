@@ -14,8 +14,10 @@ namespace {
 enum class Live : std::uint8_t {
   same,
   live,
-  live_unless_in_use,  ///< a rule comes before others: its topics may be in use
+  two_phases,          ///< topics are protected more
+  live_unless_in_use,  ///< a rule comes before others, or protects more: its topics may be in use
   live_if_believed,    ///< another CA signed it
+  rolled_back,         ///< its revision is not higher
   restart,
 };
 
@@ -25,10 +27,14 @@ std::string_view live_word(Live live) {
       return "same";
     case Live::live:
       return "live";
+    case Live::two_phases:
+      return "two phases";
     case Live::live_unless_in_use:
       return "live unless in use";
     case Live::live_if_believed:
       return "live if the signer is believed";
+    case Live::rolled_back:
+      return "refused as a roll-back";
     case Live::restart:
       return "restart";
   }
@@ -49,10 +55,23 @@ struct Forecast {
   }
 };
 
+/// Of both hosts on ddssec's plugins.
+struct Forecasts {
+  Forecast embedded, cyclonedds;
+
+  void add(Live next, const std::string& why, int at) {
+    embedded.add(next, why, at);
+    cyclonedds.add(next, why, at);
+  }
+  const Forecast& worse() const {
+    return embedded.outcome > cyclonedds.outcome ? embedded : cyclonedds;
+  }
+};
+
 void add_domain(const governance::DomainRule& before, const governance::DomainRule* after,
-                Forecast& out) {
+                Forecasts& out) {
   if (after == nullptr) return out.add(Live::restart, "a domain has no rule any more", 0);
-  const auto added = governance::added_topic_rules(before, *after);
+  const auto added = governance::live_change(before, *after);
   if (!added) {
     const auto& details = added.error().details();
     const auto why =
@@ -61,22 +80,39 @@ void add_domain(const governance::DomainRule& before, const governance::DomainRu
             : fmt::format("{}: {} became {}", details.field, details.expected, details.found);
     return out.add(Live::restart, why, details.line);
   }
+  if (!added->raised.empty()) {
+    const auto& raised = *added->raised.front();
+    const auto why = fmt::format("more protection for \"{}\"", raised.topic_expression);
+    out.embedded.add(Live::two_phases, why, raised.line);
+    out.cyclonedds.add(Live::live_unless_in_use, why, raised.line);
+  }
   if (added->rules.empty()) return;
   const auto& first = *added->rules.front();
   out.add(added->are_last ? Live::live : Live::live_unless_in_use,
           fmt::format("a further rule for \"{}\"", first.topic_expression), first.line);
 }
 
-Forecast forecast(const governance::Governance& before, const governance::Governance& after) {
+/// A document with the revision of the former one must say the same.
+void add_revision(const governance::Governance& before, const governance::Governance& after,
+                  Forecasts& out) {
+  const bool is_same = out.worse().outcome == Live::same;
+  if (after.revision > before.revision || before.revision == 0) return;
+  if (after.revision == 0 || (after.revision == before.revision && is_same)) return;
+  out.add(Live::rolled_back,
+          fmt::format("revision {} does not follow {}", after.revision, before.revision), 0);
+}
+
+Forecasts forecast(const governance::Governance& before, const governance::Governance& after) {
   std::set<std::string> tags{""};
   for (const auto* document : {&before, &after})
     for (const auto& rule : document->domain_rules)
       for (const auto& tag : rule.domains.tags) tags.insert(tag.text);
-  Forecast out;
+  Forecasts out;
   for (DomainId domain = 0; domain <= governance::kHighestDomainId; ++domain)
     for (const auto& tag : tags)
       if (const auto* rule = before.find(domain, tag))
         add_domain(*rule, after.find(domain, tag), out);
+  add_revision(before, after, out);
   return out;
 }
 
@@ -86,10 +122,14 @@ std::string_view in_words(Live live) {
       return "nothing changes";
     case Live::live:
       return "taken while they run";
+    case Live::two_phases:
+      return "taken while they run, in two phases, if it has a higher revision";
     case Live::live_unless_in_use:
       return "taken while they run; restart those that use one of its topics";
     case Live::live_if_believed:
       return "refused, unless the new signer is one of their permissions CAs";
+    case Live::rolled_back:
+      return "refused as a roll-back: sign it anew";
     case Live::restart:
       return "restart";
   }
@@ -105,19 +145,31 @@ void add_forecast(const governance::Governance& before, const governance::Govern
   if (!before_signer.empty() && !after_signer.empty() && before_signer != after_signer)
     ours.add(Live::live_if_believed, "another CA signed the new document", 0);
   const auto& result = report.result;
+  const auto& worse = ours.worse();
   const bool is_same =
-      ours.outcome == Live::same && result["changes"].empty() && result["rewritten"].empty();
+      worse.outcome == Live::same && result["changes"].empty() && result["rewritten"].empty();
   const auto stock = is_same ? Live::same : Live::restart;
-  constexpr std::string_view kHeading = "running participants: ";
-  const auto reason = ours.reason.empty() ? std::string() : fmt::format("({})", shown(ours.reason));
-  report.text +=
-      wrapped(kHeading, {"on ddssec's plugins:", std::string(in_words(ours.outcome)), reason});
-  report.text += wrapped(std::string(kHeading.size(), ' '),
-                         {"on those of Cyclone DDS and Fast DDS:", std::string(in_words(stock))});
-  report.result["live"] = {{"ddssec", live_word(ours.outcome)},
+  std::string heading = "running participants: ";
+  const auto add = [&](std::string host, const Forecast& what) {
+    const auto reason =
+        what.reason.empty() ? std::string() : fmt::format("({})", shown(what.reason));
+    report.text +=
+        wrapped(heading, {std::move(host), std::string(in_words(what.outcome)), reason});
+    heading = std::string(heading.size(), ' ');
+  };
+  if (ours.embedded.outcome == ours.cyclonedds.outcome) {
+    add("on ddssec's plugins:", worse);
+  } else {
+    add("embedded participants of ddssec:", ours.embedded);
+    add("Cyclone DDS on ddssec's plugins:", ours.cyclonedds);
+  }
+  add("on those of Cyclone DDS and Fast DDS:", {.outcome = stock});
+  report.result["live"] = {{"ddssec", live_word(worse.outcome)},
+                           {"embedded", live_word(ours.embedded.outcome)},
+                           {"cyclonedds", live_word(ours.cyclonedds.outcome)},
                            {"stock", live_word(stock)},
-                           {"reason", ours.reason},
-                           {"at", place(sides.after.path, ours.line)}};
+                           {"reason", worse.reason},
+                           {"at", place(sides.after.path, worse.line)}};
 }
 
 }  // namespace ddssec::cli

@@ -122,6 +122,8 @@ class CompiledGovernance {
       std::shared_ptr<const Governance> governance, DomainId domain, std::string_view tag = {});
 
   const DomainRule& domain_rule() const { return rule_; }
+  /// Of the document; 0: it has none.
+  std::uint32_t revision() const { return governance_->revision; }
   /// The first topic rule whose expression matches, or nullptr.
   const TopicRule* topic_rule(std::string_view topic) const;
 

@@ -77,8 +77,64 @@ Status check_discovery(const DomainRule& former, const TopicRule& added) {
                .note = "participants that run hear no unprotected discovery"});
 }
 
-bool is_same(const TopicRule& a, const TopicRule& b) {
-  return a.topic_expression == b.topic_expression && protect_alike(a, b);
+/// NONE, SIGN, ENCRYPT.
+int strength(ProtectionKind kind) { return is_encrypted(kind) ? 2 : is_protected(kind) ? 1 : 0; }
+
+Status check_kind(std::string_view element, const TopicRule& former, const TopicRule& next,
+                  ProtectionKind TopicRule::*kind) {
+  const auto before = former.*kind, after = next.*kind;
+  if (strength(before) <= strength(after) &&
+      is_origin_authenticated(before) == is_origin_authenticated(after))
+    return {};
+  return differs(element, shown(before), shown(after), next.line);
+}
+
+Status check_control(std::string_view element, const TopicRule& former, const TopicRule& next,
+                     bool TopicRule::*control) {
+  if (next.*control || !(former.*control)) return {};
+  return differs(element, "true", "false", next.line);
+}
+
+/// Whether receivers can tell the two kinds of data apart, and no key hash stands in the clear.
+Status check_data(const TopicRule& former, const DomainRule& domain, const TopicRule& next) {
+  const auto before = strength(former.data_protection_kind),
+             after = strength(next.data_protection_kind);
+  const auto refuse = [&](std::string_view element, std::string expected, ProtectionKind found,
+                          std::string note) {
+    return fail(Code::governance_renewal_refused, {.line = next.line,
+                                                   .field = std::string(element),
+                                                   .expected = std::move(expected),
+                                                   .found = shown(found),
+                                                   .note = std::move(note)});
+  };
+  if (before == after) return {};
+  if (before == 0 && !is_protected(next.metadata_protection_kind))
+    return refuse("metadata_protection_kind", "SIGN or ENCRYPT", next.metadata_protection_kind,
+                  "data that was not protected can become so while participants run only if "
+                  "submessages are protected, too");
+  if (after == 2 && !is_encrypted(next.metadata_protection_kind) &&
+      !is_encrypted(domain.rtps_protection_kind))
+    return refuse("metadata_protection_kind", "ENCRYPT", next.metadata_protection_kind,
+                  "data can become encrypted while participants run only if submessages or "
+                  "messages are encrypted, too: key hashes stand beside the data");
+  return {};
+}
+
+/// Success if the rule of `next` protects everything that the other one does.
+Status check_raised(const TopicRule& former, const DomainRule& domain, const TopicRule& next) {
+  DDSSEC_RETURN_IF_ERROR(check_same("enable_discovery_protection", former, next,
+                                    &TopicRule::enable_discovery_protection));
+  DDSSEC_RETURN_IF_ERROR(check_same("enable_liveliness_protection", former, next,
+                                    &TopicRule::enable_liveliness_protection));
+  DDSSEC_RETURN_IF_ERROR(check_control("enable_read_access_control", former, next,
+                                       &TopicRule::enable_read_access_control));
+  DDSSEC_RETURN_IF_ERROR(check_control("enable_write_access_control", former, next,
+                                       &TopicRule::enable_write_access_control));
+  DDSSEC_RETURN_IF_ERROR(check_kind("metadata_protection_kind", former, next,
+                                    &TopicRule::metadata_protection_kind));
+  DDSSEC_RETURN_IF_ERROR(
+      check_kind("data_protection_kind", former, next, &TopicRule::data_protection_kind));
+  return check_data(former, domain, next);
 }
 
 }  // namespace
@@ -97,25 +153,39 @@ bool protect_alike(const TopicRule& a, const TopicRule& b) {
          a.data_protection_kind == b.data_protection_kind;
 }
 
-Result<AddedTopicRules> added_topic_rules(const DomainRule& former, const DomainRule& next) {
+Status check_topic_change(const TopicRule& former, const DomainRule& domain,
+                          const TopicRule& next) {
+  return protect_alike(former, next) ? Status() : check_raised(former, domain, next);
+}
+
+// A rule with the awaited expression is taken for the former one if it fits, and for an added one
+// before it if not; then the former one is missed in the end, and the first misfit is the reason.
+Result<LiveChange> live_change(const DomainRule& former, const DomainRule& next) {
   DDSSEC_RETURN_IF_ERROR(check_domain(former, next));
-  AddedTopicRules out;
+  LiveChange out;
+  Status misfit;
   auto awaited = former.topic_rules.begin();
   for (const auto& rule : next.topic_rules) {
-    if (awaited != former.topic_rules.end() && is_same(*awaited, rule)) {
-      ++awaited;
-      continue;
+    if (awaited != former.topic_rules.end() && awaited->topic_expression == rule.topic_expression) {
+      const auto fits = check_topic_change(*awaited, next, rule);
+      if (fits) {
+        if (!protect_alike(*awaited, rule)) out.raised.push_back(&rule);
+        ++awaited;
+        continue;
+      }
+      if (misfit) misfit = fits;  // the first
     }
     DDSSEC_RETURN_IF_ERROR(check_discovery(former, rule));
     out.are_last = out.are_last && awaited == former.topic_rules.end();
     out.rules.push_back(&rule);
   }
   if (awaited == former.topic_rules.end()) return out;
+  if (!misfit) return std::unexpected(std::move(misfit).error());
   return fail(Code::governance_renewal_refused,
               {.line = next.line,
                .field = "topic_rule",
                .expected = "the rule for \"" + awaited->topic_expression +
-                           "\" with its values and at its place",
+                           "\" with at least its protection, and at its place",
                .found = "another rule or none"});
 }
 

@@ -11,22 +11,33 @@ namespace ddssec::governance {
 /// True if both rules protect and control a topic in the same way.
 bool protect_alike(const TopicRule& a, const TopicRule& b);
 
+/// Success if a topic under `former` can come under `next`, a rule of `domain`, while endpoints of it
+/// exist: it is protected alike, or more in one of the ways that live_change describes. Error:
+/// governance_renewal_refused.
+Status check_topic_change(const TopicRule& former, const DomainRule& domain, const TopicRule& next);
+
 /// True if the discovery of every topic is protected. Then hosts close the unprotected discovery
 /// when a participant is made, and hear none for as long as it lives.
 bool protects_all_discovery(const DomainRule& rule);
 
-/// What `next` has more than `former`.
-struct AddedTopicRules {
-  std::vector<const TopicRule*> rules;  ///< of `next`, in its order
+/// What `next` has more than `former`, and what it protects more.
+struct LiveChange {
+  std::vector<const TopicRule*> rules;  ///< added ones, of `next`, in its order
   /// All of them come after the rules of `former`: they decide only for topics that had no rule.
   bool are_last = true;
+  std::vector<const TopicRule*> raised;  ///< of `next`: rules that were there with less protection
 };
 
-/// Success if `next` has everything that `former` has: the same elements of the domain rule, and
-/// all its topic rules in the same order with the same values. It may have more topic rules, at any
-/// place, but none without discovery protection if `former` protects all discovery. Other domains
-/// do not count. Error: governance_renewal_refused, with the first element that differs, both
-/// values, and the line in `next`.
-Result<AddedTopicRules> added_topic_rules(const DomainRule& former, const DomainRule& next);
+/// Success if a running participant can take `next` in place of `former`: the same elements of the
+/// domain rule, and all its topic rules in the same order. It may have more topic rules, at any
+/// place, but none without discovery protection if `former` protects all discovery. Topic rules may
+/// have other values where that raises what they protect: metadata_protection_kind and
+/// data_protection_kind from NONE to SIGN to ENCRYPT, both access controls from false to true. Data
+/// that was not protected needs metadata_protection_kind in `next`, and data that was not encrypted
+/// needs encrypted submessages or messages there: a receiver must know for each sample which rule
+/// counts, and instances keep their key hashes. Origin authentication, discovery and liveliness stay.
+/// Other domains do not count. Error: governance_renewal_refused, with the first element that does
+/// not fit, both values, and the line in `next`.
+Result<LiveChange> live_change(const DomainRule& former, const DomainRule& next);
 
 }  // namespace ddssec::governance

@@ -125,6 +125,9 @@ struct DomainRule {
 /// A governance document (DDS-Security 1.2, clause 10.4.1.2).
 struct Governance {
   std::vector<DomainRule> domain_rules = {};
+  /// Counts the documents that were signed one after the other, for running participants; from 1 to
+  /// 2^32 - 1. 0: none. Written as <?ddssec revision="7"?>, which other products ignore.
+  std::uint32_t revision = 0;
   std::vector<Note> notes = {};
 
   /// The first rule whose domains contain the id, or nullptr.

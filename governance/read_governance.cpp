@@ -172,6 +172,7 @@ Result<Governance> read_governance(BytesView xml, int first_line) {
   DDSSEC_ASSIGN_OR_RETURN(const auto body, document_body(document, "domain_access_rules"));
   DDSSEC_ASSIGN_OR_RETURN(const auto children, XmlChildren::of(body, kSpecs));
   Governance governance;
+  governance.revision = document.revision();
   ReadContext context(governance.notes);
   note_byte_order_mark(context, xml, document.root());
   note_end_tags(context, xml, first_line);

@@ -30,10 +30,17 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
+std::string revision_line(std::uint32_t revision) {
+  return fmt::format("<?ddssec revision=\"{}\"?>\n", revision);
+}
+
 /// Lines of XML, two blanks a level.
 class Out {
  public:
-  Out() : text_("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n") {}
+  explicit Out(std::uint32_t revision = 0)
+      : text_("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n") {
+    if (revision != 0) text_ += revision_line(revision);
+  }
 
   void value(std::string_view name, std::string_view content) {
     text_ += fmt::format("{:{}}<{}>{}</{}>\n", "", indent_, name, escaped(content), name);
@@ -169,8 +176,21 @@ void write(Out& out, const Grant& grant, std::string_view fallback_name) {
 
 }  // namespace
 
+std::string with_revision(std::string_view xml, std::uint32_t revision) {
+  const auto declaration = xml.find("<?xml");
+  const auto first = xml.find('<');
+  auto at = first == xml.npos ? 0 : first;
+  if (declaration == first && declaration != xml.npos) {
+    const auto end = xml.find("?>", declaration);
+    at = end == xml.npos ? at : end + 2;
+    if (xml.substr(at).starts_with("\r\n")) at += 2;
+    if (xml.substr(at).starts_with('\n')) ++at;
+  }
+  return std::string(xml.substr(0, at)).append(revision_line(revision)).append(xml.substr(at));
+}
+
 std::string to_xml(const Governance& governance) {
-  Out out;
+  Out out(governance.revision);
   out.element("dds", [&] {
     out.element("domain_access_rules", [&] {
       for (const auto& rule : governance.domain_rules) write(out, rule);

@@ -159,6 +159,15 @@ Result<XmlDocument> XmlDocument::parse(BytesView octets, int first_line) {
 }
 
 XmlElement XmlDocument::root() const { return XmlElement(document_->RootElement()); }
+
+// tinyxml2 calls a processing instruction a declaration.
+std::uint32_t XmlDocument::revision() const {
+  for (const auto* node = document_->FirstChild(); node; node = node->NextSibling())
+    if (node->ToDeclaration())
+      if (const auto found = revision_in(node->Value())) return *found;
+  return 0;
+}
+
 XmlDocument::XmlDocument(std::unique_ptr<Parsed> document) : document_(std::move(document)) {}
 XmlDocument::~XmlDocument() = default;
 XmlDocument::XmlDocument(XmlDocument&&) noexcept = default;

@@ -75,6 +75,8 @@ class XmlDocument {
   static Result<XmlDocument> parse(BytesView octets, int first_line = 1);
 
   XmlElement root() const;
+  /// Of the processing instruction <?ddssec revision="7"?>; 0 without one.
+  std::uint32_t revision() const;
 
   ~XmlDocument();
   XmlDocument(XmlDocument&&) noexcept;

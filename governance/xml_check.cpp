@@ -87,6 +87,8 @@ Status check_characters(std::string_view document) {
   return {};
 }
 
+constexpr std::string_view kRevisionTarget = "<?ddssec";
+
 /// Walks over the markup of one document.
 class MarkupCheck {
  public:
@@ -97,6 +99,7 @@ class MarkupCheck {
     if (is_declaration()) {
       if (auto status = declaration(); !status) return status;
     }
+    DDSSEC_RETURN_IF_ERROR(revision());
     while (at_ < all_.size()) {
       Status status = all_[at_] == '<' ? markup() : text();
       if (!status) return status;
@@ -159,6 +162,25 @@ class MarkupCheck {
                                          .found = is_encoding(value) ? value : "another value"});
     }
     at_ = end + 2;
+    return {};
+  }
+
+  /// <?ddssec revision="7"?>, only here: tinyxml2, which Fast DDS uses too, refuses it after
+  /// anything but the XML declaration.
+  Status revision() {
+    const auto begin = std::min(all_.find_first_not_of(" \t\r\n", at_), all_.size());
+    const auto here = all_.substr(begin);
+    if (!here.starts_with(kRevisionTarget) || here.size() <= kRevisionTarget.size() ||
+        !is_space(here[kRevisionTarget.size()]))
+      return {};
+    at_ = begin;
+    const auto end = here.find("?>");
+    if (end == here.npos) return ill("?>", "the end of the document");
+    if (!revision_in(here.substr(2, end - 2)))
+      return fail(Code::value_not_revision, {.line = line(),
+                                             .field = "<?ddssec ...?>",
+                                             .expected = "revision=\"N\", N from 1 to 4294967295"});
+    at_ += end + 2;
     return {};
   }
 
@@ -323,6 +345,20 @@ Status check_xml(std::string_view document) {
   }
   if (auto status = check_characters(document); !status) return status;
   return MarkupCheck(document).run();
+}
+
+std::optional<std::uint32_t> revision_in(std::string_view instruction) {
+  constexpr std::string_view kBefore = "ddssec revision=\"", kAfter = "\"";
+  if (!instruction.starts_with(kBefore) || !instruction.ends_with(kAfter) ||
+      instruction.size() <= kBefore.size() + kAfter.size())
+    return std::nullopt;
+  const auto digits = instruction.substr(
+      kBefore.size(), instruction.size() - kBefore.size() - kAfter.size());
+  std::uint32_t value = 0;
+  const auto* const end = digits.data() + digits.size();
+  const auto read = std::from_chars(digits.data(), end, value);
+  if (read.ec != std::errc() || read.ptr != end || digits.front() == '0') return std::nullopt;
+  return value;
 }
 
 }  // namespace ddssec::governance

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include "base/result.hpp"
@@ -20,10 +22,15 @@ inline constexpr int kMostXmlAttributes = 64;
 
 /// Checks the octets of a document for everything that tinyxml2 9 accepts or handles badly: size,
 /// depth, number of elements and attributes, UTF-8, control characters, DOCTYPE and other
-/// declarations, processing instructions, entities, text outside the root element. It is a check,
+/// declarations, processing instructions, entities, text outside the root element. One processing
+/// instruction is allowed, right after the XML declaration: <?ddssec revision="7"?>. It is a check,
 /// not a parser: whether start and end tags match is left to the parser. Errors (with line):
-/// xml_too_large, xml_control_character, xml_doctype, xml_entity, xml_encoding,
+/// value_not_revision, xml_too_large, xml_control_character, xml_doctype, xml_entity, xml_encoding,
 /// xml_processing_instruction, xml_too_deep, xml_too_many_attributes, xml_not_well_formed.
 Status check_xml(std::string_view document);
+
+/// The revision in `ddssec revision="7"`, the inside of that processing instruction; empty if it has
+/// another form. From 1 to 2^32 - 1, without leading zeros.
+std::optional<std::uint32_t> revision_in(std::string_view instruction);
 
 }  // namespace ddssec::governance

@@ -23,7 +23,7 @@ class Engines {
         authentication_(authentication::make_authentication(with_record(environment))),
         access_control_(access_control::make_access_control(
             with_record(environment),
-            {.host_revises_keys = true, .host_has_pre_shared_keys = true})),
+            {.host_revises_keys = true, .host_has_pre_shared_keys = true, .host_changes_protection = true})),
         cryptography_(cryptography::make_cryptography(environment)) {}
 
   rtps::SecurityPlugins view() { return {*authentication_, *access_control_, *cryptography_}; }

@@ -148,6 +148,30 @@ class Plugin final : public spi::AccessControl {
     return holder && !holder->remote() ? holder->renewals() : 0;
   }
 
+  std::optional<GovernanceVersion> governance_version(PermissionsHandle local) override {
+    const Holder holder = handles_.find(local);
+    if (!holder) return {};
+    const auto basis = holder->participant()->basis();
+    return GovernanceVersion{basis->governance->revision(), basis->governance_digest};
+  }
+  std::optional<GovernanceVersion> pending_governance(PermissionsHandle local) override {
+    const auto pending = pending_of(local);
+    if (!pending) return {};
+    return GovernanceVersion{pending->governance->revision(), pending->digest};
+  }
+  std::optional<spi::EndpointSecurityAttributes> other_attributes(PermissionsHandle local,
+                                                                  std::string_view topic) override {
+    const Holder holder = handles_.find(local);
+    const auto other =
+        holder && !holder->remote() ? holder->participant()->other_governance() : nullptr;
+    const auto* const rule = other ? other->topic_rule(topic) : nullptr;
+    if (rule == nullptr) return {};
+    return endpoint_attributes(*rule);
+  }
+  void apply_pending_governance(PermissionsHandle local) override {
+    if (const Holder holder = handles_.find(local)) holder->participant()->apply_pending();
+  }
+
   std::optional<WallTime> next_expiry() override;
   std::vector<PermissionsHandle> expire(PermissionsHandle local) override;
 
@@ -192,6 +216,11 @@ class Plugin final : public spi::AccessControl {
                                                             .found = std::to_string(domain_id)}));
     if (!status) return refuse(status.error(), *holder);
     return {};
+  }
+
+  std::shared_ptr<const Participant::Pending> pending_of(PermissionsHandle local) {
+    const Holder holder = handles_.find(local);
+    return holder && !holder->remote() ? holder->participant()->pending() : nullptr;
   }
 
   Result<Grant> grant_now(PermissionsHolder& holder) {

@@ -30,6 +30,9 @@ struct Options {
   /// Take a governance that demands pre-shared keys: the host protects messages by them. Otherwise
   /// such a document is refused, since nothing would be protected.
   bool host_has_pre_shared_keys = false;
+  /// The host gives endpoints that exist the protection of a pending governance document, and then
+  /// applies it. Otherwise a document that changes the protection of topics in use is refused.
+  bool host_changes_protection = false;
   /// Whether the host presents renewed permissions to peers; asked for each local participant. If
   /// not, the permissions that it began with stay in force: what it does not present must not
   /// count.

@@ -93,10 +93,12 @@ Result<Basis> first_basis(const LoadContext& context, const Participant& partici
   Basis out;
   DDSSEC_ASSIGN_OR_RETURN(
       out.ca, in_document(PermissionsCa::load(places.permissions_ca), places.permissions_ca_name));
-  DDSSEC_ASSIGN_OR_RETURN(out.governance,
+  DDSSEC_ASSIGN_OR_RETURN(auto verified,
                           in_document(compile_governance({*out.ca, participant, context.options},
                                                          governance_file, context.now),
                                       places.governance_name));
+  out.governance = std::move(verified.rules);
+  out.governance_digest = verified.digest;
   return out;
 }
 
@@ -137,8 +139,8 @@ Status check_own_size(const DocumentPlaces& places, BytesView file) {
 
 }  // namespace
 
-Result<std::shared_ptr<const governance::CompiledGovernance>> compile_governance(
-    const GovernanceContext& context, BytesView file, WallTime now) {
+Result<VerifiedGovernance> compile_governance(const GovernanceContext& context, BytesView file,
+                                              WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(const auto document, context.ca.verifier().verify(file, now));
   DDSSEC_ASSIGN_OR_RETURN(auto rules,
                           governance::read_governance(document.content(), document.first_line()));
@@ -147,7 +149,7 @@ Result<std::shared_ptr<const governance::CompiledGovernance>> compile_governance
                                              std::move(content), context.participant.domain,
                                              context.participant.domain_tag));
   DDSSEC_RETURN_IF_ERROR(check_enforceable(compiled->domain_rule(), context.options));
-  return compiled;
+  return VerifiedGovernance{std::move(compiled), sha256(document.content())};
 }
 
 Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context,

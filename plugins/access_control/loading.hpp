@@ -22,11 +22,15 @@ struct GovernanceContext {
   const Participant& participant;
   const Options& options;
 };
+struct VerifiedGovernance {
+  std::shared_ptr<const governance::CompiledGovernance> rules;
+  Sha256Digest digest;  ///< of the signed text
+};
 /// The rule for the participant's domain, from a signed file. Errors: those of
 /// pki::DocumentVerifier::verify, governance::read_governance and CompiledGovernance::make,
 /// governance_not_enforceable.
-Result<std::shared_ptr<const governance::CompiledGovernance>> compile_governance(
-    const GovernanceContext& context, BytesView file, WallTime now);
+Result<VerifiedGovernance> compile_governance(const GovernanceContext& context, BytesView file,
+                                              WallTime now);
 
 /// Reads what the properties name: certificate, permissions CA, governance and permissions, and
 /// finds the grant. Errors: access_not_configured, access_document_missing, missing_property,

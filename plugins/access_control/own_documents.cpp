@@ -28,6 +28,20 @@ Result<std::optional<Bytes>> one_that_fits(BytesView octets, const DocumentWatch
   return std::move(*present);
 }
 
+/// What is new in a document in force, for its event; empty: nothing but its form.
+std::optional<Error> changed(const governance::DomainRule& former,
+                             const governance::DomainRule& next) {
+  const auto change = governance::live_change(former, next);
+  if (!change || (change->rules.empty() && change->raised.empty())) return std::nullopt;
+  const auto& rules = change->rules.empty() ? change->raised : change->rules;
+  return Error(Code::governance_renewed,
+               {.line = rules.front()->line,
+                .field = "topic_rule",
+                .found = std::to_string(rules.size()) +
+                         (change->rules.empty() ? " with more protection" : " more") +
+                         ", the first for \"" + rules.front()->topic_expression + "\""});
+}
+
 }  // namespace
 
 struct OwnDocuments::Renewal {
@@ -90,6 +104,7 @@ std::vector<Error> OwnDocuments::renew(PermissionsHolder& holder, Participant& p
   const Renewal now{holder, participant, documents, clock};
   std::vector<Error> events;
   const auto renewals = holder.renewals();
+  if (const auto applied = note_applied(participant)) events.push_back(*applied);
   // The CAs come first: a renewed document may be signed by a new one.
   renew_identity_authorities(now);
   renew_authorities(now, events);
@@ -127,7 +142,8 @@ Status OwnDocuments::take_authorities(const Renewal& now,
     for (const auto& ca : next) DDSSEC_RETURN_IF_ERROR(check_authority(*allowed, ca));
   const auto time = now.clock.now();
   const auto fits_governance = [&](BytesView file) -> Status {
-    DDSSEC_ASSIGN_OR_RETURN(basis, judge_governance(now, basis, file));
+    DDSSEC_ASSIGN_OR_RETURN(auto judged, judge_governance(now, basis, file));
+    basis = std::move(judged.basis);
     return {};
   };
   DDSSEC_ASSIGN_OR_RETURN(auto&& governance,
@@ -175,37 +191,58 @@ void OwnDocuments::renew_identity_authorities(const Renewal& now) {
 
 // ---- governance
 
-Result<Basis> OwnDocuments::judge_governance(const Renewal& now, const Basis& basis,
-                                             BytesView file) const {
-  auto next = basis;
+Result<OwnDocuments::Judged> OwnDocuments::judge_governance(const Renewal& now, const Basis& basis,
+                                                            BytesView file) const {
+  Judged out{basis};
   DDSSEC_ASSIGN_OR_RETURN(
-      next.governance,
-      compile_governance({*basis.ca, now.participant, options_}, file, now.clock.now()));
-  DDSSEC_RETURN_IF_ERROR(now.participant.check_governance(*next.governance));
-  return next;
+      auto verified, compile_governance({*basis.ca, now.participant, options_}, file, now.clock.now()));
+  DDSSEC_ASSIGN_OR_RETURN(const auto change, now.participant.check_governance(*verified.rules));
+  out.basis.governance = std::move(verified.rules);
+  out.basis.governance_digest = verified.digest;
+  out.is_phased = change == Participant::Change::phased;
+  return out;
+}
+
+Status OwnDocuments::take_governance(const Renewal& now, const Basis& former, BytesView file) {
+  DDSSEC_ASSIGN_OR_RETURN(auto judged, judge_governance(now, former, file));
+  if (judged.is_phased && options_.host_changes_protection) {
+    now.participant.set_pending(
+        {judged.basis.governance, judged.basis.governance_digest});
+    governance_waiting_ = to_bytes(file);
+    return {};
+  }
+  DDSSEC_RETURN_IF_ERROR(now.participant.set_basis(std::move(judged.basis)));
+  governance_in_force_ = to_bytes(file);
+  return {};
+}
+
+std::optional<Error> OwnDocuments::note_applied(const Participant& participant) {
+  if (!governance_waiting_ || participant.pending()) return std::nullopt;
+  governance_in_force_ = *std::exchange(governance_waiting_, std::nullopt);
+  return Error(Code::governance_renewed,
+               {.document = governance_.name(),
+                .field = "revision",
+                .found = std::to_string(participant.basis()->governance->revision())});
 }
 
 void OwnDocuments::renew_governance(const Renewal& now, std::vector<Error>& events) {
+  if (governance_waiting_) return;
   const auto former = now.participant.basis();
-  const auto taken = governance_.look(now.clock.monotonic(), [&](BytesView file) -> Status {
-    DDSSEC_ASSIGN_OR_RETURN(auto next, judge_governance(now, *former, file));
-    DDSSEC_RETURN_IF_ERROR(now.participant.set_basis(std::move(next)));
-    governance_in_force_ = to_bytes(file);
-    return {};
+  const auto taken = governance_.look(now.clock.monotonic(), [&](BytesView file) {
+    return take_governance(now, *former, file);
   });
   if (!taken) events.push_back(taken.error());
   if (!taken || !*taken) return;
-  const auto basis = now.participant.basis();
-  const auto added = governance::added_topic_rules(former->governance->domain_rule(),
-                                                   basis->governance->domain_rule());
-  if (added && !added->rules.empty())
-    events.emplace_back(
-        Code::governance_renewed,
-        ErrorDetails{.document = governance_.name(),
-                     .line = added->rules.front()->line,
-                     .field = "topic_rule",
-                     .found = std::to_string(added->rules.size()) + " more, the first for \"" +
-                              added->rules.front()->topic_expression + "\""});
+  if (const auto pending = now.participant.pending()) {
+    events.emplace_back(Code::governance_changing,
+                        ErrorDetails{.document = governance_.name(),
+                                     .field = "revision",
+                                     .found = std::to_string(pending->governance->revision())});
+    return;
+  }
+  if (const auto what = changed(former->governance->domain_rule(),
+                                now.participant.basis()->governance->domain_rule()))
+    events.emplace_back(Code::governance_renewed, what->in(governance_.name()).details());
 }
 
 // ---- permissions

@@ -42,7 +42,9 @@ class OwnDocuments {
   /// Takes what the files hold, if they have changed:
   /// - Other permissions CAs, if the governance and the permissions of the participant are signed
   ///   by one of them: those in force, or else those in the files now, which then come into force.
-  /// - A governance document that only adds topic rules, none of them for a topic in use.
+  /// - A governance document that only adds topic rules, none of them for a topic in use. One that
+  ///   protects topics in use more waits as the participant's pending document, if the host changes
+  ///   endpoints that exist; until it is applied, no other one is looked at.
   /// - Renewed permissions, as PermissionsHolder::take has it; none if the host does not present
   ///   them.
   /// - Further identity CAs, where the governance restricts algorithms. Authentication decides
@@ -60,7 +62,16 @@ class OwnDocuments {
   void renew_permissions(const Renewal& now, std::vector<Error>& events);
   void renew_identity_authorities(const Renewal& now);
   Status take_authorities(const Renewal& now, const std::vector<pki::Certificate>& next);
-  Result<Basis> judge_governance(const Renewal& now, const Basis& basis, BytesView file) const;
+  /// A governance document that may take the place of the one in force.
+  struct Judged {
+    Basis basis;
+    bool is_phased = false;
+  };
+  Result<Judged> judge_governance(const Renewal& now, const Basis& basis, BytesView file) const;
+  /// Empty: the document that waited waits still, or none does.
+  std::optional<Error> note_applied(const Participant& participant);
+  /// What the file holds now, in force or pending.
+  Status take_governance(const Renewal& now, const Basis& former, BytesView file);
 
   const Options options_;
   const bool permissions_stay_;
@@ -69,6 +80,7 @@ class OwnDocuments {
   DocumentWatch permissions_;
   DocumentWatch identity_authorities_;
   Bytes governance_in_force_;
+  std::optional<Bytes> governance_waiting_;
 };
 
 }  // namespace ddssec::access_control

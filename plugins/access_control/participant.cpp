@@ -10,6 +10,57 @@ bool are_alike(const governance::TopicRule* former, const governance::TopicRule*
   return governance::protect_alike(*former, *next);
 }
 
+/// A document with the revision in force has the content in force.
+bool is_same_revision(const governance::CompiledGovernance& former,
+                      const governance::CompiledGovernance& next) {
+  return next.revision() != 0 && next.revision() == former.revision();
+}
+
+Error old_revision(const governance::CompiledGovernance& former,
+                   const governance::CompiledGovernance& next) {
+  const auto revision = next.revision();
+  return Error(Code::governance_renewal_refused,
+               {.field = "revision",
+                .expected = "more than " + std::to_string(former.revision()) + ", the one in force",
+                .found = revision == 0 ? "none" : std::to_string(revision),
+                .hint = "sign the document anew with ddssec governance sign, which writes the next "
+                        "revision, if it is not an old one that was put back"});
+}
+
+Status check_has_revision(const governance::CompiledGovernance& next,
+                          const governance::TopicRule& raised) {
+  if (next.revision() != 0) return {};
+  return fail(Code::governance_renewal_refused,
+              {.line = raised.line,
+               .field = "revision",
+               .expected = "one, since the document changes the protection of \"" +
+                           raised.topic_expression + "\"",
+               .found = "none",
+               .hint = "sign the document with ddssec governance sign, which writes one, or restart "
+                       "the participant"});
+}
+
+/// The topic cannot change while this participant uses it.
+Error in_use(const std::string& topic, const governance::TopicRule* rule, const Error& why) {
+  auto details = why.details();
+  if (details.field.empty()) {
+    details.field = "topic_rule";
+    details.found = rule == nullptr ? "no rule" : "a rule";
+  }
+  details.line = rule == nullptr ? 0 : rule->line;
+  if (!details.note.empty()) details.note += "; ";
+  details.note += "this participant uses the topic \"" + topic + "\": restart it";
+  return Error(Code::governance_renewal_refused, std::move(details));
+}
+
+Error not_at_once() {
+  return Error(Code::governance_renewal_refused,
+               {.field = "topic_rule",
+                .expected = "the protection that the topics in use have",
+                .found = "more protection, which this host cannot give endpoints that exist",
+                .hint = "restart the participant"});
+}
+
 }  // namespace
 
 std::shared_ptr<const Basis> Participant::basis() const {
@@ -25,7 +76,8 @@ std::shared_ptr<const Basis> Participant::basis_for(std::string_view topic) cons
   return basis_;
 }
 
-Status Participant::check_governance(const governance::CompiledGovernance& next) const {
+Result<Participant::Change> Participant::check_governance(
+    const governance::CompiledGovernance& next) const {
   const std::lock_guard lock(mutex_);
   return check(next);
 }
@@ -33,34 +85,69 @@ Status Participant::check_governance(const governance::CompiledGovernance& next)
 Status Participant::set_basis(Basis basis) {
   auto next = std::make_shared<const Basis>(std::move(basis));
   const std::lock_guard lock(mutex_);
-  if (basis_ && next->governance != basis_->governance)
-    DDSSEC_RETURN_IF_ERROR(check(*next->governance));
+  if (basis_ && next->governance != basis_->governance) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto change, check(*next->governance));
+    if (change == Change::phased) return std::unexpected(not_at_once());
+  }
   basis_ = std::move(next);
   return {};
 }
 
+std::shared_ptr<const Participant::Pending> Participant::pending() const {
+  const std::lock_guard lock(mutex_);
+  return pending_;
+}
+
+void Participant::set_pending(Pending pending) {
+  auto next = std::make_shared<const Pending>(std::move(pending));
+  const std::lock_guard lock(mutex_);
+  pending_ = std::move(next);
+}
+
+std::shared_ptr<const governance::CompiledGovernance> Participant::other_governance() const {
+  const std::lock_guard lock(mutex_);
+  return pending_ ? pending_->governance : former_;
+}
+
+std::shared_ptr<const Participant::Pending> Participant::apply_pending() {
+  const std::lock_guard lock(mutex_);
+  if (!pending_) return nullptr;
+  auto basis = std::make_shared<Basis>(*basis_);
+  former_ = basis->governance;
+  basis->governance = pending_->governance;
+  basis->governance_digest = pending_->digest;
+  basis_ = std::move(basis);
+  return std::exchange(pending_, nullptr);
+}
+
 /// mutex_ is held.
-Status Participant::check(const governance::CompiledGovernance& next) const {
-  DDSSEC_ASSIGN_OR_RETURN(
-      const auto added,
-      governance::added_topic_rules(basis_->governance->domain_rule(), next.domain_rule()));
+Result<Participant::Change> Participant::check(const governance::CompiledGovernance& next) const {
+  const auto& former = *basis_->governance;
+  if (next.revision() < former.revision()) return std::unexpected(old_revision(former, next));
+  DDSSEC_ASSIGN_OR_RETURN(const auto change,
+                          governance::live_change(former.domain_rule(), next.domain_rule()));
+  if (!change.raised.empty()) DDSSEC_RETURN_IF_ERROR(check_has_revision(next, *change.raised[0]));
+  if (is_same_revision(former, next) && (!change.rules.empty() || !change.raised.empty()))
+    return std::unexpected(old_revision(former, next));
+  auto out = Change::at_once;
   for (const auto& topic : topics_in_use_) {
-    const auto* const rule = next.topic_rule(topic);
-    if (are_alike(basis_->governance->topic_rule(topic), rule)) continue;
-    return fail(Code::governance_renewal_refused,
-                {.line = rule == nullptr ? 0 : rule->line,
-                 .field = "topic_rule",
-                 .expected = "the protection that the topic \"" + topic +
-                             "\" has: this participant uses it",
-                 .found = rule == nullptr ? "no rule" : "a rule with other values"});
+    const auto* const before = former.topic_rule(topic);
+    const auto* const after = next.topic_rule(topic);
+    if (are_alike(before, after)) continue;
+    const auto fits = before == nullptr || after == nullptr
+                          ? Status(std::unexpected(Error(Code::governance_renewal_refused)))
+                          : governance::check_topic_change(*before, next.domain_rule(), *after);
+    if (!fits) return std::unexpected(in_use(topic, after, fits.error()));
+    DDSSEC_RETURN_IF_ERROR(check_has_revision(next, *after));
+    out = Change::phased;
   }
   // A topic that had no rule is not in use.
-  if (!has_more_topics_ || added.are_last) return {};
+  if (!has_more_topics_ || (change.are_last && change.raised.empty())) return out;
   return fail(Code::governance_renewal_refused,
               {.field = "topic_rule",
                .expected = "further rules after the others: this participant uses more than " +
-                           std::to_string(kMostTopicsInUse) + " topics",
-               .found = "a rule before another one"});
+                           std::to_string(kMostTopicsInUse) + " topics; restart it",
+               .found = "a rule before another one, or one with other values"});
 }
 
 }  // namespace ddssec::access_control

@@ -18,6 +18,7 @@ namespace ddssec::access_control {
 struct Basis {
   std::shared_ptr<const PermissionsCa> ca;
   std::shared_ptr<const governance::CompiledGovernance> governance;
+  Sha256Digest governance_digest{};  ///< of its signed text
   /// identity_ca, if the governance restricts algorithms
   std::vector<pki::Certificate> identity_authorities = {};
 
@@ -43,18 +44,36 @@ class Participant {
   std::shared_ptr<const Basis> basis() const;
   /// The same for a host that asks how a topic is protected, and keeps the answer.
   std::shared_ptr<const Basis> basis_for(std::string_view topic) const;
-  /// Success if the governance document may take the place of the one in force: it only adds topic
-  /// rules, and each topic that was ever in use is protected as before. Error:
-  /// governance_renewal_refused.
-  Status check_governance(const governance::CompiledGovernance& next) const;
-  /// Error: that of check_governance, for another one than before.
+  /// How a governance document may take the place of the one in force.
+  enum class Change : std::uint8_t {
+    at_once,  ///< each topic that was ever in use is protected as before
+    phased,   ///< some of them are protected more
+  };
+  /// It adds topic rules, or raises what they protect (governance::live_change), and has a higher
+  /// revision, or neither has one and no topic is protected more. Error: governance_renewal_refused.
+  Result<Change> check_governance(const governance::CompiledGovernance& next) const;
+  /// Error: that of check_governance, for another one than before; it must be taken at once.
   Status set_basis(Basis basis);
 
+  /// A governance document that waits until the host has changed the protection of its endpoints.
+  struct Pending {
+    std::shared_ptr<const governance::CompiledGovernance> governance;
+    Sha256Digest digest{};  ///< of its signed text
+  };
+  std::shared_ptr<const Pending> pending() const;
+  void set_pending(Pending pending);
+  /// Of the document that waits, or else the one before the last that waited; nullptr: neither.
+  std::shared_ptr<const governance::CompiledGovernance> other_governance() const;
+  /// The document that waited is in force from now on. Returns it; nullptr: none waited.
+  std::shared_ptr<const Pending> apply_pending();
+
  private:
-  Status check(const governance::CompiledGovernance& next) const;
+  Result<Change> check(const governance::CompiledGovernance& next) const;
 
   mutable std::mutex mutex_;
   std::shared_ptr<const Basis> basis_;
+  std::shared_ptr<const Pending> pending_;
+  std::shared_ptr<const governance::CompiledGovernance> former_;
   mutable std::set<std::string, std::less<>> topics_in_use_;
   mutable bool has_more_topics_ = false;
 };

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/clock.hpp"
+#include "base/hash.hpp"
 #include "base/ids.hpp"
 #include "plugins/spi/attributes.hpp"
 #include "plugins/spi/handles.hpp"
@@ -139,6 +140,27 @@ class AccessControl {
   /// How often `expire` has taken renewed permissions of a local participant. When it has, the host
   /// passes the new permissions_credential_token to authentication. 0 for any other handle.
   virtual std::uint64_t renewals(PermissionsHandle) { return 0; }
+
+  /// A governance document: its revision (0: none) and the digest of its signed text.
+  struct GovernanceVersion {
+    std::uint32_t revision = 0;
+    Sha256Digest digest{};
+    bool operator==(const GovernanceVersion&) const = default;
+  };
+  /// The one in force. Empty for an unknown handle.
+  virtual std::optional<GovernanceVersion> governance_version(PermissionsHandle) { return {}; }
+  /// A document that `expire` has taken, and that protects topics in use more. It waits until the
+  /// host has changed the endpoints of these topics; until then the one in force decides
+  /// everything. Empty: none waits.
+  virtual std::optional<GovernanceVersion> pending_governance(PermissionsHandle) { return {}; }
+  /// What the pending document will demand of an endpoint of the topic; if none waits, what was
+  /// demanded before the last one was applied. Empty: there is none, or it has no rule for the topic.
+  virtual std::optional<EndpointSecurityAttributes> other_attributes(PermissionsHandle,
+                                                                     std::string_view) {
+    return {};
+  }
+  /// From now on the document that waited is in force; nothing happens if none waits.
+  virtual void apply_pending_governance(PermissionsHandle) {}
 
   /// What the governance demands of the participant (DDS-Security 1.2, clause 9.4.2.9.22).
   virtual Result<ParticipantSecurityAttributes> participant_sec_attributes(

@@ -25,6 +25,10 @@ inline constexpr std::string_view kOcspResponse = "org.ddssec.auth.ocsp_response
 /// changed; 0: never.
 inline constexpr std::string_view kFilesPollInterval = "org.ddssec.files_poll_interval";
 
+/// Ours, of embedded participants: seconds for which peers with the former governance are accepted
+/// while a document with more protection is introduced.
+inline constexpr std::string_view kGovernanceChangeTime = "org.ddssec.governance_change_time";
+
 /// Ours: seconds for which a calendar that was set while participants run is not believed; 0: it
 /// counts at once.
 inline constexpr std::string_view kClockStepGrace = "org.ddssec.clock_step_grace";
@@ -81,7 +85,7 @@ inline constexpr std::string_view kOfParticipants[] = {kIdentityCa,        kIden
                                                        kPskCipher,         kKeyLifetime,
                                                        kMostBlocksPerKey,  kTrustTypeInformation,
                                                        kWarnBeforeEnd,     kOcsp,
-                                                       kOcspResponse};
+                                                       kOcspResponse,      kGovernanceChangeTime};
 
 }  // namespace ddssec::spi::property
 

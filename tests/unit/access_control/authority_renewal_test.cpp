@@ -299,7 +299,7 @@ TEST_F(AuthorityRenewal, RuleForATopicInUse_IsRefused) {
   topic_rules().insert(topic_rules().begin(), open_rule());
   folder_.replace("governance.p7s", governance(first()));
   expect_refused(Code::governance_renewal_refused, folder_.path() + "/governance.p7s",
-                 "this participant uses it");
+                 "this participant uses the topic \"open\": restart it");
   EXPECT_EQ(data_of("open"), ProtectionKind::encrypt);
 }
 

@@ -12,45 +12,45 @@ TopicRule rule_for(std::string expression, ProtectionKind data = ProtectionKind:
 }
 DomainRule domain(std::vector<TopicRule> rules) { return {.topic_rules = std::move(rules)}; }
 
-TEST(AddedTopicRules, SameDocument_AddsNothing) {
+TEST(LiveChange, SameDocument_AddsNothing) {
   const auto former = domain({rule_for("a"), rule_for("*")});
-  const auto added = added_topic_rules(former, former);
+  const auto added = live_change(former, former);
   ASSERT_TRUE(added);
   EXPECT_TRUE(added->rules.empty());
 }
 
-TEST(AddedTopicRules, RuleAtTheEnd_IsLast) {
+TEST(LiveChange, RuleAtTheEnd_IsLast) {
   const auto next = domain({rule_for("a"), rule_for("b")});
-  const auto added = added_topic_rules(domain({rule_for("a")}), next);
+  const auto added = live_change(domain({rule_for("a")}), next);
   ASSERT_TRUE(added);
   ASSERT_EQ(added->rules.size(), 1u);
   EXPECT_EQ(added->rules.front(), &next.topic_rules.back());
   EXPECT_TRUE(added->are_last);
 }
 
-TEST(AddedTopicRules, RuleBeforeAnother_IsNotLast) {
+TEST(LiveChange, RuleBeforeAnother_IsNotLast) {
   const auto added =
-      added_topic_rules(domain({rule_for("*")}), domain({rule_for("a"), rule_for("*")}));
+      live_change(domain({rule_for("*")}), domain({rule_for("a"), rule_for("*")}));
   ASSERT_TRUE(added);
   EXPECT_EQ(added->rules.size(), 1u);
   EXPECT_FALSE(added->are_last);
 }
 
-TEST(AddedTopicRules, RuleThatLeftOrMovedOrChanged_IsRefused) {
+TEST(LiveChange, RuleThatLeftOrMovedOrChanged_IsRefused) {
   const auto former = domain({rule_for("a"), rule_for("*")});
   for (const auto& next :
        {domain({rule_for("*")}), domain({rule_for("*"), rule_for("a")}), domain({}),
         domain({rule_for("a", ProtectionKind::none), rule_for("*")})})
-    EXPECT_CODE(added_topic_rules(former, next), governance_renewal_refused);
+    EXPECT_CODE(live_change(former, next), governance_renewal_refused);
 }
 
-TEST(AddedTopicRules, EachElementOfTheDomain_MustStay) {
+TEST(LiveChange, EachElementOfTheDomain_MustStay) {
   const auto former = domain({});
   const auto refuses = [&](std::string_view element, auto&& change) {
     auto next = former;
     next.line = 7;
     change(next);
-    const auto added = added_topic_rules(former, next);
+    const auto added = live_change(former, next);
     ASSERT_FALSE(added) << element;
     EXPECT_EQ(added.error().details().field, element);
     EXPECT_EQ(added.error().details().line, 7);
@@ -72,20 +72,20 @@ TEST(AddedTopicRules, EachElementOfTheDomain_MustStay) {
   refuses("allowed_crypto_algorithms", [](auto& rule) { rule.allowed_algorithms.emplace(); });
 }
 
-TEST(AddedTopicRules, AllowedAlgorithms_MustStay) {
+TEST(LiveChange, AllowedAlgorithms_MustStay) {
   auto former = domain({});
   former.allowed_algorithms.emplace();
   former.allowed_algorithms->key_establishment = {{"ECDHE-CEUM+P256"}};
   auto next = former;
-  EXPECT_TRUE(added_topic_rules(former, next));
+  EXPECT_TRUE(live_change(former, next));
   next.allowed_algorithms->key_establishment.push_back({"ECDHE-CEUM+P384"});
-  const auto added = added_topic_rules(former, next);
+  const auto added = live_change(former, next);
   ASSERT_FALSE(added);
   EXPECT_EQ(added.error().details().field, "key_establishment");
   EXPECT_EQ(added.error().details().found, "ECDHE-CEUM+P256, ECDHE-CEUM+P384");
 }
 
-TEST(AddedTopicRules, RuleThatOpensDiscovery_IsRefusedWhereAllIsProtected) {
+TEST(LiveChange, RuleThatOpensDiscovery_IsRefusedWhereAllIsProtected) {
   auto open = rule_for("open");
   open.enable_discovery_protection = false;
   open.line = 9;
@@ -93,7 +93,7 @@ TEST(AddedTopicRules, RuleThatOpensDiscovery_IsRefusedWhereAllIsProtected) {
   EXPECT_TRUE(protects_all_discovery(former));
   for (const auto& next : {domain({rule_for("a"), open}), domain({open, rule_for("a")})}) {
     EXPECT_FALSE(protects_all_discovery(next));
-    const auto added = added_topic_rules(former, next);
+    const auto added = live_change(former, next);
     ASSERT_FALSE(added);
     EXPECT_EQ(added.error().code(), Code::governance_renewal_refused);
     EXPECT_EQ(added.error().details().field, "enable_discovery_protection");
@@ -102,16 +102,101 @@ TEST(AddedTopicRules, RuleThatOpensDiscovery_IsRefusedWhereAllIsProtected) {
   }
 }
 
-TEST(AddedTopicRules, RuleThatOpensDiscovery_IsTakenWhereSomeIsOpen) {
+TEST(LiveChange, RuleThatOpensDiscovery_IsTakenWhereSomeIsOpen) {
   auto open = rule_for("open"), further = rule_for("further");
   open.enable_discovery_protection = further.enable_discovery_protection = false;
-  EXPECT_TRUE(added_topic_rules(domain({open}), domain({open, further})));
+  EXPECT_TRUE(live_change(domain({open}), domain({open, further})));
   auto former = domain({rule_for("a")});
   former.discovery_protection_kind = ProtectionKind::none;
   auto next = former;
   next.topic_rules.push_back(open);
   EXPECT_FALSE(protects_all_discovery(former));
-  EXPECT_TRUE(added_topic_rules(former, next));
+  EXPECT_TRUE(live_change(former, next));
+}
+
+// ---- rules that protect more
+
+TopicRule kinds(ProtectionKind metadata, ProtectionKind data) {
+  return {.topic_expression = "a", .metadata_protection_kind = metadata, .data_protection_kind = data};
+}
+DomainRule of(TopicRule rule, ProtectionKind rtps = ProtectionKind::none) {
+  return {.rtps_protection_kind = rtps, .topic_rules = {std::move(rule)}};
+}
+constexpr auto kNone = ProtectionKind::none, kSign = ProtectionKind::sign,
+               kEncrypt = ProtectionKind::encrypt,
+               kSignOrigin = ProtectionKind::sign_with_origin_authentication,
+               kEncryptOrigin = ProtectionKind::encrypt_with_origin_authentication;
+
+TEST(LiveChange, MoreProtection_IsRaised) {
+  struct Row {
+    ProtectionKind metadata_before, data_before, metadata, data;
+  };
+  for (const auto& row :
+       {Row{kSign, kSign, kEncrypt, kEncrypt}, Row{kNone, kNone, kSign, kSign},
+        Row{kNone, kNone, kEncrypt, kEncrypt}, Row{kSign, kNone, kEncrypt, kNone},
+        Row{kNone, kSign, kSign, kSign}, Row{kSignOrigin, kSign, kEncryptOrigin, kEncrypt},
+        Row{kNone, kSign, kEncrypt, kEncrypt}}) {
+    const auto next = of(kinds(row.metadata, row.data));
+    const auto change = live_change(of(kinds(row.metadata_before, row.data_before)), next);
+    ASSERT_TRUE(change) << change.error().to_sentence();
+    EXPECT_TRUE(change->rules.empty());
+    ASSERT_EQ(change->raised.size(), 1u);
+    EXPECT_EQ(change->raised.front(), &next.topic_rules.front());
+  }
+}
+
+TEST(LiveChange, LessProtection_OrWhatReceiversCannotTellApart_IsRefused) {
+  struct Row {
+    ProtectionKind metadata_before, data_before, metadata, data;
+    std::string_view field;
+  };
+  constexpr std::string_view kMetadata = "metadata_protection_kind", kData = "data_protection_kind";
+  for (const auto& row :
+       {Row{kEncrypt, kEncrypt, kSign, kEncrypt, kMetadata},
+        Row{kEncrypt, kEncrypt, kEncrypt, kSign, kData}, Row{kSign, kSign, kNone, kSign, kMetadata},
+        Row{kSign, kSign, kEncrypt, kNone, kData}, Row{kSign, kSign, kSignOrigin, kSign, kMetadata},
+        Row{kEncryptOrigin, kSign, kEncrypt, kSign, kMetadata},
+        Row{kNone, kNone, kNone, kEncrypt, kMetadata}, Row{kNone, kNone, kNone, kSign, kMetadata},
+        Row{kSign, kSign, kSign, kEncrypt, kMetadata}}) {
+    const auto change =
+        live_change(of(kinds(row.metadata_before, row.data_before)), of(kinds(row.metadata, row.data)));
+    EXPECT_CODE(change, governance_renewal_refused);
+    EXPECT_EQ(change.error().details().field, row.field);
+  }
+}
+
+TEST(LiveChange, EncryptedMessages_HideKeyHashesToo) {
+  EXPECT_TRUE(live_change(of(kinds(kSign, kSign), kEncrypt), of(kinds(kSign, kEncrypt), kEncrypt)));
+  EXPECT_TRUE(live_change(of(kinds(kNone, kSign), kEncrypt), of(kinds(kNone, kEncrypt), kEncrypt)));
+}
+
+TEST(LiveChange, AccessControl_MayOnlyBeginToCount) {
+  auto open = kinds(kSign, kSign), closed = open;
+  open.enable_read_access_control = open.enable_write_access_control = false;
+  EXPECT_EQ(live_change(of(open), of(closed))->raised.size(), 1u);
+  EXPECT_CODE(live_change(of(closed), of(open)), governance_renewal_refused);
+}
+
+TEST(LiveChange, DiscoveryAndLivelinessOfATopic_Stay) {
+  auto rule = kinds(kSign, kSign);
+  rule.enable_discovery_protection = rule.enable_liveliness_protection = false;
+  for (const auto element :
+       {&TopicRule::enable_discovery_protection, &TopicRule::enable_liveliness_protection}) {
+    auto next = rule;
+    next.*element = true;
+    EXPECT_CODE(live_change(of(rule), of(next)), governance_renewal_refused);
+    EXPECT_CODE(check_topic_change(rule, of(next), next), governance_renewal_refused);
+  }
+}
+
+TEST(LiveChange, RaisedBesideAdded_AreToldApart) {
+  const auto former = domain({kinds(kSign, kSign), rule_for("*")});
+  const auto change =
+      live_change(former, domain({rule_for("b"), kinds(kEncrypt, kSign), rule_for("*"), rule_for("c")}));
+  ASSERT_TRUE(change) << change.error().to_sentence();
+  EXPECT_EQ(change->rules.size(), 2u);
+  EXPECT_EQ(change->raised.size(), 1u);
+  EXPECT_FALSE(change->are_last);
 }
 
 TEST(ProtectAlike, LooksAtEveryValue) {

@@ -1,5 +1,7 @@
 #include "governance/write.hpp"
 
+#include "governance/profile.hpp"
+#include "tests/support/expect_code.hpp"
 #include "tests/unit/governance/schema.hpp"
 
 namespace ddssec::governance {
@@ -10,6 +12,7 @@ TEST(WriteGovernance, MeetsTheSchema) {
   ASSERT_TRUE(document);
   document->domain_rules[0].domains.ranges = {{0, 5}, {7, 7}};
   document->domain_rules.push_back(document->domain_rules[0]);
+  document->revision = 7;
   EXPECT_TRUE(is_valid(to_xml(*document), "governance.xsd"));
 }
 
@@ -65,6 +68,40 @@ TEST(WritePermissions, IsReadBackTheSame) {
   EXPECT_EQ(to_xml(*again), xml);
   ASSERT_EQ(again->notes.size(), 1u);  // subject_name_expression
   EXPECT_EQ(again->notes[0].kind, NoteKind::extension);
+}
+
+TEST(Revision, IsWrittenAndReadBack) {
+  const std::string xml = to_xml(Governance{.domain_rules = {{}}, .revision = 4'294'967'295});
+  EXPECT_NE(xml.find("?>\n<?ddssec revision=\"4294967295\"?>\n<dds>"), std::string::npos) << xml;
+}
+
+TEST(Revision, StandsRightAfterTheDeclaration) {
+  EXPECT_EQ(with_revision("<?xml version=\"1.0\"?>\n<dds/>", 7),
+            "<?xml version=\"1.0\"?>\n<?ddssec revision=\"7\"?>\n<dds/>");
+  EXPECT_EQ(with_revision("<?xml version=\"1.0\"?>\r\n<!-- c --><dds/>", 7),
+            "<?xml version=\"1.0\"?>\r\n<?ddssec revision=\"7\"?>\n<!-- c --><dds/>");
+  EXPECT_EQ(with_revision("<?xml version=\"1.0\"?><dds/>", 7),
+            "<?xml version=\"1.0\"?><?ddssec revision=\"7\"?>\n<dds/>");
+  EXPECT_EQ(with_revision("<dds/>", 7), "<?ddssec revision=\"7\"?>\n<dds/>");
+  EXPECT_EQ(with_revision("<!-- c -->\n<dds/>", 7), "<?ddssec revision=\"7\"?>\n<!-- c -->\n<dds/>");
+}
+
+TEST(Revision, IsReadFromEachPlaceWhereItIsWritten) {
+  auto rule = domain_rule_of(Profile::strict, {{0, 0}});
+  rule.topic_rules.push_back(topic_rule_of(Profile::strict, "*"));
+  const auto content = to_xml(Governance{.domain_rules = {rule}});
+  const auto bare = content.substr(content.find("<dds>"));
+  for (const auto& text : {content, bare, "\xEF\xBB\xBF" + content, "<!-- c -->\n" + bare}) {
+    const auto read = read_governance(as_bytes(with_revision(text, 7)));
+    ASSERT_TRUE(read) << read.error().to_sentence();
+    EXPECT_EQ(read->revision, 7u);
+    EXPECT_EQ(read_governance(as_bytes(text))->revision, 0u);
+  }
+}
+
+TEST(Revision, InPermissions_IsRefused) {
+  EXPECT_CODE(read_permissions(as_bytes(with_revision("<dds><permissions/></dds>", 7))),
+              xml_processing_instruction);
 }
 
 }  // namespace

@@ -1,0 +1,18 @@
+// For how long peers with the former governance are accepted while another one is introduced.
+#pragma once
+
+#include <chrono>
+
+#include "plugins/spi/token.hpp"
+
+namespace ddssec::spi {
+
+inline constexpr std::chrono::seconds kDefaultGovernanceChangeTime{60};
+inline constexpr std::chrono::seconds kLongestGovernanceChangeTime{60 * 60};
+
+/// The value of `org.ddssec.governance_change_time` in seconds, at most
+/// kLongestGovernanceChangeTime; kDefaultGovernanceChangeTime if the property is missing. 0: peers
+/// are not waited for. Error: invalid_property.
+Result<std::chrono::seconds> governance_change_time(const PropertyList& properties);
+
+}  // namespace ddssec::spi
