@@ -83,6 +83,7 @@ Status MessageReceiver::open_group(const SubmessageView& prefix, MessageReader& 
   const auto opened = keyring_->open_submessage(context.source, group, submessage_scratch_);
   if (!opened) return {};
   context.shield.submessage = opened->by;
+  context.shield.protection = opened->protection;
   DDSSEC_ASSIGN_OR_RETURN(const auto inner,
                           MessageReader::over_submessages({}, opened->plain).next());
   if (!inner) return fail(Code::truncated);
@@ -187,7 +188,7 @@ bool MessageReceiver::is_refused(const EntityId& reader, const Guid& writer,
 // Submessage protection does not cover INFO_TS, so an attacker can change it.
 std::optional<Time> MessageReceiver::source_time(const Context& context,
                                                  const InlineQos& inline_qos) const {
-  const auto& [by_message, by_writer] = context.shield;
+  const auto& [by_message, by_writer, protection] = context.shield;
   const bool is_covered = by_message || by_writer.prefix != context.source;
   if (is_covered || is_builtin(by_writer.entity) || !endpoints_.sends_keys(context.source))
     return context.time;
@@ -195,10 +196,10 @@ std::optional<Time> MessageReceiver::source_time(const Context& context,
 }
 
 std::optional<BytesView> MessageReceiver::opened(const StatefulReader& reader, const Guid& writer,
-                                                 BytesView payload) {
+                                                 BytesView payload, const Shield& shield) {
   if (keyring_ == nullptr || reader.guid().entity == kVolatileMessageReader) return payload;
   const auto plain =
-      keyring_->open_payload(reader.guid().entity, writer, payload, payload_scratch_);
+      keyring_->open_payload(reader.guid().entity, writer, payload, shield, payload_scratch_);
   return plain ? std::optional(*plain) : std::nullopt;
 }
 
@@ -217,7 +218,7 @@ Status MessageReceiver::on_data(const SubmessageView& view, Context& context) {
     const bool marker = data.payload.empty() && data.inline_qos.status == StatusInfo{};
     const bool ends_bare = data.payload.empty() && !marker;
     if (ends_bare && is_refused(reader.guid().entity, {from, data.writer}, context)) return;
-    const auto payload = marker ? data.payload : opened(reader, {from, data.writer}, data.payload);
+    const auto payload = marker ? data.payload : opened(reader, {from, data.writer}, data.payload, context.shield);
     if (!payload) return;
     plain.payload = *payload;
     if (!reader.on_data(from, plain, source_time(context, data.inline_qos))) return;
@@ -236,7 +237,7 @@ Status MessageReceiver::on_data_frag(const SubmessageView& view, Context& contex
     return {};
   }
   each_reader(frag.reader, frag.writer, context, [&](StatefulReader& reader) {
-    const auto payload = opened(reader, {from, frag.writer}, frag.encoded);
+    const auto payload = opened(reader, {from, frag.writer}, frag.encoded, context.shield);
     const auto plain = payload ? with_payload(frag, *payload) : fail(Code::truncated);
     if (!plain) return;
     if (!reader.on_data_frag(from, *plain, source_time(context, frag.inline_qos))) return;

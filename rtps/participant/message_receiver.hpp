@@ -72,7 +72,7 @@ class MessageReceiver {
   std::optional<Time> source_time(const Context& context, const InlineQos& inline_qos) const;
   /// The payload without its protection; empty if it cannot be opened.
   std::optional<BytesView> opened(const StatefulReader& reader, const Guid& writer,
-                                  BytesView payload);
+                                  BytesView payload, const Shield& shield);
 
   const GuidPrefix own_;
   EndpointLookup& endpoints_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "rtps/participant/partition_change.hpp"
+#include "rtps/participant/protection_change.hpp"
 
 namespace ddssec::rtps {
 namespace {
@@ -31,6 +32,8 @@ Participant::Participant(ParticipantConfig config, Transport& transport, EventSi
 Status Participant::secure(std::unique_ptr<OwnSecurity> own) {
   core_.security = std::make_unique<Security>(std::move(own), core_.sender, core_.timers,
                                               discovery_, core_.events);
+  core_.security->admission().on_protection(
+      [this] { announce_protection(core_, local_, remotes_, matcher_); });
   local_.builtin().secure();
   receiver_.open_with(core_.security->keyring());
   Bytes octets(kMostOwnData);

@@ -183,6 +183,21 @@ Result<Admission::Announced> Admission::create_endpoint(const EntityId& id,
   own_.insert_or_assign(
       id, Asked{std::string(endpoint.topic), endpoint.partitions, endpoint.data_tags});
   DDSSEC_RETURN_IF_ERROR(core_.keyring.add_local(id, attributes, {}, endpoint.properties));
+  if (core_.governance_changes) DDSSEC_RETURN_IF_ERROR(add_other_protection(id, endpoint.topic));
+  return announced(id);
+}
+
+Status Admission::add_other_protection(const EntityId& id, std::string_view topic) {
+  const auto other = core_.own->plugins().access_control.other_attributes(core_.own->permissions(),
+                                                                          topic);
+  if (!other || core_.keyring.second().attributes(id) != nullptr ||
+      protection_id(*other) == core_.keyring.second().first_of(id))
+    return {};
+  return core_.keyring.second().add(id, *other);
+}
+
+Result<Admission::Announced> Admission::announced(const EntityId& id) {
+  const auto& attributes = *core_.keyring.attributes(id);
   DDSSEC_ASSIGN_OR_RETURN(const auto ciphers, core_.keyring.required_ciphers(id));
   Announced out{spi::security_info(attributes), ciphers, attributes.is_key_protected()};
   // An endpoint of Fast DDS without security matches one that announces masks only if these masks
@@ -195,7 +210,13 @@ std::optional<Admission::Permission> Admission::admit(const EntityId& local,
                                                       const Endpoint& remote) {
   const auto* attributes = core_.keyring.attributes(local);
   if (attributes == nullptr || !may_still(local)) return std::nullopt;
-  return admit({*attributes, is_reader(local)}, remote);
+  return admit({*attributes, is_reader(local), core_.keyring.second().attributes(local)}, remote);
+}
+
+std::vector<std::pair<EntityId, std::string>> Admission::own_topics() const {
+  std::vector<std::pair<EntityId, std::string>> out;
+  for (const auto& [id, asked] : own_) out.emplace_back(id, asked.topic);
+  return out;
 }
 
 bool Admission::may_write(const Endpoint& writer) {
@@ -212,7 +233,7 @@ std::optional<Admission::Permission> Admission::admit(const Local& local, const 
   const auto* peer = core_.find(remote.guid.prefix);
   const auto* joined = peer == nullptr ? nullptr : peer->state.joined();
   const auto status = joined != nullptr
-                          ? check_protection(local.attributes, remote, peer->data.vendor)
+                          ? check_protection(local, remote, *peer)
                           : check_open(local.attributes, remote);
   if (!status) {
     core_.raise(status.error().in("topic " + std::string(remote.topic)), remote.guid,
@@ -234,15 +255,20 @@ Status Admission::check_open(const spi::EndpointSecurityAttributes& attributes,
               {.expected = "an authenticated participant", .found = remote.guid.to_string()});
 }
 
-Status Admission::check_protection(const spi::EndpointSecurityAttributes& attributes,
-                                   const Endpoint& remote, VendorId vendor) const {
+// While the governance changes, a peer that accepts both protections, as we do, announces either.
+Status Admission::check_protection(const Local& local, const Endpoint& remote,
+                                   const Peer& peer) const {
+  const auto& attributes = local.attributes;
   if (attributes.topic.is_discovery_protected && !remote.is_secure)
     return fail(Code::rtps_protection_missing,
                 {.expected = "an announcement by secure discovery", .found = "a plain one"});
   if (remote.required_ciphers)
-    DDSSEC_RETURN_IF_ERROR(check_ciphers(vendor, *remote.required_ciphers));
+    DDSSEC_RETURN_IF_ERROR(check_ciphers(peer.data.vendor, *remote.required_ciphers));
   const auto own = spi::security_info(attributes);
   if (spi::compatible(own, remote.info)) return {};
+  if (local.other != nullptr && peer.state.association()->governance.takes_part &&
+      spi::compatible(spi::security_info(*local.other), remote.info))
+    return {};
   return fail(
       Code::rtps_security_info_mismatch,
       {.field = "endpoint_security_info", .expected = text_of(own), .found = text_of(remote.info)});

@@ -2,6 +2,7 @@
 // matched (DDS-Security 1.2, clauses 9.8.3, 9.8.6, 9.8.7).
 #pragma once
 
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -70,6 +71,18 @@ class Admission {
   Status check_partitions(const EntityId& id, const std::vector<std::string>& partitions);
   /// It is in these partitions from now on.
   void set_partitions(const EntityId& id, const std::vector<std::string>& partitions);
+  /// The local endpoints of the application and their topics.
+  std::vector<std::pair<EntityId, std::string>> own_topics() const;
+  /// While the governance changes: gives the endpoint the protection of the other document, too, if
+  /// it has none yet and differs. Error: that of cryptography.
+  Status add_other_protection(const EntityId& id, std::string_view topic);
+  /// Called when local endpoints have another protection, which is to be announced.
+  void on_protection(std::function<void()> announce) { announce_ = std::move(announce); }
+  void announce_protection() const {
+    if (announce_) announce_();
+  }
+  /// What discovery announces of a local endpoint now. Error: that of cryptography.
+  Result<Announced> announced(const EntityId& id);
   /// It is gone.
   void forget_endpoint(const EntityId& id) { own_.erase(id); }
 
@@ -90,17 +103,19 @@ class Admission {
   struct Local {
     const spi::EndpointSecurityAttributes& attributes;
     bool reads;
+    /// Its second protection (Keyring); nullptr: none.
+    const spi::EndpointSecurityAttributes* other = nullptr;
   };
   std::optional<Permission> admit(const Local& local, const Endpoint& remote);
   Status check_open(const spi::EndpointSecurityAttributes& attributes,
                     const Endpoint& remote) const;
-  Status check_protection(const spi::EndpointSecurityAttributes& attributes, const Endpoint& remote,
-                          VendorId vendor) const;
+  Status check_protection(const Local& local, const Endpoint& remote, const Peer& peer) const;
   Result<Permission> check_permissions(const Local& local, const Association& peer,
                                        const Endpoint& remote);
 
   SecurityCore& core_;
   std::map<EntityId, Asked> own_;
+  std::function<void()> announce_;
 };
 
 }  // namespace ddssec::rtps

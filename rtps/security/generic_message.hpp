@@ -29,6 +29,14 @@ inline constexpr std::string_view kQuestion = "org.ddssec.are_you_there";
 /// Specific to ddssec: documents that were renewed (DocumentRenewal), and the answer.
 inline constexpr std::string_view kRenewal = "org.ddssec.renewed_documents";
 inline constexpr std::string_view kRenewalTaken = "org.ddssec.renewed_documents_taken";
+/// Specific to ddssec: which governance document a participant has (GovernanceChange).
+inline constexpr std::string_view kGovernance = "org.ddssec.governance";
+/// Specific to ddssec: the tokens of an endpoint that may have two protections. The number of the
+/// related message is the ProtectionId of the one that has these keys.
+inline constexpr std::string_view kDatawriterTokensOfOne =
+    "org.ddssec.datawriter_crypto_tokens_of_protection";
+inline constexpr std::string_view kDatareaderTokensOfOne =
+    "org.ddssec.datareader_crypto_tokens_of_protection";
 }  // namespace message_class
 
 struct GenericMessage {

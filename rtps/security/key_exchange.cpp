@@ -11,6 +11,23 @@ Qos volatile_qos() {
   return qos;
 }
 
+bool is_for_readers(const GenericMessage& message) {
+  return message.message_class == message_class::kDatawriterTokens ||
+         message.message_class == message_class::kDatawriterTokensOfOne;
+}
+
+bool is_for_writers(const GenericMessage& message) {
+  return message.message_class == message_class::kDatareaderTokens ||
+         message.message_class == message_class::kDatareaderTokensOfOne;
+}
+
+/// The protection that the keys of an endpoint are for; 0: the message names none.
+ProtectionId protection_in(const GenericMessage& message) {
+  const bool names_one = message.message_class == message_class::kDatawriterTokensOfOne ||
+                         message.message_class == message_class::kDatareaderTokensOfOne;
+  return names_one ? static_cast<ProtectionId>(message.related.sequence_number) : 0;
+}
+
 }  // namespace
 
 Status KeyExchange::open(Peer& peer) {
@@ -108,11 +125,43 @@ void KeyExchange::send_token(Peer& peer, std::string_view message_class, spi::To
   send_tokens(peer, message_class, {}, {}, std::move(tokens));
 }
 
+// A peer that accepts both protections, too, is told which one the keys are for.
 void KeyExchange::send_endpoint_tokens(Peer& peer, const EntityId& local, const Guid& remote,
-                                       std::vector<spi::Token> tokens) {
-  send_tokens(
-      peer, is_writer(local) ? message_class::kDatawriterTokens : message_class::kDatareaderTokens,
-      {core_.own->guid().prefix, local}, remote, std::move(tokens));
+                                       std::vector<spi::Token> tokens,
+                                       ProtectionId protection) {
+  if (tokens.empty()) return;
+  const bool writes = is_writer(local);
+  GenericMessage message;
+  message.destination_endpoint = remote;
+  message.source_endpoint = {core_.own->guid().prefix, local};
+  message.message_class =
+      writes ? message_class::kDatawriterTokens : message_class::kDatareaderTokens;
+  message.data = std::move(tokens);
+  if (protection == 0) protection = core_.keyring.second().first_of(local);
+  if (protection != 0 && peer.state.association()->governance.takes_part) {
+    message.message_class = writes ? message_class::kDatawriterTokensOfOne
+                                   : message_class::kDatareaderTokensOfOne;
+    message.related.sequence_number = static_cast<std::int64_t>(protection);
+  }
+  send(peer, std::move(message));
+}
+
+void KeyExchange::complete(Peer& peer, const EntityId& local, const Guid& remote) {
+  auto completed = core_.keyring.second().complete(local, remote);
+  if (!completed) return core_.raise(completed.error(), remote, Origin::its_keys);
+  if (completed->protection == 0) return;
+  send_endpoint_tokens(peer, local, remote, std::move(completed->tokens), completed->protection);
+  if (revising_ && is_trusted(peer) &&
+      completed->protection == core_.keyring.second().first_of(local))
+    add_waiting(*peer.state.association(), local, remote, spi::KeyStage::revised);
+}
+
+bool KeyExchange::complete_pairs(Peer& peer) {
+  for (const auto& [local, remote] : core_.keyring.second().incomplete_pairs(peer.prefix())) {
+    if (!has_room(peer)) return false;
+    complete(peer, local, remote);
+  }
+  return true;
 }
 
 // ---- key revision
@@ -210,6 +259,10 @@ bool KeyExchange::on_message(const GuidPrefix& prefix, const Change& change) {
     renewal_listener_(*peer, *message);
     return true;
   }
+  if (message->message_class == message_class::kGovernance) {
+    governance_listener_(*peer, *message);
+    return true;
+  }
   if (size > kMaxTokenOctets) {
     core_.raise(Error(Code::length_out_of_range,
                       {.document = "key tokens",
@@ -218,8 +271,7 @@ bool KeyExchange::on_message(const GuidPrefix& prefix, const Change& change) {
                 *peer, Origin::its_keys);
     return true;
   }
-  if (message->message_class == message_class::kDatawriterTokens ||
-      message->message_class == message_class::kDatareaderTokens)
+  if (is_for_readers(*message) || is_for_writers(*message))
     return on_endpoint_tokens(*peer, std::move(*message), size);
   if (message->message_class == message_class::kParticipantTokens)
     on_participant_tokens(*peer, *message);
@@ -240,12 +292,15 @@ void KeyExchange::on_participant_tokens(Peer& peer, const GenericMessage& messag
 bool KeyExchange::on_endpoint_tokens(Peer& peer, GenericMessage message, std::size_t octets) {
   const Guid local = message.destination_endpoint;
   const Guid remote = message.source_endpoint;
-  const bool to_reader = message.message_class == message_class::kDatawriterTokens;
+  const bool to_reader = is_for_readers(message);
   const bool fits = local.prefix == core_.own->guid().prefix && remote.prefix == peer.prefix() &&
                     is_reader(local.entity) == to_reader && is_writer(remote.entity) == to_reader;
   // Local endpoints exist before they are announced to others.
   if (!fits || core_.keyring.attributes(local.entity) == nullptr) return true;
-  if (core_.keyring.kind_of(local.entity, remote) != Keyring::PairKind::unknown) {
+  const auto protection = protection_in(message);
+  if (protection != 0 && !core_.keyring.second().has(local.entity, protection)) return true;
+  if (core_.keyring.kind_of(local.entity, remote) != Keyring::PairKind::unknown ||
+      core_.keyring.second().of(local.entity, remote) != nullptr) {
     if (apply_tokens(peer, message)) core_.host.on_keys(local.entity, remote);
     return true;
   }
@@ -254,9 +309,13 @@ bool KeyExchange::on_endpoint_tokens(Peer& peer, GenericMessage message, std::si
   return true;
 }
 
+// The peer may find the pair first.
 bool KeyExchange::apply_tokens(Peer& peer, const GenericMessage& message) {
-  const auto ready = core_.keyring.set_endpoint_tokens(message.destination_endpoint.entity,
-                                                       message.source_endpoint, message.data);
+  const auto protection = protection_in(message);
+  if (protection != 0) complete(peer, message.destination_endpoint.entity, message.source_endpoint);
+  const auto ready =
+      core_.keyring.set_endpoint_tokens(message.destination_endpoint.entity,
+                                        message.source_endpoint, message.data, protection);
   if (!ready) core_.raise(ready.error(), peer, Origin::its_keys);
   return ready && *ready;
 }

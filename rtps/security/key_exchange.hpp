@@ -44,6 +44,8 @@ class KeyExchange {
   /// Where messages with renewed documents, and answers to them, are passed on to.
   using RenewalListener = std::function<void(Peer&, const GenericMessage&)>;
   void on_renewal(RenewalListener listener) { renewal_listener_ = std::move(listener); }
+  /// The same for messages about governance documents.
+  void on_governance(RenewalListener listener) { governance_listener_ = std::move(listener); }
 
   /// The peer acknowledged something: sends messages that waited for that.
   void note_acknowledged(Peer& peer);
@@ -54,6 +56,10 @@ class KeyExchange {
   /// Registers a local and a remote endpoint as a pair. Returns true if they can be matched now.
   /// Otherwise on_keys is called when they can.
   bool introduce(const EntityId& local, const Guid& remote, bool relay_only);
+
+  /// Gives pairs with endpoints of the peer the second protection that they lack, and sends its
+  /// keys, as far as there is room. Returns true if none lacks it now.
+  bool complete_pairs(Peer& peer);
 
   // Key revision:
   /// While a revision is under way, new peers and endpoints also get the revised keys.
@@ -68,8 +74,10 @@ class KeyExchange {
   void send(Peer& peer, GenericMessage message);
   void send_tokens(Peer& peer, std::string_view message_class, const Guid& from, const Guid& to,
                    std::vector<spi::Token> tokens);
+  /// `protection`: see Keyring::set_endpoint_tokens.
   void send_endpoint_tokens(Peer& peer, const EntityId& local, const Guid& remote,
-                            std::vector<spi::Token> tokens);
+                            std::vector<spi::Token> tokens, ProtectionId protection = 0);
+  void complete(Peer& peer, const EntityId& local, const Guid& remote);
   void add_waiting(Association& association, const EntityId& local, const Guid& remote,
                    spi::KeyStage stage);
   void send_waiting(Peer& peer);
@@ -84,7 +92,7 @@ class KeyExchange {
   SecurityCore& core_;
   std::int64_t last_number_ = 0;
   bool revising_ = false;
-  RenewalListener renewal_listener_;
+  RenewalListener renewal_listener_, governance_listener_;
   /// Peers of which early tokens were taken since the last tick.
   std::vector<GuidPrefix> have_room_;
 };

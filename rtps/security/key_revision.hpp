@@ -21,6 +21,8 @@ class KeyRevision {
   KeyRevision(SecurityCore& core, KeyExchange& exchange) : core_(core), exchange_(exchange) {}
 
   bool is_enabled() const { return core_.own->attributes().is_key_revision_enabled; }
+  /// True if a revision is requested or under way.
+  bool is_busy() const { return is_due_ || under_way_; }
   /// Requests new keys as soon as possible.
   void request() { is_due_ = is_enabled(); }
   void tick();

@@ -7,16 +7,6 @@
 namespace ddssec::rtps {
 namespace {
 
-bool needs_keys(const spi::EndpointSecurityAttributes& attributes) {
-  return attributes.is_submessage_protected() || attributes.is_payload_protected();
-}
-
-// A writer needs no tokens of a reader that only opens payloads (Cyclone DDS sends none then). A
-// reader needs the writer's keys for either kind of protection.
-bool waits_for_tokens(const EntityId& local, const spi::EndpointSecurityAttributes& attributes) {
-  return is_writer(local) ? attributes.is_submessage_protected() : needs_keys(attributes);
-}
-
 Sha256Digest digest_of(std::span<const spi::Token> tokens) {
   Sha256Digest out{};
   for (const auto& token : tokens)
@@ -28,12 +18,7 @@ Sha256Digest digest_of(std::span<const spi::Token> tokens) {
 
 Keyring::~Keyring() {
   while (!remotes_.empty()) remove_remote(remotes_.begin()->first);
-  while (!locals_.empty()) remove_local(locals_.begin()->first);
-}
-
-const Keyring::Local* Keyring::find(const EntityId& id) const {
-  const auto at = locals_.find(id);
-  return at == locals_.end() ? nullptr : &at->second;
+  while (!locals_.empty()) remove_local(EntityId(locals_.begin()->first));
 }
 
 const spi::EndpointSecurityAttributes* Keyring::attributes(const EntityId& id) const {
@@ -45,23 +30,12 @@ const spi::EndpointSecurityAttributes* Keyring::attributes(const EntityId& id) c
 
 Status Keyring::add_local(const EntityId& id, const spi::EndpointSecurityAttributes& attributes,
                           std::string_view builtin_name, spi::PropertyList properties) {
-  Local local{attributes, !builtin_name.empty()};
-  if (needs_keys(attributes)) {
-    if (local.is_volatile)
-      properties.push_back(
-          {std::string(spi::property::kBuiltinEndpointName), std::string(builtin_name), false});
-    if (is_writer(id)) {
-      DDSSEC_ASSIGN_OR_RETURN(const auto writer, factory().register_local_datawriter(
-                                                     own_.crypto(), properties, attributes));
-      local.handle = writer.value;
-    } else {
-      DDSSEC_ASSIGN_OR_RETURN(const auto reader, factory().register_local_datareader(
-                                                     own_.crypto(), properties, attributes));
-      local.handle = reader.value;
-    }
-  }
-  locals_[id] = std::move(local);
-  return {};
+  LocalKeys local{attributes, !builtin_name.empty()};
+  if (local.is_volatile)
+    properties.push_back(
+        {std::string(spi::property::kBuiltinEndpointName), std::string(builtin_name), false});
+  local.properties = std::move(properties);
+  return keys_.add(locals_, id, std::move(local));
 }
 
 Result<std::optional<spi::CipherMask>> Keyring::required_ciphers(const EntityId& id) {
@@ -80,16 +54,8 @@ Result<std::optional<spi::CipherMask>> Keyring::required_ciphers(const EntityId&
 }
 
 void Keyring::remove_local(const EntityId& id) {
-  const auto at = locals_.find(id);
-  if (at == locals_.end()) return;
-  while (!at->second.pairs.empty()) part(id, Guid(at->second.pairs.begin()->first));
-  const auto handle = at->second.handle;
-  locals_.erase(at);
-  if (handle == 0) return;
-  if (is_writer(id))
-    static_cast<void>(factory().unregister_datawriter({handle}));
-  else
-    static_cast<void>(factory().unregister_datareader({handle}));
+  second_.remove(id);
+  keys_.remove(locals_, id);
 }
 
 // ---- remote participants
@@ -104,11 +70,8 @@ Status Keyring::add_remote(const GuidPrefix& prefix, RemoteParticipant remote) {
 }
 
 void Keyring::remove_remote(const GuidPrefix& prefix) {
-  for (auto& [id, local] : locals_) {
-    for (auto at = local.pairs.lower_bound({prefix, {}});
-         at != local.pairs.end() && at->first.prefix == prefix;)
-      part(id, Guid((at++)->first));
-  }
+  second_.part_all(prefix);
+  keys_.part_all(locals_, prefix);
   const auto at = remotes_.find(prefix);
   if (at == remotes_.end()) return;
   std::erase(all_remotes_, at->second.crypto);
@@ -135,28 +98,7 @@ Status Keyring::set_participant_tokens(const GuidPrefix& prefix,
 
 // ---- pairs
 
-Result<std::int64_t> Keyring::register_pair(const EntityId& id, const Local& local,
-                                            const Remote& remote, bool relay_only) {
-  if (is_writer(id)) {
-    DDSSEC_ASSIGN_OR_RETURN(const auto matched_remote_datareader,
-                            factory().register_matched_remote_datareader(
-                                {local.handle}, remote.crypto, *remote.secret, relay_only));
-    return matched_remote_datareader.value;
-  }
-  DDSSEC_ASSIGN_OR_RETURN(
-      const auto matched_remote_datawriter,
-      factory().register_matched_remote_datawriter({local.handle}, remote.crypto, *remote.secret));
-  return matched_remote_datawriter.value;
-}
-
-Result<std::vector<spi::Token>> Keyring::tokens_for(const EntityId& id, const Local& local,
-                                                    const Pair& pair, spi::KeyStage stage) {
-  if (is_writer(id))
-    return exchange().create_local_datawriter_crypto_tokens({local.handle}, {pair.handle}, stage);
-  return exchange().create_local_datareader_crypto_tokens({local.handle}, {pair.handle}, stage);
-}
-
-Result<Keyring::Introduction> Keyring::introduce(const EntityId& id, const Guid& remote,
+Result<Introduction> Keyring::introduce(const EntityId& id, const Guid& remote,
                                                  bool relay_only) {
   const auto at = locals_.find(id);
   if (at == locals_.end()) return fail(Code::crypto_not_matched);
@@ -166,47 +108,22 @@ Result<Keyring::Introduction> Keyring::introduce(const EntityId& id, const Guid&
     if (pair.relay_only == relay_only && !pair.suspended) return Introduction{pair.ready};
     if (pair.relay_only == relay_only) {
       // The remote endpoint gets the keys again: they may have been revised.
-      DDSSEC_ASSIGN_OR_RETURN(auto tokens, tokens_for(id, local, pair));
+      DDSSEC_ASSIGN_OR_RETURN(auto tokens, keys_.tokens_for(id, local, pair));
       pair.suspended = false;
       local.list(id, pair);
       return Introduction{pair.ready, true, std::move(tokens)};
     }
     part(id, remote);
   }
-  Pair pair{.ready = true, .relay_only = relay_only};
-  Introduction out{true, true};
-  if (local.handle != 0) {
-    const auto peer = remotes_.find(remote.prefix);
-    if (peer == remotes_.end()) return fail(Code::crypto_not_matched);
-    DDSSEC_ASSIGN_OR_RETURN(pair.handle, register_pair(id, local, peer->second, relay_only));
-    endpoint_of_[pair.handle] = remote;
-    if (!local.is_volatile) {
-      DDSSEC_ASSIGN_OR_RETURN(out.tokens, tokens_for(id, local, pair));
-      out.ready = pair.ready = !waits_for_tokens(id, local.attributes);
-    }
-  }
-  local.list(id, local.pairs[remote] = pair);
-  return out;
+  return keys_.introduce(id, local, remote, relay_only);
 }
 
+// A suspended pair gets its second protection again when it returns.
 void Keyring::part(const EntityId& id, const Guid& remote, bool may_return) {
-  const auto at = locals_.find(id);
-  if (at == locals_.end()) return;
-  const auto pair = at->second.pairs.find(remote);
-  if (pair == at->second.pairs.end()) return;
-  // The remote endpoint is of the other kind.
-  const auto handle = pair->second.handle;
-  at->second.unlist(id, pair->second);
-  pair->second.suspended = may_return && handle != 0 && !at->second.is_volatile;
-  if (pair->second.suspended) return;
-  at->second.pairs.erase(pair);
-  endpoint_of_.erase(handle);
-  if (handle == 0) return;
-  if (is_writer(id))
-    static_cast<void>(factory().unregister_datareader({handle}));
-  else
-    static_cast<void>(factory().unregister_datawriter({handle}));
+  second_.part(id, remote);
+  keys_.part(locals_, id, remote, may_return);
 }
+
 
 Keyring::PairKind Keyring::kind_of(const EntityId& id, const Guid& remote) const {
   const auto* local = find(id);
@@ -236,41 +153,17 @@ std::optional<Sha256Digest> Keyring::keys_of(const EntityId& id, const Guid& rem
       {by_message ? peer->second.keys : none, by_submessage ? local->pairs.at(remote).keys : none});
 }
 
-void Keyring::Local::list(const EntityId& id, Pair& pair) {
-  if (!pair.ready || pair.handle == 0 || pair.place) return;
-  pair.place = ready.size();
-  ready.push_back(&pair);
-  if (is_writer(id))
-    readers.push_back({pair.handle});
-  else
-    writers.push_back({pair.handle});
-}
-
-// The last pair moves to the free place.
-void Keyring::Local::unlist(const EntityId& id, Pair& pair) {
-  if (!pair.place) return;
-  const auto place = *pair.place;
-  const auto remove = [place](auto& from) {
-    from[place] = from.back();
-    from.pop_back();
-  };
-  ready.back()->place = place;
-  remove(ready);
-  pair.place.reset();
-  if (is_writer(id))
-    remove(readers);
-  else
-    remove(writers);
-}
-
 Result<bool> Keyring::set_endpoint_tokens(const EntityId& id, const Guid& remote,
-                                          std::span<const spi::Token> tokens) {
+                                          std::span<const spi::Token> tokens,
+                                          ProtectionId protection) {
   const auto at = locals_.find(id);
-  if (at == locals_.end()) return fail(Code::crypto_not_matched);
-  const auto pair = at->second.pairs.find(remote);
-  if (pair == at->second.pairs.end() || pair->second.handle == 0)
+  const bool is_first = at != locals_.end() && (protection == 0 || at->second.protection == protection);
+  auto* local = is_first ? &at->second : second_.find(id, protection);
+  if (local == nullptr) return fail(Code::crypto_not_matched);
+  const auto pair = local->pairs.find(remote);
+  if (pair == local->pairs.end() || pair->second.handle == 0)
     return fail(Code::crypto_tokens_not_expected);
-  const auto own = at->second.handle;
+  const auto own = local->handle;
   const auto peer = pair->second.handle;
   if (is_writer(id))
     DDSSEC_RETURN_IF_ERROR(exchange().set_remote_datareader_crypto_tokens({own}, {peer}, tokens));
@@ -279,8 +172,8 @@ Result<bool> Keyring::set_endpoint_tokens(const EntityId& id, const Guid& remote
   pair->second.keys = digest_of(tokens);
   const bool was_ready = std::exchange(pair->second.ready, true);
   if (pair->second.suspended) return false;
-  at->second.list(id, pair->second);
-  return !was_ready;
+  local->list(id, pair->second);
+  return is_first && !was_ready;
 }
 
 // ---- key revision
@@ -312,7 +205,7 @@ Result<std::vector<spi::Token>> Keyring::endpoint_tokens(const EntityId& id, con
   if (!known) return fail(Code::crypto_not_matched);
   const auto& pair = local->pairs.at(remote);
   if (local->is_volatile || pair.handle == 0) return std::vector<spi::Token>{};
-  return tokens_for(id, *local, pair, stage);
+  return keys_.tokens_for(id, *local, pair, stage);
 }
 
 }  // namespace ddssec::rtps

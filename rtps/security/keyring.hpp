@@ -2,12 +2,10 @@
 // with them in both directions.
 #pragma once
 
-#include <map>
-#include <unordered_map>
-
 #include "base/event.hpp"
 #include "base/hash.hpp"
 #include "rtps/reliability/send_protection.hpp"
+#include "rtps/security/endpoint_keys.hpp"
 #include "rtps/security/peer_event.hpp"
 #include "rtps/security/pre_shared_messages.hpp"
 #include "wire/entity_ids.hpp"
@@ -18,6 +16,7 @@ namespace ddssec::rtps {
 struct Shield {
   bool message = false;  ///< it arrived inside a protected message of its sender
   Guid submessage = {};  ///< the endpoint whose key protected it; zero: none
+  ProtectionId protection = 0;  ///< the one of the reader or writer that has the key
 };
 
 /// True for the plain SEDP and liveliness endpoints. Cyclone DDS sends their data outside of
@@ -40,6 +39,9 @@ class Keyring final : public SendProtection {
   Result<std::optional<spi::CipherMask>> required_ciphers(const EntityId& id);
   /// Returns nullptr if the endpoint was never added.
   const spi::EndpointSecurityAttributes* attributes(const EntityId& id) const;
+  SecondProtections& second() { return second_; }
+  const SecondProtections& second() const { return second_; }
+
 
   // Remote participants:
   struct RemoteParticipant {
@@ -56,11 +58,6 @@ class Keyring final : public SendProtection {
   Status set_participant_tokens(const GuidPrefix& prefix, std::span<const spi::Token> tokens);
 
   // Pairs of a local and a remote endpoint:
-  struct Introduction {
-    bool ready = false;  ///< the keys have arrived, or none are needed
-    bool is_new = false;
-    std::vector<spi::Token> tokens = {};  ///< to be sent to the remote endpoint, if the pair is new
-  };
   /// Registers a pair, or finds it.
   Result<Introduction> introduce(const EntityId& local, const Guid& remote,
                                  bool relay_only = false);
@@ -76,8 +73,10 @@ class Keyring final : public SendProtection {
   /// same as long as the keys do. Empty: the content is not authenticated.
   std::optional<Sha256Digest> keys_of(const EntityId& local, const Guid& remote) const;
   /// Returns true if the pair has become ready. A suspended one stays so.
+  /// `protection`: the one that has these keys; 0: the first one. A pair of the second one becomes
+  /// ready silently: false.
   Result<bool> set_endpoint_tokens(const EntityId& local, const Guid& remote,
-                                   std::span<const spi::Token> tokens);
+                                   std::span<const spi::Token> tokens, ProtectionId protection = 0);
 
   // Key revision (DDS-Security 1.2, clause 9.8.10.4); see spi::CryptoKeyFactory:
   Result<spi::KeyRevision> revise();
@@ -106,12 +105,13 @@ class Keyring final : public SendProtection {
   struct OpenSubmessage {
     BytesView plain;
     Guid by;
+    ProtectionId protection;  ///< see Shield
   };
   Result<OpenSubmessage> open_submessage(const GuidPrefix& sender, BytesView group,
                                          MutableBytes scratch);
   /// `reader` and `writer` must be a ready pair. An unprotected payload is returned unchanged.
   Result<BytesView> open_payload(const EntityId& reader, const Guid& writer, BytesView payload,
-                                 MutableBytes scratch);
+                                 const Shield& shield, MutableBytes scratch);
   /// True if the submessage was protected as the governance requires. Refused submessages are
   /// counted.
   bool accepts(const EntityId& local, const Guid& remote, const Shield& shield);
@@ -131,39 +131,7 @@ class Keyring final : public SendProtection {
   void on_unprotectable(const Error& error) override;
 
  private:
-  struct Pair {
-    std::int64_t handle = 0;  ///< handle of the remote endpoint; 0: no keys at all
-    bool ready = false;
-    bool relay_only = false;
-    bool suspended = false;
-    Sha256Digest keys = {};                 ///< digest of its latest tokens
-    std::optional<std::size_t> place = {};  ///< index in the lists of ready pairs
-  };
-  struct Local {
-    spi::EndpointSecurityAttributes attributes;
-    bool is_volatile = false;
-    std::int64_t handle = 0;  ///< 0: nothing to protect
-    std::map<Guid, Pair> pairs = {};
-    std::vector<spi::DatareaderCryptoHandle> readers = {};  ///< for a writer: the ready readers
-    std::vector<spi::DatawriterCryptoHandle> writers = {};  ///< for a reader: the ready writers
-    std::vector<Pair*> ready = {};                          ///< the pairs of either list
-    /// Adds a pair to the lists if it is ready, or removes it, without iterating over the others.
-    void list(const EntityId& id, Pair& pair);
-    void unlist(const EntityId& id, Pair& pair);
-  };
-  struct Remote {
-    spi::ParticipantCryptoHandle crypto;
-    std::shared_ptr<const spi::SharedSecret> secret;
-    bool wraps_plain_builtin = true;
-    Sha256Digest keys = {};  ///< digest of its latest tokens
-  };
-
-  const Local* find(const EntityId& id) const;
-  Result<std::int64_t> register_pair(const EntityId& id, const Local& local, const Remote& remote,
-                                     bool relay_only);
-  Result<std::vector<spi::Token>> tokens_for(const EntityId& id, const Local& local,
-                                             const Pair& pair,
-                                             spi::KeyStage stage = spi::KeyStage::in_use);
+  const LocalKeys* find(const EntityId& id) const { return rtps::find(locals_, id); }
   spi::CryptoKeyFactory& factory() { return own_.plugins().cryptography.key_factory(); }
   spi::CryptoKeyExchange& exchange() { return own_.plugins().cryptography.key_exchange(); }
   spi::CryptoTransform& transform() { return own_.plugins().cryptography.transform(); }
@@ -171,10 +139,11 @@ class Keyring final : public SendProtection {
 
   OwnSecurity& own_;
   EventSink& events_;
-  std::map<EntityId, Local> locals_;
-  std::map<GuidPrefix, Remote> remotes_;
+  Remotes remotes_;
+  EndpointKeys keys_{own_, remotes_};
+  Locals locals_;
+  SecondProtections second_{locals_, keys_};
   std::vector<spi::ParticipantCryptoHandle> all_remotes_;
-  std::unordered_map<std::int64_t, Guid> endpoint_of_;
   ProtectionCounters counters_;
   PreSharedMessages pre_shared_{own_, events_, counters_};
 };

@@ -14,6 +14,24 @@ bool is_expected(Code code) {
          code == Code::message_from_before || code == Code::message_repeated;
 }
 
+// The two volatile endpoints of a participant share one key.
+bool lacks_submessage_key(const LocalKeys& local, const Guid& remote, const Shield& shield) {
+  const bool by_remote =
+      local.is_volatile ? shield.submessage.prefix == remote.prefix : shield.submessage == remote;
+  return local.attributes.is_submessage_protected() && !by_remote;
+}
+
+Result<BytesView> open_payload_under(spi::CryptoTransform& transform, const LocalKeys& local,
+                                     const Guid& writer, BytesView payload, MutableBytes scratch) {
+  if (!local.attributes.is_payload_protected() || payload.empty()) return payload;
+  const auto pair = local.pairs.find(writer);
+  if (pair == local.pairs.end() || pair->second.suspended) return fail(Code::crypto_not_matched);
+  DDSSEC_ASSIGN_OR_RETURN(const auto size,
+                          transform.decode_serialized_payload(
+                              {local.handle}, {pair->second.handle}, payload, scratch));
+  return scratch.first(size);
+}
+
 }  // namespace
 
 bool is_plain_builtin(const EntityId& id) {
@@ -41,22 +59,37 @@ Result<Keyring::OpenSubmessage> Keyring::open_submessage(const GuidPrefix& sende
                               : transform().decode_datareader_submessage(
                                     found->datawriter, found->datareader, group, scratch);
   if (!size) return undecodable(size.error(), sender);
-  const auto by = endpoint_of_.find(by_writer ? found->datawriter.value : found->datareader.value);
-  if (by == endpoint_of_.end()) return undecodable(Error(Code::crypto_not_matched), sender);
-  return OpenSubmessage{scratch.first(*size), by->second};
+  const auto* by =
+      keys_.endpoint_of(by_writer ? found->datawriter.value : found->datareader.value);
+  if (by == nullptr) return undecodable(Error(Code::crypto_not_matched), sender);
+  return OpenSubmessage{scratch.first(*size), by->guid, by->protection};
 }
 
+// With two protections, the key of the submessage says which one counts for the payload. Where
+// neither protects submessages, both protect payloads (governance::live_change), and the payload
+// names its key.
 Result<BytesView> Keyring::open_payload(const EntityId& reader, const Guid& writer,
-                                        BytesView payload, MutableBytes scratch) {
+                                        BytesView payload, const Shield& shield,
+                                        MutableBytes scratch) {
   const auto* local = find(reader);
   if (local == nullptr) return fail(Code::crypto_not_matched);
-  if (!local->attributes.is_payload_protected() || payload.empty()) return payload;
-  const auto pair = local->pairs.find(writer);
-  if (pair == local->pairs.end() || pair->second.suspended) return fail(Code::crypto_not_matched);
-  const auto size = transform().decode_serialized_payload({local->handle}, {pair->second.handle},
-                                                          payload, scratch);
-  if (!size) return undecodable(size.error(), writer.prefix);
-  return scratch.first(*size);
+  if (const auto* other = second_.of(reader, writer)) [[unlikely]] {
+    const bool by_key = shield.submessage == writer;
+    const auto fits = [&](const LocalKeys& one) {
+      return by_key ? one.protection == shield.protection : !one.attributes.is_submessage_protected();
+    };
+    const bool fits_first = local->pairs.contains(writer) && fits(*local);
+    if (!fits_first) {
+      local = other;
+    } else if (fits(*other)) {
+      const auto plain = open_payload_under(transform(), *other, writer, payload, scratch);
+      if (plain) return plain;
+    }
+  }
+  const auto plain = open_payload_under(transform(), *local, writer, payload, scratch);
+  if (!plain && plain.error().code() != Code::crypto_not_matched)
+    return undecodable(plain.error(), writer.prefix);
+  return plain;
 }
 
 bool Keyring::accepts(const EntityId& id, const Guid& remote, const Shield& shield) {
@@ -68,10 +101,10 @@ bool Keyring::accepts(const EntityId& id, const Guid& remote, const Shield& shie
       (is_plain_builtin(id) && (peer == remotes_.end() || !peer->second.wraps_plain_builtin));
   const bool message_missing =
       own_.attributes().is_rtps_protected() && !shield.message && !may_come_bare;
-  // The two volatile endpoints of a participant share one key.
-  const bool by_remote =
-      local->is_volatile ? shield.submessage.prefix == remote.prefix : shield.submessage == remote;
-  const bool submessage_missing = local->attributes.is_submessage_protected() && !by_remote;
+  bool submessage_missing = lacks_submessage_key(*local, remote, shield);
+  if (submessage_missing)
+    if (const auto* other = second_.of(id, remote))
+      submessage_missing = lacks_submessage_key(*other, remote, shield);
   if (!message_missing && !submessage_missing) return true;
   ++counters_.unprotected;
   events_.raise(
@@ -90,6 +123,8 @@ bool Keyring::accepts_without_payload(const EntityId& id, const Guid& remote,
   if (local == nullptr) return false;
   const bool proven = shield.message || shield.submessage == remote;
   if (proven || !local->attributes.is_payload_protected()) return true;
+  const auto* other = second_.of(id, remote);
+  if (other != nullptr && !other->attributes.is_payload_protected()) return true;
   ++counters_.unprotected;
   events_.raise(peer_event(Error(Code::rtps_protection_missing,
                                  {.document = "endpoint " + id.to_string(),

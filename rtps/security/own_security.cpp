@@ -1,5 +1,7 @@
 #include "rtps/security/own_security.hpp"
 
+#include "plugins/spi/governance_change_time.hpp"
+
 namespace ddssec::rtps {
 
 Result<std::unique_ptr<OwnSecurity>> OwnSecurity::create(const SecurityOptions& options,
@@ -7,6 +9,8 @@ Result<std::unique_ptr<OwnSecurity>> OwnSecurity::create(const SecurityOptions& 
                                                          const GuidPrefix& candidate,
                                                          std::string_view domain_tag) {
   std::unique_ptr<OwnSecurity> out(new OwnSecurity(options, domain_id, domain_tag));
+  DDSSEC_ASSIGN_OR_RETURN(out->governance_change_time_,
+                          spi::governance_change_time(options.properties));
   DDSSEC_RETURN_IF_ERROR(out->authenticate(candidate));
   DDSSEC_RETURN_IF_ERROR(out->authorize());
   DDSSEC_RETURN_IF_ERROR(out->share_keys());

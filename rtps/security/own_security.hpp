@@ -39,6 +39,8 @@ class OwnSecurity {
 
   SecurityPlugins& plugins() { return options_.plugins; }
   const spi::PropertyList& properties() const { return options_.properties; }
+  /// See spi::governance_change_time.
+  std::chrono::seconds governance_change_time() const { return governance_change_time_; }
   DomainId domain_id() const { return domain_id_; }
   const std::string& domain_tag() const { return domain_tag_; }
   /// Bound to the certificate's subject (DDS-Security 1.2, clause 10.3.3).
@@ -77,6 +79,7 @@ class OwnSecurity {
   spi::ParticipantCryptoHandle crypto_;
   spi::ParticipantSecurityAttributes attributes_;
   spi::SymmetricCipherInfo ciphers_;
+  std::chrono::seconds governance_change_time_{};
   std::unique_ptr<spi::PreSharedKeys> pre_shared_keys_;
   spi::Token identity_token_, permissions_token_;
 };

@@ -40,6 +40,26 @@ struct PeerPermissions {
   Cleanup give_back = {};
 };
 
+/// What a peer says about its governance document; see GovernanceChange.
+struct GovernanceOfPeer {
+  enum class State : std::uint8_t {
+    changing,  ///< accepts the former protection and that of the document; sends by the former
+    changed,   ///< accepts both; sends by that of the document
+    in_force,  ///< accepts only that of the document
+  };
+  struct Said {
+    spi::AccessControl::GovernanceVersion version;
+    State state = State::in_force;
+    bool operator==(const Said&) const = default;
+  };
+  std::optional<Said> said = {};  ///< the latest
+  std::optional<Said> told = {};  ///< the latest that we said to the peer
+  /// It has taken the document that is in force here, or comes into force: it is told which
+  /// protection keys are for, and its endpoints match with either.
+  bool takes_part = false;
+  WorkBudget answers{3, std::chrono::seconds(5), {}};
+};
+
 /// What is shared with a peer that proved its identity. The members are destroyed in reverse order:
 /// the keys first, then the permissions and the identity that the keys were created for.
 struct Association {
@@ -53,6 +73,7 @@ struct Association {
     WorkBudget judgements{3, std::chrono::seconds(5), {}};  ///< of offers of the peer
   };
   Renewal renewal = {};  ///< see DocumentRenewal
+  GovernanceOfPeer governance = {};
   EarlyTokens early = {};
   WaitingTokens waiting = {};
   std::unique_ptr<StatefulReader> volatile_reader = {};

@@ -139,6 +139,7 @@ void Security::tick(MonotonicTime now) {
   exchange_.tick();
   // Before expire(): a revision that expire() requests begins in the next tick, when the peers that
   // have ended are removed.
+  if (revision_.is_busy()) change_.finish();
   revision_.tick();
   if (now >= next_expiry_) expire();
 }
@@ -192,6 +193,7 @@ void Security::expire() {
     handshakes_.try_all_again();
   }
   renewal_.offer();
+  change_.tick();
 }
 
 }  // namespace ddssec::rtps

@@ -2,6 +2,7 @@
 // exchange of keys (DDS-Security 1.2, clauses 7.5.3 and 9.8). Sends only through the sender; has no
 // clock and no lock. It connects these parts, which do the work:
 //
+//   GovernanceChange  puts more protection into force while participants run
 //   Handshakes    authenticates the peers, and limits what that costs
 //   KeyRevision   creates new keys for all others when a peer loses its trust
 //   KeyExchange   exchanges key tokens through the volatile secure endpoints
@@ -12,6 +13,7 @@
 #pragma once
 
 #include "rtps/security/document_renewal.hpp"
+#include "rtps/security/governance_change.hpp"
 #include "rtps/security/handshakes.hpp"
 
 namespace ddssec::rtps {
@@ -49,7 +51,7 @@ class Security {
     return admission_.create_endpoint(id, endpoint);
   }
 
-  /// For the partitions of local endpoints.
+  /// For the partitions of local endpoints, and their announcement.
   Admission& admission() { return admission_; }
   void forget_endpoint(const EntityId& id) {
     admission_.forget_endpoint(id);
@@ -131,6 +133,7 @@ class Security {
   KeyRevision revision_{core_, exchange_};
   Handshakes handshakes_{core_, admission_, exchange_, revision_};
   DocumentRenewal renewal_{core_, exchange_, revision_};
+  GovernanceChange change_{core_, admission_, exchange_, revision_};
   MonotonicTime next_expiry_{};
 };
 

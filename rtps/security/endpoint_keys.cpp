@@ -1,0 +1,257 @@
+#include "rtps/security/endpoint_keys.hpp"
+
+#include <algorithm>
+
+#include "wire/entity_ids.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+bool needs_keys(const spi::EndpointSecurityAttributes& attributes) {
+  return attributes.is_submessage_protected() || attributes.is_payload_protected();
+}
+
+// A writer needs no tokens of a reader that only opens payloads (Cyclone DDS sends none then). A
+// reader needs the writer's keys for either kind of protection.
+bool waits_for_tokens(const EntityId& local, const spi::EndpointSecurityAttributes& attributes) {
+  return is_writer(local) ? attributes.is_submessage_protected() : needs_keys(attributes);
+}
+
+}  // namespace
+
+ProtectionId protection_id(const spi::EndpointSecurityAttributes& attributes) {
+  const auto info = spi::security_info(attributes);
+  return ProtectionId{info.mask} << 32 | info.plugin_mask;
+}
+
+const LocalKeys* find(const Locals& locals, const EntityId& id) {
+  const auto at = locals.find(id);
+  return at == locals.end() ? nullptr : &at->second;
+}
+
+void LocalKeys::list(const EntityId& id, PairKeys& pair) {
+  if (!pair.ready || pair.handle == 0 || pair.place) return;
+  pair.place = ready.size();
+  ready.push_back(&pair);
+  if (is_writer(id))
+    readers.push_back({pair.handle});
+  else
+    writers.push_back({pair.handle});
+}
+
+// The last pair moves to the free place.
+void LocalKeys::unlist(const EntityId& id, PairKeys& pair) {
+  if (!pair.place) return;
+  const auto place = *pair.place;
+  const auto remove = [place](auto& from) {
+    from[place] = from.back();
+    from.pop_back();
+  };
+  ready.back()->place = place;
+  remove(ready);
+  pair.place.reset();
+  if (is_writer(id))
+    remove(readers);
+  else
+    remove(writers);
+}
+
+// ---- local endpoints
+
+Status EndpointKeys::register_local(const EntityId& id, LocalKeys& local) {
+  if (!needs_keys(local.attributes)) return {};
+  if (is_writer(id)) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto writer,
+                            factory().register_local_datawriter(own_.crypto(), local.properties,
+                                                                local.attributes));
+    local.handle = writer.value;
+  } else {
+    DDSSEC_ASSIGN_OR_RETURN(const auto reader,
+                            factory().register_local_datareader(own_.crypto(), local.properties,
+                                                                local.attributes));
+    local.handle = reader.value;
+  }
+  return {};
+}
+
+Status EndpointKeys::add(Locals& to, const EntityId& id, LocalKeys local) {
+  DDSSEC_RETURN_IF_ERROR(register_local(id, local));
+  to[id] = std::move(local);
+  return {};
+}
+
+void EndpointKeys::remove(Locals& from, const EntityId& id) {
+  const auto at = from.find(id);
+  if (at == from.end()) return;
+  while (!at->second.pairs.empty())
+    part(from, id, Guid(at->second.pairs.begin()->first), false);
+  const auto handle = at->second.handle;
+  from.erase(at);
+  if (handle == 0) return;
+  if (is_writer(id))
+    static_cast<void>(factory().unregister_datawriter({handle}));
+  else
+    static_cast<void>(factory().unregister_datareader({handle}));
+}
+
+// ---- pairs
+
+Result<std::int64_t> EndpointKeys::register_pair(const EntityId& id, const LocalKeys& local,
+                                            const RemoteCrypto& remote, bool relay_only) {
+  if (is_writer(id)) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto matched_remote_datareader,
+                            factory().register_matched_remote_datareader(
+                                {local.handle}, remote.crypto, *remote.secret, relay_only));
+    return matched_remote_datareader.value;
+  }
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto matched_remote_datawriter,
+      factory().register_matched_remote_datawriter({local.handle}, remote.crypto, *remote.secret));
+  return matched_remote_datawriter.value;
+}
+
+Result<std::vector<spi::Token>> EndpointKeys::tokens_for(const EntityId& id, const LocalKeys& local,
+                                                    const PairKeys& pair, spi::KeyStage stage) {
+  auto& exchange = own_.plugins().cryptography.key_exchange();
+  if (is_writer(id))
+    return exchange.create_local_datawriter_crypto_tokens({local.handle}, {pair.handle}, stage);
+  return exchange.create_local_datareader_crypto_tokens({local.handle}, {pair.handle}, stage);
+}
+
+Result<Introduction> EndpointKeys::introduce(const EntityId& id, LocalKeys& local,
+                                                 const Guid& remote, bool relay_only) {
+  PairKeys pair{.ready = true, .relay_only = relay_only};
+  Introduction out{true, true};
+  if (local.handle != 0) {
+    const auto peer = remotes_.find(remote.prefix);
+    if (peer == remotes_.end()) return fail(Code::crypto_not_matched);
+    DDSSEC_ASSIGN_OR_RETURN(pair.handle, register_pair(id, local, peer->second, relay_only));
+    endpoint_of_[pair.handle] = {remote, local.protection};
+    if (!local.is_volatile) {
+      DDSSEC_ASSIGN_OR_RETURN(out.tokens, tokens_for(id, local, pair));
+      out.ready = pair.ready = !waits_for_tokens(id, local.attributes);
+    }
+  }
+  local.list(id, local.pairs[remote] = pair);
+  return out;
+}
+
+void EndpointKeys::part(Locals& from, const EntityId& id, const Guid& remote, bool may_return) {
+  const auto at = from.find(id);
+  if (at == from.end()) return;
+  const auto pair = at->second.pairs.find(remote);
+  if (pair == at->second.pairs.end()) return;
+  // The remote endpoint is of the other kind.
+  const auto handle = pair->second.handle;
+  at->second.unlist(id, pair->second);
+  pair->second.suspended = may_return && handle != 0 && !at->second.is_volatile;
+  if (pair->second.suspended) return;
+  at->second.pairs.erase(pair);
+  endpoint_of_.erase(handle);
+  if (handle == 0) return;
+  if (is_writer(id))
+    static_cast<void>(factory().unregister_datareader({handle}));
+  else
+    static_cast<void>(factory().unregister_datawriter({handle}));
+}
+
+void EndpointKeys::part_all(Locals& from, const GuidPrefix& remote) {
+  for (auto& [id, local] : from)
+    for (auto at = local.pairs.lower_bound({remote, {}});
+         at != local.pairs.end() && at->first.prefix == remote;)
+      part(from, id, Guid((at++)->first), false);
+}
+
+const EndpointKeys::Endpoint* EndpointKeys::endpoint_of(std::int64_t handle) const {
+  const auto at = endpoint_of_.find(handle);
+  return at == endpoint_of_.end() ? nullptr : &at->second;
+}
+
+// ---- two protections
+
+Status SecondProtections::add(const EntityId& id, const spi::EndpointSecurityAttributes& attributes) {
+  const auto* first = rtps::find(first_, id);
+  if (first == nullptr) return fail(Code::crypto_not_matched);
+  LocalKeys local{attributes};
+  local.properties = first->properties;
+  remove(id);
+  return keys_.add(others_, id, std::move(local));
+}
+
+const spi::EndpointSecurityAttributes* SecondProtections::attributes(const EntityId& id) const {
+  const auto* other = rtps::find(others_, id);
+  return other == nullptr ? nullptr : &other->attributes;
+}
+
+void SecondProtections::swap() noexcept {
+  for (auto& [id, other] : others_)
+    if (const auto at = first_.find(id); at != first_.end()) std::swap(at->second, other);
+}
+
+void SecondProtections::remove_all() {
+  while (!others_.empty()) remove(EntityId(others_.begin()->first));
+}
+
+ProtectionId SecondProtections::first_of(const EntityId& id) const {
+  const auto* local = rtps::find(first_, id);
+  return local == nullptr ? 0 : local->protection;
+}
+
+bool SecondProtections::has(const EntityId& id, ProtectionId protection) const {
+  const auto* other = rtps::find(others_, id);
+  return first_of(id) == protection || (other != nullptr && other->protection == protection);
+}
+
+bool SecondProtections::any_with(const GuidPrefix& prefix) const {
+  const auto has_pair = [&](const LocalKeys* local) {
+    if (local == nullptr) return false;
+    const auto at = local->pairs.lower_bound({prefix, {}});
+    return at != local->pairs.end() && at->first.prefix == prefix;
+  };
+  return std::ranges::any_of(others_, [&](const auto& one) {
+    return has_pair(&one.second) || has_pair(rtps::find(first_, one.first));
+  });
+}
+
+std::vector<std::pair<EntityId, Guid>> SecondProtections::incomplete_pairs(const GuidPrefix& prefix) const {
+  std::vector<std::pair<EntityId, Guid>> out;
+  const auto add = [&](const EntityId& id, const LocalKeys& has, const LocalKeys& lacks) {
+    for (auto at = has.pairs.lower_bound({prefix, {}});
+         at != has.pairs.end() && at->first.prefix == prefix; ++at)
+      if (!at->second.suspended && !lacks.pairs.contains(at->first)) out.emplace_back(id, at->first);
+  };
+  for (const auto& [id, other] : others_)
+    if (const auto* first = rtps::find(first_, id)) {
+      add(id, *first, other);
+      add(id, other, *first);
+    }
+  return out;
+}
+
+Result<SecondProtections::Completion> SecondProtections::complete(const EntityId& id, const Guid& remote) {
+  const auto first = first_.find(id), other = others_.find(id);
+  if (first == first_.end() || other == others_.end()) return Completion{};
+  const auto in_first = first->second.pairs.find(remote);
+  const auto in_other = other->second.pairs.find(remote);
+  const bool has_first = in_first != first->second.pairs.end();
+  const bool has_other = in_other != other->second.pairs.end();
+  if (has_first == has_other || (has_first && in_first->second.suspended)) return Completion{};
+  auto& lacks = has_first ? other->second : first->second;
+  const bool relay_only = has_first ? in_first->second.relay_only : in_other->second.relay_only;
+  DDSSEC_ASSIGN_OR_RETURN(auto introduced, keys_.introduce(id, lacks, remote, relay_only));
+  return Completion{lacks.protection, std::move(introduced.tokens)};
+}
+
+const LocalKeys* SecondProtections::of(const EntityId& id, const Guid& remote) const {
+  if (others_.empty()) [[likely]]
+    return nullptr;
+  const auto* other = rtps::find(others_, id);
+  return other != nullptr && other->pairs.contains(remote) ? other : nullptr;
+}
+
+LocalKeys* SecondProtections::find(const EntityId& id, ProtectionId protection) {
+  const auto at = others_.find(id);
+  return at != others_.end() && at->second.protection == protection ? &at->second : nullptr;
+}
+
+}  // namespace ddssec::rtps

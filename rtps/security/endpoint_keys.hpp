@@ -1,0 +1,145 @@
+// The crypto handles of local endpoints and of their pairs with remote ones.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+#include "base/hash.hpp"
+#include "rtps/security/own_security.hpp"
+
+namespace ddssec::rtps {
+
+/// Names the protection of an endpoint: its two masks. 0: none is named.
+using ProtectionId = std::uint64_t;
+ProtectionId protection_id(const spi::EndpointSecurityAttributes& attributes);
+
+/// A local endpoint's keys with one remote endpoint.
+struct PairKeys {
+  std::int64_t handle = 0;  ///< handle of the remote endpoint; 0: no keys at all
+  bool ready = false;
+  bool relay_only = false;
+  bool suspended = false;
+  Sha256Digest keys = {};                 ///< digest of its latest tokens
+  std::optional<std::size_t> place = {};  ///< index in the lists of ready pairs
+};
+
+/// A local endpoint under one protection.
+struct LocalKeys {
+  spi::EndpointSecurityAttributes attributes;
+  bool is_volatile = false;
+  ProtectionId protection = protection_id(attributes);
+  spi::PropertyList properties = {};
+  std::int64_t handle = 0;  ///< 0: nothing to protect
+  std::map<Guid, PairKeys> pairs = {};
+  std::vector<spi::DatareaderCryptoHandle> readers = {};  ///< for a writer: the ready readers
+  std::vector<spi::DatawriterCryptoHandle> writers = {};  ///< for a reader: the ready writers
+  std::vector<PairKeys*> ready = {};                      ///< the pairs of either list
+  /// Adds a pair to the lists if it is ready, or removes it, without iterating over the others.
+  void list(const EntityId& id, PairKeys& pair);
+  void unlist(const EntityId& id, PairKeys& pair);
+};
+using Locals = std::map<EntityId, LocalKeys>;
+/// Returns nullptr if it is not there.
+const LocalKeys* find(const Locals& locals, const EntityId& id);
+
+/// An authenticated remote participant.
+struct RemoteCrypto {
+  spi::ParticipantCryptoHandle crypto;
+  std::shared_ptr<const spi::SharedSecret> secret;
+  bool wraps_plain_builtin = true;
+  Sha256Digest keys = {};  ///< digest of its latest tokens
+};
+using Remotes = std::map<GuidPrefix, RemoteCrypto>;
+
+/// A pair that was registered, or found.
+struct Introduction {
+  bool ready = false;  ///< the keys have arrived, or none are needed
+  bool is_new = false;
+  std::vector<spi::Token> tokens = {};  ///< to be sent to the remote endpoint, if the pair is new
+};
+
+/// Registers them with the plugin, and returns the handles.
+class EndpointKeys {
+ public:
+  EndpointKeys(OwnSecurity& own, const Remotes& remotes) : own_(own), remotes_(remotes) {}
+
+  /// Errors: those of the plugin.
+  Status add(Locals& to, const EntityId& id, LocalKeys local);
+  void remove(Locals& from, const EntityId& id);
+  /// Errors: crypto_not_matched (the remote participant is not known), those of the plugin.
+  Result<Introduction> introduce(const EntityId& id, LocalKeys& local, const Guid& remote,
+                                 bool relay_only);
+  /// See Keyring::part.
+  void part(Locals& from, const EntityId& id, const Guid& remote, bool may_return);
+  /// Parts all endpoints of the participant.
+  void part_all(Locals& from, const GuidPrefix& remote);
+  Result<std::vector<spi::Token>> tokens_for(const EntityId& id, const LocalKeys& local,
+                                             const PairKeys& pair,
+                                             spi::KeyStage stage = spi::KeyStage::in_use);
+  /// The remote endpoint of a pair, and the protection that has it.
+  struct Endpoint {
+    Guid guid;
+    ProtectionId protection;
+  };
+  /// Returns nullptr for an unknown handle.
+  const Endpoint* endpoint_of(std::int64_t handle) const;
+
+ private:
+  Status register_local(const EntityId& id, LocalKeys& local);
+  Result<std::int64_t> register_pair(const EntityId& id, const LocalKeys& local,
+                                     const RemoteCrypto& remote, bool relay_only);
+  spi::CryptoKeyFactory& factory() { return own_.plugins().cryptography.key_factory(); }
+
+  OwnSecurity& own_;
+  const Remotes& remotes_;
+  std::unordered_map<std::int64_t, Endpoint> endpoint_of_;
+};
+
+/// Another protection of local endpoints, while a governance document takes the place of another
+/// one (GovernanceChange). Messages with either protection are opened; the first one protects what
+/// is sent. Each has keys of its own.
+class SecondProtections {
+ public:
+  /// `first`: the endpoints with the protection that counts when they send.
+  SecondProtections(Locals& first, EndpointKeys& keys) : first_(first), keys_(keys) {}
+
+  /// The endpoint gets a second protection. Errors: those of the plugin.
+  Status add(const EntityId& id, const spi::EndpointSecurityAttributes& attributes);
+  /// The second protection, or nullptr.
+  const spi::EndpointSecurityAttributes* attributes(const EntityId& id) const;
+  /// The same with its keys, if a pair with `remote` has it.
+  const LocalKeys* of(const EntityId& id, const Guid& remote) const;
+  /// From now on the second protection of each endpoint is the first one, and the other way round.
+  void swap() noexcept;
+  void remove_all();
+  void remove(const EntityId& id) { keys_.remove(others_, id); }
+  void part(const EntityId& id, const Guid& remote) { keys_.part(others_, id, remote, false); }
+  void part_all(const GuidPrefix& remote) { keys_.part_all(others_, remote); }
+
+  /// The first protection; 0: unknown endpoint.
+  ProtectionId first_of(const EntityId& id) const;
+  /// True if the endpoint has that protection as first or second one.
+  bool has(const EntityId& id, ProtectionId protection) const;
+  /// The second protection with its keys, if it is that one; or nullptr.
+  LocalKeys* find(const EntityId& id, ProtectionId protection);
+  /// True if a pair with an endpoint of that peer exists whose local endpoint has two protections.
+  bool any_with(const GuidPrefix& prefix) const;
+  /// The pairs with endpoints of that peer that one protection has and the other one lacks.
+  std::vector<std::pair<EntityId, Guid>> incomplete_pairs(const GuidPrefix& prefix) const;
+  struct Completion {
+    ProtectionId protection = 0;  ///< the one that has the pair now; 0: nothing was missing
+    std::vector<spi::Token> tokens = {};  ///< to be sent to the remote endpoint
+  };
+  /// Registers such a pair for the protection that lacks it. Errors: those of the plugin.
+  Result<Completion> complete(const EntityId& id, const Guid& remote);
+
+ private:
+  Locals& first_;
+  EndpointKeys& keys_;
+  Locals others_;
+};
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,373 @@
+// A governance document that protects a topic more, while participants exchange data.
+#include <random>
+
+#include "plugins/spi/governance_change_time.hpp"
+#include "tests/support/expect_code.hpp"
+#include "tests/unit/rtps_security/document_files.hpp"
+#include "tests/unit/rtps_security/trio.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace testing;
+
+constexpr auto kNone = ProtectionKind::none, kSign = ProtectionKind::sign,
+               kEncrypt = ProtectionKind::encrypt;
+
+Rules rules_of(ProtectionKind metadata, ProtectionKind data, ProtectionKind rtps = kSign) {
+  return {.rtps = rtps, .discovery = kSign, .metadata = metadata, .data = data};
+}
+
+std::string governance(const Rules& rules, std::uint32_t revision) {
+  auto document = rules.document();
+  document.revision = revision;
+  return std::string(as_text(*Authorities::shared().permissions_ca.sign_document(
+      as_bytes(governance::to_xml(document)), pki::kNow, pki::test_random())));
+}
+
+/// Its governance is in a file.
+struct Member {
+  Member(std::uint8_t n, const std::string& name, const Rules& rules, const std::string& seconds)
+      : path(folder.write("governance.p7s", governance(rules, 1))),
+        node(n, properties(name, rules, seconds), 4) {}
+  spi::PropertyList properties(const std::string& name, const Rules& rules,
+                               const std::string& seconds) const {
+    auto out = properties_of("CN=" + name + ",O=Example", rules);
+    for (auto& one : out)
+      if (one.name == spi::property::kGovernance) one.value = "file:" + path;
+    out.push_back({std::string(spi::property::kFilesPollInterval), "1", false});
+    out.push_back({std::string(spi::property::kGovernanceChangeTime), seconds, false});
+    return out;
+  }
+  const test::TemporaryFolder folder;
+  const std::string path;
+  Node node;
+};
+
+/// Alice writes to bob and carol; bob answers on another topic.
+struct Fleet {
+  explicit Fleet(const Rules& former, const std::string& seconds = "30", bool has_carol = true)
+      : a(1, "alice", former, seconds),
+        b(2, "bob", former, seconds),
+        c(3, "carol", former, seconds) {
+    world.nodes = {&a.node, &b.node};
+    if (has_carol) world.nodes.push_back(&c.node);
+    world.filter = [this](const Node&, Bytes datagram) {
+      if (watches) sent.push_back(datagram);
+      return is_lossy && random() % 5 == 0 ? std::vector<Bytes>{} : one(std::move(datagram));
+    };
+    auto qos = default_writer_qos();
+    qos.history.kind = HistoryKind::keep_all;
+    auto reading = default_reader_qos();
+    reading.reliability.kind = ReliabilityKind::reliable;
+    reading.history.kind = HistoryKind::keep_all;
+    writer = a.node->create_writer(square(qos), a.node.listener, world.now).value();
+    for (auto* node : world.nodes)
+      if (node != &a.node) {
+        EXPECT_TRUE((*node)->create_reader(square(reading), node->listener, world.now));
+      }
+    const auto count = static_cast<int>(world.nodes.size()) - 1;
+    EXPECT_TRUE(world.run_until([&] {
+      return a.node.listener.matched == count && std::ranges::all_of(world.nodes, [&](Node* node) {
+        return node == &a.node || node->listener.matched == 1;
+      });
+    })) << text();
+  }
+  void put(std::initializer_list<Member*> members, const Rules& rules, std::uint32_t revision) {
+    for (auto* member : members) member->folder.replace("governance.p7s", governance(rules, revision));
+  }
+  void write() {
+    Change change;
+    change.payload = Payload::copy_of(marked());
+    a.node->local_endpoints().writer(writer)->write(std::move(change), world.now);
+    ++written;
+  }
+  /// A sample whose text is found on the network if nothing encrypts it.
+  static Bytes marked() {
+    Bytes octets{0, 1, 0, 0};
+    for (const char c : kMark) octets.push_back(static_cast<std::uint8_t>(c));
+    return octets;
+  }
+  /// Writes all the time; the plugins look at their files once a second.
+  void run(int seconds) {
+    for (int i = 0; i < seconds; ++i) {
+      for (auto* node : world.nodes) node->clock.advance(1s);
+      for (int j = 0; j < 10; ++j) {
+        write();
+        world.run(10);
+      }
+    }
+  }
+  bool has_all(Node& node) {
+    return world.run_until([&] { return node.listener.changes.size() == written; }, 3000);
+  }
+  bool is_whole(const Node& node) const {
+    return std::ranges::all_of(node.listener.changes, [](const Change& change) {
+      return std::ranges::equal(change.payload.view(), marked());
+    });
+  }
+  bool is_readable_on_the_network() {
+    sent.clear();
+    watches = true;
+    run(2);
+    watches = false;
+    return std::ranges::any_of(sent, [](const Bytes& datagram) {
+      return as_text(datagram).find(kMark) != std::string_view::npos;
+    });
+  }
+  static int unmatched(const Node& node) { return node.listener.unmatched; }
+  std::string text() const {
+    return "A " + a.node.events.text() + "B " + b.node.events.text() + "C " + c.node.events.text();
+  }
+
+  static constexpr std::string_view kMark = "what everyone could read before.";
+  Member a, b, c;
+  World world;
+  Guid writer;
+  std::size_t written = 0;
+  bool watches = false, is_lossy = false;
+  std::vector<Bytes> sent;
+  std::minstd_rand random{7};
+};
+
+const Event* last(const Events& events, Code code) {
+  const Event* out = nullptr;
+  for (const auto& event : events.seen)
+    if (event.error.code() == code) out = &event;
+  return out;
+}
+
+void expect_in_force(const Fleet& fleet, const Member& member) {
+  EXPECT_EQ(member.node.events.count(Code::governance_changing), 1) << fleet.text();
+  EXPECT_EQ(member.node.events.count(Code::governance_renewed), 1) << fleet.text();
+  EXPECT_EQ(Fleet::unmatched(member.node), 0) << fleet.text();
+  EXPECT_FALSE(member.node.events.has(Code::rtps_security_info_mismatch)) << fleet.text();
+  EXPECT_FALSE(member.node.events.has(Code::governance_peer_behind)) << fleet.text();
+}
+
+struct Kinds {
+  ProtectionKind metadata_before, data_before, metadata, data;
+  ProtectionKind rtps = kSign;
+};
+
+class Raised : public ::testing::TestWithParam<Kinds> {};
+
+TEST_P(Raised, NothingIsLostAndNoMatchEnds) {
+  const auto& kinds = GetParam();
+  Fleet fleet(rules_of(kinds.metadata_before, kinds.data_before, kinds.rtps));
+  fleet.run(3);
+  fleet.put({&fleet.a, &fleet.b, &fleet.c}, rules_of(kinds.metadata, kinds.data, kinds.rtps), 2);
+  fleet.run(12);
+  EXPECT_TRUE(fleet.has_all(fleet.b.node) && fleet.has_all(fleet.c.node))
+      << fleet.b.node.listener.changes.size() << " of " << fleet.written << fleet.text();
+  EXPECT_TRUE(fleet.is_whole(fleet.b.node) && fleet.is_whole(fleet.c.node));
+  for (const auto* member : {&fleet.a, &fleet.b, &fleet.c}) expect_in_force(fleet, *member);
+  const bool is_encrypted = kinds.metadata == kEncrypt || kinds.data == kEncrypt;
+  EXPECT_EQ(fleet.is_readable_on_the_network(), !is_encrypted && kinds.rtps != kEncrypt);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, Raised,
+    ::testing::Values(Kinds{kSign, kSign, kEncrypt, kEncrypt}, Kinds{kNone, kNone, kEncrypt, kEncrypt},
+           Kinds{kNone, kNone, kSign, kSign}, Kinds{kNone, kSign, kEncrypt, kEncrypt},
+           Kinds{kSign, kNone, kSign, kSign}, Kinds{kEncrypt, kNone, kEncrypt, kEncrypt},
+           Kinds{kNone, kSign, kNone, kEncrypt, kEncrypt}, Kinds{kNone, kNone, kSign, kEncrypt, kEncrypt}));
+
+TEST(GovernanceChange, OnALossyNetwork_NothingIsLost) {
+  Fleet fleet(rules_of(kSign, kSign));
+  fleet.is_lossy = true;
+  fleet.run(2);
+  fleet.put({&fleet.a, &fleet.b, &fleet.c}, rules_of(kEncrypt, kEncrypt), 2);
+  fleet.run(20);
+  EXPECT_TRUE(fleet.has_all(fleet.b.node) && fleet.has_all(fleet.c.node)) << fleet.text();
+  for (const auto* member : {&fleet.a, &fleet.b, &fleet.c}) expect_in_force(fleet, *member);
+}
+
+TEST(GovernanceChange, DocumentsThatComeOneAfterTheOther_AreWaitedFor) {
+  Fleet fleet(rules_of(kSign, kSign));
+  const auto next = rules_of(kEncrypt, kEncrypt);
+  for (auto* member : {&fleet.b, &fleet.a, &fleet.c}) {
+    EXPECT_FALSE(fleet.a.node.events.has(Code::governance_renewed));
+    fleet.put({member}, next, 2);
+    fleet.run(5);
+  }
+  fleet.run(5);
+  EXPECT_TRUE(fleet.has_all(fleet.b.node) && fleet.has_all(fleet.c.node)) << fleet.text();
+  for (const auto* member : {&fleet.a, &fleet.b, &fleet.c}) expect_in_force(fleet, *member);
+  EXPECT_FALSE(fleet.is_readable_on_the_network());
+}
+
+TEST(GovernanceChange, APeerThatStaysBehind_NoLongerMatchesAndBothSidesSaySo) {
+  Fleet fleet(rules_of(kSign, kSign), "10");
+  fleet.put({&fleet.a, &fleet.b}, rules_of(kEncrypt, kEncrypt), 2);
+  fleet.run(6);
+  EXPECT_EQ(fleet.c.node.listener.matched, 1);
+  EXPECT_TRUE(fleet.is_readable_on_the_network()) << "before its time is over";
+  fleet.run(12);
+  EXPECT_EQ(fleet.c.node.listener.matched, 0) << fleet.text();
+  EXPECT_TRUE(fleet.c.node.events.has(Code::rtps_security_info_mismatch)) << fleet.text();
+  EXPECT_TRUE(fleet.a.node.events.has(Code::rtps_security_info_mismatch)) << fleet.text();
+  const auto* event = last(fleet.a.node.events, Code::governance_peer_behind);
+  ASSERT_NE(event, nullptr) << fleet.text();
+  EXPECT_THAT(event->peer_subject, ::testing::HasSubstr("carol"));
+  EXPECT_FALSE(fleet.is_readable_on_the_network());
+  EXPECT_TRUE(fleet.has_all(fleet.b.node)) << fleet.text();
+  EXPECT_EQ(Fleet::unmatched(fleet.b.node), 0);
+  fleet.put({&fleet.c}, rules_of(kEncrypt, kEncrypt), 2);
+  fleet.run(6);
+  EXPECT_EQ(fleet.c.node.listener.matched, 1) << fleet.text();
+  const auto before = fleet.c.node.listener.changes.size();
+  fleet.run(2);
+  EXPECT_GT(fleet.c.node.listener.changes.size(), before);
+}
+
+TEST(GovernanceChange, EndpointsMadeMeanwhile_MatchAndKeepTheirSamples) {
+  Fleet fleet(rules_of(kSign, kSign));
+  fleet.put({&fleet.a, &fleet.b}, rules_of(kEncrypt, kEncrypt), 2);
+  fleet.run(4);  // carol is waited for
+  auto reading = default_reader_qos();
+  reading.reliability.kind = ReliabilityKind::reliable;
+  reading.history.kind = HistoryKind::keep_all;
+  Listener late;
+  ASSERT_TRUE(fleet.b.node->create_reader(square(reading), late, fleet.world.now));
+  ASSERT_TRUE(fleet.world.run_until([&] { return late.matched == 1; })) << fleet.text();
+  const auto before = fleet.written;
+  fleet.run(2);
+  fleet.put({&fleet.c}, rules_of(kEncrypt, kEncrypt), 2);
+  fleet.run(8);
+  EXPECT_TRUE(fleet.world.run_until(
+      [&] { return late.changes.size() == fleet.written - before; }, 3000))
+      << late.changes.size() << " of " << fleet.written - before << fleet.text();
+  EXPECT_TRUE(fleet.c.node.events.has(Code::governance_renewed));
+  EXPECT_EQ(late.unmatched, 0);
+  EXPECT_TRUE(fleet.has_all(fleet.c.node)) << fleet.c.node.listener.changes.size() << " of "
+                                           << fleet.written << fleet.text();
+}
+
+TEST(GovernanceChange, TwoChangesAfterOneAnother_AreBothTaken) {
+  Fleet fleet(rules_of(kNone, kNone));
+  fleet.put({&fleet.a, &fleet.b, &fleet.c}, rules_of(kSign, kSign), 2);
+  fleet.run(10);
+  fleet.put({&fleet.a, &fleet.b, &fleet.c}, rules_of(kEncrypt, kEncrypt), 3);
+  fleet.run(10);
+  EXPECT_TRUE(fleet.has_all(fleet.b.node) && fleet.has_all(fleet.c.node)) << fleet.text();
+  for (const auto* member : {&fleet.a, &fleet.b, &fleet.c}) {
+    EXPECT_EQ(member->node.events.count(Code::governance_renewed), 2) << fleet.text();
+    EXPECT_EQ(Fleet::unmatched(member->node), 0) << fleet.text();
+  }
+  EXPECT_FALSE(fleet.is_readable_on_the_network());
+}
+
+TEST(GovernanceChange, TheOldDocumentPutBack_ChangesNothing) {
+  Fleet fleet(rules_of(kSign, kSign));
+  fleet.put({&fleet.a, &fleet.b, &fleet.c}, rules_of(kEncrypt, kEncrypt), 2);
+  fleet.run(10);
+  fleet.put({&fleet.a, &fleet.b, &fleet.c}, rules_of(kSign, kSign), 1);
+  fleet.run(5);
+  for (const auto* member : {&fleet.a, &fleet.b, &fleet.c})
+    EXPECT_EQ(member->node.events.count(Code::governance_renewal_refused), 1) << fleet.text();
+  EXPECT_FALSE(fleet.is_readable_on_the_network());
+  EXPECT_TRUE(fleet.has_all(fleet.b.node));
+}
+
+TEST(GovernanceChange, AKeyRevisionMeanwhile_EndsItAtOnceAndNothingIsLost) {
+  auto former = rules_of(kSign, kSign), next = rules_of(kEncrypt, kEncrypt);
+  former.revises_keys = next.revises_keys = true;
+  Fleet fleet(former);
+  fleet.put({&fleet.a, &fleet.b}, next, 2);
+  fleet.run(4);
+  EXPECT_FALSE(fleet.a.node.events.has(Code::governance_renewed));
+  for (auto* node : {&fleet.a.node, &fleet.b.node})
+    (*node)->ignore_participant(fleet.c.node->prefix());
+  fleet.run(5);
+  EXPECT_TRUE(fleet.a.node.events.has(Code::rtps_keys_revised)) << fleet.text();
+  EXPECT_TRUE(fleet.a.node.events.has(Code::governance_renewed)) << fleet.text();
+  EXPECT_TRUE(fleet.has_all(fleet.b.node)) << fleet.text();
+  EXPECT_EQ(Fleet::unmatched(fleet.b.node), 0) << fleet.text();
+  EXPECT_FALSE(fleet.is_readable_on_the_network());
+}
+
+// ---- insiders
+
+TEST(GovernanceChange, AnInsiderThatIsNeverReady_HoldsTheOthersForNoLongerThanTheTime) {
+  Fleet fleet(rules_of(kSign, kSign), "10");
+  fleet.put({&fleet.a, &fleet.b}, rules_of(kEncrypt, kEncrypt), 2);
+  fleet.put({&fleet.c}, rules_of(kEncrypt, kEncrypt), 2);
+  fleet.world.filter = [&](const Node& from, Bytes datagram) {
+    if (fleet.watches) fleet.sent.push_back(datagram);
+    // Says that it has the document, and acknowledges nothing from then on.
+    const bool is_mute = &from == &fleet.c.node && fleet.c.node.events.has(Code::governance_changing);
+    return is_mute ? std::vector<Bytes>{} : one(std::move(datagram));
+  };
+  fleet.run(12);
+  EXPECT_FALSE(fleet.is_readable_on_the_network()) << fleet.text();
+  fleet.run(16);
+  EXPECT_EQ(fleet.a.node.events.count(Code::governance_renewed), 1) << fleet.text();
+  EXPECT_TRUE(fleet.has_all(fleet.b.node)) << fleet.text();
+  EXPECT_EQ(Fleet::unmatched(fleet.b.node), 0);
+}
+
+TEST(GovernanceChange, OtherContentUnderTheSameRevision_CountsAsBehind) {
+  Fleet fleet(rules_of(kSign, kSign), "10");
+  fleet.put({&fleet.a, &fleet.b}, rules_of(kEncrypt, kEncrypt), 2);
+  fleet.put({&fleet.c}, rules_of(kEncrypt, kSign), 2);
+  fleet.run(20);
+  EXPECT_TRUE(fleet.a.node.events.has(Code::governance_peer_behind)) << fleet.text();
+  EXPECT_EQ(fleet.c.node.listener.matched, 0);
+  EXPECT_TRUE(fleet.has_all(fleet.b.node));
+  EXPECT_FALSE(fleet.is_readable_on_the_network());
+}
+
+// What was sent before, by the former protection, counts no more once all have changed.
+TEST(GovernanceChange, AReplayOfTheFormerProtection_IsDropped) {
+  Fleet fleet(rules_of(kNone, kNone, kNone));
+  fleet.watches = true;
+  fleet.run(3);
+  fleet.watches = false;
+  const auto before = std::exchange(fleet.sent, {});
+  fleet.put({&fleet.a, &fleet.b, &fleet.c}, rules_of(kEncrypt, kEncrypt, kNone), 2);
+  fleet.run(12);
+  ASSERT_TRUE(fleet.has_all(fleet.b.node)) << fleet.text();
+  EXPECT_EQ(fleet.b.node.events.count(Code::governance_renewed), 1);
+  const auto counted = fleet.b.node.listener.changes.size();
+  const auto dropped = fleet.b.node->protection_counters().unprotected;
+  for (const auto& datagram : before)
+    fleet.b.node->receive(datagram, fleet.world.now, *Locator::parse("127.0.0.1", 0));
+  EXPECT_EQ(fleet.b.node.listener.changes.size(), counted);
+  EXPECT_GT(fleet.b.node->protection_counters().unprotected, dropped);
+  fleet.run(2);
+  EXPECT_TRUE(fleet.has_all(fleet.b.node)) << fleet.text();
+}
+
+TEST(GovernanceChange, AFloodOfDocuments_IsTakenOneAtATime) {
+  Fleet fleet(rules_of(kSign, kSign));
+  for (std::uint32_t i = 2; i < 30; ++i) {
+    fleet.put({&fleet.a, &fleet.b, &fleet.c}, rules_of(kEncrypt, kEncrypt), i);
+    fleet.run(1);
+  }
+  fleet.run(10);
+  EXPECT_TRUE(fleet.has_all(fleet.b.node) && fleet.has_all(fleet.c.node)) << fleet.text();
+  for (const auto* member : {&fleet.a, &fleet.b, &fleet.c}) expect_in_force(fleet, *member);
+}
+
+TEST(GovernanceChange, WithoutTimeToWait_TheNewProtectionCountsAtOnce) {
+  Fleet fleet(rules_of(kSign, kSign), "0");
+  fleet.put({&fleet.a}, rules_of(kEncrypt, kEncrypt), 2);
+  fleet.run(4);
+  EXPECT_EQ(fleet.a.node.listener.matched, 0) << fleet.text();
+  EXPECT_FALSE(fleet.is_readable_on_the_network());
+}
+
+TEST(GovernanceChangeTime, ANumberOfSecondsOrNone) {
+  const auto value = [](std::string text) {
+    return spi::governance_change_time(
+        {{std::string(spi::property::kGovernanceChangeTime), std::move(text)}});
+  };
+  EXPECT_EQ(spi::governance_change_time({}), std::chrono::seconds(60));
+  EXPECT_EQ(value("3600"), std::chrono::seconds(3600));
+  EXPECT_EQ(value("0"), std::chrono::seconds(0));
+  for (const auto* text : {"3601", "-1", "soon", ""}) EXPECT_CODE(value(text), invalid_property);
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
