@@ -7,6 +7,7 @@
 
 #include "cli/ca_folder.hpp"
 #include "cli/documents.hpp"
+#include "cli/governance_revision.hpp"
 #include "cli/granted_domains.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
@@ -54,6 +55,34 @@ std::vector<Finding> uncovered(const governance::Permissions& document, const fs
   return uncovered_grants(document, pki::participant_folder(folder_of(to)).governance, file);
 }
 
+/// What is signed: a governance document with a revision.
+Result<Bytes> text_to_sign(const governance::Governance& document, BytesView xml, const fs::path& to,
+                           const OpenCa& ca, const Arguments& arguments) {
+  if (arguments.has("--no-revision")) return to_bytes(xml);
+  return with_next_revision(document, xml, to, ca);
+}
+Result<Bytes> text_to_sign(const governance::Permissions&, BytesView xml, const fs::path&,
+                           const OpenCa&, const Arguments&) {
+  return to_bytes(xml);
+}
+
+/// The revision in the text; 0: none.
+template <class Kind>
+std::uint32_t revision_of(BytesView text) {
+  if constexpr (std::is_same_v<Kind, GovernanceKind>) {
+    const auto document = Kind::read(text);
+    return document ? document->revision : 0;
+  }
+  return 0;
+}
+
+Status log_with_revision(const OpenCa& ca, BytesView text, const fs::path& to, WallTime now,
+                         std::uint32_t revision) {
+  if (revision == 0) return log_signed(ca, text, to, now);
+  return log_signed(ca.paths, pki::SigningLog::with_revision(
+                                  signed_line(ca.certificate(), text, to, now), revision));
+}
+
 // A document that cannot be parsed, or in which lint finds errors, must not be signed.
 template <class Kind>
 Result<Report> sign(const Arguments& arguments, const Context& context) {
@@ -72,19 +101,26 @@ Result<Report> sign(const Arguments& arguments, const Context& context) {
   }
   for (auto& finding : uncovered(document, to, from)) report.findings.push_back(std::move(finding));
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, CaOpener(arguments).open("permissions"));
+  DDSSEC_ASSIGN_OR_RETURN(const auto text,
+                          named(text_to_sign(document, octets, to, ca, arguments), from));
   DDSSEC_ASSIGN_OR_RETURN(
       const auto signed_octets,
-      named(ca.authority.sign_document(octets, context.clock.now(), context.random), from));
+      named(ca.authority.sign_document(text, context.clock.now(), context.random), from));
   if (const auto size = signed_octets.size(); std::is_same_v<Kind, PermissionsKind> &&
                                               size > pki::kMostSentPermissionsOctets &&
                                               !arguments.has("--no-lint"))
     return not_signed(from, {governance::too_long_for_peers(size)});
   DDSSEC_RETURN_IF_ERROR(check_result_place(to, arguments));
-  DDSSEC_RETURN_IF_ERROR(log_signed(ca, octets, to, context.clock.now()));
+  const auto revision = revision_of<Kind>(text);
+  DDSSEC_RETURN_IF_ERROR(log_with_revision(ca, text, to, context.clock.now(), revision));
   DDSSEC_ASSIGN_OR_RETURN(auto written, write_result(to, signed_octets, arguments));
   report.files_written.push_back(std::move(written));
   report.text += fmt::format("{}  signed by {}\n", to.string(), ca.certificate().subject());
   report.result = {{"file", to.string()}, {"signer", ca.certificate().subject()}};
+  if (revision != 0) {
+    report.text.insert(report.text.size() - 1, fmt::format(", revision {}", revision));
+    report.result["revision"] = revision;
+  }
   return report;
 }
 
@@ -205,6 +241,9 @@ const Option kCaCertificate{.name = "--ca",
                             .summary = "the permissions CA's certificate",
                             .required = true};
 
+const Option kNoRevision{"--no-revision", "",
+                         "write no revision: participants of ddssec up to 0.2.0 refuse it"};
+
 std::vector<Option> signing_options() {
   return {ca_option("the folder that ca create made"),
           {"-o", "FILE", "the signed document, if not FILE with the ending p7s"},
@@ -215,6 +254,11 @@ std::vector<Option> signing_options() {
           kInsecureKeyMode};
 }
 
+std::vector<Option> with_option(std::vector<Option> options, const Option& more) {
+  options.push_back(more);
+  return options;
+}
+
 }  // namespace
 
 std::vector<Command> document_commands() {
@@ -223,7 +267,7 @@ std::vector<Command> document_commands() {
        .name = "sign",
        .summary = "Signs a governance document that lint passes, in the form every vendor reads.",
        .positionals = {{"FILE", "the XML document"}},
-       .options = signing_options(),
+       .options = with_option(signing_options(), kNoRevision),
        .examples = {"ddssec governance sign governance.xml --ca ca"},
        .run = sign<GovernanceKind>},
       {.group = "governance",

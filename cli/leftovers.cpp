@@ -6,6 +6,7 @@
 #include <csignal>
 #include <ctime>
 #include <dirent.h>
+#include <fcntl.h>
 #include <limits>
 #include <map>
 #include <optional>

@@ -87,6 +87,10 @@ std::string topic_row(const TopicRule& rule, std::size_t number) {
 Report whole(const Governance& document, const fs::path& file) {
   Report report;
   report.result = {{"file", file.string()}, {"domain_rules", Json::array()}};
+  if (document.revision != 0) {
+    report.text = fmt::format("revision {}\n", document.revision);
+    report.result["revision"] = document.revision;
+  }
   for (std::size_t i = 0; i < document.domain_rules.size(); ++i) {
     const auto& rule = document.domain_rules[i];
     auto row = to_json(rule);
@@ -202,7 +206,7 @@ Result<Report> governance_show(const Arguments& arguments, const Context&) {
     return fail(Code::domain_not_covered,
                 {.document = file, .expected = "domain " + std::to_string(*wanted)});
   if (!wanted) return whole(document, file);
-  Governance part;
+  Governance part{.revision = document.revision};
   part.domain_rules.push_back(*document.find(*wanted));
   return whole(part, file);
 }

@@ -1,6 +1,7 @@
 #include "pki/signing_log.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include <nlohmann/json.hpp>
 
@@ -18,6 +19,13 @@ using LogJson = nlohmann::ordered_json;
 std::string member(const LogJson& object, const char* name) {
   const auto found = object.find(name);
   return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+/// 0: it is none.
+std::uint32_t revision_in(const LogJson& value) {
+  if (!value.is_number_unsigned()) return 0;
+  const auto number = value.get<std::uint64_t>();
+  return number <= std::numeric_limits<std::uint32_t>::max() ? static_cast<std::uint32_t>(number) : 0;
 }
 
 std::string entry(const std::string& ca, const std::string& document) {
@@ -56,6 +64,8 @@ bool SigningLog::add_line(std::string_view line) {
   if (auto old = member(object, "extends"); old.size() == kDigits)
     extends_[document] = std::move(old);
   last_in_[file] = document;
+  if (const auto found = object.find("revision"); found != object.end())
+    last_revision_ = std::max(last_revision_, revision_in(*found));
   return true;
 }
 
@@ -98,6 +108,12 @@ std::string SigningLog::signed_line(BytesView text, const Certificate& ca, std::
                     {"ca", key_digest(ca)},
                     {"file", file}};
   if (!extended.empty()) object["extends"] = document_digest(extended);
+  return object.dump(-1, ' ', false, LogJson::error_handler_t::replace) + "\n";
+}
+
+std::string SigningLog::with_revision(const std::string& line, std::uint32_t revision) {
+  auto object = LogJson::parse(line);
+  object["revision"] = revision;
   return object.dump(-1, ' ', false, LogJson::error_handler_t::replace) + "\n";
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -39,6 +40,8 @@ class SigningLog {
   /// True if a text is the last one that was signed for this file, by any CA in the log. The log
   /// alone decides: the signature need not be of a CA that still exists.
   bool is_last_of(const std::string& file, BytesView text) const;
+  /// The highest governance revision in the log; 0: none.
+  std::uint32_t last_revision() const { return last_revision_; }
   /// The numbers, from 1, of the lines that could not be read.
   const std::vector<int>& unreadable() const { return unreadable_; }
 
@@ -47,6 +50,8 @@ class SigningLog {
   /// may be killed before the new one is in place.
   static std::string signed_line(BytesView text, const Certificate& ca, std::string_view file,
                                  WallTime now, BytesView extended = {});
+  /// The same line with the revision of a governance document.
+  static std::string with_revision(const std::string& line, std::uint32_t revision);
 
  private:
   bool add_line(std::string_view line);
@@ -56,6 +61,7 @@ class SigningLog {
   std::unordered_map<std::string, std::vector<std::string>> files_of_;  ///< by document_digest()
   std::unordered_map<std::string, std::string> last_in_;  ///< by file: the last document_digest()
   std::unordered_map<std::string, std::string> extends_;  ///< document_digest() of both
+  std::uint32_t last_revision_ = 0;
   std::vector<int> unreadable_;
 };
 

@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """governance diff and permissions diff: what a change of a document changes, and for whom."""
 
+import re
+
 from transcript import Transcript, main
 
 NOW = ("--now", "2026-11-21T00:00:00Z")
@@ -132,6 +134,27 @@ class GovernanceDifferences(Differences):
         self.assertEqual(self.diff()["live"]["ddssec"], "live")
         self.assertIn("running participants: on ddssec's plugins:  taken while they run", self.text())
 
+    def test_more_protection_is_taken_in_two_phases(self):
+        def live(old, new):
+            self.write(old, new)
+            out = self.diff()["live"]
+            return out["embedded"], out["cyclonedds"], out["stock"], out["reason"]
+        def of(kind):
+            return governance(re.sub(r"(metadata|data)_protection_kind>\w+<", rf"\1_protection_kind>{kind}<", topic("rt/x")),
+                              topic("*"))
+        one, more = of("SIGN"), of("ENCRYPT")
+        self.assertEqual(live(one, more), ("two phases", "live unless in use", "restart", 'more protection for "rt/x"'))
+        self.assertRegex(self.text(), r"embedded participants of ddssec:\s+taken while they run, in two phases")
+        self.assertEqual(live(more, one)[:3], ("restart", "restart", "restart"))
+
+        def numbered(text, revision):
+            declaration, rest = text.split("\n", 1)
+            return f'{declaration}\n<?ddssec revision="{revision}"?>\n{rest}'
+        self.assertEqual(live(numbered(one, 1), numbered(more, 2))[0], "two phases")
+        self.assertEqual(live(numbered(one, 2), numbered(more, 2))[0], "refused as a roll-back")
+        self.assertEqual(live(numbered(one, 2), numbered(one, 1))[3], "revision 1 does not follow 2")
+        self.assertEqual(live(numbered(one, 1), numbered(one, 2))[0], "same")
+
     def test_a_rule_that_opens_discovery_needs_a_restart(self):
         closed, opened = topic("rt/x"), topic("rt/open", discovery="false")
         self.write(governance(closed), governance(closed, opened))
@@ -146,8 +169,9 @@ class GovernanceDifferences(Differences):
         for name in ("one", "other"):
             self.run_program("ca", "create", name, "--role", "permissions", "--subject", f"CN={name}", "--no-passphrase", *now)
         self.write(governance(topic("rt/x")), governance(topic("rt/x"), topic("rt/y")))
-        for document, ca in (("old.xml", "one"), ("new.xml", "other"), ("new.xml", "one")):
-            self.run_program("governance", "sign", document, "--ca", ca, "-o", f"{ca}-{document}.p7s", "--no-lint", *now)
+        for document, ca in (("old.xml", "one"), ("new.xml", "other"), ("new.xml", "other"), ("new.xml", "one")):
+            self.run_program("governance", "sign", document, "--ca", ca, "-o", f"{ca}-{document}.p7s", "--no-lint",
+                             "--replace", *now)
         for new, expected in (("one", "live"), ("other", "live if the signer is believed")):
             out = self.json("governance", "diff", "one-old.xml.p7s", f"{new}-new.xml.p7s", exit=None)["result"]
             self.assertEqual(out["live"]["ddssec"], expected)

@@ -51,10 +51,40 @@ class Documents(Transcript):
         self.assertEqual(seen["verdicts"], dict.fromkeys(VENDORS, "accepts"))
         text = self.openssl("smime", "-verify", "-text", "-attime", "1795305600", "-in",
                             "governance.p7s", "-CAfile", "ca/permissions/ca.pem", "-purpose", "any")
-        self.assertEqual(text.replace("\r", ""), GOVERNANCE)
+        declaration, rest = GOVERNANCE.split("\n", 1)
+        self.assertEqual(text.replace("\r", ""), f'{declaration}\n<?ddssec revision="1"?>\n{rest}')
         self.refused("would_overwrite", 4, "governance", "sign", "governance.xml", "--ca", "ca")
         told = self.refused("usage", 2, "governance", "sign", "governance.p7s", "--ca", "ca", "-o", "again.p7s")
         self.assertIn("signed already", told["message"])
+
+    def test_each_governance_document_that_is_signed_has_the_next_revision(self):
+        def sign(*more, exit=0):
+            return self.json("governance", "sign", "governance.xml", "--ca", "ca", "--replace", *more, *NOW, exit=exit)
+        self.assertEqual([sign()["result"]["revision"] for _ in range(3)], [1, 2, 3])
+        self.assertIn("revision 3\n", self.run_program("governance", "show", "governance.p7s").stdout)
+        self.assertEqual(self.json("governance", "show", "governance.p7s")["result"]["revision"], 3)
+        self.assertIn(", revision 4\n", self.run_program("governance", "sign", "governance.xml", "--ca", "ca", "-o",
+                                                         "other.p7s", *NOW).stdout)
+        self.assertEqual(sign("-o", "new.p7s")["result"]["revision"], 5)
+        (self.at / "ca/permissions/signed.jsonl").unlink()
+        self.assertEqual(sign("-o", "new.p7s")["result"]["revision"], 6, "that of the file that is replaced")
+        self.assertNotIn("revision", sign("-o", "none.p7s", "--no-revision")["result"])
+        for own, revision in ((7, None), (6, 7), (100, None)):
+            declaration, rest = GOVERNANCE.split("\n", 1)
+            (self.at / "governance.xml").write_text(f'{declaration}\n<?ddssec revision="{own}"?>\n{rest}')
+            if revision is None:
+                self.assertEqual(sign()["result"]["revision"], own)
+            else:
+                told = self.refused("governance_revision_used", 1, "governance", "sign", "governance.xml", "--ca", "ca",
+                                    "--replace", *NOW)
+                self.assertIn("more than 7", told["message"])
+
+    def test_a_revision_that_is_none_is_refused_with_its_line(self):
+        declaration, rest = GOVERNANCE.split("\n", 1)
+        (self.at / "governance.xml").write_text(f'{declaration}\n<?ddssec revision="seven"?>\n{rest}')
+        for command in ("lint", "show", "sign"):
+            self.refused("value_not_revision", 1, "governance", command, "governance.xml",
+                         *(("--ca", "ca") if command == "sign" else ()))
 
     def test_only_documents_of_the_right_kind_are_signed(self):
         self.refused("document_kind", 3, "permissions", "sign", "governance.xml", "--ca", "ca")

@@ -1,0 +1,40 @@
+#include "cli/governance_revision.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "base/tool_code.hpp"
+#include "cli/documents.hpp"
+#include "cli/inputs.hpp"
+#include "cli/signed_documents.hpp"
+#include "governance/write.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+/// Of the file that is replaced; 0: there is none, or it has none.
+std::uint32_t revision_of(const std::filesystem::path& file) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored)) return 0;
+  const auto document = unverified_document<GovernanceKind>(file);
+  return document ? document->revision : 0;
+}
+
+}  // namespace
+
+Result<Bytes> with_next_revision(const governance::Governance& document, BytesView xml,
+                                 const std::filesystem::path& file, const OpenCa& ca) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_signing_log(ca.paths));
+  const auto last = std::max(log.last_revision(), revision_of(file));
+  if (document.revision > last) return to_bytes(xml);
+  if (document.revision != 0 || last == std::numeric_limits<std::uint32_t>::max())
+    return fail(tool_code::governance_revision_used,
+                {.field = "revision",
+                 .expected = fmt::format("more than {}", last),
+                 .found = document.revision == 0 ? "none" : std::to_string(document.revision)});
+  return to_bytes(as_bytes(governance::with_revision(as_text(xml), last + 1)));
+}
+
+}  // namespace ddssec::cli
