@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Six embedded and four Cyclone DDS processes on our plugins exchange data while all their documents change. None is
 restarted: certificates and permissions of seconds, both CAs, rights, governance, a broken document, an agent that is
-killed twice, one participant that is not renewed. Prints what was lost, and how long it took.
+killed twice, protection of a topic raised from SIGN to ENCRYPT, one participant that is not renewed. Prints what was lost, and how long it took.
 Usage: never_restart_test.py BUILD [--short]"""
 
 import collections
@@ -24,7 +24,8 @@ LEFT = "e6"   # the participant that is not renewed
 NARROWED = "e5"
 EMBEDDED = [f"e{i}" for i in range(1, 7)]
 CYCLONE = [f"c{i}" for i in range(1, 5)]
-TOPICS = ["Steady", "Video", "Mixed", "Ping", "Pong", "Narrow", "Left"]
+TOPICS = ["Steady", "Video", "Mixed", "Ping", "Pong", "Narrow", "Left", "Raised"]
+RAISED = ["e1", "e2", "e3", "e4"]  # the participants that use the topic whose protection is raised
 ENDS = {"identity": ("identity_ca_renewed", "identity_renewed"),
         "permissions": ("permissions_ca_renewed", "permissions_renewed")}
 
@@ -48,6 +49,9 @@ def endpoints(is_short):
     yield "e1", "reader Pong reliable"
     yield "e2", "writer Narrow reliable 50000 64"
     yield NARROWED, "reader Narrow reliable"
+    yield RAISED[0], "writer Raised reliable 5000 64"
+    for reader in RAISED[1:]:
+        yield reader, "reader Raised reliable"
     yield LEFT, "writer Left durable 20000 64"
     for reader in ("e1", "c1"):
         yield reader, "reader Left durable"
@@ -223,6 +227,45 @@ class Story:
             self.until(f"{name} reads the further topic", lambda name=name: self.stream(name, "Further", "e3"))
         self.note("a further governance rule is in force, and its topic is used")
 
+    def raise_protection(self):
+        """From SIGN to ENCRYPT for a topic in use: in two phases where it is used, at once by the others."""
+        old = self.folders.at / "signed.xml"
+        old.write_bytes((self.folders.at / "demo/governance.xml").read_bytes())
+        before = {name: self.peers[name].ask("report") for name in RAISED}
+        at, began = time.time(), time.monotonic()
+        with self.folders.signing:
+            self.folders.kinds["Raised"] = "ENCRYPT", "ENCRYPT"
+            self.folders.put_governance(self.present())
+        live = json.loads(self.folders.ddssec("governance", "diff", str(old), "demo/governance.xml", "--format",
+                                              "json"))["result"]["live"]
+        check(f"forecast: {live}", (live["embedded"], live["cyclonedds"]) == ("two phases", "live unless in use"))
+        self.all_say("governance_changing", at, RAISED)
+        self.all_say("governance_renewed", at, self.present())
+        self.figures["raised"] = time.monotonic() - began
+        for name in self.present():
+            phased = bool(self.peers[name].events("governance_changing", at))
+            check(f"{name}: two phases {phased}", phased == (name in RAISED))
+            refused = self.peers[name].events("governance_renewal_refused", at)
+            check(f"{name} refused the raised protection: {refused[:1]}", not refused)
+        for name in RAISED:
+            for event in ("governance_peer_behind", "rtps_security_info_mismatch"):
+                check(f"{name}: {event}", not self.peers[name].events(event, at))
+        for name in RAISED[1:]:
+            seen = before[name]["readers"]
+            received = next(one for one in seen if one["topic"] == "Raised")["streams"][RAISED[0]]["received"]
+            self.until(f"{name} reads the raised topic", lambda name=name, received=received:
+                       self.stream(name, "Raised", RAISED[0])["received"] > received + 100)
+        self.note("the protection of a topic in use was raised from SIGN to ENCRYPT")
+
+    def roll_back(self):
+        """A signed document of before is put back."""
+        at, name = time.time(), RAISED[1]
+        present = (self.folders[name] / "governance.p7s").read_bytes()
+        replace_file(self.folders[name] / "governance.p7s", self.folders.first_governance)
+        self.all_say("governance_renewal_refused", at, [name])
+        replace_file(self.folders[name] / "governance.p7s", present)
+        self.note("an old governance document was refused")
+
     def push_broken(self):
         at, broken = time.time(), ("e2", "c2")
         with self.folders.signing:
@@ -251,7 +294,7 @@ class Story:
         for name, peer in self.peers.items():
             check(f"{name} ended with {peer.process.wait(WAIT)}: {peer.last_words()}", peer.process.returncode == 0)
 
-    def pairs(self, kinds=("Steady", "Mixed", "Further")):
+    def pairs(self, kinds=("Steady", "Mixed", "Further", "Raised")):
         """(topic, writer, reader, samples that never came, of the reader's stream)."""
         reports = {name: peer.ask("report") for name, peer in self.peers.items() if peer.process.poll() is None}
         for name, report in reports.items():
@@ -323,7 +366,8 @@ def print_report(story, totals):
           f"failures {dict(story.agent.failures())}")
     print(f"slowest command of ddssec: {story.folders.slowest:.1f} s")
     print(f"restarts 0; {LEFT} out {story.figures['out']:.1f} s after its end; right lost after "
-          f"{story.figures['narrowed']:.1f} s, back after {story.figures['widened']:.1f} s")
+          f"{story.figures['narrowed']:.1f} s, back after {story.figures['widened']:.1f} s; protection raised after "
+          f"{story.figures['raised']:.1f} s")
     for kind, group in (("embedded", EMBEDDED), ("Cyclone DDS", CYCLONE)):
         seen = collections.Counter(event["name"] for name in group for event in story.peers[name].events())
         print(f"events, {kind}: " + ", ".join(f"{name} {count}" for name, count in sorted(seen.items())))
@@ -361,7 +405,8 @@ def run(build, at, is_short):
     story = Story(is_short)
     try:
         for step in (lambda: story.start(build, at), story.begin, story.narrow, lambda: story.rotate("permissions"),
-                     story.kill_agent, story.push_broken, story.govern, story.not_renewed,
+                     story.kill_agent, story.push_broken, story.govern, story.raise_protection, story.roll_back,
+                     story.not_renewed,
                      lambda: story.rotate("identity"), story.kill_agent):
             step()
         story.end()

@@ -33,8 +33,8 @@ RULE = """
           <enable_liveliness_protection>true</enable_liveliness_protection>
           <enable_read_access_control>true</enable_read_access_control>
           <enable_write_access_control>true</enable_write_access_control>
-          <metadata_protection_kind>NONE</metadata_protection_kind>
-          <data_protection_kind>ENCRYPT</data_protection_kind>
+          <metadata_protection_kind>{metadata}</metadata_protection_kind>
+          <data_protection_kind>{data}</data_protection_kind>
         </topic_rule>"""
 PERMISSIONS_XML = """<?xml version="1.0" encoding="UTF-8"?>
 <dds>
@@ -76,6 +76,7 @@ class Folders:
     def __init__(self, build, at, names, topics, form):
         self.tool, self.at, self.names = build / "bin/ddssec", pathlib.Path(at), names
         self.topics, self.denied = list(topics), {}
+        self.kinds = {"Raised": ("SIGN", "SIGN")}  # metadata and data; of the others NONE and ENCRYPT
         self.signing = threading.Lock()  # permissions are not signed while their CA is replaced
         self.pace, self.slowest = 1.0, 0.0  # seconds of the slowest command
         self.ddssec("init", "demo", "--domain", str(DOMAIN), "--profile", "balanced", "--dropin", str(build / "dropin"),
@@ -86,6 +87,7 @@ class Folders:
         begin = text.index("<topic_rule>")
         self._frame = text[:begin], text[text.index("</topic_rule>") + len("</topic_rule>"):]
         self.put_governance(names)
+        self.first_governance = (self[names[0]] / "governance.p7s").read_bytes()
         began = time.monotonic()
         for name in names:
             self.put_permissions(name, 3600)
@@ -105,7 +107,11 @@ class Folders:
     def put_governance(self, names):
         """One rule for each topic."""
         xml = self.at / "demo/governance.xml"
-        xml.write_text(self._frame[0] + "".join(RULE.format(topic=topic) for topic in self.topics) + self._frame[1])
+        rules = []
+        for topic in self.topics:
+            metadata, data = self.kinds.get(topic, ("NONE", "ENCRYPT"))
+            rules.append(RULE.format(topic=topic, metadata=metadata, data=data))
+        xml.write_text(self._frame[0] + "".join(rules) + self._frame[1])
         self.ddssec("governance", "sign", "demo/governance.xml", "--ca", "demo", "--replace", "-q")
         for name in names:
             replace_file(self[name] / "governance.p7s", (self.at / "demo/governance.p7s").read_bytes())
