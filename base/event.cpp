@@ -108,6 +108,7 @@ bool is_news(Code code) {
     case Code::permissions_renewed:
     case Code::permissions_ca_renewed:
     case Code::peer_permissions_renewed:
+    case Code::governance_changing:
     case Code::governance_renewed:
     case Code::crl_renewed:
     case Code::ocsp_response_renewed:

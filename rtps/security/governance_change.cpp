@@ -207,7 +207,7 @@ void GovernanceChange::on_message(Peer& peer, const spi::Token& token) {
   auto* association = peer.state.association();
   if (!said || association == nullptr) return;
   auto& governance = association->governance;
-  const bool is_new = governance.said != said;
+  const bool took_part = governance.takes_part;
   governance.said = said;
   refresh(peer);
   if (spi::find_property(token.properties, kWantsAnswer) != nullptr &&
@@ -215,7 +215,7 @@ void GovernanceChange::on_message(Peer& peer, const spi::Token& token) {
     governance.told.reset();
     tell(peer, false);
   }
-  if (is_new && governance.takes_part) exchange_.complete_pairs(peer);
+  if (!took_part && governance.takes_part) exchange_.complete_pairs(peer);
 }
 
 }  // namespace ddssec::rtps

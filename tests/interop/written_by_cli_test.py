@@ -45,6 +45,9 @@ class Workshop:
         if not (self.at / document).exists():
             self.run("governance", "new", "--domain", str(DOMAIN), *governance, "-o", document,
                      "--sign", "--ca", "ca")
+            # With a revision, which stock products must read over.
+            self.run("governance", "sign", document, "--ca", "ca", "--replace")
+            assert b'<?ddssec revision="' in (self.at / document).with_suffix(".p7s").read_bytes()
         role = "publisher" if "--publish" in rights else "subscriber"
         permissions = f"{name}-{role}.xml"
         if not (self.at / permissions).exists():
