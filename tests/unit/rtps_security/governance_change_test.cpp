@@ -83,9 +83,10 @@ struct Fleet {
     ++written;
   }
   /// A sample whose text is found on the network if nothing encrypts it.
-  static Bytes marked() {
+  Bytes marked() const {
     Bytes octets{0, 1, 0, 0};
     for (const char c : kMark) octets.push_back(static_cast<std::uint8_t>(c));
+    octets.resize(octets.size() + more, 0x5a);
     return octets;
   }
   /// Writes all the time; the plugins look at their files once a second.
@@ -102,7 +103,7 @@ struct Fleet {
     return world.run_until([&] { return node.listener.changes.size() == written; }, 3000);
   }
   bool is_whole(const Node& node) const {
-    return std::ranges::all_of(node.listener.changes, [](const Change& change) {
+    return std::ranges::all_of(node.listener.changes, [this](const Change& change) {
       return std::ranges::equal(change.payload.view(), marked());
     });
   }
@@ -124,7 +125,7 @@ struct Fleet {
   Member a, b, c;
   World world;
   Guid writer;
-  std::size_t written = 0;
+  std::size_t written = 0, more = 0;  ///< more: octets of each sample after the text
   bool watches = false, is_lossy = false;
   std::vector<Bytes> sent;
   std::minstd_rand random{7};
@@ -181,6 +182,22 @@ TEST(GovernanceChange, OnALossyNetwork_NothingIsLost) {
   fleet.run(20);
   EXPECT_TRUE(fleet.has_all(fleet.b.node) && fleet.has_all(fleet.c.node)) << fleet.text();
   for (const auto* member : {&fleet.a, &fleet.b, &fleet.c}) expect_in_force(fleet, *member);
+}
+
+TEST(GovernanceChange, SamplesInFragments_AreWholeOnALossyNetworkToo) {
+  for (const auto& [former, next] : {std::pair(rules_of(kSign, kNone), rules_of(kEncrypt, kEncrypt)),
+                                     std::pair(rules_of(kNone, kNone), rules_of(kSign, kSign))}) {
+    Fleet fleet(former);
+    fleet.more = 100'000;
+    fleet.run(2);
+    fleet.is_lossy = true;
+    fleet.put({&fleet.a, &fleet.b, &fleet.c}, next, 2);
+    fleet.run(10);
+    fleet.is_lossy = false;
+    EXPECT_TRUE(fleet.has_all(fleet.b.node) && fleet.has_all(fleet.c.node)) << fleet.text();
+    EXPECT_TRUE(fleet.is_whole(fleet.b.node) && fleet.is_whole(fleet.c.node));
+    EXPECT_TRUE(fleet.b.node.events.has(Code::governance_renewed));
+  }
 }
 
 TEST(GovernanceChange, DocumentsThatComeOneAfterTheOther_AreWaitedFor) {
