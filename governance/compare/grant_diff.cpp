@@ -72,8 +72,12 @@ std::string_view default_word(bool allow) { return allow ? "ALLOW" : "DENY"; }
 
 class GrantComparison {
  public:
-  GrantComparison(const Grant& old_grant, const Grant& new_grant, const SetLimits& limits)
-      : old_(old_grant), new_(new_grant), limits_(limits) {}
+  GrantComparison(const Grant& old_grant, const Grant& new_grant, const SetLimits& limits,
+                  bool first_rule_creates_topic)
+      : old_(old_grant),
+        new_(new_grant),
+        limits_(limits),
+        first_rule_creates_topic_(first_rule_creates_topic) {}
 
   GrantDiff run() {
     std::vector<const DomainSet*> sets;
@@ -105,7 +109,8 @@ class GrantComparison {
     const auto new_rules = pointers(new_, region.answer.second);
     compare_joining(region.scope, old_rules, new_rules);
     for (const auto& operation : kOperations) {
-      auto found = compare_operation({old_, new_, old_rules, new_rules}, operation, limits_);
+      auto found = compare_operation({old_, new_, old_rules, new_rules, first_rule_creates_topic_},
+                                     operation, limits_);
       by_default_.add(found.by_default);
       diff_.is_complete = diff_.is_complete && found.is_complete;
       diff_.is_exact = diff_.is_exact && found.is_exact;
@@ -168,6 +173,7 @@ class GrantComparison {
   const Grant& old_;
   const Grant& new_;
   SetLimits limits_;
+  bool first_rule_creates_topic_;
   GrantDiff diff_;
   Direction by_default_;
   std::map<Told, std::size_t> told_;  ///< where in diff_.changes
@@ -175,8 +181,9 @@ class GrantComparison {
 
 }  // namespace
 
-GrantDiff compare_grants(const Grant& old_grant, const Grant& new_grant, const SetLimits& limits) {
-  return GrantComparison(old_grant, new_grant, limits).run();
+GrantDiff compare_grants(const Grant& old_grant, const Grant& new_grant, const SetLimits& limits,
+                         bool first_rule_creates_topic) {
+  return GrantComparison(old_grant, new_grant, limits, first_rule_creates_topic).run();
 }
 
 }  // namespace ddssec::governance

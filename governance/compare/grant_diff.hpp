@@ -64,8 +64,10 @@ struct GrantDiff {
 
 /// Compares for every domain, domain tag, operation, topic, set of partitions and set of data tags;
 /// the first rule that matches decides, as in CompiledGrant. Relays are denied unless a rule allows
-/// them. Times and subjects are ignored.
+/// them. Times and subjects are ignored. `first_rule_creates_topic`: as Cyclone DDS 0.10, where the
+/// first rule that names a topic in any direction, whatever the partitions, decides whether it can
+/// be created at all.
 GrantDiff compare_grants(const Grant& old_grant, const Grant& new_grant,
-                         const SetLimits& limits = {});
+                         const SetLimits& limits = {}, bool first_rule_creates_topic = false);
 
 }  // namespace ddssec::governance

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <set>
 #include <span>
 #include <tuple>
@@ -47,6 +48,27 @@ struct ItemList {
   }
 };
 
+/// The elements of both directions up to the last deny_rule that has any: what follows lets a topic
+/// be created, as the default here does. A topic that no rule names cannot be used anyway where the
+/// grant's default denies.
+std::vector<RuleElement> gate_elements(const RulePointers& rules) {
+  std::vector<RuleElement> elements;
+  std::size_t size = 0;
+  for (const Rule* rule : rules) {
+    for (const auto* list : {&rule->publish, &rule->subscribe})
+      for (const auto& criteria : *list) elements.push_back({rule, &criteria});
+    if (!rule->allow) size = elements.size();
+  }
+  elements.resize(size);
+  return elements;
+}
+
+ItemList gate_of(const std::vector<RuleElement>& elements) {
+  std::vector<std::uint32_t> all(elements.size());
+  std::iota(all.begin(), all.end(), 0U);
+  return ItemList(elements, all, true);
+}
+
 /// Removes items at the end that have the same effect as the default.
 std::span<const RuleList::Item> effective(const RuleList& list) {
   std::span<const RuleList::Item> items = list.items;
@@ -85,7 +107,13 @@ class OperationComparison {
         new_default_(operation.has_default && sides.new_grant.default_allow),
         limits_(limits),
         old_elements_(elements_of(sides.old_rules, operation.list)),
-        new_elements_(elements_of(sides.new_rules, operation.list)) {}
+        new_elements_(elements_of(sides.new_rules, operation.list)) {
+    if (!sides.first_rule_creates_topic || !operation.has_default) return;
+    old_gate_elements_ = gate_elements(sides.old_rules);
+    new_gate_elements_ = gate_elements(sides.new_rules);
+    old_gate_ = gate_of(old_gate_elements_);
+    new_gate_ = gate_of(new_gate_elements_);
+  }
 
   OperationDiff run() {
     const auto contexts = entity_contexts(old_elements_, new_elements_, limits_);
@@ -104,32 +132,71 @@ class OperationComparison {
   }
 
  private:
+  struct Decided {
+    const TopicItem* item;  ///< null: the default
+    bool allowed;
+  };
+  using FoundByElements =
+      std::map<std::tuple<ChangeClass, const Criteria*, const Criteria*>, Found>;
+
   void compare_context(const EntityContext& context, std::size_t number) {
     const ItemList before(old_elements_, context.old_elements, old_default_);
     const ItemList after(new_elements_, context.new_elements, new_default_);
-    if (same(before.rules, after.rules)) return;
-    const auto pairs = topic_pairs(before.rules, after.rules, limits_);
-    out_.is_complete = out_.is_complete && pairs.names_all_rules;
-    std::map<std::tuple<ChangeClass, const Criteria*, const Criteria*>, Found> found;
-    for (const auto& pair : pairs.pairs) {
-      const auto *o = before.find(pair.old_rule), *n = after.find(pair.new_rule);
-      const bool was = o ? o->element->rule->allow : old_default_;
-      const bool is = n ? n->element->rule->allow : new_default_;
-      if (was == is) continue;
-      if (!o && !n) {
-        out_.by_default.add(class_of(is));
-        continue;
-      }
-      const auto criteria = [](const TopicItem* item) {
-        return item ? item->element->criteria : nullptr;
-      };
-      auto& entry = found[{class_of(is), criteria(o), criteria(n)}];
-      if (entry.pairs.empty()) entry.change = change_at(pair, o, n, is);
-      entry.pairs.push_back(pair);
-      entry.texts.emplace_back(o ? o->topic : nullptr, n ? n->topic : nullptr);
+    if (same(before.rules, after.rules) && same(old_gate_.rules, new_gate_.rules)) return;
+    FoundByElements found;
+    bool names_all_effects = true;
+    if (old_gate_.items.empty() && new_gate_.items.empty()) {
+      const auto pairs = topic_pairs(before.rules, after.rules, limits_);
+      out_.is_complete = out_.is_complete && pairs.names_all_rules;
+      names_all_effects = pairs.names_all_effects;
+      for (const auto& pair : pairs.pairs)
+        compare_pair(pair, decided(before, pair.old_rule, old_default_),
+                     decided(after, pair.new_rule, new_default_), found);
+    } else {
+      names_all_effects = compare_gated(before, after, found);
     }
     for (auto& [key, entry] : found) add(key, std::move(entry), before, after, number);
-    if (!pairs.names_all_effects) give_up();
+    if (!names_all_effects) give_up();
+  }
+
+  /// False: a limit was reached.
+  bool compare_gated(const ItemList& before, const ItemList& after, FoundByElements& found) {
+    const auto pairs =
+        gated_pairs({before.rules, old_gate_.rules}, {after.rules, new_gate_.rules}, limits_);
+    if (!pairs) return false;
+    for (const auto& [pair, old_gate, new_gate] : *pairs)
+      compare_pair(
+          pair,
+          behind(decided(old_gate_, old_gate, true), decided(before, pair.old_rule, old_default_)),
+          behind(decided(new_gate_, new_gate, true), decided(after, pair.new_rule, new_default_)),
+          found);
+    return true;
+  }
+
+  static Decided decided(const ItemList& list, std::optional<std::uint32_t> rule,
+                         bool default_allow) {
+    const auto* const item = list.find(rule);
+    return {item, item != nullptr ? item->element->rule->allow : default_allow};
+  }
+  /// A denial that both have is that of the list.
+  static Decided behind(const Decided& gate, const Decided& list) {
+    return gate.allowed || !list.allowed ? list : gate;
+  }
+
+  void compare_pair(const TopicPair& pair, const Decided& o, const Decided& n,
+                    FoundByElements& found) {
+    if (o.allowed == n.allowed) return;
+    if (o.item == nullptr && n.item == nullptr) {
+      out_.by_default.add(class_of(n.allowed));
+      return;
+    }
+    const auto criteria = [](const TopicItem* item) {
+      return item ? item->element->criteria : nullptr;
+    };
+    auto& entry = found[{class_of(n.allowed), criteria(o.item), criteria(n.item)}];
+    if (entry.pairs.empty()) entry.change = change_at(pair, o.item, n.item, n.allowed);
+    entry.pairs.push_back(pair);
+    entry.texts.emplace_back(o.item ? o.item->topic : nullptr, n.item ? n.item->topic : nullptr);
   }
 
   PermissionChange change_at(const TopicPair& pair, const TopicItem* o, const TopicItem* n,
@@ -188,7 +255,8 @@ class OperationComparison {
   const Grant& new_grant_;
   bool old_default_, new_default_;
   SetLimits limits_;
-  std::vector<RuleElement> old_elements_, new_elements_;
+  std::vector<RuleElement> old_elements_, new_elements_, old_gate_elements_, new_gate_elements_;
+  ItemList old_gate_{{}, {}, true}, new_gate_{{}, {}, true};
   OperationDiff out_;
   std::map<FoundKey, std::size_t> known_;              ///< where in out_.changes
   std::vector<std::vector<std::size_t>> contexts_of_;  ///< of each change

@@ -24,6 +24,9 @@ struct RuleSides {
   const Grant& new_grant;
   const RulePointers& old_rules;
   const RulePointers& new_rules;
+  /// As Cyclone DDS does: the first rule that names a topic in any direction, whatever the
+  /// partitions, decides whether it can be created at all.
+  bool first_rule_creates_topic = false;
 };
 
 struct OperationDiff {

@@ -122,6 +122,9 @@ class PermissionsComparison {
   void compare_subject(const Subject& subject);
   void compare_presence(const Grant& grant, const Grants& valid, bool is_new);
   void compare_rules(const Grant& o, const Grant& n);
+  GrantDiff rules_of(const Grant& o, const Grant& n) const {
+    return compare_grants(o, n, limits_, options_.first_rule_creates_topic);
+  }
   void compare_spelling(const Grant& o, const Grant& n);
   void compare_times(const Subject& subject, const GrantPairs& pairs);
   void note_dead(const Subject& subject, const GrantPairs& pairs);
@@ -182,13 +185,13 @@ void PermissionsComparison::compare_subject(const Subject& subject) {
   for (const auto& [o, n] : pairs.both) compare_rules(*o, *n);
   if (!is_renewal) return;
   // By their times alone it is narrower and wider, and what matters is the rest.
-  auto rules = compare_grants(*pairs.only_old[0], *pairs.only_new[0], limits_);
+  auto rules = rules_of(*pairs.only_old[0], *pairs.only_new[0]);
   rules.direction = {};
   add_rules(rules);
 }
 
 void PermissionsComparison::compare_rules(const Grant& o, const Grant& n) {
-  const auto rules = compare_grants(o, n, limits_);
+  const auto rules = rules_of(o, n);
   add_rules(rules);
   if (!rules.changes.empty() || !rules.is_exact) return;
   const auto before = expressions_of(o), after = expressions_of(n);
@@ -212,8 +215,7 @@ void PermissionsComparison::compare_presence(const Grant& grant, const Grants& v
   add(std::move(change));
   const std::set<const Grant*> each(valid.begin(), valid.end());
   for (const Grant* allowed : each)
-    add_rules(is_new ? compare_grants(kNothing, *allowed, limits_)
-                     : compare_grants(*allowed, kNothing, limits_));
+    add_rules(is_new ? rules_of(kNothing, *allowed) : rules_of(*allowed, kNothing));
 }
 
 void PermissionsComparison::compare_spelling(const Grant& o, const Grant& n) {
@@ -277,6 +279,28 @@ void PermissionsComparison::add_rules(const GrantDiff& rules) {
   }
 }
 
+/// A deny_rule about topics: Cyclone DDS may not let them be created at all.
+bool denies_topics(const Permissions& document) {
+  return std::ranges::any_of(document.grants, [](const Grant& grant) {
+    return std::ranges::any_of(grant.rules, [](const Rule& rule) {
+      return !rule.allow && (!rule.publish.empty() || !rule.subscribe.empty());
+    });
+  });
+}
+
+/// What Cyclone DDS makes of the documents as it reads them; `is_read_so`: that differs from what
+/// is written.
+void add_cyclonedds(std::vector<StockPermissionsDiff>& stock, const Permissions& o,
+                    const Permissions& n, bool is_read_so, PermissionsDiffOptions options) {
+  constexpr auto kProduct = StockProduct::cyclonedds;
+  options.first_rule_creates_topic = denies_topics(o) || denies_topics(n);
+  const auto taken = taken_by_cyclonedds(o, n);
+  for (const auto& pair : taken)
+    stock.push_back({kProduct, PermissionsComparison(pair.before, pair.after, options).run()});
+  if (taken.empty() && (is_read_so || options.first_rule_creates_topic))
+    stock.push_back({kProduct, PermissionsComparison(o, n, options).run()});
+}
+
 }  // namespace
 
 PermissionsDiff compare(const Permissions& old_document, const Permissions& new_document,
@@ -288,13 +312,10 @@ PermissionsDiff compare(const Permissions& old_document, const Permissions& new_
     const auto after = as_stock_reads(new_document, product);
     const auto& o = before ? *before : old_document;
     const auto& n = after ? *after : new_document;
-    if (product == StockProduct::cyclonedds) {
-      const auto taken = taken_by_cyclonedds(o, n);
-      for (const auto& pair : taken)
-        stock.push_back({product, PermissionsComparison(pair.before, pair.after, options).run()});
-      if (!taken.empty()) continue;
-    }
-    if (before || after) stock.push_back({product, PermissionsComparison(o, n, options).run()});
+    if (product == StockProduct::cyclonedds)
+      add_cyclonedds(stock, o, n, before || after, options);
+    else if (before || after)
+      stock.push_back({product, PermissionsComparison(o, n, options).run()});
   }
   if (const auto own = as_fastdds_reads_for_own_endpoints(old_document, new_document))
     stock.push_back({.product = StockProduct::fastdds,

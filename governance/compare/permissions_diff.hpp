@@ -28,6 +28,8 @@ struct PermissionsDiffOptions {
   /// True: a subject that only the old document has and one that only the new document has count as
   /// the same participant if their grants have the same name and neither is an expression.
   bool map_subjects_by_grant_name = false;
+  /// True: as Cyclone DDS 0.10 decides, see compare_grants.
+  bool first_rule_creates_topic = false;
   SetLimits limits = {};
 };
 

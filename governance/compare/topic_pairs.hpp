@@ -56,6 +56,23 @@ struct TopicPairs {
 /// All pairs of rules that decide for some name, as far as they are found within the limits.
 TopicPairs topic_pairs(const RuleList& old_list, const RuleList& new_list, const SetLimits& limits);
 
+/// Names for which these two rules of the lists decide, and these two of the gates.
+struct GatedPair {
+  TopicPair pair;
+  std::optional<std::uint32_t> old_gate, new_gate;
+};
+
+/// A list of rules and the list that comes before it.
+struct GatedList {
+  const RuleList& rules;
+  const RuleList& gate;
+};
+
+/// All combinations of the rules that decide for some name. Empty if a limit was reached.
+std::optional<std::vector<GatedPair>> gated_pairs(const GatedList& old_list,
+                                                  const GatedList& new_list,
+                                                  const SetLimits& limits);
+
 /// The pairs for these names, with the first name of each as witness. `names_all_effects` is false
 /// if not every name was looked up.
 TopicPairs pairs_of_names(const std::vector<std::string>& names, const RuleList& old_list,

@@ -417,6 +417,41 @@ class PermissionsDifferences(Differences):
                          ("wider", "rt/cmd"))
         self.assertNotIn("restart", self.text())
 
+    def told_for_cyclonedds(self, out):
+        return [one["sentence"] for one in out["readings"]["all"] if one["sentence"].startswith("with Cyclone DDS")]
+
+    def test_a_denial_before_the_allow_rule_refuses_the_topic_with_cyclonedds(self):
+        # Cyclone DDS creates no topic whose first rule, in any direction, is a deny_rule.
+        allow, deny = rule("allow", "Square"), rule("deny", "Square", operation="subscribe")
+        self.write(permissions(grant(JOIN, allow, deny)), permissions(grant(JOIN, deny, allow)))
+        out = self.diff("--fail-on", "narrower", exit=1)
+        self.assertEqual((out["verdict"], out["changes"]), ("neutral", []))
+        self.assertEqual(self.told_for_cyclonedds(out),
+                         ['with Cyclone DDS: rule publish of topics such as "Square" allowed -> denied in domain 0, '
+                          'partition "" for "CN=talker": narrower'])
+        self.assertIn("verdict: NEUTRAL for ddssec's plugins; the lines \"interop\" say what changes", self.text())
+        self.diff("--fail-on", "wider")
+
+        self.write(permissions(grant(JOIN, deny, allow)), permissions(grant(JOIN, allow, deny)))
+        out = self.diff("--fail-on", "wider", exit=1)
+        self.assertIn("denied -> allowed", self.told_for_cyclonedds(out)[0])
+        self.assertIn("another product allows more", self.text())
+
+    def test_a_denial_that_cyclonedds_reads_alike_is_no_line(self):
+        both = rule("deny", "Circle") + rule("deny", "Circle", operation="subscribe")
+        self.write(permissions(grant(JOIN, both, rule("allow", "*"))),
+                   permissions(grant(JOIN, both, rule("allow", "S*"))))
+        out = self.diff("--fail-on", "narrower", exit=1)
+        self.assertEqual((out["verdict"], self.told_for_cyclonedds(out)), ("narrower", []))
+
+    def test_a_denial_after_the_allow_rule_in_the_other_direction_changes_nothing(self):
+        # The first rule that names the topic allows it; the denial of one direction stays that.
+        read = rule("allow", "Square", operation="subscribe")
+        self.write(permissions(grant(JOIN, read, rule("allow", "Square"))),
+                   permissions(grant(JOIN, read, rule("deny", "Square", operation="subscribe"), rule("allow", "Square"))))
+        out = self.diff("--fail-on", "any", exit=0)
+        self.assertEqual((out["verdict"], self.told_for_cyclonedds(out)), ("neutral", []))
+
     def test_wider_and_narrower_is_mixed_and_fails_both_ways(self):
         self.write(permissions(grant(rule("allow", "rt/a*"))),
                    permissions(grant(rule("allow", "rt/*z"))))
