@@ -8,6 +8,7 @@
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
 #include "cli/permissions_diff_report.hpp"
+#include "cli/permissions_forecast.hpp"
 #include "governance/read.hpp"
 
 namespace ddssec::cli {
@@ -97,6 +98,7 @@ Result<Report> permissions_diff(const Arguments& arguments, const Context& conte
   const auto diff = governance::compare(
       before, after, {.map_subjects_by_grant_name = arguments.has("--subject-map")});
   Report report = report_of(diff, sides);
+  add_forecast({before, after, diff, context.clock.now()}, sides, report);
   warn_of_open_ranges(report, Rule::PERM004, before.notes, sides.before.path);
   warn_of_open_ranges(report, Rule::PERM004, after.notes, sides.after.path);
   const bool reached =

@@ -28,6 +28,7 @@ std::string claimed_signer(const pki::DocumentForm& form) {
 Result<DiffSide> read_side(const fs::path& path, const Arguments& arguments, WallTime now) {
   DiffSide side{.path = path};
   DDSSEC_ASSIGN_OR_RETURN(auto octets, read_file(path, pki::kMostDocumentOctets));
+  side.octets = octets.size();
   auto form = pki::examine_document(octets);
   side.is_signed = form.wrapping != pki::DocumentWrapping::none &&
                    form.wrapping != pki::DocumentWrapping::unknown;

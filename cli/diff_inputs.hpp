@@ -17,6 +17,7 @@ namespace ddssec::cli {
 struct DiffSide {
   std::filesystem::path path;
   Bytes text = {};     ///< the XML document
+  std::size_t octets = 0;  ///< of the whole file
   int first_line = 1;  ///< of the file, on which it begins
   bool is_signed = false;
   bool is_verified = false;

@@ -14,10 +14,6 @@ namespace {
 using governance::ChangeClass;
 using governance::PermissionChange;
 
-constexpr std::string_view kTakesEffect =
-    "a participant takes the new file when it restarts: until then what was taken away stays "
-    "allowed";
-
 Json data_tags_json(const std::vector<governance::DataTag>& tags) {
   Json out = Json::array();
   for (const auto& tag : tags) out.push_back({{"name", tag.name}, {"value", tag.value}});
@@ -127,10 +123,7 @@ std::string verdict_text(const governance::PermissionsDiff& diff) {
                     "changes with other products\n",
                     word)
               : fmt::format("verdict: {}; old and new files work together\n", word);
-  const bool takes_away = diff.verdict == ChangeClass::narrower ||
-                          diff.verdict == ChangeClass::mixed ||
-                          diff.verdict == ChangeClass::unknown;
-  return takes_away ? text + std::string(kTakesEffect) + "\n" : text;
+  return text;
 }
 
 }  // namespace
@@ -142,7 +135,6 @@ Report report_of(const governance::PermissionsDiff& diff, const DiffSides& sides
   std::map<std::string_view, std::string> texts;
   report.result = {{"verdict", governance::to_string(diff.verdict)},
                    {"breaks_interop", false},
-                   {"takes_effect", "restart"},
                    {"changes", Json::array()},
                    {"complete", diff.is_complete},
                    {"approximate", !diff.is_exact}};

@@ -394,8 +394,9 @@ class PermissionsDifferences(Differences):
         join, deny, allow = JOIN, rule("deny", "rt/cmd*"), rule("allow", "rt/*")
         self.write(permissions(grant(join, allow)), permissions(grant(join, deny, allow)))
         out = self.diff("--fail-on", "wider")
-        self.assertEqual((out["verdict"], out["takes_effect"], out["breaks_interop"]),
-                         ("narrower", "restart", False))
+        self.assertEqual((out["verdict"], out["breaks_interop"]), ("narrower", False))
+        self.assertEqual(out["takes_effect"], {"embedded": "live", "cyclonedds_ddssec": "live", "cyclonedds": "restart",
+                                               "fastdds": "restart", "reason": "", "at": None})
         change, = out["changes"]
         self.assertEqual([change[k] for k in ("subject", "element", "operation", "old", "new")],
                          ["CN=talker", "rule", "publish", "allowed", "denied"])
@@ -409,13 +410,16 @@ class PermissionsDifferences(Differences):
         self.assertRegex(text, r"^subject CN=talker\n  NARROWER  publish topics rt/cmd\* "
                                r"\(e\.g\. rt/cmd\)  allowed -> denied  by rt/\* -> by rt/cmd\*")
         self.assertIn("verdict: NARROWER; old and new files work together\n", text)
-        self.assertIn("takes the new file when it restarts", text)
+        self.assertIn("running participants: on ddssec's plugins:  taken while they run\n"
+                      "                      what was taken away ends within a second between embedded participants;\n",
+                      text)
+        self.assertRegex(text, r"on those of Cyclone DDS and Fast DDS:  restart\s+until then what was taken away")
 
         self.write(permissions(grant(join, deny, allow)), permissions(grant(join, allow, deny)))
         out = self.diff("--fail-on", "wider", exit=1)
         self.assertEqual((out["verdict"], out["changes"][0]["topics"]["witness"]),
                          ("wider", "rt/cmd"))
-        self.assertNotIn("restart", self.text())
+        self.assertNotIn("taken away", self.text())
 
     def told_for_cyclonedds(self, out):
         return [one["sentence"] for one in out["readings"]["all"] if one["sentence"].startswith("with Cyclone DDS")]
@@ -451,6 +455,47 @@ class PermissionsDifferences(Differences):
                    permissions(grant(JOIN, read, rule("deny", "Square", operation="subscribe"), rule("allow", "Square"))))
         out = self.diff("--fail-on", "any", exit=0)
         self.assertEqual((out["verdict"], self.told_for_cyclonedds(out)), ("neutral", []))
+
+    def takes(self, *words, exit=0):
+        out = self.diff(*words, exit=exit)["takes_effect"]
+        self.assertEqual(out["embedded"], out["cyclonedds_ddssec"])
+        return out["embedded"], out["reason"]
+
+    def test_the_same_file_changes_nothing_for_running_participants(self):
+        one = permissions(grant(JOIN))
+        self.write(one, one)
+        self.assertEqual(self.takes(), ("same", ""))
+        self.assertIn("running participants: on ddssec's plugins:  nothing changes\n", self.text())
+
+    def test_a_running_participant_refuses_older_permissions(self):
+        # As check_follows of the plugins does.
+        one = permissions(grant(JOIN, rule("allow", "rt/a")))
+        self.write(one, permissions(grant(JOIN)).replace("2026-01-01", "2025-12-31"))
+        taken, reason = self.takes(*NOW)
+        self.assertEqual((taken, reason),
+                         ("refused", "as older: CN=talker: not_before 2025-12-31T00:00:00Z must be "
+                                     "2026-01-01T00:00:00Z or later"))
+        text = self.text(*NOW)
+        self.assertIn("refused: the old document stays in force until a restart or its end", text)
+        self.assertNotIn("ends within a second", text)
+
+    def test_a_running_participant_refuses_permissions_without_a_valid_grant_for_it(self):
+        other = grant(JOIN, subject="CN=listener", name="listener")
+        self.write(permissions(grant(JOIN), other), permissions(other))
+        self.assertEqual(self.takes(*NOW), ("refused", "there is no grant for CN=talker any more"))
+        self.write(permissions(grant(JOIN)), permissions(grant(JOIN, until="2026-02-01")))
+        self.assertEqual(self.takes(*NOW), ("refused", "CN=talker: the new grant ended at 2026-02-01T00:00:00Z"))
+        self.write(permissions(grant(JOIN)), permissions(grant(JOIN)).replace("2026-01-01", "2026-12-01"))
+        self.assertEqual(self.takes(*NOW), ("live when it begins", "CN=talker: from 2026-12-01T00:00:00Z"))
+        self.write(permissions(grant(JOIN, until="2026-02-01")), permissions(grant(JOIN)))
+        taken, reason = self.takes(*NOW)
+        self.assertEqual(taken, "restart")
+        self.assertIn("the old grant ended at 2026-02-01T00:00:00Z", reason)
+
+    def test_a_participant_that_only_one_document_knows_decides_nothing_while_it_runs(self):
+        other = grant(JOIN, subject="CN=listener", name="listener")
+        self.write(permissions(grant(JOIN)), permissions(grant(JOIN), other))
+        self.assertEqual(self.takes(*NOW), ("live", ""))
 
     def test_wider_and_narrower_is_mixed_and_fails_both_ways(self):
         self.write(permissions(grant(rule("allow", "rt/a*"))),
