@@ -1,7 +1,9 @@
 // ddssec: the command line tool.
+#include <cerrno>
 #include <clocale>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <langinfo.h>
 #include <string>
 #include <unistd.h>
@@ -104,8 +106,14 @@ int finish(const cli::Report& report, std::string_view command, bool json, cli::
     std::fflush(stdout);  // both may go to one file
     print(stderr, cli::diagnostics_text(report, style));
   }
-  const bool flushed = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
-  return static_cast<int>(flushed ? report.exit : cli::Exit::failed);
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return static_cast<int>(report.exit);
+  const Error unwritten(Code::file_unwritable,
+                        {.document = "standard output",
+                         .note = std::strerror(errno),
+                         .hint = "the answer is incomplete: run the command again with an output "
+                                 "that has room and is not closed"});
+  print(stderr, cli::diagnostics_text(cli::report_of(unwritten), style));
+  return static_cast<int>(cli::Exit::failed);
 }
 
 cli::Report failed(const Error& error, const std::vector<std::string>& words) {

@@ -86,21 +86,26 @@ std::size_t longest_part(std::string_view expression) {
   return out;
 }
 
-// The fewest edits of a name after which an expression of "*", "?" and letters matches it.
+// The fewest edits of a name, as in edit_distance(), after which an expression of "*", "?" and
+// letters matches it.
 std::size_t edits_to_match(std::string_view expression, std::string_view name) {
-  std::vector<std::size_t> before(name.size() + 1), now(name.size() + 1);
-  std::iota(before.begin(), before.end(), std::size_t{0});
-  for (const char c : expression) {
+  std::vector<std::size_t> earlier(name.size() + 1), before(name.size() + 1), now(name.size() + 1);
+  std::iota(now.begin(), now.end(), std::size_t{0});
+  for (std::size_t at = 0; at < expression.size(); ++at) {
+    const char c = expression[at];
+    earlier.swap(before);
+    before.swap(now);
     now[0] = before[0] + (c == '*' ? 0 : 1);
     for (std::size_t i = 1; i <= name.size(); ++i) {
       const bool is_same = c == '?' || c == name[i - 1];
       now[i] = c == '*'
                    ? std::min(before[i], now[i - 1])
                    : std::min({before[i - 1] + (is_same ? 0 : 1), before[i] + 1, now[i - 1] + 1});
+      if (at > 0 && i > 1 && c == name[i - 2] && expression[at - 1] == name[i - 1])
+        now[i] = std::min(now[i], earlier[i - 2] + 1);
     }
-    std::swap(before, now);
   }
-  return before.back();
+  return now.back();
 }
 
 // The same as distance() for an expression: the program's name, also with and without the prefix of

@@ -99,8 +99,9 @@ class Contract(Transcript):
     def test_what_cannot_be_written_is_a_failure(self):
         for words in (("--help",), ("ca", "create", "--help"), ("version",)):
             with open("/dev/full", "w", encoding="utf-8") as full:
-                done = subprocess.run([PROGRAM, *words], stdout=full, timeout=60, check=False)
+                done = subprocess.run([PROGRAM, *words], stdout=full, stderr=subprocess.PIPE, text=True, timeout=60, check=False)
             self.assertEqual(done.returncode, 5, words)
+            self.assertRegex(done.stderr, r"error\[file_unwritable\]: .*No space left[^$]*standard output")
 
     def test_missing_twofold_and_superfluous_arguments_are_usage_errors(self):
         self.refused("usage", 2, "ca", "show")

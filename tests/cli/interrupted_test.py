@@ -10,9 +10,13 @@ import subprocess
 import xml.etree.ElementTree
 
 from sros2_keystore import make_keystore
-from transcript import PROGRAM, Transcript, library_path, main
+from transcript import DATA, PROGRAM, Transcript, library_path, main
 
 NOW = ("--now", "2026-11-21T00:00:00Z")
+CAPTURE = DATA / "captures/two_participants.pcap"
+POLICY = """<policy version="0.2.0"><enclaves><enclave path="/e"><profiles><profile ns="/" node="a">
+<topics publish="ALLOW"><topic>x</topic></topics></profile></profiles></enclave></enclaves></policy>
+"""
 LIBRARY = PROGRAM.parent.parent / "lib/kill_at.so"
 DRAFT = re.compile(r"(^|/)\.[^/]+\.\w{6}(/|$)|(\.\d+){2,3}\.new$|\.ddssec-unfinished$")
 
@@ -34,6 +38,8 @@ def is_whole(path, octets):
         for line in octets.decode().split("\n")[:-1]:
             json.loads(line)
         return True
+    if path.endswith(".pcap"):
+        return octets == CAPTURE.read_bytes()
     raise AssertionError(f"what is {path}?")
 
 
@@ -140,6 +146,12 @@ class Interrupted(Transcript):
                 self.everywhere(*step, after=[*well, *steps[number + 1:], *well], refused=(1,),
                                 removes=(f"demo/ca/{role}/ca.overlap.json",))
                 self.run_program(*step, *NOW)
+
+    def test_what_writes_files_of_other_kinds(self):
+        (self.at / "policy.xml").write_text(POLICY)
+        self.everywhere("permissions", "from-ros-policy", "policy.xml", "-o", "p.xml", after=[("permissions", "lint", "p.xml")],
+                        refused=(4,))
+        self.everywhere("inspect", CAPTURE, "--save", "copy.pcap", after=[("inspect", "copy.pcap")], refused=(4,))
 
     def test_what_signs_what_is_there(self):
         self.run_program("init", "demo", *NOW)

@@ -59,12 +59,14 @@ TEST(RefusalAdvice, ProposesANameThatIsClose) {
         << typed;
   for (const auto* typed : {"", "a", "rt/camera", "Sq", "rt/chatter/more"})
     EXPECT_EQ(advice(grant, {.topic = typed}).hint, "") << typed;
+  for (const auto* typed : {"Sqaure", "Suqare", "Squaer"})  // two neighbours are swapped
+    EXPECT_THAT(advice(grant, {.topic = typed}).hint, HasSubstr("is \"Square\" meant?")) << typed;
   EXPECT_EQ(advice(grant, {.topic = std::string(100'000, 'a')}).hint, "");
 }
 
 TEST(RefusalAdvice, NameNearToAnExpression_IsProposed) {
   const auto grant = compiled(publishes({"DDSPref*", "rt/chat*", "Cam?ra"}));
-  for (const auto* typed : {"DDSPerfRDataKS", "ddsprefA", "DDSPrfX"})
+  for (const auto* typed : {"DDSPerfRDataKS", "ddsprefA", "DDSPrfX", "DDPSrefX"})
     EXPECT_THAT(advice(grant, {.topic = typed}).hint,
                 HasSubstr("is a name that \"DDSPref*\" matches meant?"))
         << typed;
