@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "governance/compare/name_kinds.hpp"
 #include "governance/live_change.hpp"
 
 namespace ddssec::cli {
@@ -104,10 +105,18 @@ void add_revision(const governance::Governance& before, const governance::Govern
 
 Forecasts forecast(const governance::Governance& before, const governance::Governance& after) {
   std::set<std::string> tags{""};
+  std::vector<std::string> expressions;
   for (const auto* document : {&before, &after})
-    for (const auto& rule : document->domain_rules)
+    for (const auto& rule : document->domain_rules) {
       for (const auto& tag : rule.domains.tags) tags.insert(tag.text);
+      for (const auto& tag : rule.domains.tag_expressions) expressions.push_back(tag.text);
+    }
   Forecasts out;
+  // One tag for each kind that the expressions distinguish.
+  const auto kinds = governance::NameKinds::of(std::move(expressions));
+  if (!kinds) out.add(Live::restart, "there are too many expressions of tags to compare", 0);
+  for (governance::NameKinds::Kind kind = 0; kinds && kind < kinds->size(); ++kind)
+    tags.insert(kinds->example(kind));
   for (DomainId domain = 0; domain <= governance::kHighestDomainId; ++domain)
     for (const auto& tag : tags)
       if (const auto* rule = before.find(domain, tag))

@@ -155,6 +155,11 @@ class GovernanceDifferences(Differences):
         self.assertEqual(live(numbered(one, 2), numbered(one, 1))[3], "revision 1 does not follow 2")
         self.assertEqual(live(numbered(one, 1), numbered(one, 2))[0], "same")
 
+    def test_participants_whose_tags_only_an_expression_covers_are_judged(self):
+        tagged = "<id>0</id><tag_expression>fleet-*</tag_expression>"
+        self.write(governance(topic("*"), domain=tagged), governance(topic("*"), domain=tagged, unauthenticated="true"))
+        self.assertEqual(self.diff()["live"]["ddssec"], "restart")
+
     def test_a_rule_that_opens_discovery_needs_a_restart(self):
         closed, opened = topic("rt/x"), topic("rt/open", discovery="false")
         self.write(governance(closed), governance(closed, opened))
