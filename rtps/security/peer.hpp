@@ -6,6 +6,7 @@
 #include <string>
 #include <variant>
 
+#include "plugins/spi/access_control.hpp"
 #include "rtps/budget/source_address.hpp"
 #include "rtps/budget/work_budget.hpp"
 #include "rtps/discovery/participant_data.hpp"
