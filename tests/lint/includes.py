@@ -18,6 +18,7 @@ ARROWS = {
     "wire": ["base"],
     "rtps/budget": ["base", "wire"],
     "rtps/transport": ["base", "wire"],
+    "rtps/memory": ["base"],
     "rtps/cdr": ["base", "wire"],
     "rtps/filter": ["base", "rtps/cdr"],
     "rtps/qos": ["base", "wire", "plugins/spi"],
