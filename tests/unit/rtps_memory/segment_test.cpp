@@ -281,6 +281,13 @@ TEST(Map, File_OfASharedFolder_IsRefused) {
   EXPECT_TRUE(refusal == Refusal::not_sealed || refusal == Refusal::wrong_kind);
 }
 
+// Its pages may be missing although the seals are there.
+TEST(Map, Memory_OfHugePages_IsRefused) {
+  const Descriptor huge(::memfd_create("test", MFD_ALLOW_SEALING | MFD_HUGETLB));
+  if (!huge || ::fcntl(huge.number(), F_ADD_SEALS, kAllSeals) != 0) GTEST_SKIP() << "no huge pages";
+  EXPECT_EQ(refusal_of_map(huge), Refusal::wrong_kind);
+}
+
 TEST(Map, Memory_WithoutOneOfTheSeals_IsRefused) {
   for (const int missing : {F_SEAL_SHRINK, F_SEAL_GROW, 0x0010, F_SEAL_SEAL})
     EXPECT_EQ(refusal_of_map(memory(4096, 4096, kAllSeals & ~missing)), Refusal::not_sealed)
