@@ -5,11 +5,18 @@
 
 #include "pki/participant_folder.hpp"
 #include "pki/source.hpp"
+#include "plugins/spi/clock_step_grace.hpp"
 #include "plugins/spi/property_file.hpp"
 #include "plugins/spi/property_names.hpp"
 #include "secured/folder_check.hpp"
 
 namespace ddssec::secured {
+
+Status Engines::set_clock_step_grace(const spi::PropertyList& properties) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto grace, spi::clock_step_grace(properties));
+  calendar_.set_grace(grace);
+  return {};
+}
 
 Result<spi::PropertyList> folder_properties(const std::filesystem::path& path) {
   namespace property = spi::property;
@@ -46,8 +53,6 @@ Result<spi::PropertyList> folder_properties(const std::filesystem::path& path) {
   for (auto& further : file_properties) {
     if (spi::find_property(out, further.name) != nullptr)
       return without_effect(further.name, "a file of the folder goes before it");
-    if (further.name == property::kClockStepGrace)
-      return without_effect(further.name, "an embedded participant believes the clock at once");
     out.push_back(std::move(further));
   }
   return out;

@@ -9,6 +9,7 @@
 #include "plugins/authentication/authentication.hpp"
 #include "plugins/cryptography/cryptography.hpp"
 #include "rtps/security/own_security.hpp"
+#include "secured/reported_calendar.hpp"
 
 namespace ddssec::secured {
 
@@ -20,21 +21,30 @@ class Engines {
   /// documents in use (base/status_service.hpp).
   explicit Engines(const Environment& environment)
       : documents_(documents_shown(&environment.events)),
-        authentication_(authentication::make_authentication(with_record(environment))),
-        access_control_(access_control::make_access_control(
-            with_record(environment),
-            {.host_revises_keys = true, .host_has_pre_shared_keys = true, .host_changes_protection = true})),
+        calendar_(environment.clock, environment.events),
+        authentication_(authentication::make_authentication(judging(environment))),
+        access_control_(access_control::make_access_control(judging(environment),
+                                                            {.host_revises_keys = true,
+                                                             .host_has_pre_shared_keys = true,
+                                                             .host_changes_protection = true})),
         cryptography_(cryptography::make_cryptography(environment)) {}
+
+  /// Takes the property org.ddssec.clock_step_grace: how long a system clock that was set is not
+  /// believed. Without a call: SteadyCalendar::kDefaultGrace. Error: invalid_property.
+  Status set_clock_step_grace(const spi::PropertyList& properties);
 
   rtps::SecurityPlugins view() { return {*authentication_, *access_control_, *cryptography_}; }
 
  private:
-  Environment with_record(Environment environment) const {
-    environment.documents = documents_.get();
-    return environment;
+  /// For the plugins that judge documents.
+  Environment judging(const Environment& environment) const {
+    Environment out{calendar_, environment.random, environment.events};
+    out.documents = documents_.get();
+    return out;
   }
 
   std::shared_ptr<DocumentsInUse> documents_;  ///< null: none are shown
+  ReportedCalendar calendar_;
   std::unique_ptr<spi::Authentication> authentication_;
   std::unique_ptr<spi::AccessControl> access_control_;
   std::unique_ptr<spi::Cryptography> cryptography_;

@@ -48,6 +48,7 @@ Result<rtps::DomainParticipantOptions> participant_options(const Options& option
                                      .interfaces = options.interfaces};
   if (options.security != "off") {
     DDSSEC_ASSIGN_OR_RETURN(auto properties, secured::folder_properties(options.security));
+    DDSSEC_RETURN_IF_ERROR(engines.set_clock_step_grace(properties));
     out.security.emplace(engines.view(), std::move(properties));
   }
   return out;

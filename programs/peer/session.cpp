@@ -35,6 +35,7 @@ Status Session::open() {
   if (options_.security != "off") {
     engines_ = std::make_unique<secured::Engines>(environment);
     DDSSEC_ASSIGN_OR_RETURN(auto properties, secured::folder_properties(options_.security));
+    DDSSEC_RETURN_IF_ERROR(engines_->set_clock_step_grace(properties));
     wanted.security.emplace(engines_->view(), std::move(properties));
   }
   auto created = rtps::DomainParticipant::create(std::move(wanted), environment);

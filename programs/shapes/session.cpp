@@ -111,6 +111,7 @@ Status Session::open() {
   DDSSEC_ASSIGN_OR_RETURN(wanted.durability_store, store());
   if (options_.security != "off") {
     DDSSEC_ASSIGN_OR_RETURN(auto properties, secured::folder_properties(options_.security));
+    DDSSEC_RETURN_IF_ERROR(engines_.set_clock_step_grace(properties));
     wanted.security.emplace(engines_.view(), std::move(properties));
   }
   if (options_.announcement_period)

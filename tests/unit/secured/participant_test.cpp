@@ -85,10 +85,34 @@ TEST(FolderProperties, AFurtherOneThatAFileOfTheFolderSets_IsRefused) {
   EXPECT_THAT(refused.error().to_sentence(), HasSubstr("org.ddssec.auth.later_crl"));
 }
 
-TEST(FolderProperties, OneForCycloneDdsOnly_IsRefused) {
+TEST(FolderProperties, ClockStepGraceThatIsNone_IsRefused) {
   const Folder folder;
-  std::ofstream(folder.path / "security.properties") << "org.ddssec.clock_step_grace = 30\n";
-  EXPECT_EQ(folder_properties(folder.path).error().code(), Code::property_without_effect);
+  std::ofstream(folder.path / "security.properties") << "org.ddssec.clock_step_grace = never\n";
+  const auto properties = folder_properties(folder.path);
+  ASSERT_TRUE(properties) << properties.error().to_sentence();
+  const SystemClock clock;
+  SystemRandom random;
+  test::Silent quiet;
+  Engines engines({clock, random, quiet});
+  EXPECT_EQ(engines.set_clock_step_grace(*properties).error().code(), Code::invalid_property);
+}
+
+struct Codes final : EventSink {
+  void raise(const Event& event) override { all.push_back(event.error.code()); }
+  std::vector<Code> all;
+};
+
+TEST(ReportedCalendar, StepThatIsUndone_IsNotBelievedAndReportedTwice) {
+  ManualClock clock(WallTime(std::chrono::days(20'000)));
+  Codes events;
+  const ReportedCalendar calendar(clock, events);
+  const auto before = calendar.now();
+  clock.set(before + std::chrono::days(9000));
+  EXPECT_EQ(calendar.now(), before);
+  EXPECT_EQ(calendar.now(), before);
+  clock.set(before);
+  EXPECT_EQ(calendar.now(), before);
+  EXPECT_EQ(events.all, (std::vector{Code::clock_stepped, Code::clock_step_undone}));
 }
 
 TEST(SecuredParticipant, WithoutAFolderThereIsNone) {

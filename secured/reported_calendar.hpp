@@ -1,0 +1,33 @@
+// The calendar by which an embedded participant's documents are judged.
+#pragma once
+
+#include "base/event.hpp"
+#include "base/steady_calendar.hpp"
+
+namespace ddssec::secured {
+
+/// A SteadyCalendar that raises an event when the system clock was set, when it is back, and when
+/// the new time counts. Thread-safe.
+class ReportedCalendar final : public Clock {
+ public:
+  /// Both must outlive this object.
+  ReportedCalendar(const Clock& clock, EventSink& events) : calendar_(clock), events_(events) {}
+
+  WallTime now() const override {
+    const auto out = calendar_.now();
+    if (auto news = calendar_.news()) events_.raise(Event(*std::move(news)));
+    return out;
+  }
+  std::chrono::nanoseconds wall() const override { return calendar_.wall(); }
+  std::chrono::nanoseconds monotonic() const override { return calendar_.monotonic(); }
+  std::chrono::nanoseconds since_boot() const override { return calendar_.since_boot(); }
+
+  /// See SteadyCalendar.
+  void set_grace(std::chrono::seconds grace) { calendar_.set_grace(grace); }
+
+ private:
+  mutable SteadyCalendar calendar_;
+  EventSink& events_;
+};
+
+}  // namespace ddssec::secured
