@@ -182,16 +182,51 @@ Status prove_passphrase(const Arguments& arguments) {
   return prove_passphrase(ca_paths(given, "permissions").key, arguments);
 }
 
-Status check_asker(const RenewalRequest& request, const fs::path& trust, bool is_rekeying) {
+Result<std::vector<pki::Crl>> read_lists(const fs::path& file) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMostDocumentOctets));
+  return named(pki::Crl::all_from(octets), file);
+}
+
+Status check_not_on(const pki::ChainVerifier& verifier, const pki::Certificate& certificate,
+                    const fs::path& file) {
+  if (!verifier.may_be_revoked(certificate)) return {};
+  return fail(Code::certificate_revoked,
+              {.document = file,
+               .found = fmt::format("{}, serial {}", certificate.subject(), certificate.serial())});
+}
+
+namespace {
+
+// In the agent's own process, by a list that the owner of the folder cannot take away.
+Status check_not_on_lists(const TrustedAskers& trusted, const pki::Certificate& certificate,
+                          std::vector<pki::Certificate> cas) {
+  auto file = trusted.lists;
+  if (file.empty()) {
+    file = fs::path(trusted.trust).replace_filename("crl.pem");
+    if (!is_there(file)) return {};
+  }
+  DDSSEC_RETURN_IF_ERROR(check_trust_file(file));
+  DDSSEC_ASSIGN_OR_RETURN(auto lists, read_lists(file));
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto verifier,
+      named(pki::ChainVerifier::make(std::move(cas), std::move(lists), pki::CrlPolicy::soft_fail),
+            trusted.trust));
+  return check_not_on(verifier, certificate, file);
+}
+
+}  // namespace
+
+Status check_asker(const RenewalRequest& request, const TrustedAskers& trusted, bool is_rekeying) {
   DDSSEC_ASSIGN_OR_RETURN(const auto old,
                           pki::Certificate::from_pem(as_bytes(request.certificate)));
   const auto key = is_rekeying ? pki::RequestedKey::any : pki::RequestedKey::same;
   DDSSEC_RETURN_IF_ERROR(check_renewal_request(as_bytes(request.request), old, key));
+  const auto& trust = trusted.trust;
   if (trust.empty()) return {};
   DDSSEC_RETURN_IF_ERROR(check_trust_file(trust));
-  DDSSEC_ASSIGN_OR_RETURN(const auto certificates, read_certificates(trust));
+  DDSSEC_ASSIGN_OR_RETURN(auto certificates, read_certificates(trust));
   for (const auto& ca : certificates)
-    if (old.is_issued_by(ca)) return {};
+    if (old.is_issued_by(ca)) return check_not_on_lists(trusted, old, std::move(certificates));
   return fail(Code::issuer_unknown,
               {.document = trust,
                .expected = "the certificate in the folder to be of a CA in this file",

@@ -5,6 +5,7 @@
 
 #include "cli/agent_messages.hpp"
 #include "cli/command.hpp"
+#include "pki/chain.hpp"
 
 namespace ddssec::cli {
 
@@ -23,11 +24,24 @@ Result<RenewalAnswer> renew_by_ca(const RenewalRequest& request,
 /// that is typed or comes from a pipe. Errors: those of passphrase() and read_key.
 Status prove_passphrase(const Arguments& arguments);
 
+/// The revocation lists in a file. Errors: those of read_file and Crl::all_from.
+Result<std::vector<pki::Crl>> read_lists(const std::filesystem::path& file);
+
+/// Error: certificate_revoked, if a list of the verifier, from `file`, names the certificate.
+Status check_not_on(const pki::ChainVerifier& verifier, const pki::Certificate& certificate,
+                    const std::filesystem::path& file);
+
+/// Which certificates an agent with a hook renews.
+struct TrustedAskers {
+  std::filesystem::path trust;  ///< a file with CAs; empty: of all CAs
+  /// Revocation lists of these CAs; empty: crl.pem beside `trust`, if there is one.
+  std::filesystem::path lists;
+};
 /// Success if a request may be given to a hook: it has the subject of the certificate in the folder
-/// and, unless `is_rekeying`, its key. If `trust` is not empty, one of the CAs in that file must
-/// have issued the certificate. Else the owner of a folder could ask for any name. Errors: those of
-/// check_renewal_request and read_certificates; issuer_unknown.
-Status check_asker(const RenewalRequest& request, const std::filesystem::path& trust,
-                   bool is_rekeying);
+/// and, unless `is_rekeying`, its key. One of the trusted CAs must have issued the certificate, and
+/// none of the lists names it. Else the owner of a folder could ask for any name, or go on after a
+/// revocation. Errors: those of check_renewal_request, check_trust_file, read_certificates and
+/// read_lists; issuer_unknown, certificate_revoked.
+Status check_asker(const RenewalRequest& request, const TrustedAskers& trusted, bool is_rekeying);
 
 }  // namespace ddssec::cli

@@ -18,6 +18,8 @@ Status check_options(const Arguments& arguments) {
     if (!by_ca && arguments.has(option)) return usage(option, "only with --ca");
   for (const auto* option : {"--hook-env", "--trust"})
     if (by_ca && arguments.has(option)) return usage(option, "only with --hook");
+  if (arguments.has("--crl") && !arguments.has("--trust"))
+    return usage("--crl", "only with --trust");
   if (arguments.has("--once")) return {};
   for (const auto* option : {"--now", "--dry-run"})
     if (arguments.has(option)) return usage(option, "only with --once");
@@ -57,6 +59,9 @@ std::vector<Command> agent_commands() {
                    {"--trust", "FILE",
                     "with --hook: renew only certificates that a CA in this file issued; required "
                     "for folders of other users"},
+                   {"--crl", "FILE",
+                    "with --trust: revocation lists; certificates on them are not renewed; without "
+                    "it, crl.pem beside FILE of --trust, if there is one"},
                    {"--once", "", "look at each folder once and end, for cron"},
                    {"--rekey", "", "with a new key each time; otherwise the key stays"},
                    {"--permissions", "",

@@ -297,7 +297,8 @@ Result<RenewalAnswer> Agent::ask_own_ca(const Folder& folder, const RenewalReque
 
 Status Agent::check_request(const RenewalRequest& request) {
   const auto json = from_process([&]() -> Result<Json> {
-    const auto status = check_asker(request, arguments_.text("--trust"), arguments_.has("--rekey"));
+    const auto status = check_asker(request, {arguments_.text("--trust"), arguments_.text("--crl")},
+                                    arguments_.has("--rekey"));
     if (!status) return std::unexpected(status.error());
     return Json::object();
   });

@@ -176,7 +176,10 @@ std::optional<EndpointData> Keeper::wanted(const Guid& writer) const {
   const auto* announced = remotes.endpoint(writer);
   if (announced == nullptr || !wants(*announced)) return std::nullopt;
   auto out = *announced;
-  out.guid.prefix = remotes.core().identity_of(writer.prefix);
+  const auto& core = remotes.core();
+  // All that did not authenticate are one identity, as in KeptTopic.
+  const bool is_stranger = core.security && !core.is_authenticated(writer.prefix);
+  out.guid.prefix = is_stranger ? GuidPrefix{} : core.identity_of(writer.prefix);
   return out;
 }
 

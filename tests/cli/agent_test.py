@@ -359,7 +359,25 @@ class Folders(AgentTest):
     def test_a_revoked_certificate_gets_no_next_one_by_a_hook(self):
         self.run_program("identity", "revoke", "demo/talker", "--ca", "demo", exit=None)
         (self.talker / "crl.pem").write_bytes((self.ca / "crl.pem").read_bytes())
-        self.refused("certificate_revoked", "--hook", self.signing_hook(), *self.LATER)
+        hook = self.signing_hook(before=f"echo >{self.at}/asked")
+        self.refused("certificate_revoked", "--hook", hook, *self.LATER)
+        self.assertFalse((self.at / "asked").exists(), "the CA was asked first")
+
+    def test_a_folder_without_the_list_gets_no_next_one_by_a_hook_if_the_agent_has_it(self):
+        """Before, an owner who removed the list from the folder got a certificate that no list names."""
+        self.run_program("identity", "revoke", "demo/talker", "--ca", "demo", exit=None)
+        (self.talker / "crl.pem").unlink()
+        lists = self.at / "lists.pem"
+        lists.write_bytes((self.ca / "crl.pem").read_bytes())
+        hook = self.signing_hook(before=f"echo >{self.at}/asked")
+        trust = ("--trust", self.ca / "ca.pem")  # its crl.pem is beside it
+        self.refused("certificate_revoked", "--hook", hook, *trust, *self.LATER)
+        alone = self.at / "trust.pem"
+        alone.write_bytes((self.ca / "ca.pem").read_bytes())
+        self.refused("certificate_revoked", "--hook", hook, "--trust", alone, "--crl", lists, *self.LATER)
+        self.refused("file_unreadable", "--hook", hook, "--trust", alone, "--crl", "nowhere", *self.LATER, exit=3)
+        self.assertFalse((self.at / "asked").exists())
+        self.run_program("agent", "demo/talker", "--once", "--hook", hook, "--crl", lists, exit=2)
 
     def test_a_hook_in_a_folder_that_others_can_change_is_not_run(self):
         hook = self.signing_hook()
