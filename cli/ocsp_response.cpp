@@ -17,6 +17,27 @@ fs::path ocsp_file(const pki::ParticipantFolder& files) {
   return fs::path(files.certificate).replace_filename("ocsp.der");
 }
 
+namespace {
+
+// The way to the responder is not protected, so an answer may be a recorded one.
+Status check_later(const pki::OcspGood& fetched, const ResponseWanted& wanted,
+                   const pki::ChainVerifier& verifier, WallTime now) {
+  const auto refuse = [&](const char* field, WallTime least, WallTime found) {
+    return fail(Code::ocsp_expired, {.field = field,
+                                     .expected = "not before " + to_string(least),
+                                     .found = to_string(found),
+                                     .note = "it may be a recorded answer"});
+  };
+  if (fetched.until() < now) return refuse("nextUpdate", now, fetched.until());
+  const auto octets = read_file(ocsp_file(wanted.files), pki::kMostOcspOctets);
+  if (!octets) return {};
+  const auto present = pki::judge_ocsp(*octets, wanted.certificate, verifier, now);
+  if (!present || fetched.this_update() >= present->this_update()) return {};
+  return refuse("thisUpdate", present->this_update(), fetched.this_update());
+}
+
+}  // namespace
+
 Result<FetchedResponse> fetch_response(const ResponseWanted& wanted, WallTime now) {
   const auto& [files, certificate, given, longest] = wanted;
   DDSSEC_ASSIGN_OR_RETURN(auto anchors, read_certificates(files.identity_ca));
@@ -34,6 +55,7 @@ Result<FetchedResponse> fetch_response(const ResponseWanted& wanted, WallTime no
   DDSSEC_ASSIGN_OR_RETURN(
       const auto good,
       named(pki::judge_ocsp(octets, certificate, verifier, now), "answer of " + url));
+  DDSSEC_RETURN_IF_ERROR(named(check_later(good, wanted, verifier, now), "answer of " + url));
   return FetchedResponse{std::move(octets), good, std::move(url)};
 }
 

@@ -68,6 +68,13 @@ Result<bool> OwnOcspResponse::read(const Judge& judge) {
   if (!good && good.error().code() == Code::ocsp_revoked) revoked_ = good.error().in(path_);
   if (revoked_) return std::unexpected(*revoked_);
   if (!good) return refuse(good.error());
+  // A recorded answer of the responder must not take the place of a later one.
+  if (in_force_ && in_force_->certificate == judge.certificate &&
+      good->this_update() < in_force_->good.this_update())
+    return refuse(Error(Code::ocsp_expired,
+                        {.field = "thisUpdate",
+                         .expected = "not before " + to_string(in_force_->good.this_update()),
+                         .found = to_string(good->this_update())}));
   refusals_.clear();
   if (in_force_ && in_force_->octets == *file && in_force_->certificate == judge.certificate)
     return false;

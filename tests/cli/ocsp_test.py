@@ -122,6 +122,21 @@ class Ocsp(Transcript):
         for url in ("https://127.0.0.1/", "ftp://127.0.0.1/", "nonsense", "http://"):
             self.refused("ocsp_fetch_failed", 1, *ASK, url)
 
+    def test_a_recorded_answer_does_not_replace_a_later_one(self):
+        self.index(talker="V")
+        with self.responder() as url:
+            self.fetch(url)
+            first = (self.at / "demo/talker/ocsp.der").read_bytes()
+            time.sleep(1.1)  # it counts in seconds
+            self.fetch(url)
+        head = f"HTTP/1.0 200 OK\r\n{CONTENT_TYPE}\r\n\r\n".encode()
+        with self.server(head + first) as url:
+            self.assertRegex(self.not_good("ocsp_expired", url), "not before .*recorded")
+            (self.at / "demo/talker/ocsp.der").unlink()
+            self.json(*ASK, url, "--now", "+49h", exit=1)  # at its end
+            self.assertNotIn("demo/talker/ocsp.der", self.files())
+            self.fetch(url)
+
     def test_a_line_break_in_a_url_is_refused(self):
         with self.server(None) as url:
             for path in ("x HTTP/1.1\r\nHost: inner", "a b", "\x1b"):

@@ -287,6 +287,17 @@ TEST_F(OwnOcspFile, ThatCannotBeUsed_IsReportedOnceAndDoesNotKeepUsOut) {
   EXPECT_EQ(count_of(engine.events, Code::ocsp_response_renewed), 1);
 }
 
+// Before, a recorded answer of the responder took the place of a later one.
+TEST_F(OwnOcspFile, ThatIsEarlierThanTheOneInForce_IsRefused) {
+  put(response_about(alice().certificate, V_OCSP_CERTSTATUS_GOOD, 0s, 48h));
+  ASSERT_OK(start());
+  put(response_about(alice().certificate, V_OCSP_CERTSTATUS_GOOD, -1h, 1h));
+  for (int i = 0; i < 5; ++i) look();
+  ASSERT_EQ(count_of(engine.events, Code::ocsp_response_refused), 1);
+  EXPECT_THAT(engine.events.events.back().error.to_sentence(), HasSubstr("thisUpdate"));
+  EXPECT_EQ(count_of(engine.events, Code::ocsp_response_renewed), 0);
+}
+
 TEST_F(OwnOcspFile, ThatEnds_IsReportedOnce) {
   put(response_about(alice().certificate, V_OCSP_CERTSTATUS_GOOD, 0s, 1h));
   ASSERT_OK(start());
