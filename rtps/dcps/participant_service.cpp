@@ -101,30 +101,24 @@ void ParticipantService::serve(std::chrono::nanoseconds most) {
 }
 
 // A thread that is cancelled in a system call would leave the participant half way.
-void ParticipantService::serve_for_waiting(std::chrono::nanoseconds most,
-                                           ServingTurn::Waiting& waiting) {
+void ParticipantService::serve_for_waiting(std::chrono::nanoseconds most) {
   {
     int state = 0;
     ::pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, &state);
     const Rollback restored([&] { ::pthread_setcancelstate(state, nullptr); });
-    serve_once_for_waiting(most, waiting);
+    serve_once_for_waiting(most);
   }
   ::pthread_testcancel();
 }
 
-void ParticipantService::serve_once_for_waiting(std::chrono::nanoseconds most,
-                                                ServingTurn::Waiting& waiting) {
+void ParticipantService::serve_once_for_waiting(std::chrono::nanoseconds most) {
   const auto has_pending = [&] {
     const std::lock_guard held(context_.mutex());
     return context_.has_pending();
   };
-  EventLoop::Readable readable;
   const auto until = tick(most);
   if (until && !has_pending())
-    readable = sockets_->loop().look(std::max(*until - context_.now(), MonotonicTime::zero()));
-  if (!waiting.begin_work()) return;
-  sockets_->loop().handle(readable);
-  waiting.end_work();
+    sockets_->loop().wait(std::max(*until - context_.now(), MonotonicTime::zero()));
   if (has_pending()) turn_->prefer_own(ServingTurn::kAfterListeners);
 }
 
