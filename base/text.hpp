@@ -42,7 +42,8 @@ std::string printable(std::string_view text, Printing as_is);
 inline std::string printable(std::string_view text) { return printable(text, {}); }
 
 /// The number of characters to insert, remove or change, or of neighbours to swap, to get from one
-/// text to the other (optimal string alignment). The time is proportional to the product of the lengths, so bound them.
+/// text to the other (optimal string alignment). The time is proportional to the product of the
+/// lengths, so bound them.
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
 }  // namespace ddssec

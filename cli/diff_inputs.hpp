@@ -16,9 +16,9 @@ namespace ddssec::cli {
 /// One side of a comparison, without the parts that depend on the kind of document.
 struct DiffSide {
   std::filesystem::path path;
-  Bytes text = {};     ///< the XML document
+  Bytes text = {};         ///< the XML document
   std::size_t octets = 0;  ///< of the whole file
-  int first_line = 1;  ///< of the file, on which it begins
+  int first_line = 1;      ///< of the file, on which it begins
   bool is_signed = false;
   bool is_verified = false;
   /// The fingerprint of the signer's certificate if verified, otherwise the claimed one; empty: not

@@ -56,8 +56,8 @@ std::vector<Finding> uncovered(const governance::Permissions& document, const fs
 }
 
 /// What is signed: a governance document with a revision.
-Result<Bytes> text_to_sign(const governance::Governance& document, BytesView xml, const fs::path& to,
-                           const OpenCa& ca, const Arguments& arguments) {
+Result<Bytes> text_to_sign(const governance::Governance& document, BytesView xml,
+                           const fs::path& to, const OpenCa& ca, const Arguments& arguments) {
   if (arguments.has("--no-revision")) return to_bytes(xml);
   return with_next_revision(document, xml, to, ca);
 }

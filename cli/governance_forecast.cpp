@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "cli/forecast.hpp"
 #include "governance/compare/name_kinds.hpp"
 #include "governance/live_change.hpp"
 
@@ -42,29 +43,17 @@ std::string_view live_word(Live live) {
   return "";
 }
 
-/// The most severe outcome, and the first reason for it.
-struct Forecast {
-  Live outcome = Live::same;
-  std::string reason = {};
-  int line = 0;  ///< of the new document
-
-  void add(Live next, const std::string& why, int at) {
-    if (next <= outcome) return;
-    outcome = next;
-    reason = why;
-    line = at;
-  }
-};
+using Prediction = Forecast<Live>;
 
 /// Of both hosts on ddssec's plugins.
 struct Forecasts {
-  Forecast embedded, cyclonedds;
+  Prediction embedded, cyclonedds;
 
   void add(Live next, const std::string& why, int at) {
     embedded.add(next, why, at);
     cyclonedds.add(next, why, at);
   }
-  const Forecast& worse() const {
+  const Prediction& worse() const {
     return embedded.outcome > cyclonedds.outcome ? embedded : cyclonedds;
   }
 };
@@ -159,11 +148,10 @@ void add_forecast(const governance::Governance& before, const governance::Govern
       worse.outcome == Live::same && result["changes"].empty() && result["rewritten"].empty();
   const auto stock = is_same ? Live::same : Live::restart;
   std::string heading = "running participants: ";
-  const auto add = [&](std::string host, const Forecast& what) {
+  const auto add = [&](std::string host, const Prediction& what) {
     const auto reason =
         what.reason.empty() ? std::string() : fmt::format("({})", shown(what.reason));
-    report.text +=
-        wrapped(heading, {std::move(host), std::string(in_words(what.outcome)), reason});
+    report.text += wrapped(heading, {std::move(host), std::string(in_words(what.outcome)), reason});
     heading = std::string(heading.size(), ' ');
   };
   if (ours.embedded.outcome == ours.cyclonedds.outcome) {

@@ -11,8 +11,8 @@ namespace ddssec::cli {
 
 /// The document as it is to be signed for `file`: its own revision, if that is higher than the last
 /// one of the CA's log and that of the file which it replaces, or else the next one is written into
-/// it. Error: governance_revision_used (its own one is not higher, or there is no higher one), those
-/// of read_signing_log.
+/// it. Error: governance_revision_used (its own one is not higher, or there is no higher one),
+/// those of read_signing_log.
 Result<Bytes> with_next_revision(const governance::Governance& document, BytesView xml,
                                  const std::filesystem::path& file, const OpenCa& ca);
 

@@ -39,8 +39,10 @@ Status start(const std::filesystem::path& folder, const doctor::Settings& settin
   NoEvents events;
   const Environment environment{clock, random, events};
   const auto authentication = authentication::make_authentication(environment);
-  const auto access_control = access_control::make_access_control(
-      environment, {.host_revises_keys = true, .host_has_pre_shared_keys = true, .host_changes_protection = true});
+  const auto access_control =
+      access_control::make_access_control(environment, {.host_revises_keys = true,
+                                                        .host_has_pre_shared_keys = true,
+                                                        .host_changes_protection = true});
   const auto cryptography = cryptography::make_cryptography(environment);
   DDSSEC_ASSIGN_OR_RETURN(
       const auto own, rtps::OwnSecurity::create({{*authentication, *access_control, *cryptography},

@@ -120,8 +120,8 @@ Finding finding_of(const LoadedFolder& folder, std::string message, int line) {
 void check_participant(const LoadedFolder& folder, const governance::DomainRule& rule,
                        bool is_in_use, doctor::Diagnosis& out) {
   const auto number = [](const Error& error) { return static_cast<int>(error.code()); };
-  const access_control::Options embedded{.host_revises_keys = true,
-                                         .host_has_pre_shared_keys = true, .host_changes_protection = true};
+  const access_control::Options embedded{
+      .host_revises_keys = true, .host_has_pre_shared_keys = true, .host_changes_protection = true};
   if (const auto status = enforceable(folder, rule, embedded); !status) {
     auto finding = finding_of(
         folder, fmt::format("ddssec refuses the governance document: {}", status.error().message()),

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "cli/forecast.hpp"
 #include "governance/compare/subjects.hpp"
 #include "pki/source.hpp"
 
@@ -42,19 +43,7 @@ std::string_view live_word(Live live) {
   return "";
 }
 
-/// The most severe outcome, and the first reason for it.
-struct Forecast {
-  Live outcome = Live::same;
-  std::string reason = {};
-  int line = 0;  ///< of the new document
-
-  void add(Live next, const std::string& why, int at) {
-    if (next <= outcome) return;
-    outcome = next;
-    reason = why;
-    line = at;
-  }
-};
+using Prediction = Forecast<Live>;
 
 const Grant* valid_at(const Grants& grants, WallTime now) {
   const auto found =
@@ -69,7 +58,7 @@ const Grant* begins_after(const Grants& grants, WallTime now) {
 }
 
 /// As find_grant and check_follows judge it for a participant of this subject.
-void add_subject(const governance::Subject& subject, WallTime now, Forecast& out) {
+void add_subject(const governance::Subject& subject, WallTime now, Prediction& out) {
   const auto* const in_force = valid_at(subject.old_grants, now);
   if (subject.old_grants.empty()) return;
   const auto& name = governance::spelling_of(subject).subject_name;
@@ -105,8 +94,8 @@ void add_subject(const governance::Subject& subject, WallTime now, Forecast& out
   out.add(Live::live, "", 0);
 }
 
-Forecast forecast(const PermissionsChangeOver& change, const DiffSides& sides) {
-  Forecast out;
+Prediction forecast(const PermissionsChangeOver& change, const DiffSides& sides) {
+  Prediction out;
   if (sides.after.octets > pki::kMostSentPermissionsOctets)
     out.add(Live::refused,
             fmt::format("it has {} octets, and may have {}", sides.after.octets,
@@ -148,7 +137,7 @@ std::string_view in_words(Live live) {
 void add_forecast(const PermissionsChangeOver& change, const DiffSides& sides, Report& report) {
   const bool is_same =
       sides.before.text == sides.after.text && sides.before.signer == sides.after.signer;
-  const auto ours = is_same ? Forecast() : forecast(change, sides);
+  const auto ours = is_same ? Prediction() : forecast(change, sides);
   const auto stock = is_same ? Live::same : Live::restart;
   const bool narrows = takes_away(change.diff);
   constexpr std::string_view kHeading = "running participants: ";

@@ -130,8 +130,8 @@ Status check_raised(const TopicRule& former, const DomainRule& domain, const Top
                                        &TopicRule::enable_read_access_control));
   DDSSEC_RETURN_IF_ERROR(check_control("enable_write_access_control", former, next,
                                        &TopicRule::enable_write_access_control));
-  DDSSEC_RETURN_IF_ERROR(check_kind("metadata_protection_kind", former, next,
-                                    &TopicRule::metadata_protection_kind));
+  DDSSEC_RETURN_IF_ERROR(
+      check_kind("metadata_protection_kind", former, next, &TopicRule::metadata_protection_kind));
   DDSSEC_RETURN_IF_ERROR(
       check_kind("data_protection_kind", former, next, &TopicRule::data_protection_kind));
   return check_data(former, domain, next);

@@ -11,8 +11,8 @@ namespace ddssec::governance {
 /// True if both rules protect and control a topic in the same way.
 bool protect_alike(const TopicRule& a, const TopicRule& b);
 
-/// Success if a topic under `former` can come under `next`, a rule of `domain`, while endpoints of it
-/// exist: it is protected alike, or more in one of the ways that live_change describes. Error:
+/// Success if a topic under `former` can come under `next`, a rule of `domain`, while endpoints of
+/// it exist: it is protected alike, or more in one of the ways that live_change describes. Error:
 /// governance_renewal_refused.
 Status check_topic_change(const TopicRule& former, const DomainRule& domain, const TopicRule& next);
 
@@ -35,9 +35,9 @@ struct LiveChange {
 /// data_protection_kind from NONE to SIGN to ENCRYPT, both access controls from false to true. Data
 /// that was not protected needs metadata_protection_kind in `next`, and data that was not encrypted
 /// needs encrypted submessages or messages there: a receiver must know for each sample which rule
-/// counts, and instances keep their key hashes. Origin authentication, discovery and liveliness stay.
-/// Other domains do not count. Error: governance_renewal_refused, with the first element that does
-/// not fit, both values, and the line in `next`.
+/// counts, and instances keep their key hashes. Origin authentication, discovery and liveliness
+/// stay. Other domains do not count. Error: governance_renewal_refused, with the first element that
+/// does not fit, both values, and the line in `next`.
 Result<LiveChange> live_change(const DomainRule& former, const DomainRule& next);
 
 }  // namespace ddssec::governance

@@ -352,8 +352,8 @@ std::optional<std::uint32_t> revision_in(std::string_view instruction) {
   if (!instruction.starts_with(kBefore) || !instruction.ends_with(kAfter) ||
       instruction.size() <= kBefore.size() + kAfter.size())
     return std::nullopt;
-  const auto digits = instruction.substr(
-      kBefore.size(), instruction.size() - kBefore.size() - kAfter.size());
+  const auto digits =
+      instruction.substr(kBefore.size(), instruction.size() - kBefore.size() - kAfter.size());
   std::uint32_t value = 0;
   const auto* const end = digits.data() + digits.size();
   const auto read = std::from_chars(digits.data(), end, value);

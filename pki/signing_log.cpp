@@ -25,7 +25,8 @@ std::string member(const LogJson& object, const char* name) {
 std::uint32_t revision_in(const LogJson& value) {
   if (!value.is_number_unsigned()) return 0;
   const auto number = value.get<std::uint64_t>();
-  return number <= std::numeric_limits<std::uint32_t>::max() ? static_cast<std::uint32_t>(number) : 0;
+  return number <= std::numeric_limits<std::uint32_t>::max() ? static_cast<std::uint32_t>(number)
+                                                             : 0;
 }
 
 std::string entry(const std::string& ca, const std::string& document) {

@@ -194,8 +194,8 @@ void OwnDocuments::renew_identity_authorities(const Renewal& now) {
 Result<OwnDocuments::Judged> OwnDocuments::judge_governance(const Renewal& now, const Basis& basis,
                                                             BytesView file) const {
   Judged out{basis};
-  DDSSEC_ASSIGN_OR_RETURN(
-      auto verified, compile_governance({*basis.ca, now.participant, options_}, file, now.clock.now()));
+  DDSSEC_ASSIGN_OR_RETURN(auto verified, compile_governance({*basis.ca, now.participant, options_},
+                                                            file, now.clock.now()));
   DDSSEC_ASSIGN_OR_RETURN(const auto change, now.participant.check_governance(*verified.rules));
   out.basis.governance = std::move(verified.rules);
   out.basis.governance_digest = verified.digest;
@@ -206,8 +206,7 @@ Result<OwnDocuments::Judged> OwnDocuments::judge_governance(const Renewal& now, 
 Status OwnDocuments::take_governance(const Renewal& now, const Basis& former, BytesView file) {
   DDSSEC_ASSIGN_OR_RETURN(auto judged, judge_governance(now, former, file));
   if (judged.is_phased && options_.host_changes_protection) {
-    now.participant.set_pending(
-        {judged.basis.governance, judged.basis.governance_digest});
+    now.participant.set_pending({judged.basis.governance, judged.basis.governance_digest});
     governance_waiting_ = to_bytes(file);
     return {};
   }
@@ -228,9 +227,8 @@ std::optional<Error> OwnDocuments::note_applied(const Participant& participant) 
 void OwnDocuments::renew_governance(const Renewal& now, std::vector<Error>& events) {
   if (governance_waiting_) return;
   const auto former = now.participant.basis();
-  const auto taken = governance_.look(now.clock.monotonic(), [&](BytesView file) {
-    return take_governance(now, *former, file);
-  });
+  const auto taken = governance_.look(
+      now.clock.monotonic(), [&](BytesView file) { return take_governance(now, *former, file); });
   if (!taken) events.push_back(taken.error());
   if (!taken || !*taken) return;
   if (const auto pending = now.participant.pending()) {

@@ -30,14 +30,15 @@ Error old_revision(const governance::CompiledGovernance& former,
 Status check_has_revision(const governance::CompiledGovernance& next,
                           const governance::TopicRule& raised) {
   if (next.revision() != 0) return {};
-  return fail(Code::governance_renewal_refused,
-              {.line = raised.line,
-               .field = "revision",
-               .expected = "one, since the document changes the protection of \"" +
-                           raised.topic_expression + "\"",
-               .found = "none",
-               .hint = "sign the document with ddssec governance sign, which writes one, or restart "
-                       "the participant"});
+  return fail(
+      Code::governance_renewal_refused,
+      {.line = raised.line,
+       .field = "revision",
+       .expected =
+           "one, since the document changes the protection of \"" + raised.topic_expression + "\"",
+       .found = "none",
+       .hint = "sign the document with ddssec governance sign, which writes one, or restart "
+               "the participant"});
 }
 
 /// The topic cannot change while this participant uses it.

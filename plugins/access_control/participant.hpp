@@ -50,7 +50,8 @@ class Participant {
     phased,   ///< some of them are protected more
   };
   /// It adds topic rules, or raises what they protect (governance::live_change), and has a higher
-  /// revision, or neither has one and no topic is protected more. Error: governance_renewal_refused.
+  /// revision, or neither has one and no topic is protected more. Error:
+  /// governance_renewal_refused.
   Result<Change> check_governance(const governance::CompiledGovernance& next) const;
   /// Error: that of check_governance, for another one than before; it must be taken at once.
   Status set_basis(Basis basis);
@@ -62,7 +63,8 @@ class Participant {
   };
   std::shared_ptr<const Pending> pending() const;
   void set_pending(Pending pending);
-  /// Of the document that waits, or else the one before the last that waited; nullptr: neither.
+  /// The rules of the document that waits, or else of the one before the last that waited; nullptr:
+  /// there is neither.
   std::shared_ptr<const governance::CompiledGovernance> other_governance() const;
   /// The document that waited is in force from now on. Returns it; nullptr: none waited.
   std::shared_ptr<const Pending> apply_pending();

@@ -153,8 +153,9 @@ class AccessControl {
   /// host has changed the endpoints of these topics; until then the one in force decides
   /// everything. Empty: none waits.
   virtual std::optional<GovernanceVersion> pending_governance(PermissionsHandle) { return {}; }
-  /// What the pending document will demand of an endpoint of the topic; if none waits, what was
-  /// demanded before the last one was applied. Empty: there is none, or it has no rule for the topic.
+  /// The attributes of an endpoint of the topic under the pending document; if none waits, under
+  /// the document before the last one that waited. Empty: there is no such document, or it has no
+  /// rule for the topic.
   virtual std::optional<EndpointSecurityAttributes> other_attributes(PermissionsHandle,
                                                                      std::string_view) {
     return {};

@@ -17,8 +17,8 @@ inline constexpr std::string_view kCrl = "org.eclipse.cyclonedds.sec.auth.crl";
 inline constexpr std::string_view kLaterCrl = "org.ddssec.auth.later_crl";
 /// Ours: what a peer's OCSP response means: "ignore", "soft" or "hard".
 inline constexpr std::string_view kOcsp = "org.ddssec.auth.ocsp";
-/// Ours: the file with our own OCSP response (DER), which need not be there yet when the participant
-/// is made.
+/// Ours: the file with our own OCSP response (DER), which need not be there yet when the
+/// participant is made.
 inline constexpr std::string_view kOcspResponse = "org.ddssec.auth.ocsp_response";
 
 /// Ours: seconds between looks at the files that a running participant reads again when they were

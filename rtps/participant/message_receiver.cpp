@@ -218,7 +218,8 @@ Status MessageReceiver::on_data(const SubmessageView& view, Context& context) {
     const bool marker = data.payload.empty() && data.inline_qos.status == StatusInfo{};
     const bool ends_bare = data.payload.empty() && !marker;
     if (ends_bare && is_refused(reader.guid().entity, {from, data.writer}, context)) return;
-    const auto payload = marker ? data.payload : opened(reader, {from, data.writer}, data.payload, context.shield);
+    const auto payload =
+        marker ? data.payload : opened(reader, {from, data.writer}, data.payload, context.shield);
     if (!payload) return;
     plain.payload = *payload;
     if (!reader.on_data(from, plain, source_time(context, data.inline_qos))) return;

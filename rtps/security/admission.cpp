@@ -188,8 +188,8 @@ Result<Admission::Announced> Admission::create_endpoint(const EntityId& id,
 }
 
 Status Admission::add_other_protection(const EntityId& id, std::string_view topic) {
-  const auto other = core_.own->plugins().access_control.other_attributes(core_.own->permissions(),
-                                                                          topic);
+  const auto other =
+      core_.own->plugins().access_control.other_attributes(core_.own->permissions(), topic);
   if (!other || core_.keyring.second().attributes(id) != nullptr ||
       protection_id(*other) == core_.keyring.second().first_of(id))
     return {};
@@ -232,9 +232,8 @@ bool Admission::may_write(const Endpoint& writer) {
 std::optional<Admission::Permission> Admission::admit(const Local& local, const Endpoint& remote) {
   const auto* peer = core_.find(remote.guid.prefix);
   const auto* joined = peer == nullptr ? nullptr : peer->state.joined();
-  const auto status = joined != nullptr
-                          ? check_protection(local, remote, *peer)
-                          : check_open(local.attributes, remote);
+  const auto status = joined != nullptr ? check_protection(local, remote, *peer)
+                                        : check_open(local.attributes, remote);
   if (!status) {
     core_.raise(status.error().in("topic " + std::string(remote.topic)), remote.guid,
                 core_.origin_of_announcement(remote.guid, remote.is_secure));

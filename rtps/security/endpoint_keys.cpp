@@ -61,14 +61,14 @@ void LocalKeys::unlist(const EntityId& id, PairKeys& pair) {
 Status EndpointKeys::register_local(const EntityId& id, LocalKeys& local) {
   if (!needs_keys(local.attributes)) return {};
   if (is_writer(id)) {
-    DDSSEC_ASSIGN_OR_RETURN(const auto writer,
-                            factory().register_local_datawriter(own_.crypto(), local.properties,
-                                                                local.attributes));
+    DDSSEC_ASSIGN_OR_RETURN(
+        const auto writer,
+        factory().register_local_datawriter(own_.crypto(), local.properties, local.attributes));
     local.handle = writer.value;
   } else {
-    DDSSEC_ASSIGN_OR_RETURN(const auto reader,
-                            factory().register_local_datareader(own_.crypto(), local.properties,
-                                                                local.attributes));
+    DDSSEC_ASSIGN_OR_RETURN(
+        const auto reader,
+        factory().register_local_datareader(own_.crypto(), local.properties, local.attributes));
     local.handle = reader.value;
   }
   return {};
@@ -83,8 +83,7 @@ Status EndpointKeys::add(Locals& to, const EntityId& id, LocalKeys local) {
 void EndpointKeys::remove(Locals& from, const EntityId& id) {
   const auto at = from.find(id);
   if (at == from.end()) return;
-  while (!at->second.pairs.empty())
-    part(from, id, Guid(at->second.pairs.begin()->first), false);
+  while (!at->second.pairs.empty()) part(from, id, Guid(at->second.pairs.begin()->first), false);
   const auto handle = at->second.handle;
   from.erase(at);
   if (handle == 0) return;
@@ -97,7 +96,7 @@ void EndpointKeys::remove(Locals& from, const EntityId& id) {
 // ---- pairs
 
 Result<std::int64_t> EndpointKeys::register_pair(const EntityId& id, const LocalKeys& local,
-                                            const RemoteCrypto& remote, bool relay_only) {
+                                                 const RemoteCrypto& remote, bool relay_only) {
   if (is_writer(id)) {
     DDSSEC_ASSIGN_OR_RETURN(const auto matched_remote_datareader,
                             factory().register_matched_remote_datareader(
@@ -111,7 +110,8 @@ Result<std::int64_t> EndpointKeys::register_pair(const EntityId& id, const Local
 }
 
 Result<std::vector<spi::Token>> EndpointKeys::tokens_for(const EntityId& id, const LocalKeys& local,
-                                                    const PairKeys& pair, spi::KeyStage stage) {
+                                                         const PairKeys& pair,
+                                                         spi::KeyStage stage) {
   auto& exchange = own_.plugins().cryptography.key_exchange();
   if (is_writer(id))
     return exchange.create_local_datawriter_crypto_tokens({local.handle}, {pair.handle}, stage);
@@ -119,7 +119,7 @@ Result<std::vector<spi::Token>> EndpointKeys::tokens_for(const EntityId& id, con
 }
 
 Result<Introduction> EndpointKeys::introduce(const EntityId& id, LocalKeys& local,
-                                                 const Guid& remote, bool relay_only) {
+                                             const Guid& remote, bool relay_only) {
   PairKeys pair{.ready = true, .relay_only = relay_only};
   Introduction out{true, true};
   if (local.handle != 0) {
@@ -169,7 +169,8 @@ const EndpointKeys::Endpoint* EndpointKeys::endpoint_of(std::int64_t handle) con
 
 // ---- two protections
 
-Status SecondProtections::add(const EntityId& id, const spi::EndpointSecurityAttributes& attributes) {
+Status SecondProtections::add(const EntityId& id,
+                              const spi::EndpointSecurityAttributes& attributes) {
   const auto* first = rtps::find(first_, id);
   if (first == nullptr) return fail(Code::crypto_not_matched);
   LocalKeys local{attributes};
@@ -213,12 +214,14 @@ bool SecondProtections::any_with(const GuidPrefix& prefix) const {
   });
 }
 
-std::vector<std::pair<EntityId, Guid>> SecondProtections::incomplete_pairs(const GuidPrefix& prefix) const {
+std::vector<std::pair<EntityId, Guid>> SecondProtections::incomplete_pairs(
+    const GuidPrefix& prefix) const {
   std::vector<std::pair<EntityId, Guid>> out;
   const auto add = [&](const EntityId& id, const LocalKeys& has, const LocalKeys& lacks) {
     for (auto at = has.pairs.lower_bound({prefix, {}});
          at != has.pairs.end() && at->first.prefix == prefix; ++at)
-      if (!at->second.suspended && !lacks.pairs.contains(at->first)) out.emplace_back(id, at->first);
+      if (!at->second.suspended && !lacks.pairs.contains(at->first))
+        out.emplace_back(id, at->first);
   };
   for (const auto& [id, other] : others_)
     if (const auto* first = rtps::find(first_, id)) {
@@ -228,7 +231,8 @@ std::vector<std::pair<EntityId, Guid>> SecondProtections::incomplete_pairs(const
   return out;
 }
 
-Result<SecondProtections::Completion> SecondProtections::complete(const EntityId& id, const Guid& remote) {
+Result<SecondProtections::Completion> SecondProtections::complete(const EntityId& id,
+                                                                  const Guid& remote) {
   const auto first = first_.find(id), other = others_.find(id);
   if (first == first_.end() || other == others_.end()) return Completion{};
   const auto in_first = first->second.pairs.find(remote);

@@ -130,7 +130,7 @@ class SecondProtections {
   /// The pairs with endpoints of that peer that one protection has and the other one lacks.
   std::vector<std::pair<EntityId, Guid>> incomplete_pairs(const GuidPrefix& prefix) const;
   struct Completion {
-    ProtectionId protection = 0;  ///< the one that has the pair now; 0: nothing was missing
+    ProtectionId protection = 0;          ///< the one that has the pair now; 0: nothing was missing
     std::vector<spi::Token> tokens = {};  ///< to be sent to the remote endpoint
   };
   /// Registers such a pair for the protection that lacks it. Errors: those of the plugin.

@@ -66,9 +66,8 @@ void GovernanceChange::tick() {
   const bool is_complete = complete_pairs();
   if (phase_ == Phase::accepting) {
     const bool all_are_ready =
-        is_complete && std::ranges::all_of(core_.peers, [&](const auto& one) {
-          return is_ready(one.second);
-        });
+        is_complete &&
+        std::ranges::all_of(core_.peers, [&](const auto& one) { return is_ready(one.second); });
     if (all_are_ready || core_.now >= deadline_) change();
   } else {
     const bool any_is_behind = std::ranges::any_of(core_.peers, [&](const auto& one) {
@@ -134,7 +133,8 @@ bool GovernanceChange::add_protections() {
 bool GovernanceChange::complete_pairs() {
   bool all = true;
   each_joined([&](Peer& peer) {
-    if (peer.state.association()->governance.takes_part) all = exchange_.complete_pairs(peer) && all;
+    if (peer.state.association()->governance.takes_part)
+      all = exchange_.complete_pairs(peer) && all;
   });
   return all;
 }
@@ -147,7 +147,8 @@ bool GovernanceChange::has_changed(const Peer& peer) const {
 
 // One that is not joined gets its keys later.
 bool GovernanceChange::is_ready(const Peer& peer) const {
-  if (peer.state.joined() == nullptr || !core_.keyring.second().any_with(peer.prefix())) return true;
+  if (peer.state.joined() == nullptr || !core_.keyring.second().any_with(peer.prefix()))
+    return true;
   return has_changed(peer) && KeyExchange::is_up_to_date(peer);
 }
 
@@ -160,12 +161,13 @@ void GovernanceChange::refresh(Peer& peer) const {
 void GovernanceChange::report_behind() {
   each_joined([&](Peer& peer) {
     if (!core_.keyring.second().any_with(peer.prefix()) || has_changed(peer)) return;
-    core_.raise(Error(Code::governance_peer_behind,
-                      {.document = "governance",
-                       .field = "revision",
-                       .expected = std::to_string(target_->revision),
-                       .note = "its endpoints of the topics that are protected more no longer match"}),
-                peer, Origin::its_keys);
+    core_.raise(
+        Error(Code::governance_peer_behind,
+              {.document = "governance",
+               .field = "revision",
+               .expected = std::to_string(target_->revision),
+               .note = "its endpoints of the topics that are protected more no longer match"}),
+        peer, Origin::its_keys);
   });
 }
 

@@ -127,8 +127,7 @@ void KeyExchange::send_token(Peer& peer, std::string_view message_class, spi::To
 
 // A peer that accepts both protections, too, is told which one the keys are for.
 void KeyExchange::send_endpoint_tokens(Peer& peer, const EntityId& local, const Guid& remote,
-                                       std::vector<spi::Token> tokens,
-                                       ProtectionId protection) {
+                                       std::vector<spi::Token> tokens, ProtectionId protection) {
   if (tokens.empty()) return;
   const bool writes = is_writer(local);
   GenericMessage message;
@@ -139,8 +138,8 @@ void KeyExchange::send_endpoint_tokens(Peer& peer, const EntityId& local, const 
   message.data = std::move(tokens);
   if (protection == 0) protection = core_.keyring.second().first_of(local);
   if (protection != 0 && peer.state.association()->governance.takes_part) {
-    message.message_class = writes ? message_class::kDatawriterTokensOfOne
-                                   : message_class::kDatareaderTokensOfOne;
+    message.message_class =
+        writes ? message_class::kDatawriterTokensOfOne : message_class::kDatareaderTokensOfOne;
     message.related.sequence_number = static_cast<std::int64_t>(protection);
   }
   send(peer, std::move(message));
@@ -313,9 +312,8 @@ bool KeyExchange::on_endpoint_tokens(Peer& peer, GenericMessage message, std::si
 bool KeyExchange::apply_tokens(Peer& peer, const GenericMessage& message) {
   const auto protection = protection_in(message);
   if (protection != 0) complete(peer, message.destination_endpoint.entity, message.source_endpoint);
-  const auto ready =
-      core_.keyring.set_endpoint_tokens(message.destination_endpoint.entity,
-                                        message.source_endpoint, message.data, protection);
+  const auto ready = core_.keyring.set_endpoint_tokens(
+      message.destination_endpoint.entity, message.source_endpoint, message.data, protection);
   if (!ready) core_.raise(ready.error(), peer, Origin::its_keys);
   return ready && *ready;
 }

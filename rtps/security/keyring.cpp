@@ -98,8 +98,7 @@ Status Keyring::set_participant_tokens(const GuidPrefix& prefix,
 
 // ---- pairs
 
-Result<Introduction> Keyring::introduce(const EntityId& id, const Guid& remote,
-                                                 bool relay_only) {
+Result<Introduction> Keyring::introduce(const EntityId& id, const Guid& remote, bool relay_only) {
   const auto at = locals_.find(id);
   if (at == locals_.end()) return fail(Code::crypto_not_matched);
   auto& local = at->second;
@@ -123,7 +122,6 @@ void Keyring::part(const EntityId& id, const Guid& remote, bool may_return) {
   second_.part(id, remote);
   keys_.part(locals_, id, remote, may_return);
 }
-
 
 Keyring::PairKind Keyring::kind_of(const EntityId& id, const Guid& remote) const {
   const auto* local = find(id);
@@ -157,7 +155,8 @@ Result<bool> Keyring::set_endpoint_tokens(const EntityId& id, const Guid& remote
                                           std::span<const spi::Token> tokens,
                                           ProtectionId protection) {
   const auto at = locals_.find(id);
-  const bool is_first = at != locals_.end() && (protection == 0 || at->second.protection == protection);
+  const bool is_first =
+      at != locals_.end() && (protection == 0 || at->second.protection == protection);
   auto* local = is_first ? &at->second : second_.find(id, protection);
   if (local == nullptr) return fail(Code::crypto_not_matched);
   const auto pair = local->pairs.find(remote);

@@ -14,8 +14,8 @@ namespace ddssec::rtps {
 
 /// What protected a received submessage.
 struct Shield {
-  bool message = false;  ///< it arrived inside a protected message of its sender
-  Guid submessage = {};  ///< the endpoint whose key protected it; zero: none
+  bool message = false;         ///< it arrived inside a protected message of its sender
+  Guid submessage = {};         ///< the endpoint whose key protected it; zero: none
   ProtectionId protection = 0;  ///< the one of the reader or writer that has the key
 };
 
@@ -41,7 +41,6 @@ class Keyring final : public SendProtection {
   const spi::EndpointSecurityAttributes* attributes(const EntityId& id) const;
   SecondProtections& second() { return second_; }
   const SecondProtections& second() const { return second_; }
-
 
   // Remote participants:
   struct RemoteParticipant {

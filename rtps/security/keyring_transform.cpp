@@ -26,9 +26,9 @@ Result<BytesView> open_payload_under(spi::CryptoTransform& transform, const Loca
   if (!local.attributes.is_payload_protected() || payload.empty()) return payload;
   const auto pair = local.pairs.find(writer);
   if (pair == local.pairs.end() || pair->second.suspended) return fail(Code::crypto_not_matched);
-  DDSSEC_ASSIGN_OR_RETURN(const auto size,
-                          transform.decode_serialized_payload(
-                              {local.handle}, {pair->second.handle}, payload, scratch));
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto size,
+      transform.decode_serialized_payload({local.handle}, {pair->second.handle}, payload, scratch));
   return scratch.first(size);
 }
 
@@ -59,8 +59,7 @@ Result<Keyring::OpenSubmessage> Keyring::open_submessage(const GuidPrefix& sende
                               : transform().decode_datareader_submessage(
                                     found->datawriter, found->datareader, group, scratch);
   if (!size) return undecodable(size.error(), sender);
-  const auto* by =
-      keys_.endpoint_of(by_writer ? found->datawriter.value : found->datareader.value);
+  const auto* by = keys_.endpoint_of(by_writer ? found->datawriter.value : found->datareader.value);
   if (by == nullptr) return undecodable(Error(Code::crypto_not_matched), sender);
   return OpenSubmessage{scratch.first(*size), by->guid, by->protection};
 }
@@ -76,7 +75,8 @@ Result<BytesView> Keyring::open_payload(const EntityId& reader, const Guid& writ
   if (const auto* other = second_.of(reader, writer)) [[unlikely]] {
     const bool by_key = shield.submessage == writer;
     const auto fits = [&](const LocalKeys& one) {
-      return by_key ? one.protection == shield.protection : !one.attributes.is_submessage_protected();
+      return by_key ? one.protection == shield.protection
+                    : !one.attributes.is_submessage_protected();
     };
     const bool fits_first = local->pairs.contains(writer) && fits(*local);
     if (!fits_first) {

@@ -107,7 +107,7 @@ struct SecurityCore {
   Keyring keyring;
   std::map<GuidPrefix, Peer> peers;  ///< destroyed before the keyring, which contains its keys
   AuthenticationCounters counters;
-  MonotonicTime now{};  ///< time of the current call
+  MonotonicTime now{};              ///< time of the current call
   bool governance_changes = false;  ///< endpoints have two protections (GovernanceChange)
 };
 

@@ -102,8 +102,10 @@ Status create(DomainParticipant& participant, const peer_options& options, Embed
 struct Plugins {
   explicit Plugins(const Environment& environment)
       : authentication(authentication::make_authentication(environment)),
-        access_control(access_control::make_access_control(
-            environment, {.host_revises_keys = true, .host_has_pre_shared_keys = true, .host_changes_protection = true})),
+        access_control(
+            access_control::make_access_control(environment, {.host_revises_keys = true,
+                                                              .host_has_pre_shared_keys = true,
+                                                              .host_changes_protection = true})),
         cryptography(cryptography::make_cryptography(environment)) {}
   std::unique_ptr<spi::Authentication> authentication;
   std::unique_ptr<spi::AccessControl> access_control;

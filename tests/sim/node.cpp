@@ -70,8 +70,9 @@ Node::Node(const Surroundings& around, const Subject& subject, std::size_t numbe
 void Node::make_engines(const GuidPrefix& name) {
   const Environment environment{clock_, random_, *this};
   engines_ = {authentication::make_authentication(environment),
-              access_control::make_access_control(
-                  environment, {.host_revises_keys = true, .host_has_pre_shared_keys = true, .host_changes_protection = true}),
+              access_control::make_access_control(environment, {.host_revises_keys = true,
+                                                                .host_has_pre_shared_keys = true,
+                                                                .host_changes_protection = true}),
               cryptography::make_cryptography(environment)};
   if (subject_.is_honest()) return;
   const bool borrows = subject_.role == Role::borrower;

@@ -29,8 +29,7 @@ TEST(LiveChange, RuleAtTheEnd_IsLast) {
 }
 
 TEST(LiveChange, RuleBeforeAnother_IsNotLast) {
-  const auto added =
-      live_change(domain({rule_for("*")}), domain({rule_for("a"), rule_for("*")}));
+  const auto added = live_change(domain({rule_for("*")}), domain({rule_for("a"), rule_for("*")}));
   ASSERT_TRUE(added);
   EXPECT_EQ(added->rules.size(), 1u);
   EXPECT_FALSE(added->are_last);
@@ -117,7 +116,8 @@ TEST(LiveChange, RuleThatOpensDiscovery_IsTakenWhereSomeIsOpen) {
 // ---- rules that protect more
 
 TopicRule kinds(ProtectionKind metadata, ProtectionKind data) {
-  return {.topic_expression = "a", .metadata_protection_kind = metadata, .data_protection_kind = data};
+  return {
+      .topic_expression = "a", .metadata_protection_kind = metadata, .data_protection_kind = data};
 }
 DomainRule of(TopicRule rule, ProtectionKind rtps = ProtectionKind::none) {
   return {.rtps_protection_kind = rtps, .topic_rules = {std::move(rule)}};
@@ -158,8 +158,8 @@ TEST(LiveChange, LessProtection_OrWhatReceiversCannotTellApart_IsRefused) {
         Row{kEncryptOrigin, kSign, kEncrypt, kSign, kMetadata},
         Row{kNone, kNone, kNone, kEncrypt, kMetadata}, Row{kNone, kNone, kNone, kSign, kMetadata},
         Row{kSign, kSign, kSign, kEncrypt, kMetadata}}) {
-    const auto change =
-        live_change(of(kinds(row.metadata_before, row.data_before)), of(kinds(row.metadata, row.data)));
+    const auto change = live_change(of(kinds(row.metadata_before, row.data_before)),
+                                    of(kinds(row.metadata, row.data)));
     EXPECT_CODE(change, governance_renewal_refused);
     EXPECT_EQ(change.error().details().field, row.field);
   }
@@ -191,8 +191,8 @@ TEST(LiveChange, DiscoveryAndLivelinessOfATopic_Stay) {
 
 TEST(LiveChange, RaisedBesideAdded_AreToldApart) {
   const auto former = domain({kinds(kSign, kSign), rule_for("*")});
-  const auto change =
-      live_change(former, domain({rule_for("b"), kinds(kEncrypt, kSign), rule_for("*"), rule_for("c")}));
+  const auto change = live_change(
+      former, domain({rule_for("b"), kinds(kEncrypt, kSign), rule_for("*"), rule_for("c")}));
   ASSERT_TRUE(change) << change.error().to_sentence();
   EXPECT_EQ(change->rules.size(), 2u);
   EXPECT_EQ(change->raised.size(), 1u);

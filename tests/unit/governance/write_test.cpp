@@ -83,7 +83,8 @@ TEST(Revision, StandsRightAfterTheDeclaration) {
   EXPECT_EQ(with_revision("<?xml version=\"1.0\"?><dds/>", 7),
             "<?xml version=\"1.0\"?><?ddssec revision=\"7\"?>\n<dds/>");
   EXPECT_EQ(with_revision("<dds/>", 7), "<?ddssec revision=\"7\"?>\n<dds/>");
-  EXPECT_EQ(with_revision("<!-- c -->\n<dds/>", 7), "<?ddssec revision=\"7\"?>\n<!-- c -->\n<dds/>");
+  EXPECT_EQ(with_revision("<!-- c -->\n<dds/>", 7),
+            "<?ddssec revision=\"7\"?>\n<!-- c -->\n<dds/>");
 }
 
 TEST(Revision, IsReadFromEachPlaceWhereItIsWritten) {

@@ -242,8 +242,10 @@ struct Node {
       : port(7000u + n), random(n) {
     const Environment environment{clock, random, events};
     authentication = authentication::make_authentication(environment);
-    access_control = access_control::make_access_control(
-        environment, {.host_revises_keys = true, .host_has_pre_shared_keys = true, .host_changes_protection = true});
+    access_control =
+        access_control::make_access_control(environment, {.host_revises_keys = true,
+                                                          .host_has_pre_shared_keys = true,
+                                                          .host_changes_protection = true});
     cryptography = cryptography::make_cryptography(environment);
     if (wrap) cryptography = wrap(std::move(cryptography));
     join(n, *this, properties, others);

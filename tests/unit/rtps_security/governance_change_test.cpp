@@ -69,12 +69,13 @@ struct Fleet {
     const auto count = static_cast<int>(world.nodes.size()) - 1;
     EXPECT_TRUE(world.run_until([&] {
       return a.node.listener.matched == count && std::ranges::all_of(world.nodes, [&](Node* node) {
-        return node == &a.node || node->listener.matched == 1;
-      });
+               return node == &a.node || node->listener.matched == 1;
+             });
     })) << text();
   }
   void put(std::initializer_list<Member*> members, const Rules& rules, std::uint32_t revision) {
-    for (auto* member : members) member->folder.replace("governance.p7s", governance(rules, revision));
+    for (auto* member : members)
+      member->folder.replace("governance.p7s", governance(rules, revision));
   }
   void write() {
     Change change;
@@ -167,12 +168,15 @@ TEST_P(Raised, NothingIsLostAndNoMatchEnds) {
   EXPECT_EQ(fleet.is_readable_on_the_network(), !is_encrypted && kinds.rtps != kEncrypt);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    All, Raised,
-    ::testing::Values(Kinds{kSign, kSign, kEncrypt, kEncrypt}, Kinds{kNone, kNone, kEncrypt, kEncrypt},
-           Kinds{kNone, kNone, kSign, kSign}, Kinds{kNone, kSign, kEncrypt, kEncrypt},
-           Kinds{kSign, kNone, kSign, kSign}, Kinds{kEncrypt, kNone, kEncrypt, kEncrypt},
-           Kinds{kNone, kSign, kNone, kEncrypt, kEncrypt}, Kinds{kNone, kNone, kSign, kEncrypt, kEncrypt}));
+INSTANTIATE_TEST_SUITE_P(All, Raised,
+                         ::testing::Values(Kinds{kSign, kSign, kEncrypt, kEncrypt},
+                                           Kinds{kNone, kNone, kEncrypt, kEncrypt},
+                                           Kinds{kNone, kNone, kSign, kSign},
+                                           Kinds{kNone, kSign, kEncrypt, kEncrypt},
+                                           Kinds{kSign, kNone, kSign, kSign},
+                                           Kinds{kEncrypt, kNone, kEncrypt, kEncrypt},
+                                           Kinds{kNone, kSign, kNone, kEncrypt, kEncrypt},
+                                           Kinds{kNone, kNone, kSign, kEncrypt, kEncrypt}));
 
 TEST(GovernanceChange, OnALossyNetwork_NothingIsLost) {
   Fleet fleet(rules_of(kSign, kSign));
@@ -185,8 +189,9 @@ TEST(GovernanceChange, OnALossyNetwork_NothingIsLost) {
 }
 
 TEST(GovernanceChange, SamplesInFragments_AreWholeOnALossyNetworkToo) {
-  for (const auto& [former, next] : {std::pair(rules_of(kSign, kNone), rules_of(kEncrypt, kEncrypt)),
-                                     std::pair(rules_of(kNone, kNone), rules_of(kSign, kSign))}) {
+  for (const auto& [former, next] :
+       {std::pair(rules_of(kSign, kNone), rules_of(kEncrypt, kEncrypt)),
+        std::pair(rules_of(kNone, kNone), rules_of(kSign, kSign))}) {
     Fleet fleet(former);
     fleet.more = 100'000;
     fleet.run(2);
@@ -252,13 +257,13 @@ TEST(GovernanceChange, EndpointsMadeMeanwhile_MatchAndKeepTheirSamples) {
   fleet.run(2);
   fleet.put({&fleet.c}, rules_of(kEncrypt, kEncrypt), 2);
   fleet.run(8);
-  EXPECT_TRUE(fleet.world.run_until(
-      [&] { return late.changes.size() == fleet.written - before; }, 3000))
+  EXPECT_TRUE(
+      fleet.world.run_until([&] { return late.changes.size() == fleet.written - before; }, 3000))
       << late.changes.size() << " of " << fleet.written - before << fleet.text();
   EXPECT_TRUE(fleet.c.node.events.has(Code::governance_renewed));
   EXPECT_EQ(late.unmatched, 0);
-  EXPECT_TRUE(fleet.has_all(fleet.c.node)) << fleet.c.node.listener.changes.size() << " of "
-                                           << fleet.written << fleet.text();
+  EXPECT_TRUE(fleet.has_all(fleet.c.node))
+      << fleet.c.node.listener.changes.size() << " of " << fleet.written << fleet.text();
 }
 
 TEST(GovernanceChange, TwoChangesAfterOneAnother_AreBothTaken) {
@@ -313,7 +318,8 @@ TEST(GovernanceChange, AnInsiderThatIsNeverReady_HoldsTheOthersForNoLongerThanTh
   fleet.world.filter = [&](const Node& from, Bytes datagram) {
     if (fleet.watches) fleet.sent.push_back(datagram);
     // Says that it has the document, and acknowledges nothing from then on.
-    const bool is_mute = &from == &fleet.c.node && fleet.c.node.events.has(Code::governance_changing);
+    const bool is_mute =
+        &from == &fleet.c.node && fleet.c.node.events.has(Code::governance_changing);
     return is_mute ? std::vector<Bytes>{} : one(std::move(datagram));
   };
   fleet.run(12);
