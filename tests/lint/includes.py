@@ -18,7 +18,6 @@ ARROWS = {
     "wire": ["base"],
     "rtps/budget": ["base", "wire"],
     "rtps/transport": ["base", "wire"],
-    "rtps/memory": ["base"],
     "rtps/cdr": ["base", "wire"],
     "rtps/filter": ["base", "rtps/cdr"],
     "rtps/qos": ["base", "wire", "plugins/spi"],
