@@ -76,12 +76,15 @@ Event kept_event(const EndpointData& writer, bool is_from_store) {
 }
 
 Error no_room(const std::string& topic) {
-  return Error(Code::rtps_store_failed,
-               {.document = "keeper",
-                .field = "topics",
-                .expected = fmt::format("at most {}, and of one identity as many as are free",
-                                        Keeper::kMostTopics),
-                .found = topic});
+  return Error(
+      Code::rtps_store_failed,
+      {.document = "keeper",
+       .field = "topics",
+       .expected =
+           fmt::format("at most {}, and of one identity as many as are free", Keeper::kMostTopics),
+       .found = topic,
+       .hint = "stop writers of other durable topics of the same identity, or name the topics to "
+               "keep; this one is considered again once a second"});
 }
 
 }  // namespace
