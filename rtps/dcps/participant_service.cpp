@@ -56,7 +56,7 @@ Status ParticipantService::start() {
 
 void ParticipantService::run() {
   while (turn_->await()) do
-      serve(std::chrono::seconds(10));
+      serve(turn_->longest_own());
     while (!turn_->yield());
 }
 
@@ -101,24 +101,33 @@ void ParticipantService::serve(std::chrono::nanoseconds most) {
 }
 
 // A thread that is cancelled in a system call would leave the participant half way.
-void ParticipantService::serve_for_waiting(std::chrono::nanoseconds most) {
+void ParticipantService::serve_for_waiting(std::chrono::nanoseconds most,
+                                           ServingTurn::Waiting& waiting) {
   {
     int state = 0;
     ::pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, &state);
     const Rollback restored([&] { ::pthread_setcancelstate(state, nullptr); });
-    serve_once_for_waiting(most);
+    serve_once_for_waiting(most, waiting);
   }
   ::pthread_testcancel();
 }
 
-void ParticipantService::serve_once_for_waiting(std::chrono::nanoseconds most) {
+void ParticipantService::serve_once_for_waiting(std::chrono::nanoseconds most,
+                                                ServingTurn::Waiting& waiting) {
   const auto has_pending = [&] {
     const std::lock_guard held(context_.mutex());
     return context_.has_pending();
   };
+  if (!waiting.begin_work()) return;
   const auto until = tick(most);
-  if (until && !has_pending())
-    sockets_->loop().wait(std::max(*until - context_.now(), MonotonicTime::zero()));
+  const bool may_look = until && !has_pending();
+  waiting.end_work();
+  EventLoop::Readable readable;
+  if (may_look)
+    readable = sockets_->loop().look(std::max(*until - context_.now(), MonotonicTime::zero()));
+  if (!waiting.begin_work()) return;
+  sockets_->loop().handle(readable);
+  waiting.end_work();
   if (has_pending()) turn_->prefer_own(ServingTurn::kAfterListeners);
 }
 

@@ -1,6 +1,6 @@
 #include "rtps/dcps/serving_turn.hpp"
 
-#include <algorithm>
+#include <poll.h>
 #include <sys/timerfd.h>
 #include <unistd.h>
 
@@ -9,7 +9,7 @@
 namespace ddssec::rtps {
 
 ServingTurn::ServingTurn(Server& server)
-    : server_(server), timer_(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC)) {
+    : server_(server), timer_(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK)) {
   if (timer_.value() < 0) own_until_ = Clock::time_point::max();
 }
 
@@ -28,6 +28,7 @@ ServingTurn::Waiting::Waiting(ServingTurn& turn, For reason, std::shared_ptr<Wai
 ServingTurn::Waiting::~Waiting() {
   const auto now = Clock::now();
   const std::lock_guard held(turn_.mutex_);
+  turn_.note_displaced(*this);
   turn_.remove(*this);
   turn_.last_end_ = now;
   if (serves_) turn_.give_up(now);
@@ -37,18 +38,32 @@ bool ServingTurn::Waiting::serves() {
   if (!may_serve_) return false;
   const auto now = Clock::now();
   const std::lock_guard held(turn_.mutex_);
+  turn_.note_displaced(*this);
   const bool may = !turn_.closed_ && now >= turn_.own_until_;
   if (serves_ && !may) {
     serves_ = false;
     turn_.give_up(now);
   }
-  if (serves_ || !may || turn_.holder_ != Holder::none || turn_.count_ != 1) return serves_;
-  turn_.holder_ = Holder::application;
-  turn_.at_once_ = false;
-  // At a low rate, stopping the timer costs less than the wake-up of the participant's thread.
-  if (turn_.armed_ && now - turn_.last_turn_ > kGrace) turn_.arm(std::chrono::nanoseconds::max());
-  turn_.last_turn_ = now;
+  if (serves_ || !may || !turn_.may_begin(now)) return serves_;
+  turn_.leader_ = this;
+  progress_ = turn_.progress_ += 2;
   return serves_ = true;
+}
+
+bool ServingTurn::may_begin(Clock::time_point now) {
+  if (holder_ != Holder::none || count_ != 1) return false;
+  holder_ = Holder::application;
+  at_once_ = false;
+  // At a low rate, stopping the timer costs less than the wake-up of the participant's thread.
+  if (armed_ && now - last_turn_ > kGrace) arm(std::chrono::nanoseconds::max());
+  last_turn_ = now;
+  return true;
+}
+
+void ServingTurn::note_displaced(Waiting& waiting) {
+  if (!waiting.serves_ || leader_ == &waiting) return;
+  waiting.serves_ = false;
+  if (--displaced_ == 0) given_up_.notify_all();
 }
 
 void ServingTurn::add(Waiting& waiting) {
@@ -65,6 +80,7 @@ void ServingTurn::remove(Waiting& waiting) {
 
 void ServingTurn::give_up(Clock::time_point now) {
   holder_ = Holder::none;
+  leader_ = nullptr;
   given_up_at_ = now;
   if (closed_) given_up_.notify_all();
   if (closed_ || now < own_until_ || count_ > 0)
@@ -83,25 +99,53 @@ void ServingTurn::arm(std::chrono::nanoseconds after) {
 }
 
 bool ServingTurn::await() {
-  for (;;) {
-    {
-      const std::lock_guard held(mutex_);
-      armed_ = false;  // it has fired, or this is the first turn
-      if (closed_) return false;
-      if (holder_ == Holder::own) return true;
-      if (holder_ == Holder::none) {
-        const auto left = given_up_at_ + kGrace - Clock::now();
-        if (at_once_ || left <= std::chrono::nanoseconds::zero()) {
-          at_once_ = false;
-          holder_ = Holder::own;
-          return true;
-        }
-        arm(left);
-      }
+  Watch watch;
+  for (bool fired = true;; fired = sleep()) {
+    const auto now = Clock::now();
+    const std::lock_guard held(mutex_);
+    if (fired) armed_ = false;  // or this is the first turn
+    if (closed_) return false;
+    if (holder_ == Holder::own || take_from_held(watch, now)) return true;
+    if (holder_ != Holder::none) continue;
+    const auto left = given_up_at_ + kGrace - now;
+    if (at_once_ || left <= std::chrono::nanoseconds::zero()) {
+      at_once_ = false;
+      holder_ = Holder::own;
+      return true;
     }
-    std::uint64_t expirations = 0;
-    [[maybe_unused]] const auto size = ::read(timer_.value(), &expirations, sizeof expirations);
+    arm(left);
   }
+}
+
+/// Returns true if the timer has fired.
+bool ServingTurn::sleep() const {
+  pollfd timer{timer_.value(), POLLIN, 0};
+  constexpr auto kMost = std::chrono::duration_cast<std::chrono::milliseconds>(kLongestServe);
+  if (::poll(&timer, 1, static_cast<int>(kMost.count())) <= 0) return false;
+  std::uint64_t expirations = 0;
+  return ::read(timer_.value(), &expirations, sizeof expirations) == sizeof expirations;
+}
+
+bool ServingTurn::take_from_held(Watch& watch, Clock::time_point now) {
+  auto progress = progress_.load();
+  const bool works = progress % 2 != 0;
+  if (holder_ != Holder::application || works || progress != watch.progress) {
+    watch = {progress, now};
+    return false;
+  }
+  if (now - watch.since < kHeld || !progress_.compare_exchange_strong(progress, progress + 2))
+    return false;
+  holder_ = Holder::own;
+  leader_ = nullptr;
+  ++displaced_;
+  own_until_ = std::max(own_until_, now + kAfterHeld);
+  return true;
+}
+
+// The system wakes one of the threads that wait for the sockets. If that is the one held up, the
+// participant's thread must look by itself.
+std::chrono::nanoseconds ServingTurn::longest_own() const {
+  return displaced_ > 0 ? kBesideHeld : kLongestOwn;
 }
 
 bool ServingTurn::yield() {
@@ -141,7 +185,7 @@ void ServingTurn::close() {
   closed_ = true;
   arm(std::chrono::nanoseconds::zero());
   if (holder_ == Holder::application) server_.end_serving();
-  given_up_.wait(held, [&] { return holder_ != Holder::application; });
+  given_up_.wait(held, [&] { return holder_ != Holder::application && displaced_ == 0; });
 }
 
 }  // namespace ddssec::rtps

@@ -3,6 +3,8 @@
 // without a further switch of threads.
 #pragma once
 
+#include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <memory>
@@ -22,6 +24,10 @@ struct WaitSetState;
 /// that serves gives the turn up when its wait ends. If none takes it within kGrace, the
 /// participant's thread does: a timer wakes it, so that a wait that ends wakes no thread.
 ///
+/// A thread of the application may be held up, by a long signal handler or a low priority. If it
+/// does not come back for kHeld from where it waits, the participant's thread takes the turn away.
+/// It cannot while the thread is held up in the middle of its work.
+///
 /// Only the participant's thread calls listeners. So a thread that waits may hold locks that
 /// listeners take. Thread-safe.
 class ServingTurn {
@@ -33,12 +39,26 @@ class ServingTurn {
   /// well: data in bulk, listeners, and waits of several threads.
   static constexpr std::chrono::nanoseconds kAfterBulk = std::chrono::milliseconds(10);
   static constexpr std::chrono::nanoseconds kAfterListeners = std::chrono::milliseconds(100);
+  /// A thread that serves comes back after this time, even if there is nothing to do. The
+  /// participant's thread looks as often.
+  static constexpr std::chrono::nanoseconds kLongestServe = std::chrono::milliseconds(100);
+  /// After this time without progress, a thread that serves counts as held up.
+  static constexpr std::chrono::nanoseconds kHeld = std::chrono::milliseconds(300);
+  /// How long the participant's thread keeps the turn after it took it from a thread held up.
+  static constexpr std::chrono::nanoseconds kAfterHeld = std::chrono::seconds(1);
+  /// How long the participant's thread sleeps at most: usually, and while a thread whose turn it
+  /// took may still wait for the same sockets.
+  static constexpr std::chrono::nanoseconds kLongestOwn = std::chrono::seconds(10);
+  static constexpr std::chrono::nanoseconds kBesideHeld = std::chrono::milliseconds(10);
 
+  class Waiting;
   class Server {
    public:
     virtual ~Server() = default;
-    /// Serves sockets and timers once, for at most `most`. Calls no listener.
-    virtual void serve_for_waiting(std::chrono::nanoseconds most) = 0;
+    /// Waits for sockets and timers once, for at most `most`, and serves them. All work is done
+    /// between `waiting.begin_work()`, if that returns true, and `waiting.end_work()`. Calls no
+    /// listener.
+    virtual void serve_for_waiting(std::chrono::nanoseconds most, Waiting& waiting) = 0;
     /// Ends a call of serve_for_waiting, from any thread.
     virtual void end_serving() = 0;
     /// Makes the threads that wait in calls of the participant check again.
@@ -66,20 +86,29 @@ class ServingTurn {
     /// in vain.
     bool serves();
     /// The caller holds no lock.
-    void serve(std::chrono::nanoseconds most) { turn_.server_.serve_for_waiting(most); }
+    void serve(std::chrono::nanoseconds most) {
+      turn_.server_.serve_for_waiting(std::min(most, kLongestServe), *this);
+    }
+    /// False: the participant's thread has taken the turn away. Otherwise it does not until
+    /// `end_work`, which must follow.
+    bool begin_work() { return turn_.progress_.compare_exchange_strong(progress_, progress_ + 1); }
+    void end_work() { turn_.progress_.store(progress_ += 2); }
 
    private:
     friend class ServingTurn;
     ServingTurn& turn_;
     const bool may_serve_;
     const std::shared_ptr<WaitSetState> set_;
-    bool serves_ = false;
+    bool serves_ = false;         ///< as far as this thread knows
+    std::uint64_t progress_ = 0;  ///< while it serves: what ServingTurn::progress_ was last
     Waiting* next_ = nullptr;
   };
 
   // For the participant's thread:
   /// Waits for the turn. Returns false after `close`.
   bool await();
+  /// For how long it may wait for sockets and timers.
+  std::chrono::nanoseconds longest_own() const;
   /// Gives the turn to a thread that waits, or to none after `close`. Returns false if the
   /// participant's thread keeps it.
   bool yield();
@@ -90,7 +119,7 @@ class ServingTurn {
   bool take_over();
   /// Ends the wait of the thread that serves, if it is an application's.
   void wake() { server_.end_serving(); }
-  /// From now on no thread gets the turn. Returns when no application thread has it.
+  /// From now on no thread gets the turn. Returns when no application thread serves.
   void close();
 
  private:
@@ -101,12 +130,29 @@ class ServingTurn {
   void remove(Waiting& waiting);
   void give_up(Clock::time_point now);
   void arm(std::chrono::nanoseconds after);
+  bool may_begin(Clock::time_point now);
+  void note_displaced(Waiting& waiting);
+
+  // For the participant's thread:
+  /// What it has seen of the application thread that serves.
+  struct Watch {
+    std::uint64_t progress = ~0ull;  ///< at first: none that is at rest
+    Clock::time_point since{};
+  };
+  bool take_from_held(Watch& watch, Clock::time_point now);
+  bool sleep() const;
 
   Server& server_;
   const FileDescriptor timer_;  ///< wakes the participant's thread while it does not serve
   std::mutex mutex_;            ///< a leaf: no other lock is taken with it
   std::condition_variable given_up_;
   Holder holder_ = Holder::own;
+  const Waiting* leader_ = nullptr;  ///< if an application thread has the turn
+  /// Threads whose turn was taken away while they served, and still do.
+  std::atomic<int> displaced_ = 0;
+  /// Grows whenever an application thread gets the turn, its work begins or ends, or its turn is
+  /// taken away. Odd: it works.
+  std::atomic<std::uint64_t> progress_ = 0;
   bool closed_ = false, at_once_ = false, armed_ = false;
   bool returns_soon_ = false;  ///< the last wait began less than kGrace after the one before
   Waiting* list_ = nullptr;

@@ -1,10 +1,8 @@
 #include "rtps/transport/event_loop.hpp"
 
-#include <array>
 #include <cerrno>
 #include <cstring>
 #include <span>
-#include <sys/epoll.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
@@ -62,18 +60,22 @@ Status EventLoop::watch(int fd, std::function<void()> on_readable) {
   return {};
 }
 
-void EventLoop::wait(std::chrono::nanoseconds timeout) {
-  std::array<epoll_event, 8> events;
+EventLoop::Readable EventLoop::look(std::chrono::nanoseconds timeout) const {
+  Readable readable;
   const bool for_ever = timeout < std::chrono::nanoseconds::zero();
   const auto busy = for_ever ? busy_wait_ : std::min(busy_wait_, timeout);
-  int count = 0;
+  auto& count = readable.count_;
   if (busy > std::chrono::nanoseconds::zero()) {
-    count = look_for_events(epoll_.value(), events, busy);
+    count = look_for_events(epoll_.value(), readable.events_, busy);
     if (!for_ever) timeout -= busy;
   }
-  if (count == 0) count = wait_for_events(epoll_.value(), events, timeout);
-  for (int i = 0; i < count; ++i) {
-    const auto tag = events[static_cast<std::size_t>(i)].data.u64;
+  if (count == 0) count = wait_for_events(epoll_.value(), readable.events_, timeout);
+  return readable;
+}
+
+void EventLoop::handle(const Readable& readable) {
+  for (int i = 0; i < readable.count_; ++i) {
+    const auto tag = readable.events_[static_cast<std::size_t>(i)].data.u64;
     if (tag != kWakeUp) {
       handlers_[tag]();
       continue;

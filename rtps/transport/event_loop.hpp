@@ -1,8 +1,10 @@
 // Waits for sockets, a time or a wake-up, in a thread of its own or in the caller's thread.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <functional>
+#include <sys/epoll.h>
 #include <vector>
 
 #include "rtps/transport/udp_socket.hpp"
@@ -18,9 +20,22 @@ class EventLoop {
   Status watch(int fd, std::function<void()> on_readable);
   /// From now on `wait` first looks for readable sockets again and again, for this long.
   void busy_wait(std::chrono::nanoseconds how_long) { busy_wait_ = how_long; }
-  /// Waits for at most `timeout` (negative: without limit) and calls the handlers of readable
-  /// sockets.
-  void wait(std::chrono::nanoseconds timeout);
+  /// What is readable. Remains so until it is handled.
+  class Readable {
+   public:
+    Readable() = default;
+
+   private:
+    friend class EventLoop;
+    std::array<epoll_event, 8> events_;
+    int count_ = 0;
+  };
+  /// Waits for at most `timeout` (negative: without limit).
+  Readable look(std::chrono::nanoseconds timeout) const;
+  /// Calls the handlers of the readable sockets.
+  void handle(const Readable& readable);
+  /// Both.
+  void wait(std::chrono::nanoseconds timeout) { handle(look(timeout)); }
   /// Ends a `wait`. May be called from any thread.
   void wake() const;
 

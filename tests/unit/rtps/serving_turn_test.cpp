@@ -1,4 +1,5 @@
 // The thread that waits serves the participant, and the participant's own thread when none does.
+#include <csignal>
 #include <future>
 
 #include "rtps/dcps/wait_set.hpp"
@@ -15,11 +16,14 @@ struct Server final : Turn::Server {
   std::mutex mutex;
   std::condition_variable changed;
   int ended = 0, notified = 0, served = 0;
-  void serve_for_waiting(std::chrono::nanoseconds most) override {
+  bool worked = false;
+  void serve_for_waiting(std::chrono::nanoseconds most, Turn::Waiting& by) override {
     std::unique_lock held(mutex);
     ++served;
     changed.notify_all();
     changed.wait_for(held, most, [&] { return ended > 0; });
+    worked = by.begin_work();
+    if (worked) by.end_work();
   }
   void end_serving() override {
     const std::lock_guard held(mutex);
@@ -118,7 +122,7 @@ TEST_F(ServingTurns, CloseWhileAThreadServes_ReturnsAfterThat) {
     yield_to(waiting);
     has_turn.set_value();
     while (waiting->serves()) waiting->serve(20s);
-    EXPECT_EQ(server.ended, 1);
+    EXPECT_GE(server.ended, 1);
     waiting.reset();
   });
   has_turn.get_future().wait();
@@ -128,6 +132,51 @@ TEST_F(ServingTurns, CloseWhileAThreadServes_ReturnsAfterThat) {
   waits.join();
   Turn::Waiting late(turn, Turn::For::data);
   EXPECT_FALSE(late.serves());
+}
+
+TEST_F(ServingTurns, ThreadThatServesIsHeldUp_ParticipantsThreadTakesTheTurn) {
+  yield_to(waiting);
+  const auto begin = Turn::Clock::now();
+  EXPECT_TRUE(turn.await());
+  EXPECT_GE(Turn::Clock::now() - begin, Turn::kHeld);
+  EXPECT_FALSE(turn.yield());
+  waiting->serve(1ns);  // it comes back
+  EXPECT_FALSE(server.worked);
+  EXPECT_FALSE(waiting->serves());
+}
+
+TEST_F(ServingTurns, ThreadThatServesWithoutWork_KeepsTheTurn) {
+  yield_to(waiting);
+  auto own = std::async(std::launch::async, [&] { return turn.await(); });
+  for (const auto end = Turn::Clock::now() + 3 * Turn::kHeld; Turn::Clock::now() < end;) {
+    waiting->serve(20s);
+    ASSERT_TRUE(server.worked);
+    ASSERT_TRUE(waiting->serves());
+  }
+  waiting.reset();
+  EXPECT_TRUE(own.get());
+}
+
+TEST_F(ServingTurns, ThreadIsHeldUpInTheMiddleOfItsWork_KeepsTheTurn) {
+  yield_to(waiting);
+  ASSERT_TRUE(waiting->begin_work());
+  auto own = std::async(std::launch::async, [&] { return turn.await(); });
+  EXPECT_EQ(own.wait_for(2 * Turn::kHeld), std::future_status::timeout);
+  waiting->end_work();
+  EXPECT_TRUE(waiting->serves());
+  waiting.reset();
+  EXPECT_TRUE(own.get());
+}
+
+TEST_F(ServingTurns, CloseWhileAThreadIsHeldUp_ReturnsAfterThat) {
+  yield_to(waiting);
+  EXPECT_TRUE(turn.await());
+  auto closed = std::async(std::launch::async, [&] { turn.close(); });
+  EXPECT_EQ(closed.wait_for(50ms), std::future_status::timeout);
+  waiting->serve(1ns);
+  EXPECT_FALSE(server.worked);
+  EXPECT_FALSE(waiting->serves());
+  closed.get();
 }
 
 // ---- participants -----------------------------------------------------------------------------
@@ -263,6 +312,48 @@ TEST_F(Served, ThreadThatIsCancelled_LeavesSetAndParticipantInOrder) {
     taken(*a->reader);
     const auto next = a->set.wait(1us);
     ASSERT_TRUE(next || next.error().code() == Code::rtps_timeout) << next.error().to_sentence();
+  }
+  taken(*b->reader);
+  exchange(20, true);
+}
+
+/// While one exists, the thread that gets SIGUSR2 is held up in a handler.
+class HeldUp {
+ public:
+  HeldUp() { ::signal(SIGUSR2, &hold); }
+  ~HeldUp() { ::signal(SIGUSR2, SIG_DFL); }
+  static inline std::atomic<bool> held = false, begun = false;
+
+ private:
+  static void hold(int) {
+    for (begun = true; held;) ::usleep(1000);
+  }
+};
+
+// Before, the participant received and answered nothing meanwhile.
+TEST_F(Served, WaitingThreadIsHeldUp_ParticipantAnswersAllTheSame) {
+  create();
+  exchange(50, true);  // from now on the waiting threads serve
+  const HeldUp handler;
+  for (int i = 0; i < 3; ++i) {
+    HeldUp::held = true;
+    HeldUp::begun = false;
+    static_cast<void>(a->set.wait(1us));
+    std::promise<pthread_t> begun;
+    auto waits = std::async(std::launch::async, [&] {
+      begun.set_value(::pthread_self());
+      return a->set.wait(20s);
+    });
+    const auto thread = begun.get_future().get();
+    std::this_thread::sleep_for(20ms);  // so that it serves
+    ASSERT_EQ(::pthread_kill(thread, SIGUSR2), 0);
+    while (!HeldUp::begun) std::this_thread::sleep_for(1ms);
+    ASSERT_TRUE(b->writer->write({"south", 3000 + i}));
+    EXPECT_TRUE(b->writer->wait_for_acknowledgments(5s)) << i;
+    HeldUp::held = false;
+    ASSERT_EQ(waits.wait_for(10s), std::future_status::ready);
+    ASSERT_TRUE(waits.get());
+    taken(*a->reader);
   }
   taken(*b->reader);
   exchange(20, true);
