@@ -167,9 +167,9 @@ Status AnyDataReader::wait_for_historical_data(std::chrono::nanoseconds most) {
 
 bool AnyDataReader::wait_for_unread(std::chrono::nanoseconds most) {
   auto held = lock();
-  return context_.wait(held, most,
-                       [&] { return reception_.cache().any({.sample = SampleState::not_read}); },
-                       ServingTurn::For::data);
+  return context_.wait(
+      held, most, [&] { return reception_.cache().any({.sample = SampleState::not_read}); },
+      ServingTurn::For::data);
 }
 
 SampleLostStatus AnyDataReader::sample_lost_status() {

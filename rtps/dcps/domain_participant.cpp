@@ -111,13 +111,15 @@ Result<std::unique_ptr<DomainParticipant>> DomainParticipant::create(
   std::unique_ptr<DomainParticipant> out(new DomainParticipant(std::move(wanted), environment));
   const auto& options = out->options_;
   if (!options.durability_store.empty())
-    DDSSEC_RETURN_IF_ERROR(out->stores_.open_file(
-        options.durability_store, options.durability_store_octets, options.security.has_value(),
-        out->context_.moment().wall));
+    DDSSEC_RETURN_IF_ERROR(
+        out->stores_.open_file(options.durability_store, options.durability_store_octets,
+                               options.security.has_value(), out->context_.moment().wall));
   auto& service = out->service_;
   DDSSEC_ASSIGN_OR_RETURN(
       auto participant_sockets,
-      ParticipantSockets::open(options.domain_id, std::move(interfaces), options.receive_buffer));
+      ParticipantSockets::open(options.domain_id, std::move(interfaces),
+                               {.receive_buffer = options.receive_buffer,
+                                .interfaces_may_change = options.interfaces.empty()}));
   participant_sockets->loop().busy_wait(options.busy_wait);
   service.use(std::move(participant_sockets));
   if (const auto enough = service.sockets().check_receive_buffer(); !enough)
@@ -135,6 +137,7 @@ Result<std::unique_ptr<DomainParticipant>> DomainParticipant::create(
       std::make_unique<Participant>(std::move(config), service.sockets(), environment.events);
   if (security) DDSSEC_RETURN_IF_ERROR(protocol->secure(std::move(security)));
   DDSSEC_RETURN_IF_ERROR(service.adopt(std::move(protocol)));
+  service.follow_interfaces(options.interfaces);
   raise_joined(options, service.sockets(), environment.events);
   if (options.enabled) DDSSEC_RETURN_IF_ERROR(out->enable());
   return out;
@@ -183,7 +186,8 @@ DomainParticipantQos DomainParticipant::qos() const {
 
 Status DomainParticipant::set_qos(const DomainParticipantQos& qos) {
   const auto held = lock();
-  if (qos.user_data != qos_.user_data) context_.protocol().change_user_data(qos.user_data);
+  if (qos.user_data != qos_.user_data)
+    context_.protocol().change_own({.user_data = qos.user_data}, context_.now());
   qos_ = qos;
   context_.reschedule();
   return {};

@@ -21,7 +21,7 @@ struct DomainParticipantOptions {
   Bytes user_data = {};
   /// Names or addresses of the network interfaces to use; {"lo"} stays on this machine. Empty:
   /// every IPv4 interface that is up and supports multicast, or the loopback interface if there is
-  /// none.
+  /// none. The participant follows their changes while it runs (rtps_interfaces_changed).
   std::vector<std::string> interfaces = {};
   bool multicast = true;  ///< join 239.255.0.1 on each interface and announce to it
   /// IP addresses to which the participant announces itself by unicast, at the ports of participant
@@ -97,10 +97,11 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
 
   /// Creates a participant and raises the event rtps_joined, which names the interfaces. The clock,
   /// random source and event sink in `environment` must outlive the participant.
-  /// Errors: invalid_property (invalid domain, peer address or busy_wait), rtps_address_not_here (no such
-  /// interface), rtps_port_taken (all participant indexes are in use), rtps_no_multicast (multicast
-  /// fails and there are no peers), rtps_socket_failed, random_failed, rtps_thread_failed,
-  /// rtps_store_unusable, rtps_store_failed; with security also those of the plugins.
+  /// Errors: invalid_property (invalid domain, peer address or busy_wait), rtps_address_not_here
+  /// (no such interface), rtps_port_taken (all participant indexes are in use), rtps_no_multicast
+  /// (multicast fails and there are no peers), rtps_socket_failed, random_failed,
+  /// rtps_thread_failed, rtps_store_unusable, rtps_store_failed; with security also those of the
+  /// plugins.
   static Result<std::unique_ptr<DomainParticipant>> create(DomainParticipantOptions options,
                                                            const Environment& environment);
   /// Waits until its listeners have returned. Must not be called from within one of them, nor from

@@ -23,6 +23,41 @@ Status ParticipantService::adopt(std::unique_ptr<Participant> protocol) {
   return sockets_->listen([this](UdpSocket& socket) { receive(socket); });
 }
 
+void ParticipantService::follow_interfaces(std::vector<std::string> wanted) {
+  wanted_interfaces_ = std::move(wanted);
+  auto watch = InterfaceWatch::open();
+  auto status = watch ? sockets_->loop().watch(watch->fd(), [this] { look_at_interfaces(); })
+                      : Status(std::unexpected(watch.error()));
+  if (!status) {
+    auto error = Error(Code::rtps_interfaces_unwatched, {.note = status.error().to_sentence()});
+    return context_.environment().events.raise(Event(std::move(error)));
+  }
+  watch_.emplace(std::move(*watch));
+}
+
+// If an interface that was named is gone, it may come back.
+void ParticipantService::look_at_interfaces() {
+  if (!watch_->drain()) return;
+  caught_.run("changed network interfaces", [&] {
+    auto chosen = choose_interfaces(wanted_interfaces_);
+    if (!chosen || *chosen == sockets_->interfaces()) return;
+    context_.serve([&] { change_interfaces(std::move(*chosen)); });
+  });
+}
+
+void ParticipantService::change_interfaces(std::vector<NetworkInterface> chosen) {
+  auto& events = context_.environment().events;
+  auto former = to_string(sockets_->interfaces());
+  for (auto& error : sockets_->use(std::move(chosen))) events.raise(Event(std::move(error)));
+  context_.protocol().change_own(
+      {.addresses =
+           OwnChange::Addresses{sockets_->interfaces(), sockets_->metatraffic(), sockets_->user()}},
+      context_.now());
+  events.raise(Event(Error(
+      Code::rtps_interfaces_changed,
+      {.note = "now " + to_string(sockets_->interfaces()) + "; before " + std::move(former)})));
+}
+
 void ParticipantService::receive(UdpSocket& socket) {
   caught_.run("received datagrams", [&] {
     const auto count = socket.fetch();

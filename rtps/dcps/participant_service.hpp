@@ -5,6 +5,7 @@
 
 #include "rtps/dcps/caught_exceptions.hpp"
 #include "rtps/dcps/participant_context.hpp"
+#include "rtps/transport/interface_watch.hpp"
 #include "rtps/transport/participant_sockets.hpp"
 
 namespace ddssec::rtps {
@@ -29,6 +30,10 @@ class ParticipantService final : private ParticipantContext::Server, private Ser
   /// From now on passes what the sockets receive to the protocol. Errors: those of
   /// ParticipantSockets::listen.
   Status adopt(std::unique_ptr<Participant> protocol);
+  /// From now on follows the changes of this machine's interfaces: sockets and protocol use those
+  /// that choose_interfaces returns for `wanted`. If that is not possible, an event says so. Must
+  /// be called after `adopt`.
+  void follow_interfaces(std::vector<std::string> wanted);
   /// From now on serves timers and listeners; starts the thread, if there is to be one. Errors:
   /// rtps_thread_failed.
   Status start();
@@ -52,12 +57,16 @@ class ParticipantService final : private ParticipantContext::Server, private Ser
   bool dispatch();
   void run();
   void receive(UdpSocket& socket);
+  void look_at_interfaces();
+  void change_interfaces(std::vector<NetworkInterface> chosen);
   void receive_batch(UdpSocket& socket, std::size_t count);
 
   const std::shared_ptr<ServingTurn> turn_;      ///< nullptr: no thread of its own
   std::unique_ptr<ParticipantSockets> sockets_;  // the protocol sends through them
   ParticipantContext context_;
   CaughtExceptions caught_;
+  std::optional<InterfaceWatch> watch_;
+  std::vector<std::string> wanted_interfaces_;
   bool started_ = false;  ///< protected by the lock
   std::thread thread_;
 };

@@ -26,6 +26,8 @@ class Announcer {
   void answer(const GuidPrefix& participant, std::span<const Locator> metatraffic);
   /// Must be called after the announced data changed.
   void announce_again();
+  /// From now on, announces as often as in the beginning.
+  void announce_often() { announcements_ = 0; }
   /// Sends to authenticated participants the data that must not be sent unprotected, or a dispose
   /// if `leaving`.
   void announce_securely(bool leaving = false);

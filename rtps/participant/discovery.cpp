@@ -33,6 +33,13 @@ void leave_out_loopback(const ParticipantCore& core, LocatorList& announced) {
     std::erase_if(announced, [](const Locator& locator) { return locator.is_loopback(); });
 }
 
+/// The addresses that this participant can use; `fallback` if none was announced.
+LocatorList usable(const ParticipantCore& core, LocatorList announced,
+                   const LocatorList& fallback = {}) {
+  leave_out_loopback(core, announced);
+  return usable_locators(announced, fallback, core.config.interfaces);
+}
+
 /// The locators that one source announces do not displace those that other sources announced.
 AddedLocators add_locators(LocatorList& known, std::vector<SourceAddress>& sources,
                            const LocatorList& more, const SourceAddress& source) {
@@ -109,6 +116,21 @@ void readdress(ParticipantCore& core, EndpointMatcher& matcher, BuiltinMatcher& 
   matcher.readdress(remote);
 }
 
+// What a participant announces under its keys counts as what it signed in a handshake.
+void follow(ParticipantCore& core, EndpointMatcher& matcher, BuiltinMatcher& builtin,
+            RemoteParticipant& remote, ParticipantData announced) {
+  auto& metatraffic = announced.metatraffic_unicast;
+  auto& user = announced.default_unicast;
+  leave_out_loopback(core, metatraffic);
+  leave_out_loopback(core, user);
+  if (!remote.has_signed_addresses || metatraffic.empty()) return;
+  if (remote.signed_metatraffic == metatraffic && remote.signed_user == user) return;
+  adopt_signed_addresses(core, remote, std::move(metatraffic), std::move(user));
+  if (!has_proven_address(core, remote))
+    core.sender.limit().limit(remote.prefix(), remote.metatraffic, remote.metatraffic_sources);
+  readdress(core, matcher, builtin, remote);
+}
+
 /// A datagram arrived in this participant's name. If sending to it is limited, more may now be
 /// sent.
 void note_earned(ParticipantCore& core, const GuidPrefix& source) {
@@ -154,12 +176,12 @@ Status Discovery::on_announcement(const GuidPrefix& source, const Data& data) {
 
 void Discovery::add(ParticipantData data, std::size_t octets) {
   auto& remotes = parts_.remotes;
-  auto metatraffic = usable(data.metatraffic_unicast);
+  auto metatraffic = usable(core_, data.metatraffic_unicast);
   if (metatraffic.empty() || !make_room(octets)) {
     ++core_.counters.refused_discovery;
     return;
   }
-  auto user = usable(data.default_unicast, metatraffic);
+  auto user = usable(core_, data.default_unicast, metatraffic);
   auto* security = core_.security.get();
   const auto verdict =
       security != nullptr ? security->judge(data) : Security::Verdict::admit_unauthenticated;
@@ -213,9 +235,9 @@ void Discovery::on_announced_again(RemoteParticipant& remote, ParticipantData da
     return;
   }
   const auto added = add_locators(remote.metatraffic, remote.metatraffic_sources,
-                                  usable(data.metatraffic_unicast), core_.source);
+                                  usable(core_, data.metatraffic_unicast), core_.source);
   if (added.displaced) remote.has_displaced_addresses = true;
-  add_locators(remote.user, remote.user_sources, usable(data.default_unicast), core_.source);
+  add_locators(remote.user, remote.user_sources, usable(core_, data.default_unicast), core_.source);
   core_.sender.limit().set_addresses(prefix, remote.metatraffic, remote.metatraffic_sources);
   if (!differs && !added.any) return;
   security->announced_again(data, {remote.metatraffic, remote.metatraffic_sources, core_.source},
@@ -253,14 +275,14 @@ void Discovery::on_message(const GuidPrefix& source, const SignsOfLife& signs) {
 // ---- participants that leave
 
 // Only a participant itself can report that it leaves; once authenticated, only by the secure
-// topic. Fast DDS does not implement that topic. So its unprotected report counts if it does not
-// answer a query now.
+// topic. Fast DDS and Cyclone DDS do not report it there. So their unprotected reports count if
+// they do not answer a query now.
 void Discovery::on_dispose(const GuidPrefix& prefix) {
   auto* remote = parts_.remotes.find(prefix);
   if (remote == nullptr) return;
   const bool proven = core_.is_authenticated(prefix);
-  if (proven && remote->data.vendor == kVendorFastDds)
-    parts_.remotes.shorten_lease(*remote, core_.now + kDoubt);
+  if (proven && remote->data.vendor != kVendorDdssec)
+    parts_.remotes.doubt(*remote);
   else if (proven || (core_.security && core_.security->is_authenticating(prefix)))
     ++core_.counters.refused_discovery;
   else
@@ -313,24 +335,23 @@ void Discovery::on_builtin(BuiltinTopic topic, const Change& change) {
 }
 
 // A participant may announce only its own endpoints. An unprotected message cannot change what was
-// announced securely. A secure announcement replaces what an attacker may have announced before.
+// announced securely, but makes our writers ask a reader that it says has ended. A secure
+// announcement replaces what an attacker may have announced before.
 void Discovery::on_endpoint(const Change& change, bool publications, bool secure) {
   auto* remote = parts_.remotes.find(change.writer.prefix);
   if (remote == nullptr) return;
   const auto may_change = [&](const EntityId& id) {
     const auto known = remote->endpoints.find(id);
-    const bool good =
-        secure || known == remote->endpoints.end() || !known->second.data.by_secure_discovery;
-    core_.counters.refused_discovery += good ? 0 : 1;
-    return good;
+    return secure || known == remote->endpoints.end() || !known->second.data.by_secure_discovery;
   };
   if (!change.is_alive()) {
     const auto key = change.key_hash ? Guid{GuidPrefix::from(BytesView(*change.key_hash).first(12)),
                                             EntityId::from(BytesView(*change.key_hash).subspan(12))}
                                      : read_endpoint_key(change.payload.view()).value_or(Guid{});
-    if (key.prefix == remote->prefix() && may_change(key.entity))
-      parts_.matcher.remove(*remote, key.entity);
-    return;
+    if (key.prefix != remote->prefix()) return;
+    if (may_change(key.entity)) return parts_.matcher.remove(*remote, key.entity);
+    ++core_.counters.refused_discovery;
+    return parts_.matcher.doubt(*remote, key.entity);
   }
   auto data = publications ? read_publication_data(change.payload.view())
                            : read_subscription_data(change.payload.view());
@@ -341,7 +362,10 @@ void Discovery::on_endpoint(const Change& change, bool publications, bool secure
   }
   data->by_secure_discovery = secure;
   leave_out_loopback(core_, data->unicast);
-  if (!may_change(data->guid.entity)) return;
+  if (!may_change(data->guid.entity)) {
+    ++core_.counters.refused_discovery;
+    return;
+  }
   if (secure) remove_clear(parts_, *remote, *data);
   parts_.matcher.add(*remote, std::move(*data));
 }
@@ -360,20 +384,25 @@ void Discovery::on_secure_participant(const Change& change) {
   remote->data.entity_name = std::move(data->entity_name);
   remote->data.lease_duration = data->lease_duration;
   parts_.remotes.on_changed(*remote);
+  if (remote->data.vendor == kVendorDdssec)
+    follow(core_, parts_.matcher, builtin_, *remote, std::move(*data));
 }
 
-void Discovery::on_acknack(const EntityId& writer, const Guid& reader) {
+void Discovery::on_addresses_changed(bool all) {
+  if (all)
+    while (!parts_.remotes.all().empty()) remove(GuidPrefix(parts_.remotes.all().begin()->first));
+  for (const auto& [prefix, known] : parts_.remotes.all())
+    if (auto& remote = *parts_.remotes.find(prefix); choose_addresses_of(core_, remote))
+      readdress(core_, parts_.matcher, builtin_, remote);
+}
+
+void Discovery::on_acknack(const EntityId& writer, const Guid& reader, std::int32_t count) {
   if (writer == kVolatileMessageWriter && core_.security)
     return core_.security->note_keys_acknowledged(reader.prefix);
   auto* local = parts_.local.find_writer(writer);
   if (local == nullptr) return;
-  parts_.matcher.note_ready(*local, reader);
+  parts_.matcher.presence().note_heard(*local, reader, count);
   local->listener->on_acknowledged();
-}
-
-LocatorList Discovery::usable(LocatorList announced, const LocatorList& fallback) const {
-  leave_out_loopback(core_, announced);
-  return usable_locators(announced, fallback, core_.config.interfaces);
 }
 
 // ---- security
@@ -419,7 +448,7 @@ void Discovery::on_refused(const GuidPrefix& peer) {
 
 LocatorList Discovery::on_proven(const GuidPrefix& peer, const ParticipantData& proven) {
   auto* remote = parts_.remotes.find(peer);
-  if (remote == nullptr) return usable(proven.metatraffic_unicast);
+  if (remote == nullptr) return usable(core_, proven.metatraffic_unicast);
   adopt_names(remote->data, proven);
   remote->data.builtin_endpoints = proven.builtin_endpoints;
   // Cyclone DDS announces the lease duration only by DCPSParticipantsSecure.

@@ -15,10 +15,6 @@ namespace ddssec::rtps {
 /// not know this class.
 class Discovery final : public MessageListener, public SecurityHost {
  public:
-  /// How long an authenticated peer whose departure only an unprotected message reports must be
-  /// silent before it is removed. Longer than the time between two announcements of Fast DDS.
-  static constexpr MonotonicTime kDoubt = std::chrono::seconds(4);
-
   /// The caller owns the parts; they must outlive this object.
   struct Parts {
     LocalEndpoints& local;
@@ -33,6 +29,9 @@ class Discovery final : public MessageListener, public SecurityHost {
   void on_builtin(BuiltinTopic topic, const Change& change);
   /// Removes a participant, as if it had never been found.
   void remove(const GuidPrefix& prefix);
+  /// The addresses of this machine have changed, so that other addresses of the participants may be
+  /// nearest. `all`: none of them can reach this participant any more, so they are removed.
+  void on_addresses_changed(bool all);
   /// Removes participants that left, when none of their data is being processed any more.
   void remove_gone();
   /// Also removes participants whose leases have ended, and queries those whose leases end soon.
@@ -44,7 +43,7 @@ class Discovery final : public MessageListener, public SecurityHost {
   void on_stateless_frag(const GuidPrefix& source, const DataFrag& frag) override;
   void on_builtin_heartbeat(const Guid& writer) override;
   void on_alive(const Guid& writer) override { parts_.liveliness.note_alive(writer); }
-  void on_acknack(const EntityId& writer, const Guid& reader) override;
+  void on_acknack(const EntityId& writer, const Guid& reader, std::int32_t count) override;
   void on_key_exchange(const GuidPrefix& source) override;
   void on_message(const GuidPrefix& source, const SignsOfLife& signs) override;
 
@@ -70,8 +69,6 @@ class Discovery final : public MessageListener, public SecurityHost {
   void unmatch(RemoteParticipant& remote);
   void on_endpoint(const Change& change, bool publications, bool secure);
   void on_secure_participant(const Change& change);
-  /// The addresses that this participant can use; `fallback` if none was announced.
-  LocatorList usable(LocatorList announced, const LocatorList& fallback = {}) const;
 
   ParticipantCore& core_;
   const Parts parts_;

@@ -46,7 +46,7 @@ class MessageListener {
   /// with the liveliness flag.
   virtual void on_alive(const Guid& writer) = 0;
   /// An ACKNACK of a reader that matched this local writer.
-  virtual void on_acknack(const EntityId& writer, const Guid& reader) = 0;
+  virtual void on_acknack(const EntityId& writer, const Guid& reader, std::int32_t count) = 0;
   /// A submessage that only the peer can have protected arrived on the volatile secure channel.
   virtual void on_key_exchange(const GuidPrefix& source) = 0;
   /// Called after the last submessage of each source.

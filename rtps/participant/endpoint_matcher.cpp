@@ -24,7 +24,11 @@ bool contains(const auto& list, const auto& value) {
 
 EndpointMatcher::EndpointMatcher(ParticipantCore& core, LocalEndpoints& local,
                                  RemoteParticipants& remotes)
-    : core_(core), local_(local), remotes_(remotes) {}
+    : core_(core),
+      local_(local),
+      remotes_(remotes),
+      presence_(core, local, remotes,
+                [this](const EntityId& writer, const Guid& reader) { match(writer, reader); }) {}
 
 // ---- local endpoints
 
@@ -119,7 +123,10 @@ void EndpointMatcher::add(RemoteParticipant& remote, EndpointData data) {
   auto& ends = topics_[data.topic_name];
   ends.remotes.insert(data.guid);
   const auto& stored = remotes_.store(remote, std::move(data)).data;
-  for (auto* writer : ends.writers) match(*writer, remote, stored);
+  for (auto* writer : ends.writers) {
+    writer->silent.erase(stored.guid);
+    match(*writer, remote, stored);
+  }
   for (auto* reader : ends.readers) match(*reader, remote, stored);
 }
 
@@ -134,6 +141,13 @@ void EndpointMatcher::remove(RemoteParticipant& remote, const EntityId& id) {
   ends.remotes.erase(data.guid);
   remotes_.remove(remote, id);
   forget_if_empty(topic_name);
+}
+
+void EndpointMatcher::doubt(RemoteParticipant& remote, const EntityId& id) {
+  const auto known = remote.endpoints.find(id);
+  if (known == remote.endpoints.end() || !is_reader(id)) return;
+  const auto& data = known->second.data;
+  for (auto* writer : topics_[data.topic_name].writers) presence_.doubt(*writer, data.guid);
 }
 
 bool EndpointMatcher::match_all(RemoteParticipant& remote) {
@@ -244,7 +258,7 @@ void EndpointMatcher::match(LocalWriter& writer, RemoteParticipant& remote,
   if (!known && !has_place(writer.data.guid.entity, writer.matched, remote, data)) return;
   const auto verdict = judge(writer.data, *writer.listener, data);
   if (verdict == Verdict::refused) return forget(writer, data.guid, true);
-  if (verdict == Verdict::awaits_keys) return;
+  if (verdict == Verdict::awaits_keys || writer.silent.contains(data.guid)) return;
   // A reader in this process gets each sample directly and filters by itself.
   const auto* near =
       neighbour_of(local_, core_.config.neighbourhood.get(), writer.data.guid.entity, data.guid);
@@ -255,12 +269,8 @@ void EndpointMatcher::match(LocalWriter& writer, RemoteParticipant& remote,
     if (!writer.unready.contains(data.guid)) writer.listener->on_matched(data);
     return;
   }
-  const bool waits = shows_readiness(writer, data);
   writer.matched.add(data.guid, core_.identity_of(data.guid.prefix));
-  if (waits) {
-    writer.unready.insert(data.guid);
-    readiness_.add(writer.data.guid, data.guid, core_.now);
-  }
+  const bool waits = presence_.awaits(writer, data);
   const bool history = data.qos.durability >= DurabilityKind::transient_local;
   const auto locators = in_process ? LocatorList{} : addresses_of(core_, remote, data);
   writer.protocol->match({data.guid, data.qos.is_reliable(), history, locators, in_process,
@@ -303,9 +313,8 @@ void EndpointMatcher::match(LocalReader& reader, RemoteParticipant& remote,
 
 void EndpointMatcher::forget(LocalWriter& writer, const Guid& remote, bool stays) {
   if (core_.security) core_.security->keyring().part(writer.data.guid.entity, remote, stays);
+  presence_.forget(writer, remote);
   if (!writer.matched.remove(remote)) return;
-  writer.unready.erase(remote);
-  readiness_.remove(writer.data.guid, remote);
   writer.protocol->unmatch(remote);
   writer.listener->on_unmatched(remote);
 }
@@ -320,28 +329,6 @@ void EndpointMatcher::forget(LocalReader& reader, const Guid& remote, bool stays
     std::erase(endpoint->readers, reader.protocol.get());
   reader.protocol->unmatch(remote, keys);
   reader.listener->on_unmatched(remote);
-}
-
-// ---- readiness
-
-// The reader shows that it is ready by its first ACKNACK. With a durable writer, a late joiner
-// misses nothing, so there is no need to wait.
-bool EndpointMatcher::shows_readiness(const LocalWriter& writer, const EndpointData& reader) const {
-  return reader.guid.prefix != local_.prefix() && core_.attributes().is_rtps_protected() &&
-         core_.is_authenticated(reader.guid.prefix) && reader.qos.is_reliable() &&
-         writer.data.qos.is_reliable() &&
-         std::min(writer.data.qos.durability, reader.qos.durability) == DurabilityKind::volatile_;
-}
-
-void EndpointMatcher::note_ready(LocalWriter& writer, const Guid& reader) {
-  if (writer.unready.erase(reader) == 0) return;
-  readiness_.remove(writer.data.guid, reader);
-  if (const auto* data = remotes_.endpoint(reader)) writer.listener->on_matched(*data);
-}
-
-void EndpointMatcher::tick() {
-  while (const auto due = readiness_.take_due(core_.now))
-    if (auto* writer = local_.find_writer(due->writer.entity)) note_ready(*writer, due->reader);
 }
 
 }  // namespace ddssec::rtps

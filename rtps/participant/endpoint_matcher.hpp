@@ -3,7 +3,7 @@
 #pragma once
 
 #include "rtps/participant/local_endpoints.hpp"
-#include "rtps/participant/readiness_queue.hpp"
+#include "rtps/participant/reader_presence.hpp"
 #include "rtps/participant/remote_participants.hpp"
 
 namespace ddssec::rtps {
@@ -31,6 +31,9 @@ class EndpointMatcher {
   /// Stores what was announced, if there is room, and matches it.
   void add(RemoteParticipant& remote, EndpointData data);
   void remove(RemoteParticipant& remote, const EntityId& id);
+  /// Something that proves nothing says that the endpoint has ended. Counts only for readers
+  /// (ReaderPresence).
+  void doubt(RemoteParticipant& remote, const EntityId& id);
   /// Matches all its endpoints again, after permissions changed. Returns true if any no longer
   /// match.
   bool match_all(RemoteParticipant& remote);
@@ -46,10 +49,8 @@ class EndpointMatcher {
   // Both:
   /// Called after the keys of the pair have arrived.
   void match(const EntityId& local, const Guid& remote);
-  /// The reader sent something to the local writer.
-  void note_ready(LocalWriter& writer, const Guid& reader);
-  void tick();
-  MonotonicTime next_tick() const { return readiness_.next(); }
+  ReaderPresence& presence() { return presence_; }
+  const ReaderPresence& presence() const { return presence_; }
 
  private:
   /// The endpoints on one topic: only these can match each other.
@@ -80,14 +81,13 @@ class EndpointMatcher {
   /// Called before a local endpoint is removed: `others` on its topic no longer match it.
   template <class Local>
   void part_from(const std::vector<Local*>& others, const Guid& endpoint);
-  bool shows_readiness(const LocalWriter& writer, const EndpointData& reader) const;
   void forget_if_empty(const std::string& topic_name);
 
   ParticipantCore& core_;
   LocalEndpoints& local_;
   RemoteParticipants& remotes_;
   std::map<std::string, TopicEnds> topics_;
-  ReadinessQueue readiness_;
+  ReaderPresence presence_;
 };
 
 }  // namespace ddssec::rtps

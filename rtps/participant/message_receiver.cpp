@@ -167,8 +167,10 @@ StatefulWriter* MessageReceiver::addressed(const EntityId& writer, const EntityI
   if (!context.for_us) return nullptr;
   auto* found = endpoints_.writer_for(writer, context.source);
   const Guid from{context.source, reader};
-  const bool good = found != nullptr && found->is_matched(from) && accepts(writer, from, context);
-  return good ? found : nullptr;
+  // A reader that counts as ended may be heard again (DoubtedReaders).
+  const bool may_speak =
+      found != nullptr && (found->readers().contains(from) || !is_builtin(writer));
+  return may_speak && accepts(writer, from, context) ? found : nullptr;
 }
 
 bool MessageReceiver::accepts(const EntityId& local, const Guid& remote, const Context& context) {
@@ -275,7 +277,7 @@ Status MessageReceiver::on_acknack(const SubmessageView& view, Context& context)
   auto* writer = addressed(acknack.writer, acknack.reader, context);
   if (writer == nullptr) return {};
   context.note_told(writer->on_acknack(context.source, acknack, context.now));
-  listener_.on_acknack(acknack.writer, {context.source, acknack.reader});
+  listener_.on_acknack(acknack.writer, {context.source, acknack.reader}, acknack.count);
   return {};
 }
 

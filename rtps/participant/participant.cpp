@@ -19,6 +19,30 @@ bool is_from_elsewhere(const Locator& source, std::span<const NetworkInterface> 
   });
 }
 
+/// Sets what the participant signs of itself in handshakes.
+Status describe_own(ParticipantCore& core, const Announcer& announcer) {
+  Bytes octets(kMostOwnData);
+  SpanWriter out(octets, Endian::big);
+  write_parameter_list(out, announcer.own_data());
+  if (out.overflowed()) return fail(Code::length_out_of_range, {.document = "participant data"});
+  octets.resize(out.size());
+  core.security->core().own_data = std::make_shared<const Bytes>(std::move(octets));
+  return {};
+}
+
+/// Returns false if all addresses are others now.
+bool take_addresses(ParticipantCore& core, OwnChange::Addresses addresses) {
+  auto& config = core.config;
+  const bool any_stays = std::ranges::any_of(config.metatraffic_unicast, [&](const auto& former) {
+    return std::ranges::find(addresses.metatraffic, former) != addresses.metatraffic.end();
+  });
+  config.interfaces = std::move(addresses.interfaces);
+  config.metatraffic_unicast = std::move(addresses.metatraffic);
+  config.default_unicast = std::move(addresses.user);
+  core.own_addresses = addresses_of_this_machine();
+  return any_stays;
+}
+
 }  // namespace
 
 // A change for a builtin reader is never refused for now.
@@ -36,12 +60,8 @@ Status Participant::secure(std::unique_ptr<OwnSecurity> own) {
       [this] { announce_protection(core_, local_, remotes_, matcher_); });
   local_.builtin().secure();
   receiver_.open_with(core_.security->keyring());
-  Bytes octets(kMostOwnData);
-  SpanWriter out(octets, Endian::big);
-  write_parameter_list(out, announcer_.own_data());
-  if (out.overflowed()) return fail(Code::length_out_of_range, {.document = "participant data"});
-  octets.resize(out.size());
-  DDSSEC_RETURN_IF_ERROR(core_.security->start(std::move(octets)));
+  DDSSEC_RETURN_IF_ERROR(describe_own(core_, announcer_));
+  DDSSEC_RETURN_IF_ERROR(core_.security->start());
   announcer_.announce_securely();
   return {};
 }
@@ -79,15 +99,16 @@ void Participant::tick(MonotonicTime now) {
   if (std::exchange(reads_first_, false)) return;
   announcer_.tick();
   liveliness_.tick();
-  matcher_.tick();
+  matcher_.presence().tick();
   if (core_.security) core_.security->tick(now);
   core_.timers.run(now);
   discovery_.tick();
 }
 
 MonotonicTime Participant::next_tick() const {
-  const auto next = std::min({announcer_.next_tick(), liveliness_.next_tick(), matcher_.next_tick(),
-                              remotes_.next_end(), core_.sender.flush_by(), core_.timers.next()});
+  const auto next =
+      std::min({announcer_.next_tick(), liveliness_.next_tick(), matcher_.presence().next_tick(),
+                remotes_.next_end(), core_.sender.flush_by(), core_.timers.next()});
   return core_.security ? std::min(next, core_.security->next_tick()) : next;
 }
 
@@ -156,8 +177,21 @@ void Participant::change_filter(const Guid& reader, ContentFilterProperty filter
   local_.publish(local->data);
 }
 
-void Participant::change_user_data(Bytes user_data) {
-  core_.config.user_data = std::move(user_data);
+void Participant::change_own(OwnChange change, MonotonicTime now) {
+  const auto call = calls_.enter();
+  core_.now = now;
+  core_.source_host = {};
+  const auto gathering = gather();
+  if (change.user_data) core_.config.user_data = std::move(*change.user_data);
+  if (change.addresses) {
+    const bool any_stays = take_addresses(core_, std::move(*change.addresses));
+    const bool is_new = !any_stays && !core_.security;
+    if (is_new) announcer_.leave(remotes_);
+    discovery_.on_addresses_changed(is_new);
+    announcer_.announce_often();
+  }
+  // It can only be too long when the participant is created.
+  if (core_.security) static_cast<void>(describe_own(core_, announcer_));
   announcer_.announce_again();
 }
 

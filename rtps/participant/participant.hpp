@@ -19,6 +19,7 @@
 #include "rtps/participant/discovery.hpp"
 #include "rtps/participant/endpoint_directory.hpp"
 #include "rtps/participant/message_receiver.hpp"
+#include "rtps/participant/own_change.hpp"
 
 namespace ddssec::rtps {
 
@@ -81,8 +82,9 @@ class Participant {
   Status change_qos(const Guid& endpoint, Qos qos, MonotonicTime now);
   /// Announces a changed content filter of a local reader.
   void change_filter(const Guid& reader, ContentFilterProperty filter, MonotonicTime now);
-  /// Announces changed user data of the participant, soon.
-  void change_user_data(Bytes user_data);
+
+  /// Announces what has changed of the participant itself, soon.
+  void change_own(OwnChange change, MonotonicTime now);
 
   /// Asserts the liveliness of the local writers of this kind to all participants (RTPS 8.4.13).
   /// tick does this for kind AUTOMATIC.

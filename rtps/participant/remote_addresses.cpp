@@ -133,6 +133,20 @@ bool prove_host(const ParticipantCore& core, RemoteParticipant& remote, const Lo
   return true;
 }
 
+bool choose_addresses_of(const ParticipantCore& core, RemoteParticipant& remote) {
+  const auto former = std::pair(remote.metatraffic, remote.user);
+  if (has_signed(remote)) {
+    settle(core, remote);
+  } else if (remote.accepted) {
+    const auto& own = core.config.interfaces;
+    remote.metatraffic = usable_locators(remote.data.metatraffic_unicast, remote.metatraffic, own);
+    remote.user = usable_locators(remote.data.default_unicast, remote.metatraffic, own);
+    remote.metatraffic_sources.assign(remote.metatraffic.size(), remote.source);
+    remote.user_sources.assign(remote.user.size(), remote.source);
+  }
+  return former != std::pair(remote.metatraffic, remote.user);
+}
+
 bool has_proven_address(const ParticipantCore& core, const RemoteParticipant& remote) {
   return !has_signed(remote) || std::ranges::any_of(remote.metatraffic, [&](const auto& address) {
     return remote.hosts.contains(core.host_of(address));

@@ -16,6 +16,10 @@ bool adopt_signed_addresses(ParticipantCore& core, RemoteParticipant& remote,
 /// before; the participant's addresses may then be others.
 bool prove_host(const ParticipantCore& core, RemoteParticipant& remote, const Locator& host);
 
+/// Chooses again which of its addresses are used, after those of this machine have changed. Returns
+/// true if they are others now.
+bool choose_addresses_of(const ParticipantCore& core, RemoteParticipant& remote);
+
 /// False if the participant signed its addresses and none of them is proven.
 bool has_proven_address(const ParticipantCore& core, const RemoteParticipant& remote);
 

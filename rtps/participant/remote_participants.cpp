@@ -178,8 +178,10 @@ MonotonicTime RemoteParticipants::next_time(const ParticipantData& data, int sha
   return lease == kNever ? kNever : core_.now + std::max<MonotonicTime>(lease / share, kLeastPause);
 }
 
-void RemoteParticipants::shorten_lease(RemoteParticipant& remote, MonotonicTime end) {
-  remote.lease_end = std::min(remote.lease_end, end);
+void RemoteParticipants::doubt(RemoteParticipant& remote) {
+  if (core_.now < remote.doubted_until) return;
+  remote.doubted_until = core_.now + kDoubt;
+  remote.lease_end = std::min(remote.lease_end, remote.doubted_until);
   next_end_ = std::min(next_end_, remote.lease_end);
   remote.next_question = next_question_ = core_.now;
 }
@@ -193,7 +195,8 @@ std::vector<GuidPrefix> RemoteParticipants::to_ask() {
     if (remote.next_question <= core_.now) {
       const bool is_asked = core_.is_authenticated(prefix);
       if (is_asked) out.push_back(prefix);
-      const auto next = next_time(remote.data, kQuestionsPerLease);
+      auto next = next_time(remote.data, kQuestionsPerLease);
+      if (core_.now < remote.doubted_until) next = std::min(next, core_.now + kDoubtInterval);
       remote.next_question = is_asked ? next : std::max(next, core_.now + kPauseOfUnproven);
     }
     next_question_ = std::min(next_question_, remote.next_question);

@@ -29,6 +29,7 @@ struct RemoteParticipant {
   MonotonicTime lease_end{};
   MonotonicTime since{};
   MonotonicTime next_question = kNever;  ///< when it is next queried whether it is alive
+  MonotonicTime doubted_until{};
   std::map<EntityId, RemoteEndpoint> endpoints = {};
   /// For its matched writers with a finite lease, of kind AUTOMATIC and MANUAL_BY_PARTICIPANT.
   std::array<std::shared_ptr<LivelinessSignal>, 2> signals = {};
@@ -89,6 +90,11 @@ class RemoteParticipants {
   /// frequent that losing most queries and answers does not end the lease.
   static constexpr int kSilentPartOfLease = 3;
   static constexpr int kQuestionsPerLease = 15;
+  /// How long an authenticated peer that is said to leave (doubt) must be silent before it is
+  /// removed, and how often it is queried meanwhile. Longer than the time between two announcements
+  /// of Fast DDS.
+  static constexpr MonotonicTime kDoubt = std::chrono::seconds(4);
+  static constexpr MonotonicTime kDoubtInterval = std::chrono::milliseconds(500);
   /// The shortest time between two queries of a peer, however short a lease is announced.
   static constexpr MonotonicTime kLeastPause = std::chrono::milliseconds(100);
   /// How often a participant that is not queried is looked at: it may have authenticated.
@@ -133,8 +139,9 @@ class RemoteParticipants {
   // Leases:
   /// The participant was heard now; `data` contains its lease duration.
   void renew_lease(RemoteParticipant& remote, const ParticipantData& data);
-  /// Its lease ends at `end` unless it is heard before. It is queried at once.
-  void shorten_lease(RemoteParticipant& remote, MonotonicTime end);
+  /// An unprotected message says that the participant leaves. It is queried at once, and its lease
+  /// ends after kDoubt unless it is heard before. Until then, further such messages do nothing.
+  void doubt(RemoteParticipant& remote);
   /// The participants whose leases have ended.
   std::vector<GuidPrefix> ended();
   /// The authenticated participants that were silent for a third of their lease and must be

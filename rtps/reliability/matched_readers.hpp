@@ -26,6 +26,10 @@ class MatchedReaders {
     const auto at = proxies_.find(reader);
     return at == proxies_.end() ? nullptr : &at->second;
   }
+  const ReaderProxy* find(const Guid& reader) const {
+    const auto at = proxies_.find(reader);
+    return at == proxies_.end() ? nullptr : &at->second;
+  }
   bool contains(const Guid& reader) const { return proxies_.contains(reader); }
   std::size_t size() const { return proxies_.size(); }
   Proxies& all() { return proxies_; }
@@ -51,8 +55,10 @@ class MatchedReaders {
   /// True if some readers are sent messages.
   bool any_remote() const { return !locators_.all().empty(); }
   Receiver one(const ReaderProxy& proxy) const {
-    const auto& [prefix, entity] = proxy.reader().guid;
-    return {{prefix, proxy.reader().locators, dscp_}, entity};
+    return one(proxy.reader().guid, proxy.reader().locators);
+  }
+  Receiver one(const Guid& reader, const LocatorList& at) const {
+    return {{reader.prefix, at, dscp_}, reader.entity};
   }
   /// All readers at once.
   Receiver everybody() const {

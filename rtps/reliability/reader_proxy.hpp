@@ -35,6 +35,7 @@ class LastCount {
     last_ = count;
     return true;
   }
+  std::int32_t last() const { return last_; }
 
  private:
   std::int32_t last_ = 0;

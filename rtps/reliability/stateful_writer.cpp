@@ -167,6 +167,13 @@ void StatefulWriter::ask_for_acknowledgments(bool even_if_none_is_missing) {
   sender_.flush();
 }
 
+void StatefulWriter::ask(const Guid& reader, const LocatorList& at) {
+  const auto* proxy = readers_.find(reader);
+  send_question(readers_.one(reader, at),
+                proxy != nullptr ? retransmissions_.lowest_for(*proxy) : history_.first());
+  sender_.flush();
+}
+
 void StatefulWriter::assert_liveliness() {
   local_.assert_liveliness();
   if (!readers_.any_remote()) return;

@@ -30,8 +30,7 @@ class StatefulWriter final : private Timed {
   const Guid& guid() const { return guid_; }
   const Qos& qos() const { return qos_; }
   const WriterHistory& history() const { return history_; }
-  std::size_t matched() const { return readers_.size(); }
-  bool is_matched(const Guid& reader) const { return readers_.contains(reader); }
+  const MatchedReaders& readers() const { return readers_; }
 
   /// A reliable reader is sent a HEARTBEAT at once.
   void match(MatchedReader reader, MonotonicTime now);
@@ -62,6 +61,9 @@ class StatefulWriter final : private Timed {
   /// sample, but answer such HEARTBEATs. `even_if_none_is_missing`: also checks whether the readers
   /// still answer.
   void ask_for_acknowledgments(bool even_if_none_is_missing = false);
+
+  /// The same of one reader, also if it misses nothing or does not match.
+  void ask(const Guid& reader, const LocatorList& at);
 
   /// No reader gets this change any more (LIFESPAN). A request for it is answered with a GAP.
   void discard(SequenceNumber number) { history_.discard(number); }

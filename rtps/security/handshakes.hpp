@@ -73,11 +73,6 @@ class Handshakes {
              KeyRevision& revision)
       : core_(core), admission_(admission), exchange_(exchange), revision_(revision) {}
 
-  /// Sets the local c.pdata, a big-endian parameter list. Must be called before all others.
-  void set_own_data(Bytes own_data) {
-    own_data_ = std::make_shared<const Bytes>(std::move(own_data));
-  }
-
   /// A participant that can authenticate announced itself for the first time.
   void add(const ParticipantData& data, const AnnouncedAddresses& addresses);
   /// A different announcement arrived for a peer that has not authenticated yet. It may be the
@@ -147,7 +142,6 @@ class Handshakes {
   const Admission& admission_;
   KeyExchange& exchange_;
   KeyRevision& revision_;
-  std::shared_ptr<const Bytes> own_data_;
   HandshakeAccount account_;
   HandshakeSender messages_{core_.sender};
   FragmentStore fragments_;

@@ -40,8 +40,7 @@ Security::~Security() {
   while (!core_.peers.empty()) core_.peers.erase(core_.peers.begin());
 }
 
-Status Security::start(Bytes own_data) {
-  handshakes_.set_own_data(std::move(own_data));
+Status Security::start() {
   for (const auto& endpoint : kBuiltin) {
     DDSSEC_ASSIGN_OR_RETURN(const auto attributes, core_.own->builtin_attributes(endpoint.topic));
     DDSSEC_RETURN_IF_ERROR(

@@ -31,9 +31,9 @@ class Security {
   Keyring& keyring() { return core_.keyring; }
   const AuthenticationCounters& authentication_counters() const { return core_.counters; }
 
-  /// Registers the builtin endpoints. `own_data`: c.pdata, a big-endian parameter list. Errors:
-  /// those of the plugins.
-  Status start(Bytes own_data);
+  /// Registers the builtin endpoints. SecurityCore::own_data must be set before. Errors: those of
+  /// the plugins.
+  Status start();
 
   /// See Admission.
   Verdict judge(const ParticipantData& data) { return admission_.judge(data); }

@@ -107,6 +107,8 @@ struct SecurityCore {
   Keyring keyring;
   std::map<GuidPrefix, Peer> peers;  ///< destroyed before the keyring, which contains its keys
   AuthenticationCounters counters;
+  /// c.pdata of the handshakes that begin from now on: a big-endian parameter list.
+  std::shared_ptr<const Bytes> own_data;
   MonotonicTime now{};              ///< time of the current call
   bool governance_changes = false;  ///< endpoints have two protections (GovernanceChange)
 };

@@ -15,6 +15,7 @@ struct NetworkInterface {
   std::size_t prefix_bits = 0;  ///< number of bits of the network prefix
   bool multicast = false;
 
+  bool operator==(const NetworkInterface&) const = default;
   /// True if `locator` is an address in the same network.
   bool reaches(const Locator& locator) const;
 };

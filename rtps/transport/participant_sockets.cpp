@@ -3,34 +3,28 @@
 #include <algorithm>
 
 namespace ddssec::rtps {
-namespace {
 
-// A socket of the loopback alone cannot be reached from other machines.
-Result<UdpSocket> socket_at(std::span<const NetworkInterface> interfaces, std::uint32_t port,
-                            std::size_t receive_buffer) {
+Result<UdpSocket> ParticipantSockets::socket_at(std::span<const NetworkInterface> interfaces,
+                                                std::uint32_t port, const Options& options) {
   auto address = interfaces.front().address;
   address.port = port;
-  return interfaces.size() == 1 ? UdpSocket::on_interface(address, receive_buffer)
-                                : UdpSocket::everywhere(address, receive_buffer);
+  return interfaces.size() == 1 && !options.interfaces_may_change
+             ? UdpSocket::on_interface(address, options.receive_buffer)
+             : UdpSocket::everywhere(address, options.receive_buffer);
 }
 
-}  // namespace
-
 Result<std::unique_ptr<ParticipantSockets>> ParticipantSockets::open(
-    DomainId domain, std::vector<NetworkInterface> interfaces, std::size_t receive_buffer) {
+    DomainId domain, std::vector<NetworkInterface> interfaces, const Options& options) {
   for (int index = 0; index < ports::kMostIndexes; ++index) {
-    auto metatraffic = socket_at(interfaces, ports::metatraffic(domain, index), receive_buffer);
+    auto metatraffic = socket_at(interfaces, ports::metatraffic(domain, index), options);
     if (!metatraffic && metatraffic.error().code() == Code::rtps_port_taken) continue;
     if (!metatraffic) return std::unexpected(metatraffic.error());
-    auto user = socket_at(interfaces, ports::user(domain, index), receive_buffer);
+    auto user = socket_at(interfaces, ports::user(domain, index), options);
     if (!user && user.error().code() == Code::rtps_port_taken) continue;
     if (!user) return std::unexpected(user.error());
     DDSSEC_ASSIGN_OR_RETURN(auto event_loop, EventLoop::create());
-    auto open_more = [interfaces, receive_buffer] {
-      return socket_at(interfaces, 0, receive_buffer);
-    };
-    std::unique_ptr<ParticipantSockets> out(new ParticipantSockets(
-        std::move(event_loop), std::move(interfaces), index, std::move(open_more)));
+    std::unique_ptr<ParticipantSockets> out(
+        new ParticipantSockets(std::move(event_loop), std::move(interfaces), index, options));
     out->sockets_.push_back(std::move(*metatraffic));
     out->sockets_.push_back(std::move(*user));
     return out;
@@ -48,10 +42,36 @@ Status ParticipantSockets::join(const Locator& group, const NetworkInterface& in
     DDSSEC_ASSIGN_OR_RETURN(auto udp_socket, UdpSocket::join(group, interface.address));
     sockets_.push_back(std::move(udp_socket));
   }
-  if (interface.address.address != interfaces_.front().address.address) {
-    DDSSEC_ASSIGN_OR_RETURN(auto udp_socket, UdpSocket::everywhere(interface.address));
-    further_.push_back(std::move(udp_socket));
+  group_ = group;
+  return interface.address.address == interfaces_.front().address.address ? Status()
+                                                                          : send_by(interface);
+}
+
+std::vector<Error> ParticipantSockets::use(std::vector<NetworkInterface> interfaces) {
+  std::vector<Error> errors;
+  const auto note = [&](const Status& status, const NetworkInterface& interface) {
+    if (!status) errors.push_back(status.error().in(to_string({&interface, 1})));
+  };
+  if (group_)
+    for (const auto& former : interfaces_)
+      if (std::ranges::find(interfaces, former.address, &NetworkInterface::address) ==
+          interfaces.end())
+        sockets_.back().leave(*group_, former.address);
+  const auto former = std::exchange(interfaces_, std::move(interfaces));
+  further_.clear();
+  note(sockets_.front().use(interfaces_.front().address), interfaces_.front());
+  for (const auto& interface : interfaces_) {
+    const bool is_new =
+        std::ranges::find(former, interface.address, &NetworkInterface::address) == former.end();
+    if (group_ && is_new) note(sockets_.back().join_also(*group_, interface.address), interface);
+    if (group_ && &interface != &interfaces_.front()) note(send_by(interface), interface);
   }
+  return errors;
+}
+
+Status ParticipantSockets::send_by(const NetworkInterface& interface) {
+  DDSSEC_ASSIGN_OR_RETURN(auto udp_socket, UdpSocket::everywhere(interface.address));
+  further_.push_back(std::move(udp_socket));
   return {};
 }
 

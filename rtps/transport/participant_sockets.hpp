@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 
 #include "rtps/transport/event_loop.hpp"
 #include "rtps/transport/host_sockets.hpp"
@@ -17,12 +18,18 @@ namespace ddssec::rtps {
 /// else, and HostSockets what its send buffer has no room for.
 class ParticipantSockets final : public Transport {
  public:
-  /// Opens the ports of the first participant index for which both are free. With one interface,
-  /// only that interface reaches them. `receive_buffer`: octets to request from the system. Errors:
+  struct Options {
+    /// In octets, to request from the system.
+    std::size_t receive_buffer = UdpSocket::kWantedBuffer;
+    /// If false, sockets of the loopback alone cannot be reached from other machines, and `use`
+    /// cannot replace it.
+    bool interfaces_may_change = false;
+  };
+  /// Opens the ports of the first participant index for which both are free. Errors:
   /// rtps_port_taken (all indexes), those of EventLoop::create and UdpSocket.
   static Result<std::unique_ptr<ParticipantSockets>> open(DomainId domain,
                                                           std::vector<NetworkInterface> interfaces,
-                                                          std::size_t receive_buffer);
+                                                          const Options& options);
 
   /// The participant index.
   int index() const { return index_; }
@@ -37,6 +44,9 @@ class ParticipantSockets final : public Transport {
   /// UdpSocket::everywhere.
   Status join(const Locator& group, const NetworkInterface& interface);
   bool has_joined() const { return sockets_.size() > kWithoutGroup; }
+  /// The interfaces of this machine have changed: from now on uses these, also for the group that
+  /// it joined. Returns an error for each interface that cannot be used for the group.
+  std::vector<Error> use(std::vector<NetworkInterface> interfaces);
 
   /// From now on calls `f(socket)` whenever a socket is readable. Errors: those of
   /// EventLoop::watch.
@@ -53,20 +63,25 @@ class ParticipantSockets final : public Transport {
   static constexpr std::size_t kWithoutGroup = 2;
 
   ParticipantSockets(EventLoop loop, std::vector<NetworkInterface> interfaces, int index,
-                     HostSockets::Open open_more)
-      : loop_(std::move(loop)),
-        interfaces_(std::move(interfaces)),
-        index_(index),
-        overflow_(std::move(open_more)) {}
+                     const Options& options)
+      : loop_(std::move(loop)), interfaces_(std::move(interfaces)), index_(index) {
+    overflow_ = HostSockets([this, options] { return socket_at(interfaces_, 0, options); });
+    sockets_.reserve(kWithoutGroup + 1);  // what waits for them refers to them
+  }
+  static Result<UdpSocket> socket_at(std::span<const NetworkInterface> interfaces,
+                                     std::uint32_t port, const Options& options);
+  /// From now on, messages to the group are sent through this interface as well.
+  Status send_by(const NetworkInterface& interface);
   void send_first(const Outgoing& out);
   bool leaves_by(const UdpSocket& socket, std::size_t interface) const;
   LocatorList everywhere(std::uint32_t port) const;
 
   EventLoop loop_;
-  const std::vector<NetworkInterface> interfaces_;
+  std::vector<NetworkInterface> interfaces_;
   const int index_;
   std::vector<UdpSocket> sockets_, further_;
-  HostSockets overflow_;
+  std::optional<Locator> group_;
+  HostSockets overflow_{nullptr};
   std::function<void(UdpSocket&)> receive_;
 };
 

@@ -72,7 +72,8 @@ bool set_option(int fd, int level, int option, const T& value) {
   return setsockopt(fd, level, option, &value, sizeof value) == 0;
 }
 
-bool join_group(int fd, const Locator& group, const Locator& interface) {
+/// `join`: false if it leaves the group.
+bool change_group(int fd, const Locator& group, const Locator& interface, bool join) {
   if (group.kind != interface.kind) {
     errno = EADDRNOTAVAIL;
     return false;
@@ -81,11 +82,11 @@ bool join_group(int fd, const Locator& group, const Locator& interface) {
     ip_mreq request{};
     std::memcpy(&request.imr_multiaddr, group.address.data() + 12, 4);
     std::memcpy(&request.imr_interface, interface.address.data() + 12, 4);
-    return set_option(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, request);
+    return set_option(fd, IPPROTO_IP, join ? IP_ADD_MEMBERSHIP : IP_DROP_MEMBERSHIP, request);
   }
   ipv6_mreq request{};
   std::memcpy(&request.ipv6mr_multiaddr, group.address.data(), 16);
-  return set_option(fd, IPPROTO_IPV6, IPV6_JOIN_GROUP, request);
+  return set_option(fd, IPPROTO_IPV6, join ? IPV6_JOIN_GROUP : IPV6_LEAVE_GROUP, request);
 }
 
 }  // namespace
@@ -145,15 +146,20 @@ Result<UdpSocket> UdpSocket::on_interface(const Locator& interface, std::size_t 
 
 Result<UdpSocket> UdpSocket::everywhere(const Locator& interface, std::size_t buffer) {
   DDSSEC_ASSIGN_OR_RETURN(auto socket, bind({interface.kind, interface.port, {}}, buffer));
-  socket.local_.address = interface.address;
+  DDSSEC_RETURN_IF_ERROR(socket.use(interface));
+  return socket;
+}
+
+Status UdpSocket::use(const Locator& interface) {
   // Messages to a group are sent through this interface, whatever the routing table says.
   if (interface.kind == LocatorKind::udp_v4) {
     in_addr address{};
     std::memcpy(&address, interface.address.data() + 12, 4);
-    if (!set_option(socket.fd(), IPPROTO_IP, IP_MULTICAST_IF, address))
+    if (!set_option(fd(), IPPROTO_IP, IP_MULTICAST_IF, address))
       return failed(code_of_errno(), "choose the interface", interface);
   }
-  return socket;
+  local_.address = interface.address;
+  return {};
 }
 
 Result<UdpSocket> UdpSocket::join(const Locator& group, const Locator& interface) {
@@ -163,8 +169,12 @@ Result<UdpSocket> UdpSocket::join(const Locator& group, const Locator& interface
 }
 
 Status UdpSocket::join_also(const Locator& group, const Locator& interface) {
-  if (join_group(fd(), group, interface)) return {};
+  if (change_group(fd(), group, interface, true)) return {};
   return failed(Code::rtps_no_multicast, "join multicast group", group);
+}
+
+void UdpSocket::leave(const Locator& group, const Locator& interface) const {
+  change_group(fd(), group, interface, false);
 }
 
 std::size_t UdpSocket::receive_buffer_size() const {

@@ -56,6 +56,11 @@ class UdpSocket {
   static Result<UdpSocket> join(const Locator& group, const Locator& interface);
   /// Also receives what arrives for `group` on another interface. Errors: rtps_no_multicast.
   Status join_also(const Locator& group, const Locator& interface);
+  /// Undoes that, also if the interface is gone.
+  void leave(const Locator& group, const Locator& interface) const;
+  /// From now on, `local` and multicast use the interface with this address, for a socket that can
+  /// be reached by every address. Errors: rtps_address_not_here, rtps_socket_failed.
+  Status use(const Locator& interface);
 
   /// From now on almost nothing that arrives is kept: for a socket that only sends.
   void keep_no_input() const;

@@ -2,7 +2,8 @@
 """A process deletes readers, and stays, or ends in order. The writers hear that, as without security: two of ours, also where the writer
 comes after the readers have gone, and a writer on stock plugins. Cyclone's core says the end of a reader outside of any protection,
 where discovery is protected; our plugins say it inside (plugins/cyclonedds/own_readers.hpp), and the end of a participant by
-a token (plugins/cyclonedds/lost_sessions.hpp).
+a token (plugins/cyclonedds/lost_sessions.hpp). Where the readers are on stock plugins, a writer of the embedded participant asks
+them (rtps/participant/doubted_readers.hpp).
 
 Usage: reader_ends_test.py BUILD [FILTER]
 """
@@ -19,7 +20,7 @@ from scenarios import EO, SROS2  # noqa: E402
 
 PASSING = 20   # readers
 PATIENCE = 25  # seconds
-SOON = 4       # seconds; a lease is ten
+SOON = 5       # seconds; a lease is ten
 STAYS = 3      # seconds in which nothing else may be heard
 GOVERNANCES = {"sros2": SROS2, "everything": EVERYTHING,
                "origin": Governance(discovery=EO, liveliness=EO, rtps=EO, metadata=EO, data="ENCRYPT"),
@@ -77,8 +78,8 @@ def process_ends(world, kind):
 
 
 def attempt(case):
-    _, story, kind, governance = case
-    with tempfile.TemporaryDirectory(prefix="ddssec-reader-ends-") as folder, Ends(folder, "ours", governance) as world:
+    _, story, kind, governance, readers = case
+    with tempfile.TemporaryDirectory(prefix="ddssec-reader-ends-") as folder, Ends(folder, readers, governance) as world:
         try:
             story(world, kind)
             return None, ""
@@ -89,13 +90,16 @@ def attempt(case):
 
 def cases():
     for name, governance in GOVERNANCES.items():
-        yield f"end/{name}/ours", they_end, "ours", governance
-        yield f"process/{name}/ours", process_ends, "ours", governance
+        yield f"end/{name}/ours", they_end, "ours", governance, "ours"
+        yield f"process/{name}/ours", process_ends, "ours", governance, "ours"
+        yield f"end/{name}/embedded<stock", they_end, "embedded", governance, "stock"
+        for readers in ("ours", "stock"):
+            yield f"process/{name}/embedded<{readers}", process_ends, "embedded", governance, readers
     for name in ("sros2", "everything"):
-        yield f"ended/{name}/ours", they_have_ended, "ours", GOVERNANCES[name]
+        yield f"ended/{name}/ours", they_have_ended, "ours", GOVERNANCES[name], "ours"
     for kind in ("stock", "fast", "embedded"):
-        yield f"end/sros2/{kind}", they_end, kind, SROS2
-        yield f"ended/sros2/{kind}", they_have_ended, kind, SROS2
+        yield f"end/sros2/{kind}", they_end, kind, SROS2, "ours"
+        yield f"ended/sros2/{kind}", they_have_ended, kind, SROS2, "ours"
 
 
 if __name__ == "__main__":

@@ -72,7 +72,8 @@ struct Embedded {
 Qos qos_of(const peer_options& options) {
   auto qos = options.publish ? default_writer_qos() : default_reader_qos();
   qos.reliability.kind = ReliabilityKind::reliable;
-  qos.durability = DurabilityKind::transient_local;
+  qos.durability =
+      options.is_volatile ? DurabilityKind::volatile_ : DurabilityKind::transient_local;
   qos.history.kind = HistoryKind::keep_all;
   if (options.publish && options.keep_last > 0)
     qos.history = {HistoryKind::keep_last, static_cast<std::int32_t>(options.keep_last)};

@@ -219,7 +219,7 @@ TEST(Session, UserDataAndNameAreNotReadableForEverybody) {
     seen = seen || as_text(datagram).find("frobnicate") != std::string_view::npos;
     return one(std::move(datagram));
   };
-  pair.a->change_user_data(to_bytes(as_bytes("frobnicate")));
+  pair.a->change_own({.user_data = to_bytes(as_bytes("frobnicate"))}, pair.world.now);
   ASSERT_TRUE(pair.match());
   pair.world.run(100);
   EXPECT_FALSE(seen);

@@ -101,9 +101,10 @@ void set_security(fdds::DomainParticipantQos& qos, const peer_options& options) 
 }
 
 template <class Qos>
-void set_reliable(Qos& qos) {
+void set_reliable(Qos& qos, const peer_options& options) {
   qos.reliability().kind = fdds::RELIABLE_RELIABILITY_QOS;
-  qos.durability().kind = fdds::TRANSIENT_LOCAL_DURABILITY_QOS;
+  qos.durability().kind = options.is_volatile ? fdds::VOLATILE_DURABILITY_QOS
+                                              : fdds::TRANSIENT_LOCAL_DURABILITY_QOS;
   qos.history().kind = fdds::KEEP_ALL_HISTORY_QOS;
   qos.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
   qos.data_sharing().off();
@@ -116,7 +117,7 @@ bool create_writer(fdds::DomainParticipant& participant, fdds::Topic* topic,
   fdds::Publisher* publisher = participant.create_publisher(group);
   if (!publisher) return false;
   fdds::DataWriterQos qos = fdds::DATAWRITER_QOS_DEFAULT;
-  set_reliable(qos);
+  set_reliable(qos, options);
   if (options.keep_last > 0) {
     qos.history().kind = fdds::KEEP_LAST_HISTORY_QOS;
     qos.history().depth = static_cast<int32_t>(options.keep_last);
@@ -133,7 +134,7 @@ bool create_reader(fdds::DomainParticipant& participant, fdds::Topic* topic,
   fdds::Subscriber* subscriber = participant.create_subscriber(group);
   if (!subscriber) return false;
   fdds::DataReaderQos qos = fdds::DATAREADER_QOS_DEFAULT;
-  set_reliable(qos);
+  set_reliable(qos, options);
   made.reader = subscriber->create_datareader(topic, qos);
   return made.reader != nullptr;
 }

@@ -51,7 +51,7 @@ static void usage(const char* program, int status) {
       "usage: %s --publish|--subscribe [--topic T] [--domain D] [--partition P]\n"
       "       [--samples N] [--payload OCTETS] [--timeout SECONDS] [--hold]\n"
       "       [--keep-last DEPTH] [--interval MS] [--lease SECONDS]\n"
-      "       [--volatile]   (Cyclone DDS only)\n"
+      "       [--volatile]\n"
       "       [--address OF_INTERFACE] [--peer ADDRESS]\n"
       "       --plain | --identity_ca F --identity_certificate F --private_key F\n"
       "                 --permissions_ca F --governance F --permissions F\n"

@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 
 #include "rtps/dcps/contained_entities.hpp"
+#include "rtps/transport/interface_watch.hpp"
 #include "tests/unit/rtps/dcps_fixture.hpp"
 
 namespace ddssec::rtps {
@@ -20,7 +21,8 @@ struct ParticipantSocketsTest : ::testing::Test {
   const DomainId domain = static_cast<DomainId>(::getpid() % 200 + 30);
   std::unique_ptr<ParticipantSockets> open() const {
     const std::vector<std::string> loopback{"127.0.0.1"};
-    return *ParticipantSockets::open(domain, *choose_interfaces(loopback), kBuffer);
+    return *ParticipantSockets::open(domain, *choose_interfaces(loopback),
+                                     {.receive_buffer = kBuffer});
   }
 };
 
@@ -62,7 +64,8 @@ TEST_F(ParticipantSocketsTest, Send_ManyAddressesWithoutAMachine_OthersGetTheirs
                   "ip link set dead1 up") != 0)
     GTEST_SKIP() << "SKIPPED: this system makes no network interfaces for a test";
   const std::vector<std::string> ethernet{"10.77.0.1"};
-  const auto from = *ParticipantSockets::open(domain, *choose_interfaces(ethernet), kBuffer);
+  const auto from =
+      *ParticipantSockets::open(domain, *choose_interfaces(ethernet), {.receive_buffer = kBuffer});
   LocatorList dead;
   for (int i = 100; i < 140; ++i)
     dead.push_back(*Locator::parse("10.77.0." + std::to_string(i), 7411));
@@ -77,6 +80,61 @@ TEST_F(ParticipantSocketsTest, Send_ManyAddressesWithoutAMachine_OthersGetTheirs
   }
   EXPECT_EQ(received, 50u);  // before the fix: the first few
   EXPECT_EQ(std::system("ip link del dead0"), 0);
+}
+
+// As DHCP and a cable do it.
+TEST_F(ParticipantSocketsTest, Use_AnotherAddress_JoinsTheGroupThere) {
+  const auto run = [](const std::string& command) { return std::system(command.c_str()) == 0; };
+  if (!run("ip link add here0 type veth peer name there0 2>/dev/null && ip link set there0 up"))
+    GTEST_SKIP() << "SKIPPED: this system makes no network interfaces for a test";
+  const auto watch = InterfaceWatch::open();
+  ASSERT_TRUE(watch);
+  watch->drain();
+  const auto sockets = *ParticipantSockets::open(
+      domain, *choose_interfaces({}), {.receive_buffer = kBuffer, .interfaces_may_change = true});
+  const auto group = *Locator::parse("239.255.0.1", ports::base(domain));
+  ASSERT_TRUE(sockets->join(group, sockets->interfaces().front()));
+  int received = 0;
+  ASSERT_TRUE(sockets->listen([&](UdpSocket& socket) { received += int(socket.fetch()); }));
+  const auto hears_the_group = [&] {
+    received = 0;
+    sockets->send(Bytes{1}, std::vector<Locator>{group});  // multicast returns to its sender
+    sockets->loop().wait(100ms);
+    return received == 1;
+  };
+  EXPECT_FALSE(watch->drain());
+  for (const std::string address : {"10.78.0.1", "10.78.0.2", "10.78.0.3"}) {
+    ASSERT_TRUE(run("ip addr flush dev here0; ip addr add " + address +
+                    "/24 dev here0; ip link set here0 up"));
+    EXPECT_TRUE(watch->drain());
+    auto chosen = *choose_interfaces({});
+    ASSERT_EQ(to_string(chosen), "here0 (" + address + ")");
+    EXPECT_TRUE(sockets->use(std::move(chosen)).empty());
+    ASSERT_EQ(sockets->metatraffic().size(), 1u);
+    EXPECT_EQ(sockets->metatraffic().front().address, Locator::parse(address, 0)->address);
+    EXPECT_TRUE(hears_the_group()) << address;
+  }
+  ASSERT_TRUE(run("ip link del here0"));
+  EXPECT_TRUE(watch->drain());
+  EXPECT_TRUE(sockets->use(*choose_interfaces({})).empty());
+  EXPECT_EQ(to_string(sockets->interfaces()), "lo (127.0.0.1)");
+}
+
+// One socket cannot join more than 20 groups at once.
+TEST_F(ParticipantSocketsTest, Use_InterfacesThatComeAndGo_LeaveNothingBehind) {
+  const auto run = [](const std::string& command) { return std::system(command.c_str()) == 0; };
+  const auto sockets = *ParticipantSockets::open(
+      domain, *choose_interfaces({}), {.receive_buffer = kBuffer, .interfaces_may_change = true});
+  ASSERT_TRUE(sockets->join(*Locator::parse("239.255.0.1", ports::base(domain)),
+                            sockets->interfaces().front()));
+  for (int i = 0; i < 30; ++i) {
+    if (!run("ip link add here0 type veth peer name there0 2>/dev/null && "
+             "ip addr add 10.78.0.1/24 dev here0 && ip link set here0 up"))
+      GTEST_SKIP() << "SKIPPED: this system makes no network interfaces for a test";
+    EXPECT_TRUE(sockets->use(*choose_interfaces({})).empty()) << i;
+    ASSERT_TRUE(run("ip link del here0"));
+    EXPECT_TRUE(sockets->use(*choose_interfaces({})).empty()) << i;
+  }
 }
 
 struct Named final : Entity {

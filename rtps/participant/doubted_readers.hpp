@@ -1,0 +1,65 @@
+// Remote readers that are said to have ended, but by a message that proves nothing.
+#pragma once
+
+#include <map>
+#include <optional>
+
+#include "base/clock.hpp"
+#include "base/ids.hpp"
+
+namespace ddssec::rtps {
+
+/// Where discovery is protected, Cyclone DDS still reports the end of a reader without protection.
+/// Anyone can send such a report. So a reliable writer asks the reader, whose answers its keys
+/// protect. If no answer comes within kPatience, the reader counts as ended. It may only have been
+/// out of reach, so it is still asked, less and less often.
+///
+/// However many reports arrive, a pair is doubted at most once within kPatience. No I/O, clock or
+/// lock.
+class DoubtedReaders {
+ public:
+  static constexpr MonotonicTime kPatience = std::chrono::seconds(4);
+  /// How often it is asked: until it counts as ended, and at least afterwards.
+  static constexpr MonotonicTime kInterval = std::chrono::seconds(1);
+  static constexpr MonotonicTime kLongestInterval = std::chrono::seconds(32);
+
+  struct Pair {
+    Guid writer, reader;
+    auto operator<=>(const Pair&) const = default;
+  };
+  class Host {
+   public:
+    virtual ~Host() = default;
+    /// The count of the reader's last answer. Empty: it neither matches nor counts as ended.
+    virtual std::optional<std::int32_t> last_answer(const Pair& pair) = 0;
+    virtual void ask(const Pair& pair) = 0;
+    /// From now on the reader counts as ended.
+    virtual void on_silent(const Pair& pair) = 0;
+  };
+  /// `host` must outlive this object.
+  explicit DoubtedReaders(Host& host) : host_(host) {}
+
+  /// From now on the reader is doubted. It is asked in the next `tick`.
+  void add(const Pair& pair, MonotonicTime now);
+  /// Asks all readers for which that is due, and reports those that stayed silent.
+  void tick(MonotonicTime now);
+  MonotonicTime next() const { return next_; }
+
+ private:
+  struct Doubt {
+    std::int32_t answer;  ///< the last one before
+    MonotonicTime due;    ///< when it is asked next
+    MonotonicTime end;    ///< of kPatience
+    MonotonicTime interval = kInterval;
+    bool answered = false, ended = false;
+  };
+
+  /// Returns false if the pair is no longer doubted.
+  bool look_at(const Pair& pair, Doubt& doubt, MonotonicTime now);
+
+  Host& host_;
+  std::map<Pair, Doubt> doubts_;
+  MonotonicTime next_ = kNever;  ///< not later than the first that is due
+};
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,21 @@
+// A change of what the local participant announces of itself.
+#pragma once
+
+#include <optional>
+
+#include "rtps/transport/interfaces.hpp"
+
+namespace ddssec::rtps {
+
+struct OwnChange {
+  struct Addresses {
+    std::vector<NetworkInterface> interfaces;
+    LocatorList metatraffic, user;
+  };
+  std::optional<Bytes> user_data = {};
+  /// Authenticated participants of ddssec follow to the new addresses. Without security, and if
+  /// none of the former addresses is left, all participants are found anew.
+  std::optional<Addresses> addresses = {};
+};
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,86 @@
+#include "rtps/participant/reader_presence.hpp"
+
+#include "rtps/participant/remote_addresses.hpp"
+
+namespace ddssec::rtps {
+
+bool ReaderPresence::awaits(LocalWriter& writer, const EndpointData& reader) {
+  if (!shows_readiness(writer, reader)) return false;
+  writer.unready.insert(reader.guid);
+  readiness_.add(writer.data.guid, reader.guid, core_.now);
+  return true;
+}
+
+// The reader shows that it is ready by its first ACKNACK. With a durable writer, a late joiner
+// misses nothing, so there is no need to wait.
+bool ReaderPresence::shows_readiness(const LocalWriter& writer, const EndpointData& reader) const {
+  return reader.guid.prefix != local_.prefix() && core_.attributes().is_rtps_protected() &&
+         core_.is_authenticated(reader.guid.prefix) && reader.qos.is_reliable() &&
+         writer.data.qos.is_reliable() &&
+         std::min(writer.data.qos.durability, reader.qos.durability) == DurabilityKind::volatile_;
+}
+
+void ReaderPresence::forget(LocalWriter& writer, const Guid& reader) {
+  writer.silent.erase(reader);
+  if (writer.unready.erase(reader) > 0) readiness_.remove(writer.data.guid, reader);
+}
+
+void ReaderPresence::doubt(LocalWriter& writer, const Guid& reader) {
+  doubted_.add({writer.data.guid, reader}, core_.now);
+}
+
+void ReaderPresence::note_heard(LocalWriter& writer, const Guid& reader, std::int32_t count) {
+  const auto silent = writer.silent.find(reader);
+  if (silent == writer.silent.end()) return note_ready(writer, reader);
+  if (!silent->second.take(count)) return;  // a repetition
+  writer.silent.erase(silent);
+  match_again_(writer.data.guid.entity, reader);
+}
+
+void ReaderPresence::note_ready(LocalWriter& writer, const Guid& reader) {
+  if (writer.unready.erase(reader) == 0) return;
+  readiness_.remove(writer.data.guid, reader);
+  if (const auto* data = remotes_.endpoint(reader)) writer.listener->on_matched(*data);
+}
+
+void ReaderPresence::tick() {
+  while (const auto due = readiness_.take_due(core_.now))
+    if (auto* writer = local_.find_writer(due->writer.entity)) note_ready(*writer, due->reader);
+  doubted_.tick(core_.now);
+}
+
+// ---- doubt
+
+std::optional<std::int32_t> ReaderPresence::last_answer(const DoubtedReaders::Pair& pair) {
+  const auto* writer = local_.find_writer(pair.writer.entity);
+  if (writer == nullptr) return std::nullopt;
+  const auto silent = writer->silent.find(pair.reader);
+  if (silent != writer->silent.end()) return silent->second.last();
+  const auto* proxy = writer->protocol->readers().find(pair.reader);
+  if (proxy == nullptr || !proxy->acknowledges()) return std::nullopt;
+  return proxy->acknacks.last();
+}
+
+void ReaderPresence::ask(const DoubtedReaders::Pair& pair) {
+  auto* writer = local_.find_writer(pair.writer.entity);
+  auto* remote = remotes_.find(pair.reader.prefix);
+  const auto* data = remotes_.endpoint(pair.reader);
+  if (writer == nullptr || remote == nullptr || data == nullptr) return;
+  writer->protocol->ask(pair.reader, addresses_of(core_, *remote, *data));
+}
+
+// It keeps its keys, so that its answer can be read.
+void ReaderPresence::on_silent(const DoubtedReaders::Pair& pair) {
+  auto* writer = local_.find_writer(pair.writer.entity);
+  const auto* data = remotes_.endpoint(pair.reader);
+  if (writer == nullptr || data == nullptr) return;
+  const auto* proxy = writer->protocol->readers().find(pair.reader);
+  if (proxy == nullptr || !writer->matched.remove(pair.reader)) return;
+  forget(*writer, pair.reader);
+  writer->silent.emplace(pair.reader, proxy->acknacks);
+  writer->protocol->unmatch(pair.reader);
+  writer->listener->on_unmatched(pair.reader);
+  core_.raise_about(Error(Code::rtps_reader_silent, {.field = data->topic_name}), *data);
+}
+
+}  // namespace ddssec::rtps

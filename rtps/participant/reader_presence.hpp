@@ -1,0 +1,49 @@
+// Whether the remote readers that match are there: not ready yet, or said to have ended.
+#pragma once
+
+#include <functional>
+
+#include "rtps/participant/doubted_readers.hpp"
+#include "rtps/participant/local_endpoints.hpp"
+#include "rtps/participant/readiness_queue.hpp"
+#include "rtps/participant/remote_participants.hpp"
+
+namespace ddssec::rtps {
+
+/// EndpointMatcher reports each match of a writer and its end, and Discovery what it hears.
+class ReaderPresence final : private DoubtedReaders::Host {
+ public:
+  /// `match_again`: called when a reader that counted as ended is heard.
+  ReaderPresence(ParticipantCore& core, LocalEndpoints& local, RemoteParticipants& remotes,
+                 std::function<void(const EntityId& writer, const Guid& reader)> match_again)
+      : core_(core), local_(local), remotes_(remotes), match_again_(std::move(match_again)) {}
+
+  /// The reader matches from now on. Returns true if that is not yet to be reported to the writer's
+  /// owner (ReadinessQueue).
+  bool awaits(LocalWriter& writer, const EndpointData& reader);
+  /// The reader does not match any more.
+  void forget(LocalWriter& writer, const Guid& reader);
+  /// Something that proves nothing says that the reader has ended (DoubtedReaders).
+  void doubt(LocalWriter& writer, const Guid& reader);
+  /// The reader sent an ACKNACK to the local writer.
+  void note_heard(LocalWriter& writer, const Guid& reader, std::int32_t count);
+
+  void tick();
+  MonotonicTime next_tick() const { return std::min(readiness_.next(), doubted_.next()); }
+
+ private:
+  bool shows_readiness(const LocalWriter& writer, const EndpointData& reader) const;
+  void note_ready(LocalWriter& writer, const Guid& reader);
+  std::optional<std::int32_t> last_answer(const DoubtedReaders::Pair& pair) override;
+  void ask(const DoubtedReaders::Pair& pair) override;
+  void on_silent(const DoubtedReaders::Pair& pair) override;
+
+  ParticipantCore& core_;
+  LocalEndpoints& local_;
+  RemoteParticipants& remotes_;
+  const std::function<void(const EntityId&, const Guid&)> match_again_;
+  ReadinessQueue readiness_;
+  DoubtedReaders doubted_{*this};
+};
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,39 @@
+#include "rtps/transport/interface_watch.hpp"
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <linux/netlink.h>
+#include <linux/rtnetlink.h>
+#include <sys/socket.h>
+
+namespace ddssec::rtps {
+
+Result<InterfaceWatch> InterfaceWatch::open() {
+  const auto failed = [](const char* call) {
+    return fail(Code::rtps_socket_failed, {.document = "changes of network interfaces",
+                                           .field = call,
+                                           .found = std::strerror(errno)});
+  };
+  FileDescriptor fd(::socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, NETLINK_ROUTE));
+  if (fd.value() < 0) return failed("socket");
+  sockaddr_nl address{};
+  address.nl_family = AF_NETLINK;
+  address.nl_groups = RTMGRP_LINK | RTMGRP_IPV4_IFADDR | RTMGRP_IPV6_IFADDR;
+  if (::bind(fd.value(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
+    return failed("bind");
+  return InterfaceWatch(std::move(fd));
+}
+
+// A message that had no room in the socket is an error, once: that is a change as well.
+bool InterfaceWatch::drain() const {
+  constexpr int kMost = 64;
+  std::array<std::uint8_t, 8192> ignored;
+  int count = 0;
+  while (count < kMost &&
+         (::recv(fd(), ignored.data(), ignored.size(), 0) >= 0 || errno == ENOBUFS))
+    ++count;
+  return count > 0;
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,26 @@
+// Tells when the network interfaces of this machine, or their addresses, change.
+#pragma once
+
+#include "rtps/transport/udp_socket.hpp"
+
+namespace ddssec::rtps {
+
+/// The system reports changes by a netlink socket (rtnetlink(7)). What it says is not read: after a
+/// change, the caller reads the list of interfaces anew.
+class InterfaceWatch {
+ public:
+  /// Errors: rtps_socket_failed, for example where a sandbox forbids such sockets.
+  static Result<InterfaceWatch> open();
+
+  /// Readable after a change.
+  int fd() const { return socket_.value(); }
+  /// Returns true if anything has changed since the last call.
+  bool drain() const;
+
+ private:
+  explicit InterfaceWatch(FileDescriptor socket) : socket_(std::move(socket)) {}
+
+  FileDescriptor socket_;
+};
+
+}  // namespace ddssec::rtps

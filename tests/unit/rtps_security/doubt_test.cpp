@@ -1,0 +1,158 @@
+// Where discovery is protected, Cyclone DDS reports the end of a reader without protection. Such a
+// report makes the writer ask.
+#include <algorithm>
+
+#include "rtps/participant/doubted_readers.hpp"
+#include "tests/unit/rtps_security/attacker.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace testing;
+
+constexpr auto kEncrypt = ProtectionKind::encrypt;
+constexpr int kPatience = DoubtedReaders::kPatience / 10ms;  // steps
+
+bool is_about(BytesView datagram, const EntityId& id) {
+  return !std::ranges::search(datagram, id.octets).empty();
+}
+
+/// a writes, b reads.
+struct Doubt : ::testing::Test {
+  static constexpr Rules kRules{.discovery = kEncrypt};
+  Doubt() : pair(kRules) {
+    EXPECT_TRUE(pair.match());
+    pair.world.filter = [this](const Node& from, Bytes datagram) {
+      return is_cut_off && (&from == &pair.b || cuts_both) ? std::vector<Bytes>() : one(datagram);
+    };
+  }
+  /// What an attacker, or Cyclone DDS itself, says.
+  void report_end(const Guid& endpoint) {
+    Bytes buffer(64);
+    SpanWriter out(buffer);
+    write_endpoint_key(out, endpoint);
+    const Data dispose{kSubscriptionsReader, kSubscriptionsWriter,
+                       {++number},           {endpoint.octets(), {true, true}},
+                       PayloadKind::key,     out.view()};
+    pair.a->receive(forged(endpoint.prefix, dispose), pair.world.now);
+  }
+  int matched() { return pair.a.listener.matched; }
+  std::size_t received() { return pair.b.listener.changes.size(); }
+  bool acknowledged() { return pair.a->local_endpoints().writer(pair.writer)->all_acknowledged(); }
+  /// The number of datagrams from a meanwhile.
+  std::size_t sent_in(int steps, bool reported) {
+    std::size_t count = 0;
+    for (int i = 0; i < steps; ++i) {
+      if (reported) report_end(pair.reader);
+      count += pair.a.post.sent.size();
+      pair.world.run(1);
+    }
+    return count;
+  }
+
+  Pair pair;
+  bool is_cut_off = false, cuts_both = false;
+  std::int64_t number = 0;
+};
+
+TEST_F(Doubt, ReaderThatAnswers_StaysMatched) {
+  report_end(pair.reader);
+  pair.world.run(2 * kPatience);
+  EXPECT_EQ(matched(), 1);
+  EXPECT_FALSE(pair.a.events.has(Code::rtps_reader_silent));
+  pair.write();
+  EXPECT_TRUE(pair.world.run_until([&] { return received() == 1; }, 100));
+}
+
+TEST_F(Doubt, ManyReports_CostOneQuestionInFourSeconds) {
+  const auto quiet = sent_in(2 * kPatience, false);
+  const auto reported = sent_in(2 * kPatience, true);
+  EXPECT_EQ(matched(), 1);
+  EXPECT_LE(reported, quiet + 4);
+}
+
+TEST_F(Doubt, ReaderThatIsSilent_CountsAsEnded) {
+  pair.world.run(20);
+  is_cut_off = true;
+  pair.write();
+  report_end(pair.reader);
+  pair.world.run(kPatience - 20);
+  EXPECT_EQ(matched(), 1);
+  EXPECT_FALSE(acknowledged());
+  pair.world.run(40);
+  EXPECT_EQ(matched(), 0);
+  EXPECT_TRUE(acknowledged()) << "nothing waits for it";
+  EXPECT_EQ(pair.a.events.count(Code::rtps_reader_silent), 1);
+  EXPECT_EQ(pair.a->remote_participants().size(), 1u) << "its participant stays";
+}
+
+// The report was forged while the reader was out of reach.
+TEST_F(Doubt, SilentReaderIsInReachAgain_Matches) {
+  is_cut_off = cuts_both = true;
+  report_end(pair.reader);
+  pair.world.run(kPatience + 40);
+  ASSERT_EQ(matched(), 0);
+  is_cut_off = false;
+  EXPECT_TRUE(pair.world.run_until([&] { return matched() == 1; }, 2 * kPatience));
+  pair.write();
+  EXPECT_TRUE(pair.world.run_until([&] { return received() == 1; }, 100));
+}
+
+TEST(DoubtedReader, SilentReader_IsAskedLessAndLess) {
+  struct Count final : DoubtedReaders::Host {
+    std::optional<std::int32_t> last_answer(const DoubtedReaders::Pair&) override { return 7; }
+    void ask(const DoubtedReaders::Pair&) override { ++asked; }
+    void on_silent(const DoubtedReaders::Pair&) override { ++silent; }
+    int asked = 0, silent = 0;
+  } host;
+  DoubtedReaders doubted(host);
+  for (int i = 0; i < 3600; ++i) {
+    doubted.add({}, seconds(i));
+    doubted.tick(seconds(i));
+  }
+  EXPECT_EQ(host.silent, 1);
+  EXPECT_LE(host.asked, 4 + 5 + 3600 / 32);
+  EXPECT_GE(host.asked, 3500 / 32);
+}
+
+// Recorded before the reader fell silent.
+TEST_F(Doubt, RepeatedAnswer_DoesNotBringItBack) {
+  Bytes recorded;
+  pair.world.filter = [&](const Node& from, Bytes datagram) {
+    if (!is_cut_off && &from == &pair.b && is_about(datagram, pair.writer.entity))
+      recorded = datagram;
+    return is_cut_off && &from == &pair.b ? std::vector<Bytes>() : one(datagram);
+  };
+  pair.write();
+  pair.world.run(100);
+  ASSERT_FALSE(recorded.empty());
+  is_cut_off = true;
+  report_end(pair.reader);
+  pair.world.run(kPatience + 40);
+  ASSERT_EQ(matched(), 0);
+  pair.a->receive(recorded, pair.world.now);
+  EXPECT_EQ(matched(), 0);
+}
+
+TEST_F(Doubt, ReportOfAWriter_ChangesNothing) {
+  pair.world.run(20);
+  report_end(pair.writer);
+  report_end({pair.b->prefix(), pair.writer.entity});
+  pair.world.run(kPatience + 40);
+  EXPECT_EQ(matched(), 1);
+}
+
+TEST_F(Doubt, EndThatIsProtected_EndsAtOnce) {
+  is_cut_off = true;
+  report_end(pair.reader);
+  pair.world.run(kPatience + 40);
+  ASSERT_EQ(matched(), 0);
+  is_cut_off = false;
+  pair.b->remove(pair.reader, pair.world.now);
+  pair.world.run(100);
+  EXPECT_EQ(matched(), 0);
+  EXPECT_FALSE(pair.a->local_endpoints().writer(pair.writer)->readers().contains(pair.reader));
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
