@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "plugins/access_control/handle_table.hpp"
+#include "plugins/access_control/judgement.hpp"
 #include "plugins/access_control/loading.hpp"
 #include "plugins/access_control/protection.hpp"
 #include "plugins/access_control/refusals.hpp"
@@ -22,17 +23,6 @@ using spi::EndpointRequest;
 using spi::PermissionsHandle;
 using Participants = std::set<const Participant*>;
 
-bool is_access_controlled(const governance::TopicRule& rule, Action action) {
-  return action == Action::publish ? rule.enable_write_access_control
-                                   : rule.enable_read_access_control;
-}
-
-std::vector<governance::DataTag> data_tags_of(const EndpointRequest& request) {
-  std::vector<governance::DataTag> tags;
-  for (const auto& tag : request.data_tags) tags.push_back({tag.name, tag.value});
-  return tags;
-}
-
 /// Hosts ask for a peer's permissions after it has authenticated. `peer_subject` empty: about us.
 Event event_about(const std::string& peer_subject, const Error& error,
                   const std::string& peer_guid = {}) {
@@ -45,6 +35,7 @@ class Plugin final : public spi::AccessControl {
   Plugin(const Environment& environment, Options options)
       : environment_(environment),
         options_(std::move(options)),
+        judgement_(environment_.clock, options_.accept_relays),
         documents_(options_.partition_match, kMostCachedDocuments, kMostCachedOctets),
         handles_(options_.most_handles) {}
 
@@ -69,24 +60,24 @@ class Plugin final : public spi::AccessControl {
   Status note_presented(PermissionsHandle remote, const spi::SessionFacts& facts) override;
 
   Status check_create_participant(PermissionsHandle local, DomainId domain_id) override {
-    return check(local, domain_id, [&](PermissionsHolder& h) { return judge_participant(h); });
+    return check(local, domain_id, [&](PermissionsHolder& h) { return judgement_.participant(h); });
   }
   Status check_create_datawriter(PermissionsHandle local, DomainId domain_id,
                                  const EndpointRequest& request) override {
     return check(local, domain_id, [&](PermissionsHolder& h) {
-      return judge_announced(h, Action::publish, request);
+      return judgement_.announced(h, Action::publish, request);
     });
   }
   Status check_create_datareader(PermissionsHandle local, DomainId domain_id,
                                  const EndpointRequest& request) override {
     return check(local, domain_id, [&](PermissionsHolder& h) {
-      return judge_announced(h, Action::subscribe, request);
+      return judgement_.announced(h, Action::subscribe, request);
     });
   }
   Status check_create_topic(PermissionsHandle local, DomainId domain_id,
                             std::string_view topic_name) override {
     return check(local, domain_id,
-                 [&](PermissionsHolder& h) { return judge_topic(h, topic_name); });
+                 [&](PermissionsHolder& h) { return judgement_.topic(h, topic_name); });
   }
 
   // A peer is judged as a local participant is: by the local governance and its own permissions.
@@ -168,9 +159,13 @@ class Plugin final : public spi::AccessControl {
     if (rule == nullptr) return {};
     return endpoint_attributes(*rule);
   }
-  void apply_pending_governance(PermissionsHandle local) override {
-    if (const Holder holder = handles_.find(local)) holder->participant()->apply_pending();
+  bool apply_pending_governance(PermissionsHandle local,
+                                const GovernanceVersion& version) override {
+    const Holder holder = handles_.find(local);
+    return holder && !holder->remote() && holder->participant()->apply_pending(version.digest);
   }
+  std::optional<RemoteDatareader> pending_permission(PermissionsHandle remote, bool writes,
+                                                     const EndpointRequest& request) override;
 
   std::optional<WallTime> next_expiry() override;
   std::vector<PermissionsHandle> expire(PermissionsHandle local) override;
@@ -223,14 +218,6 @@ class Plugin final : public spi::AccessControl {
     return holder && !holder->remote() ? holder->participant()->pending() : nullptr;
   }
 
-  Result<Grant> grant_now(PermissionsHolder& holder) {
-    return holder.grant(environment_.clock.now());
-  }
-
-  Status judge_participant(PermissionsHolder& holder);
-  Status judge_endpoint(PermissionsHolder& holder, Action action, const EndpointRequest& request);
-  Status judge_announced(PermissionsHolder& holder, Action action, const EndpointRequest& request);
-  Status judge_topic(PermissionsHolder& holder, std::string_view topic);
   std::vector<PermissionsHandle> peers_of_only(const Participants& gone, const Entries& all,
                                                WallTime now);
   void renew_documents(const Entries& all, PermissionsHandle local);
@@ -238,13 +225,12 @@ class Plugin final : public spi::AccessControl {
   void note_end(const PermissionsHolder& local, const Error& why, WallTime now);
   void forget_documents(const PermissionsHolder& gone);
   Status judge_own(const PermissionsHolder& remote, const Match& match);
-  bool may_as_announced(PermissionsHolder& holder, Action action, const EndpointRequest& local);
-  bool may_relay(PermissionsHolder& holder, const EndpointRequest& request);
   Result<spi::EndpointSecurityAttributes> attributes(PermissionsHandle local,
                                                      std::string_view topic);
 
   const Environment environment_;
   const Options options_;
+  const Judgement judgement_;
   DocumentCache documents_;
   HandleTable handles_;
   std::mutex noting_mutex_;  ///< so that a participant that has left is not noted again
@@ -278,7 +264,7 @@ Result<PermissionsHandle> Plugin::validate_remote_permissions(spi::IdentityHandl
   const auto facts = spi::session_facts_in(credential);
   if (!facts.peer_keeps_session) holder->note_seen(local, facts.presented_permissions);
   // So that next_expiry knows its end before the first check; an error will come again there.
-  if (holder->has_document()) static_cast<void>(grant_now(*holder));
+  if (holder->has_document()) static_cast<void>(judgement_.grant_now(*holder));
   return add(std::move(holder));
 }
 
@@ -313,58 +299,12 @@ Status Plugin::note_presented(PermissionsHandle remote, const spi::SessionFacts&
   return {};
 }
 
-Status Plugin::judge_participant(PermissionsHolder& holder) {
-  const auto basis = holder.participant()->basis();
-  if (!basis->governance->domain_rule().enable_join_access_control) return {};
-  DDSSEC_ASSIGN_OR_RETURN(const Grant grant, grant_now(holder));
-  const auto verdict = grant->judge_participant();
-  if (!verdict.allowed) return std::unexpected(participant_denied(holder, *grant, verdict));
-  return {};
-}
-
-Status Plugin::judge_endpoint(PermissionsHolder& holder, Action action,
-                              const EndpointRequest& request) {
-  const auto& participant = *holder.participant();
-  const auto basis = participant.basis();
-  const auto* rule = basis->governance->topic_rule(request.topic_name);
-  if (!rule) return std::unexpected(topic_not_covered(participant, request.topic_name));
-  if (!is_access_controlled(*rule, action)) return {};
-  DDSSEC_ASSIGN_OR_RETURN(const Grant grant, grant_now(holder));
-  const auto tags = data_tags_of(request);
-  const auto verdict = grant->judge(action, {request.topic_name, request.partitions, tags});
-  if (!verdict.allowed)
-    return std::unexpected(endpoint_denied(holder, *grant, verdict, action, request));
-  return {};
-}
-
-/// What the host asks, as a peer announced it.
-Status Plugin::judge_announced(PermissionsHolder& holder, Action action,
-                               const EndpointRequest& request) {
-  if (holder.remote()) DDSSEC_RETURN_IF_ERROR(check_lengths(request));
-  DDSSEC_RETURN_IF_ERROR(judge_endpoint(holder, action, request));
-  if (holder.remote()) holder.announced().note(action, request);
-  return {};
-}
-
-/// Judged anew by what was announced, since a grant may have ended.
-bool Plugin::may_as_announced(PermissionsHolder& holder, Action action,
-                              const EndpointRequest& local) {
-  const auto announced = holder.announced().of_topic(action, local.topic_name);
-  if (announced.empty()) return false;
-  const PartitionNames ours(local.partitions);
-  return std::ranges::any_of(announced, [&](const AnnouncedEndpoints::One& one) {
-    if (!one->partitions.meet(ours)) return false;
-    const auto partitions = one->partitions.views();
-    return judge_endpoint(holder, action, {one->topic, partitions, one->data_tags}).has_value();
-  });
-}
-
 /// Our endpoint was judged when it was made. Renewed permissions may give less.
 Status Plugin::judge_own(const PermissionsHolder& remote, const Match& match) {
   const Holder own = handles_.find_local(remote.participant()->identity);
   if (!own || own->renewals() == 0) return {};
   const auto action = match.remote_writes ? Action::subscribe : Action::publish;
-  const auto status = judge_endpoint(*own, action, match.local);
+  const auto status = judgement_.endpoint(*own, action, match.local);
   if (!status) environment_.events.raise(event_about({}, status.error()));
   return status;
 }
@@ -373,48 +313,30 @@ Status Plugin::check_remote_match(PermissionsHandle remote, const Match& match) 
   DDSSEC_ASSIGN_OR_RETURN(const Holder holder, known(remote));
   DDSSEC_RETURN_IF_ERROR(judge_own(*holder, match));
   const auto action = match.remote_writes ? Action::publish : Action::subscribe;
-  if (!match.remote_hides && may_as_announced(*holder, action, match.local)) return {};
-  const auto status = judge_endpoint(*holder, action, match.local);
+  if (!match.remote_hides && judgement_.may_as_announced(*holder, action, match.local)) return {};
+  const auto status = judgement_.endpoint(*holder, action, match.local);
   if (status) return {};
   const auto guid =
       match.remote ? Guid{*match.remote, kEntityIdParticipant}.to_string() : std::string();
   return refuse(match_denied(status.error(), action, match), holder->peer_subject(), guid);
 }
 
-Status Plugin::judge_topic(PermissionsHolder& holder, std::string_view topic) {
-  if (holder.remote()) DDSSEC_RETURN_IF_ERROR(check_topic_length(topic));
-  const auto& participant = *holder.participant();
-  const auto basis = participant.basis();
-  const auto* rule = basis->governance->topic_rule(topic);
-  if (!rule) return std::unexpected(topic_not_covered(participant, topic));
-  if (!rule->enable_read_access_control || !rule->enable_write_access_control) return {};
-  DDSSEC_ASSIGN_OR_RETURN(const Grant grant, grant_now(holder));
-  const auto publish = grant->judge_topic(Action::publish, topic);
-  if (publish.allowed || grant->judge_topic(Action::subscribe, topic).allowed) return {};
-  return std::unexpected(topic_denied(holder, *grant, publish, topic));
-}
-
-/// Only what a <relay> element allows: a default is not meant for relays.
-bool Plugin::may_relay(PermissionsHolder& holder, const EndpointRequest& request) {
-  const auto grant = grant_now(holder);
-  if (!grant) return false;
-  const auto tags = data_tags_of(request);
-  const auto verdict =
-      (*grant)->judge(Action::relay, {request.topic_name, request.partitions, tags});
-  return verdict.allowed && verdict.criteria;
-}
-
 Result<spi::AccessControl::RemoteDatareader> Plugin::check_remote_datareader(
     PermissionsHandle remote, DomainId domain_id, const EndpointRequest& request) {
   RemoteDatareader answer;
-  const auto judge = [&](PermissionsHolder& holder) -> Status {
-    Status status = judge_announced(holder, Action::subscribe, request);
-    if (status || status.error().code() != Code::announced_reader_not_allowed) return status;
-    answer.relay_only = options_.accept_relays && may_relay(holder, request);
-    return answer.relay_only ? Status() : status;
-  };
-  DDSSEC_RETURN_IF_ERROR(check(remote, domain_id, judge));
+  DDSSEC_RETURN_IF_ERROR(check(remote, domain_id, [&](PermissionsHolder& holder) -> Status {
+    DDSSEC_ASSIGN_OR_RETURN(answer, judgement_.reader(holder, request));
+    return {};
+  }));
   return answer;
+}
+
+/// No event: nothing is refused before the document is in force.
+std::optional<spi::AccessControl::RemoteDatareader> Plugin::pending_permission(
+    PermissionsHandle remote, bool writes, const EndpointRequest& request) {
+  const Holder holder = handles_.find(remote);
+  if (!holder || !holder->remote()) return std::nullopt;
+  return judgement_.pending(*holder, writes ? Action::publish : Action::subscribe, request);
 }
 
 Result<spi::EndpointSecurityAttributes> Plugin::attributes(PermissionsHandle local,
@@ -425,7 +347,8 @@ Result<spi::EndpointSecurityAttributes> Plugin::attributes(PermissionsHandle loc
   if (const auto builtin = builtin_attributes(domain->governance->domain_rule(), topic))
     return *builtin;
   const auto basis = participant.basis_for(topic);
-  if (const auto* rule = basis->governance->topic_rule(topic)) return endpoint_attributes(*rule);
+  if (!basis) return refuse(basis.error().in(participant.governance_name), *holder);
+  if (const auto* rule = (*basis)->governance->topic_rule(topic)) return endpoint_attributes(*rule);
   return refuse(topic_not_covered(participant, topic), *holder);
 }
 

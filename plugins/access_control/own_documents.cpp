@@ -132,6 +132,24 @@ void OwnDocuments::renew_authorities(const Renewal& now, std::vector<Error>& eve
   events.emplace_back(Code::permissions_ca_renewed,
                       ErrorDetails{.document = authorities_.name(),
                                    .found = pki::describe(ca->verifier().permissions_cas())});
+  if (const auto what = changed(basis->governance->domain_rule(),
+                                now.participant.basis()->governance->domain_rule()))
+    events.emplace_back(Code::governance_renewed, what->in(governance_.name()).details());
+  if (const auto dropped = drop_withdrawn(now)) events.push_back(*dropped);
+}
+
+/// A document that waits must be signed by one of the CAs that are in force now.
+std::optional<Error> OwnDocuments::drop_withdrawn(const Renewal& now) {
+  if (!governance_waiting_ || !now.participant.pending()) return std::nullopt;
+  const auto judged = judge_governance(now, *now.participant.basis(), *governance_waiting_);
+  if (judged) return std::nullopt;
+  now.participant.drop_pending();
+  governance_waiting_.reset();
+  auto details = judged.error().details();
+  details.note =
+      "it waited to come into force, and its CA has left the permissions CA file; the "
+      "document read before stays in force";
+  return Error(Code::governance_renewal_refused, std::move(details)).in(governance_.name());
 }
 
 Status OwnDocuments::take_authorities(const Renewal& now,
@@ -205,13 +223,18 @@ Result<OwnDocuments::Judged> OwnDocuments::judge_governance(const Renewal& now, 
 
 Status OwnDocuments::take_governance(const Renewal& now, const Basis& former, BytesView file) {
   DDSSEC_ASSIGN_OR_RETURN(auto judged, judge_governance(now, former, file));
+  if (const auto pending = now.participant.pending()) {
+    if (judged.basis.governance_digest == pending->digest) return {};
+    DDSSEC_RETURN_IF_ERROR(now.participant.check_after_pending(*judged.basis.governance));
+  }
   if (judged.is_phased && options_.host_changes_protection) {
     now.participant.set_pending({judged.basis.governance, judged.basis.governance_digest});
     governance_waiting_ = to_bytes(file);
     return {};
   }
-  DDSSEC_RETURN_IF_ERROR(now.participant.set_basis(std::move(judged.basis)));
+  DDSSEC_RETURN_IF_ERROR(now.participant.set_governance(std::move(judged.basis)));
   governance_in_force_ = to_bytes(file);
+  governance_waiting_.reset();
   return {};
 }
 
@@ -225,13 +248,14 @@ std::optional<Error> OwnDocuments::note_applied(const Participant& participant) 
 }
 
 void OwnDocuments::renew_governance(const Renewal& now, std::vector<Error>& events) {
-  if (governance_waiting_) return;
   const auto former = now.participant.basis();
+  const auto waited = now.participant.pending();
   const auto taken = governance_.look(
       now.clock.monotonic(), [&](BytesView file) { return take_governance(now, *former, file); });
   if (!taken) events.push_back(taken.error());
   if (!taken || !*taken) return;
   if (const auto pending = now.participant.pending()) {
+    if (pending == waited) return;
     events.emplace_back(Code::governance_changing,
                         ErrorDetails{.document = governance_.name(),
                                      .field = "revision",

@@ -44,7 +44,7 @@ class OwnDocuments {
   ///   by one of them: those in force, or else those in the files now, which then come into force.
   /// - A governance document that only adds topic rules, none of them for a topic in use. One that
   ///   protects topics in use more waits as the participant's pending document, if the host changes
-  ///   endpoints that exist; until it is applied, no other one is looked at.
+  ///   endpoints that exist. A later one that protects at least as much takes its place.
   /// - Renewed permissions, as PermissionsHolder::take has it; none if the host does not present
   ///   them.
   /// - Further identity CAs, where the governance restricts algorithms. Authentication decides
@@ -68,6 +68,7 @@ class OwnDocuments {
     bool is_phased = false;
   };
   Result<Judged> judge_governance(const Renewal& now, const Basis& basis, BytesView file) const;
+  std::optional<Error> drop_withdrawn(const Renewal& now);
   /// Empty: the document that waited waits still, or none does.
   std::optional<Error> note_applied(const Participant& participant);
   /// What the file holds now, in force or pending.

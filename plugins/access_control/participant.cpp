@@ -17,14 +17,16 @@ bool is_same_revision(const governance::CompiledGovernance& former,
 }
 
 Error old_revision(const governance::CompiledGovernance& former,
-                   const governance::CompiledGovernance& next) {
+                   const governance::CompiledGovernance& next,
+                   std::string_view which = "the one in force") {
   const auto revision = next.revision();
-  return Error(Code::governance_renewal_refused,
-               {.field = "revision",
-                .expected = "more than " + std::to_string(former.revision()) + ", the one in force",
-                .found = revision == 0 ? "none" : std::to_string(revision),
-                .hint = "sign the document anew with ddssec governance sign, which writes the next "
-                        "revision, if it is not an old one that was put back"});
+  return Error(
+      Code::governance_renewal_refused,
+      {.field = "revision",
+       .expected = "more than " + std::to_string(former.revision()) + ", " + std::string(which),
+       .found = revision == 0 ? "none" : std::to_string(revision),
+       .hint = "sign the document anew with ddssec governance sign, which writes the next "
+               "revision, if it is not an old one that was put back"});
 }
 
 Status check_has_revision(const governance::CompiledGovernance& next,
@@ -69,25 +71,77 @@ std::shared_ptr<const Basis> Participant::basis() const {
   return basis_;
 }
 
-std::shared_ptr<const Basis> Participant::basis_for(std::string_view topic) const {
+Result<std::shared_ptr<const Basis>> Participant::basis_for(std::string_view topic) const {
   const std::lock_guard lock(mutex_);
   if (topics_in_use_.contains(topic)) return basis_;
+  DDSSEC_RETURN_IF_ERROR(check_new_topic(topic));
   has_more_topics_ = has_more_topics_ || topics_in_use_.size() >= kMostTopicsInUse;
   if (!has_more_topics_) topics_in_use_.emplace(topic);
   return basis_;
 }
 
+/// mutex_ is held. What was checked of the document that waits holds for the topics that were in
+/// use then.
+Status Participant::check_new_topic(std::string_view topic) const {
+  if (!pending_) return {};
+  const auto refused = [&](ErrorDetails details) {
+    details.note += (details.note.empty() ? "" : "; ") + std::string("the topic \"") +
+                    std::string(topic) + "\" was not in use when revision " +
+                    std::to_string(pending_->governance->revision()) + " of the document was taken";
+    return std::unexpected(Error(Code::governance_change_under_way, std::move(details)));
+  };
+  if (topics_in_use_.size() >= kMostTopicsInUse)
+    return refused({.field = "topics in use",
+                    .expected = "fewer than " + std::to_string(kMostTopicsInUse),
+                    .found = "more"});
+  const auto* const before = basis_->governance->topic_rule(topic);
+  const auto* const after = pending_->governance->topic_rule(topic);
+  if (are_alike(before, after)) return {};
+  if (before == nullptr || after == nullptr)
+    return refused({.line = after == nullptr ? 0 : after->line,
+                    .field = "topic_rule",
+                    .expected = before == nullptr ? "none" : "one, as in the document in force",
+                    .found = after == nullptr ? "none" : "one"});
+  const auto fits =
+      governance::check_topic_change(*before, pending_->governance->domain_rule(), *after);
+  if (fits) return {};
+  return refused(fits.error().details());
+}
+
 Result<Participant::Change> Participant::check_governance(
     const governance::CompiledGovernance& next) const {
   const std::lock_guard lock(mutex_);
-  return check(next);
+  return check(*basis_->governance, next);
+}
+
+Status Participant::check_after_pending(const governance::CompiledGovernance& next) const {
+  const std::lock_guard lock(mutex_);
+  if (!pending_) return {};
+  const auto& waiting = *pending_->governance;
+  if (next.revision() <= waiting.revision())
+    return std::unexpected(old_revision(waiting, next, "the one that is being put into force"));
+  DDSSEC_RETURN_IF_ERROR(check(waiting, next));
+  return {};
 }
 
 Status Participant::set_basis(Basis basis) {
   auto next = std::make_shared<const Basis>(std::move(basis));
   const std::lock_guard lock(mutex_);
+  return take(std::move(next));
+}
+
+Status Participant::set_governance(Basis basis) {
+  auto next = std::make_shared<const Basis>(std::move(basis));
+  const std::lock_guard lock(mutex_);
+  DDSSEC_RETURN_IF_ERROR(take(std::move(next)));
+  pending_ = nullptr;
+  return {};
+}
+
+/// mutex_ is held.
+Status Participant::take(std::shared_ptr<const Basis> next) {
   if (basis_ && next->governance != basis_->governance) {
-    DDSSEC_ASSIGN_OR_RETURN(const auto change, check(*next->governance));
+    DDSSEC_ASSIGN_OR_RETURN(const auto change, check(*basis_->governance, *next->governance));
     if (change == Change::phased) return std::unexpected(not_at_once());
   }
   basis_ = std::move(next);
@@ -105,25 +159,31 @@ void Participant::set_pending(Pending pending) {
   pending_ = std::move(next);
 }
 
+void Participant::drop_pending() {
+  const std::lock_guard lock(mutex_);
+  pending_ = nullptr;
+}
+
 std::shared_ptr<const governance::CompiledGovernance> Participant::other_governance() const {
   const std::lock_guard lock(mutex_);
   return pending_ ? pending_->governance : former_;
 }
 
-std::shared_ptr<const Participant::Pending> Participant::apply_pending() {
+bool Participant::apply_pending(const Sha256Digest& digest) {
   const std::lock_guard lock(mutex_);
-  if (!pending_) return nullptr;
+  if (!pending_ || pending_->digest != digest) return false;
   auto basis = std::make_shared<Basis>(*basis_);
   former_ = basis->governance;
   basis->governance = pending_->governance;
   basis->governance_digest = pending_->digest;
   basis_ = std::move(basis);
-  return std::exchange(pending_, nullptr);
+  pending_ = nullptr;
+  return true;
 }
 
 /// mutex_ is held.
-Result<Participant::Change> Participant::check(const governance::CompiledGovernance& next) const {
-  const auto& former = *basis_->governance;
+Result<Participant::Change> Participant::check(const governance::CompiledGovernance& former,
+                                               const governance::CompiledGovernance& next) const {
   if (next.revision() < former.revision()) return std::unexpected(old_revision(former, next));
   DDSSEC_ASSIGN_OR_RETURN(const auto change,
                           governance::live_change(former.domain_rule(), next.domain_rule()));

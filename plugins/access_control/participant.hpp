@@ -42,8 +42,10 @@ class Participant {
   spi::WarningDays warn_before_end = {};
 
   std::shared_ptr<const Basis> basis() const;
-  /// The same for a host that asks how a topic is protected, and keeps the answer.
-  std::shared_ptr<const Basis> basis_for(std::string_view topic) const;
+  /// The same for a host that asks how a topic is protected, and keeps the answer. Error:
+  /// governance_change_under_way, if the topic comes into use while a document waits that cannot be
+  /// applied to it.
+  Result<std::shared_ptr<const Basis>> basis_for(std::string_view topic) const;
   /// How a governance document may take the place of the one in force.
   enum class Change : std::uint8_t {
     at_once,  ///< each topic that was ever in use is protected as before
@@ -53,8 +55,14 @@ class Participant {
   /// revision, or neither has one and no topic is protected more. Error:
   /// governance_renewal_refused.
   Result<Change> check_governance(const governance::CompiledGovernance& next) const;
+  /// Success if no document waits, or if `next` has a higher revision than the one that waits and
+  /// may take its place in the same way: some participants may have applied that one already.
+  /// Error: governance_renewal_refused.
+  Status check_after_pending(const governance::CompiledGovernance& next) const;
   /// Error: that of check_governance, for another one than before; it must be taken at once.
   Status set_basis(Basis basis);
+  /// The same for a later governance document: one that waited does not wait any more.
+  Status set_governance(Basis basis);
 
   /// A governance document that waits until the host has changed the protection of its endpoints.
   struct Pending {
@@ -63,14 +71,19 @@ class Participant {
   };
   std::shared_ptr<const Pending> pending() const;
   void set_pending(Pending pending);
+  void drop_pending();
   /// The rules of the document that waits, or else of the one before the last that waited; nullptr:
   /// there is neither.
   std::shared_ptr<const governance::CompiledGovernance> other_governance() const;
-  /// The document that waited is in force from now on. Returns it; nullptr: none waited.
-  std::shared_ptr<const Pending> apply_pending();
+  /// The document with that digest, which waited, is in force from now on. Returns false if it does
+  /// not wait.
+  bool apply_pending(const Sha256Digest& digest);
 
  private:
-  Result<Change> check(const governance::CompiledGovernance& next) const;
+  Status take(std::shared_ptr<const Basis> next);
+  Status check_new_topic(std::string_view topic) const;
+  Result<Change> check(const governance::CompiledGovernance& former,
+                       const governance::CompiledGovernance& next) const;
 
   mutable std::mutex mutex_;
   std::shared_ptr<const Basis> basis_;

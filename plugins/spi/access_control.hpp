@@ -160,8 +160,17 @@ class AccessControl {
                                                                      std::string_view) {
     return {};
   }
-  /// From now on the document that waited is in force; nothing happens if none waits.
-  virtual void apply_pending_governance(PermissionsHandle) {}
+  /// What an endpoint of the peer may do under the pending document. `writes`: the endpoint is a
+  /// DataWriter. Empty: it may not match, or no document waits.
+  virtual std::optional<RemoteDatareader> pending_permission(PermissionsHandle, bool /*writes*/,
+                                                             const EndpointRequest&) {
+    return {};
+  }
+  /// From now on the document that waited is in force. Returns false, and does nothing, if that
+  /// version does not wait.
+  virtual bool apply_pending_governance(PermissionsHandle, const GovernanceVersion&) {
+    return false;
+  }
 
   /// What the governance demands of the participant (DDS-Security 1.2, clause 9.4.2.9.22).
   virtual Result<ParticipantSecurityAttributes> participant_sec_attributes(

@@ -142,13 +142,14 @@ Status Admission::check_own(const EntityId& id, const NewEndpoint& endpoint) {
              : plugin.check_create_datareader(permissions, core_.own->domain_id(), request);
 }
 
-// Matched endpoints stay as they are; peers judge us by the renewed permissions from their next
-// handshake with us on.
+// Matched endpoints stay as they are, unless the governance has changed; peers judge us by the
+// renewed permissions from their next handshake with us on.
 bool Admission::may_still(const EntityId& id) {
   const auto asked = own_.find(id);
-  if (asked == own_.end() ||
-      core_.own->plugins().access_control.renewals(core_.own->permissions()) == 0)
-    return true;
+  const bool as_at_the_start =
+      !core_.governance_has_changed &&
+      core_.own->plugins().access_control.renewals(core_.own->permissions()) == 0;
+  if (asked == own_.end() || as_at_the_start) return true;
   const auto& [topic, partitions, data_tags] = asked->second;
   const auto status = check_own(id, {topic, partitions, data_tags, spi::PropertyList()});
   if (!status) core_.events.raise(Event(status.error()));
@@ -196,6 +197,17 @@ Status Admission::add_other_protection(const EntityId& id, std::string_view topi
   return core_.keyring.second().add(id, *other);
 }
 
+void Admission::drop_other_protections() {
+  auto& second = core_.keyring.second();
+  for (const auto& [id, asked] : own_) {
+    const auto* former = second.attributes(id);
+    const auto other =
+        core_.own->plugins().access_control.other_attributes(core_.own->permissions(), asked.topic);
+    if (former != nullptr && (!other || protection_id(*other) != protection_id(*former)))
+      second.remove(id);
+  }
+}
+
 Result<Admission::Announced> Admission::announced(const EntityId& id) {
   const auto& attributes = *core_.keyring.attributes(id);
   DDSSEC_ASSIGN_OR_RETURN(const auto ciphers, core_.keyring.required_ciphers(id));
@@ -210,7 +222,31 @@ std::optional<Admission::Permission> Admission::admit(const EntityId& local,
                                                       const Endpoint& remote) {
   const auto* attributes = core_.keyring.attributes(local);
   if (attributes == nullptr || !may_still(local)) return std::nullopt;
-  return admit({*attributes, is_reader(local), core_.keyring.second().attributes(local)}, remote);
+  const auto permission =
+      admit({*attributes, is_reader(local), core_.keyring.second().attributes(local)}, remote);
+  if (!core_.governance_changes) return permission;
+  auto& second = core_.keyring.second();
+  second.permit(local, remote.guid,
+                permission && may_as_well(is_reader(local), *permission, remote));
+  second.note_announced(
+      local, remote.guid,
+      permission && !spi::compatible(spi::security_info(*attributes), remote.info));
+  return permission;
+}
+
+/// Whether the remote endpoint may do the same when the document that waits is in force. Otherwise
+/// it gets no keys of the protection that this document demands.
+bool Admission::may_as_well(bool reads, const Permission& permission, const Endpoint& remote) {
+  auto& plugin = core_.own->plugins().access_control;
+  if (!plugin.pending_governance(core_.own->permissions())) return true;
+  const auto* peer = core_.find(remote.guid.prefix);
+  const auto* association = peer == nullptr ? nullptr : peer->state.association();
+  if (association == nullptr) return false;
+  const auto names = views_of(remote.partitions);
+  const auto later = plugin.pending_permission(
+      association->permissions.handle, reads,
+      {.topic_name = remote.topic, .partitions = names, .data_tags = remote.data_tags});
+  return later && later->relay_only == permission.relay_only;
 }
 
 std::vector<std::pair<EntityId, std::string>> Admission::own_topics() const {

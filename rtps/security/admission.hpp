@@ -76,6 +76,8 @@ class Admission {
   /// While the governance changes: gives the endpoint the protection of the other document, too, if
   /// it has none yet and differs. Error: that of cryptography.
   Status add_other_protection(const EntityId& id, std::string_view topic);
+  /// Takes second protections away that the other document does not demand any more.
+  void drop_other_protections();
   /// Called when local endpoints have another protection, which is to be announced.
   void on_protection(std::function<void()> announce) { announce_ = std::move(announce); }
   void announce_protection() const {
@@ -94,8 +96,10 @@ class Admission {
     spi::PropertyList data_tags;
   };
   Status check_own(const EntityId& id, const NewEndpoint& endpoint);
-  /// False: our own permissions were renewed, and do not allow it any more. An event says so.
+  /// False: our own permissions were renewed, or the governance changed, and they do not allow it
+  /// any more. An event says so.
   bool may_still(const EntityId& id);
+  bool may_as_well(bool reads, const Permission& permission, const Endpoint& remote);
   Status check_ciphers(VendorId vendor, spi::CipherMask required) const;
   Status check_participant(const ParticipantData& data) const;
   Status check_domain(const ParticipantData& proven) const;

@@ -175,7 +175,7 @@ Status SecondProtections::add(const EntityId& id,
   if (first == nullptr) return fail(Code::crypto_not_matched);
   LocalKeys local{attributes};
   local.properties = first->properties;
-  remove(id);
+  keys_.remove(others_, id);
   return keys_.add(others_, id, std::move(local));
 }
 
@@ -185,11 +185,67 @@ const spi::EndpointSecurityAttributes* SecondProtections::attributes(const Entit
 }
 
 void SecondProtections::swap() noexcept {
+  is_swapped_ = !is_swapped_;
   for (auto& [id, other] : others_)
     if (const auto at = first_.find(id); at != first_.end()) std::swap(at->second, other);
 }
 
+void SecondProtections::permit(const EntityId& id, const Guid& remote, bool may) {
+  if (may) {
+    permitted_[id].insert(remote);
+    return;
+  }
+  forget(permitted_, id, remote);
+  const auto* other = rtps::find(others_, id);
+  if (!is_swapped_ && other != nullptr && other->pairs.contains(remote)) keys_.remove(others_, id);
+}
+
+bool SecondProtections::is_permitted(const EntityId& id, const Guid& remote) const {
+  const auto of = permitted_.find(id);
+  return of != permitted_.end() && of->second.contains(remote);
+}
+
+void SecondProtections::note_announced(const EntityId& id, const Guid& remote, bool with_second) {
+  if (with_second)
+    announced_with_second_[id].insert(remote);
+  else
+    forget(announced_with_second_, id, remote);
+}
+
+bool SecondProtections::any_announced_with_second(const GuidPrefix& prefix) const {
+  return std::ranges::any_of(announced_with_second_, [&](const auto& of) {
+    const auto at = of.second.lower_bound({prefix, {}});
+    return at != of.second.end() && at->prefix == prefix;
+  });
+}
+
+void SecondProtections::forget(Pairs& from, const EntityId& id, const Guid& remote) {
+  if (const auto of = from.find(id); of != from.end()) of->second.erase(remote);
+}
+
+void SecondProtections::remove(const EntityId& id) {
+  permitted_.erase(id);
+  announced_with_second_.erase(id);
+  keys_.remove(others_, id);
+}
+
+void SecondProtections::part(const EntityId& id, const Guid& remote) {
+  forget(permitted_, id, remote);
+  forget(announced_with_second_, id, remote);
+  keys_.part(others_, id, remote, false);
+}
+
+void SecondProtections::part_all(const GuidPrefix& remote) {
+  for (auto* pairs : {&permitted_, &announced_with_second_})
+    for (auto& [id, guids] : *pairs)
+      std::erase_if(guids, [&](const Guid& guid) { return guid.prefix == remote; });
+  keys_.part_all(others_, remote);
+}
+
 void SecondProtections::remove_all() {
+  permitted_.clear();
+  announced_with_second_.clear();
+  is_swapped_ = false;
   while (!others_.empty()) remove(EntityId(others_.begin()->first));
 }
 
@@ -220,7 +276,7 @@ std::vector<std::pair<EntityId, Guid>> SecondProtections::incomplete_pairs(
   const auto add = [&](const EntityId& id, const LocalKeys& has, const LocalKeys& lacks) {
     for (auto at = has.pairs.lower_bound({prefix, {}});
          at != has.pairs.end() && at->first.prefix == prefix; ++at)
-      if (!at->second.suspended && !lacks.pairs.contains(at->first))
+      if (!at->second.suspended && !lacks.pairs.contains(at->first) && is_permitted(id, at->first))
         out.emplace_back(id, at->first);
   };
   for (const auto& [id, other] : others_)
@@ -234,7 +290,8 @@ std::vector<std::pair<EntityId, Guid>> SecondProtections::incomplete_pairs(
 Result<SecondProtections::Completion> SecondProtections::complete(const EntityId& id,
                                                                   const Guid& remote) {
   const auto first = first_.find(id), other = others_.find(id);
-  if (first == first_.end() || other == others_.end()) return Completion{};
+  if (first == first_.end() || other == others_.end() || !is_permitted(id, remote))
+    return Completion{};
   const auto in_first = first->second.pairs.find(remote);
   const auto in_other = other->second.pairs.find(remote);
   const bool has_first = in_first != first->second.pairs.end();

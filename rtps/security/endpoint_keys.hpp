@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <unordered_map>
 #include <vector>
 
@@ -115,9 +116,9 @@ class SecondProtections {
   /// From now on the second protection of each endpoint is the first one, and the other way round.
   void swap() noexcept;
   void remove_all();
-  void remove(const EntityId& id) { keys_.remove(others_, id); }
-  void part(const EntityId& id, const Guid& remote) { keys_.part(others_, id, remote, false); }
-  void part_all(const GuidPrefix& remote) { keys_.part_all(others_, remote); }
+  void remove(const EntityId& id);
+  void part(const EntityId& id, const Guid& remote);
+  void part_all(const GuidPrefix& remote);
 
   /// The first protection; 0: unknown endpoint.
   ProtectionId first_of(const EntityId& id) const;
@@ -125,6 +126,14 @@ class SecondProtections {
   bool has(const EntityId& id, ProtectionId protection) const;
   /// The second protection with its keys, if it is that one; or nullptr.
   LocalKeys* find(const EntityId& id, ProtectionId protection);
+  /// Whether the pair may have keys for both protections. As long as nothing is said, it may not.
+  /// If it has keys of the protection that is to come, that protection is removed: it needs new
+  /// keys.
+  void permit(const EntityId& id, const Guid& remote, bool may);
+  /// The remote endpoint is announced with the first protection, or only with the second one.
+  void note_announced(const EntityId& id, const Guid& remote, bool with_second);
+  /// True if an endpoint of that peer is announced only with the second protection.
+  bool any_announced_with_second(const GuidPrefix& prefix) const;
   /// True if a pair with an endpoint of that peer exists whose local endpoint has two protections.
   bool any_with(const GuidPrefix& prefix) const;
   /// The pairs with endpoints of that peer that one protection has and the other one lacks.
@@ -137,9 +146,17 @@ class SecondProtections {
   Result<Completion> complete(const EntityId& id, const Guid& remote);
 
  private:
+  /// Of local endpoints, with the remote ones.
+  using Pairs = std::map<EntityId, std::set<Guid>>;
+  bool is_permitted(const EntityId& id, const Guid& remote) const;
+  static void forget(Pairs& from, const EntityId& id, const Guid& remote);
+
   Locals& first_;
   EndpointKeys& keys_;
   Locals others_;
+  Pairs permitted_;
+  Pairs announced_with_second_;
+  bool is_swapped_ = false;  ///< the second protections are the former ones
 };
 
 }  // namespace ddssec::rtps

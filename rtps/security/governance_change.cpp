@@ -54,11 +54,7 @@ void GovernanceChange::each_joined(F&& f) {
 // ---- phases
 
 void GovernanceChange::tick() {
-  auto& access = core_.own->plugins().access_control;
-  if (phase_ == Phase::none) {
-    const auto next = access.pending_governance(core_.own->permissions());
-    if (next && !revision_.is_busy()) begin(*next);
-  }
+  if (phase_ != Phase::draining) look();
   if (phase_ == Phase::none) return tell_all();
   // Peers send keys for the second protection as soon as they hear of it.
   if (phase_ == Phase::accepting && !add_protections()) return;
@@ -73,10 +69,27 @@ void GovernanceChange::tick() {
     const bool any_is_behind = std::ranges::any_of(core_.peers, [&](const auto& one) {
       const auto* association = one.second.state.association();
       return association != nullptr && association->governance.takes_part &&
-             association->governance.said->state == State::changing;
+             (association->governance.said->state == State::changing ||
+              core_.keyring.second().any_announced_with_second(one.first));
     });
     if (!any_is_behind || core_.now >= deadline_) end();
   }
+}
+
+void GovernanceChange::look() {
+  const auto next =
+      core_.own->plugins().access_control.pending_governance(core_.own->permissions());
+  if (phase_ == Phase::accepting && next != target_) begin_again(next);
+  core_.governance_waits = next.has_value();
+  if (!next) waits_since_.reset();
+  if (phase_ == Phase::none && next && may_begin()) begin(*next);
+}
+
+// The keys of a revision that is under way count for the first protection. Revisions without end,
+// which an insider may cause, delay the change for no longer than its own time.
+bool GovernanceChange::may_begin() {
+  if (!waits_since_) waits_since_ = core_.now;
+  return !revision_.is_busy() || core_.now >= *waits_since_ + core_.own->governance_change_time();
 }
 
 // Keys of the second protection are not revised. They are not used to send from here on, and
@@ -91,16 +104,34 @@ void GovernanceChange::begin(const Version& next) {
   target_ = next;
   phase_ = Phase::accepting;
   has_failed_ = false;
+  any_lost_ = false;
   core_.governance_changes = true;
+  waits_since_.reset();
+  begun_ = core_.now;
   deadline_ = core_.now + core_.own->governance_change_time();
   each_joined([&](Peer& peer) { refresh(peer); });
+  judge_matches();
 }
 
+// Whatever documents follow one another, the first phase lasts at most twice its time.
+void GovernanceChange::begin_again(const std::optional<Version>& next) {
+  if (!next) return end();
+  admission_.drop_other_protections();
+  const auto begun = begun_;
+  const auto latest = begun + 2 * core_.own->governance_change_time();
+  begin(*next);
+  begun_ = begun;
+  deadline_ = std::min(deadline_, latest);
+}
+
+// Another document may have come since: the next tick begins with that one.
 void GovernanceChange::change() {
+  auto& access = core_.own->plugins().access_control;
+  if (!access.apply_pending_governance(core_.own->permissions(), *target_)) return;
   report_behind();
   core_.sender.flush();
   core_.keyring.second().swap();
-  core_.own->plugins().access_control.apply_pending_governance(core_.own->permissions());
+  core_.governance_has_changed = true;
   phase_ = Phase::draining;
   // A peer that has the document sends with the new protection before its own time is over.
   deadline_ = core_.now + core_.own->governance_change_time() + kMargin;
@@ -111,12 +142,13 @@ void GovernanceChange::change() {
 
 void GovernanceChange::end() {
   core_.keyring.second().remove_all();
-  core_.governance_changes = false;
+  core_.governance_changes = core_.governance_waits = false;
   phase_ = Phase::none;
   deadline_ = kNever;
   each_joined([&](Peer& peer) { refresh(peer); });
   tell_all();
   judge_matches();
+  if (std::exchange(any_lost_, false)) revision_.request(KeyRevision::Why::right_lost);
 }
 
 bool GovernanceChange::add_protections() {
@@ -152,21 +184,31 @@ bool GovernanceChange::is_ready(const Peer& peer) const {
   return has_changed(peer) && KeyExchange::is_up_to_date(peer);
 }
 
+// A peer that has another document than we, but not the one in force here, takes part as well: what
+// matters is that it has a protection of ours.
 void GovernanceChange::refresh(Peer& peer) const {
   auto* association = peer.state.association();
   if (association == nullptr) return;
-  association->governance.takes_part = has_changed(peer);
+  const auto in_force =
+      core_.own->plugins().access_control.governance_version(core_.own->permissions());
+  const auto& said = association->governance.said;
+  association->governance.takes_part =
+      has_changed(peer) || (said && in_force && said->version.revision > in_force->revision);
 }
 
 void GovernanceChange::report_behind() {
   each_joined([&](Peer& peer) {
     if (!core_.keyring.second().any_with(peer.prefix()) || has_changed(peer)) return;
+    const auto& said = peer.state.association()->governance.said;
+    const bool is_ahead = said && said->version.revision > target_->revision;
     core_.raise(
-        Error(Code::governance_peer_behind,
+        Error(is_ahead ? Code::governance_peer_ahead : Code::governance_peer_behind,
               {.document = "governance",
                .field = "revision",
                .expected = std::to_string(target_->revision),
-               .note = "its endpoints of the topics that are protected more no longer match"}),
+               .found = is_ahead ? std::to_string(said->version.revision) : std::string(),
+               .note = "its endpoints no longer match on topics that the two documents protect "
+                       "differently"}),
         peer, Origin::its_keys);
   });
 }
@@ -174,7 +216,7 @@ void GovernanceChange::report_behind() {
 void GovernanceChange::judge_matches() {
   std::vector<GuidPrefix> prefixes;
   each_joined([&](Peer& peer) { prefixes.push_back(peer.prefix()); });
-  for (const auto& prefix : prefixes) core_.host.on_rights_changed(prefix);
+  for (const auto& prefix : prefixes) any_lost_ = core_.host.on_rights_changed(prefix) || any_lost_;
 }
 
 // ---- messages

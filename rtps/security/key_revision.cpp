@@ -4,16 +4,24 @@
 
 namespace ddssec::rtps {
 
+void KeyRevision::request(Why why) {
+  if (!is_enabled()) return;
+  const auto by = why == Why::trust_lost ? core_.now : core_.now + kMostDelay;
+  due_by_ = std::min(due_by_.value_or(kNever), by);
+}
+
 // A peer that loses its trust meanwhile may have the keys that are being sent. Then these are still
 // put to use, and another revision follows, which excludes all peers that lost trust until then.
 void KeyRevision::tick() {
   if (under_way_ && (core_.now >= under_way_->deadline || all_are_up_to_date())) finish();
-  if (!under_way_ && is_due_ && core_.now >= retry_) begin();
+  const bool is_due = due_by_ && (!core_.governance_waits || is_urgent());
+  if (!under_way_ && is_due && core_.now >= retry_) begin();
 }
 
 MonotonicTime KeyRevision::next_tick() const {
   if (under_way_) return all_are_up_to_date() ? core_.now : under_way_->deadline;
-  return is_due_ ? std::max(core_.now, retry_) : kNever;
+  if (!due_by_) return kNever;
+  return std::max({core_.now, retry_, core_.governance_waits ? *due_by_ : MonotonicTime::zero()});
 }
 
 void KeyRevision::begin() {
@@ -23,7 +31,7 @@ void KeyRevision::begin() {
     retry_ = core_.now + kRetry;
     return;
   }
-  is_due_ = false;
+  due_by_.reset();
   absent_.clear();
   under_way_ = {*number, core_.now + kPatience};
   exchange_.set_revising(true);

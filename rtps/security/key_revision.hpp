@@ -14,6 +14,8 @@ class KeyRevision {
   static constexpr MonotonicTime kPatience = std::chrono::seconds(5);
   /// Time until the next attempt after creating revised keys failed.
   static constexpr MonotonicTime kRetry = std::chrono::seconds(1);
+  /// How long a revision that can wait does so at most, while the governance changes.
+  static constexpr MonotonicTime kMostDelay = std::chrono::seconds(60);
   /// Limit for peers that left with the local keys and whose trust is still watched. If there is
   /// one more, keys are revised.
   static constexpr std::size_t kMaxAbsent = 256;
@@ -21,10 +23,13 @@ class KeyRevision {
   KeyRevision(SecurityCore& core, KeyExchange& exchange) : core_(core), exchange_(exchange) {}
 
   bool is_enabled() const { return core_.own->attributes().is_key_revision_enabled; }
-  /// True if a revision is requested or under way.
-  bool is_busy() const { return is_due_ || under_way_; }
-  /// Requests new keys as soon as possible.
-  void request() { is_due_ = is_enabled(); }
+  /// True if a revision is under way, or requested and does not wait.
+  bool is_busy() const { return under_way_ || is_urgent(); }
+  enum class Why : std::uint8_t {
+    trust_lost,  ///< or asked for by the application: as soon as possible
+    right_lost,  ///< a peer may do less than before: when the governance does not change
+  };
+  void request(Why why = Why::trust_lost);
   void tick();
   MonotonicTime next_tick() const;
   /// Must be called once a second: checks whether the lifetime of the keys has ended.
@@ -58,6 +63,7 @@ class KeyRevision {
     MonotonicTime deadline;
   };
 
+  bool is_urgent() const { return due_by_ && core_.now >= *due_by_; }
   void begin();
   void finish();
   bool all_are_up_to_date() const;
@@ -65,7 +71,7 @@ class KeyRevision {
   SecurityCore& core_;
   KeyExchange& exchange_;
   std::vector<Absent> absent_;
-  bool is_due_ = false;
+  std::optional<MonotonicTime> due_by_;  ///< one is requested, and must begin then
   std::optional<UnderWay> under_way_;
   MonotonicTime retry_{};
 };

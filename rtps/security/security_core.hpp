@@ -111,6 +111,8 @@ struct SecurityCore {
   std::shared_ptr<const Bytes> own_data;
   MonotonicTime now{};              ///< time of the current call
   bool governance_changes = false;  ///< endpoints have two protections (GovernanceChange)
+  bool governance_has_changed = false;
+  bool governance_waits = false;  ///< they have, or will as soon as no keys are being revised
 };
 
 }  // namespace ddssec::rtps

@@ -207,6 +207,47 @@ TEST_F(AuthorityRenewal, CaWithoutOverlap_IsTakenTogetherWithOurDocuments) {
   EXPECT_TRUE(may_publish("t"));
 }
 
+TEST_F(AuthorityRenewal, GovernanceThatComesWithAnotherCa_IsAnEvent) {
+  topic_rules().insert(topic_rules().begin(), open_rule());
+  sign_all(second());
+  put({&second()});
+  EXPECT_THAT(codes_after_looking(),
+              testing::UnorderedElementsAre(Code::permissions_ca_renewed, Code::permissions_renewed,
+                                            Code::governance_renewed));
+}
+
+/// Whose endpoints can get another protection.
+class ChangingHost : public AuthorityRenewal {
+ protected:
+  void SetUp() override {
+    make({.host_changes_protection = true});
+    protect(ProtectionKind::none);
+    own_ = from_files();
+    AuthorityRenewal::SetUp();
+    EXPECT_EQ(data_of("t"), ProtectionKind::none);
+  }
+  void protect(ProtectionKind kind) {
+    for (auto& one : topic_rules()) one.metadata_protection_kind = one.data_protection_kind = kind;
+  }
+};
+
+// The key of a CA that leaves at once may have been stolen.
+TEST_F(ChangingHost, CaLeavesWhileItsDocumentWaits_TheDocumentIsDropped) {
+  put({&first(), &second()});
+  codes_after_looking();
+  governance_document.revision = 9;
+  protect(ProtectionKind::encrypt);
+  folder_.replace("governance.p7s", governance(second()));
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_changing));
+  const auto waiting = *plugin->pending_governance(*own_);
+  put({&first()});
+  EXPECT_THAT(codes_after_looking(),
+              ElementsAre(Code::permissions_ca_renewed, Code::governance_renewal_refused));
+  EXPECT_FALSE(plugin->pending_governance(*own_));
+  EXPECT_FALSE(plugin->apply_pending_governance(*own_, waiting));
+  EXPECT_EQ(data_of("t"), ProtectionKind::none);
+}
+
 TEST_F(AuthorityRenewal, DocumentsThatComeOneLookLater_AreNoRefusal) {
   put({&second()});
   look();

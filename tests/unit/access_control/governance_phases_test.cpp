@@ -59,6 +59,10 @@ class GovernancePhases : public AccessControlTest {
     return attributes ? attributes->payload : ProtectionKind::none;
   }
   std::uint32_t revision() { return plugin->governance_version(*own_)->revision; }
+  bool apply() {
+    const auto pending = plugin->pending_governance(*own_);
+    return pending && plugin->apply_pending_governance(*own_, *pending);
+  }
   bool waits() { return plugin->pending_governance(*own_).has_value(); }
 
   const test::TemporaryFolder folder_;
@@ -81,7 +85,7 @@ TEST_F(GovernancePhases, MoreProtection_WaitsUntilTheHostHasChangedItsEndpoints)
   EXPECT_EQ(plugin->other_attributes(*own_, "t")->payload, kEncrypt);
   EXPECT_THAT(codes_after_looking(), IsEmpty()) << "begins once";
   const auto digest = plugin->pending_governance(*own_)->digest;
-  plugin->apply_pending_governance(*own_);
+  EXPECT_TRUE(apply());
   EXPECT_EQ(data_of("t"), kEncrypt);
   EXPECT_EQ(plugin->other_attributes(*own_, "t")->payload, kSign) << "for the second phase";
   EXPECT_FALSE(waits());
@@ -97,7 +101,7 @@ TEST_F(GovernancePhases, OldDocument_IsRefusedAsARollBack) {
   raise();
   put(3);
   codes_after_looking();
-  plugin->apply_pending_governance(*own_);
+  EXPECT_TRUE(apply());
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewed));
   for (const auto& text : {old, document(2), document(0)}) {
     put(text);
@@ -133,7 +137,7 @@ TEST_F(GovernancePhases, LessProtection_NamesWhatMustRestart) {
   raise();
   put(2);
   codes_after_looking();
-  plugin->apply_pending_governance(*own_);
+  EXPECT_TRUE(apply());
   codes_after_looking();
   topic().data_protection_kind = kSign;
   put(3);
@@ -142,18 +146,73 @@ TEST_F(GovernancePhases, LessProtection_NamesWhatMustRestart) {
   EXPECT_EQ(data_of("t"), kEncrypt);
 }
 
-TEST_F(GovernancePhases, FurtherDocumentsWhileOneWaits_AreLookedAtAfterwards) {
+TEST_F(GovernancePhases, LaterDocumentWhileOneWaits_TakesItsPlace) {
   raise();
   put(2);
   codes_after_looking();
+  const auto before = *plugin->pending_governance(*own_);
   for (std::uint32_t i = 3; i < 20; ++i) {
     put(i);
-    EXPECT_THAT(codes_after_looking(), IsEmpty());
+    EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_changing));
   }
-  EXPECT_EQ(plugin->pending_governance(*own_)->revision, 2u);
-  plugin->apply_pending_governance(*own_);
+  EXPECT_EQ(plugin->pending_governance(*own_)->revision, 19u);
+  EXPECT_FALSE(plugin->apply_pending_governance(*own_, before)) << "it waits no more";
+  EXPECT_EQ(data_of("t"), kSign);
+  EXPECT_TRUE(apply());
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewed));
   EXPECT_EQ(revision(), 19u);
+}
+
+TEST_F(GovernancePhases, EarlierOrOtherDocumentWhileOneWaits_IsRefused) {
+  const auto in_force = document(1);
+  raise();
+  const auto waiting = document(3);
+  put(waiting);
+  codes_after_looking();
+  const auto expected = *plugin->pending_governance(*own_);
+  topic().data_protection_kind = kSign;
+  for (const auto& text : {in_force, document(2), document(3), document(0)}) {
+    put(text);
+    EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewal_refused));
+    EXPECT_EQ(plugin->pending_governance(*own_), expected);
+  }
+  put(waiting);
+  EXPECT_THAT(codes_after_looking(), IsEmpty());
+  EXPECT_TRUE(apply());
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewed));
+}
+
+TEST_F(GovernancePhases, LaterDocumentThatProtectsLessThanTheOneThatWaits_IsRefused) {
+  raise();
+  put(2);
+  codes_after_looking();
+  topic().metadata_protection_kind = topic().data_protection_kind = kSign;
+  auto& rules = governance_document.domain_rules[0].topic_rules;
+  auto other = topic();
+  other.topic_expression = "other";
+  rules.insert(rules.begin(), other);
+  put(3);
+  expect_refused("metadata_protection_kind", "expected ENCRYPT, found SIGN");
+  EXPECT_EQ(plugin->pending_governance(*own_)->revision, 2u);
+}
+
+TEST_F(GovernancePhases, NewTopicWhileOneWaits_MustFitIt) {
+  raise();
+  auto& rules = governance_document.domain_rules[0].topic_rules;
+  auto less = topic();
+  less.topic_expression = "less";
+  less.metadata_protection_kind = less.data_protection_kind = ProtectionKind::none;
+  rules.insert(rules.begin(), less);
+  put(2);
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_changing));
+  EXPECT_EQ(data_of("new"), kSign);
+  const auto refused = plugin->datawriter_sec_attributes(*own_, {.topic_name = "less"});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code(), Code::governance_change_under_way);
+  EXPECT_THAT(refused.error().to_sentence(), HasSubstr("\"less\" was not in use when revision 2"));
+  EXPECT_TRUE(apply());
+  EXPECT_TRUE(plugin->datawriter_sec_attributes(*own_, {.topic_name = "less"}));
+  EXPECT_EQ(data_of("less"), ProtectionKind::none);
 }
 
 TEST_F(GovernancePhases, HalfOfADocumentOrOneOfAnotherCa_ChangesNothing) {

@@ -30,6 +30,14 @@ TEST_P(Entities, AreDeletedFromTheInsideOut) {
   EXPECT_FALSE(participant.contains_entities());
 }
 
+// Protected submessages name endpoints by these numbers, and what is meant for one participant
+// stands outside of them. If the numbers were the same in all processes, a HEARTBEAT for one reader
+// would fit the readers of all others.
+TEST_P(Entities, OfTwoParticipantsHaveDifferentNumbers) {
+  EXPECT_NE(a.writer().guid().entity, b.writer().guid().entity);
+  EXPECT_NE(a.reader(reliable()).guid().entity, b.reader(reliable()).guid().entity);
+}
+
 TEST_P(Entities, AreDeletedByTheirOwnContainerAlone) {
   auto& writer = a.writer();
   auto& reader = a.reader(reliable());

@@ -1,0 +1,45 @@
+// Decides by documents in force, or about to be, what a participant may do. DDS-Security 1.2,
+// clause 9.4.
+#pragma once
+
+#include "plugins/access_control/access_control.hpp"
+#include "plugins/access_control/permissions_holder.hpp"
+
+namespace ddssec::access_control {
+
+/// Thread-safe. Raises no events. Errors: the refusals of refusals.hpp, and why there is no grant.
+class Judgement {
+ public:
+  /// `clock` must outlive this object.
+  Judgement(const Clock& clock, bool accept_relays)
+      : clock_(clock), accept_relays_(accept_relays) {}
+
+  Result<Grant> grant_now(PermissionsHolder& holder) const { return holder.grant(clock_.now()); }
+  Status participant(PermissionsHolder& holder) const;
+  Status topic(PermissionsHolder& holder, std::string_view name) const;
+  Status endpoint(PermissionsHolder& holder, governance::Action action,
+                  const spi::EndpointRequest& request) const;
+  /// What the host asks, as a peer announced it.
+  Status announced(PermissionsHolder& holder, governance::Action action,
+                   const spi::EndpointRequest& request) const;
+  /// True if an endpoint that the peer announced, in partitions of the local one, may do that.
+  bool may_as_announced(PermissionsHolder& holder, governance::Action action,
+                        const spi::EndpointRequest& local) const;
+  /// The same as `endpoint` for a reader, which may only relay if it may not read.
+  Result<spi::AccessControl::RemoteDatareader> reader(PermissionsHolder& holder,
+                                                      const spi::EndpointRequest& request) const;
+  /// Under the document that waits. Empty: the endpoint may not match, or no document waits.
+  std::optional<spi::AccessControl::RemoteDatareader> pending(
+      PermissionsHolder& holder, governance::Action action,
+      const spi::EndpointRequest& request) const;
+
+ private:
+  Status by(const governance::CompiledGovernance& rules, PermissionsHolder& holder,
+            governance::Action action, const spi::EndpointRequest& request) const;
+  bool may_relay(PermissionsHolder& holder, const spi::EndpointRequest& request) const;
+
+  const Clock& clock_;
+  const bool accept_relays_;
+};
+
+}  // namespace ddssec::access_control
