@@ -59,10 +59,14 @@ struct Question {
   WallTime now;
 };
 
-/// The reason why the participant does not start at all, as `doctor` and `check` report it.
+doctor::Diagnosis diagnosis_for(const Question& question) {
+  return diagnosis_of(question.folder,
+                      {.now = question.now, .domain = question.domain, .may_run_elsewhere = true});
+}
+
+/// The reason why the participant does not start at all, as `check` reports it.
 std::optional<Answer> by_doctor(const Question& question) {
-  const auto diagnosis =
-      diagnosis_of(question.folder, {.now = question.now, .domain = question.domain});
+  const auto diagnosis = diagnosis_for(question);
   for (const auto& check : diagnosis.checks()) {
     const auto worst = check.outcomes.ours;
     const bool is_about_topics = check.rule == Rule::DOC103 && worst == doctor::Outcome::late;
@@ -234,6 +238,14 @@ void note_drop_in(const Question& question, Report& report) {
   report.findings.push_back(*std::move(finding));
 }
 
+// Of Fast DDS's file too, since the question names no product.
+void warn_of_places(const Question& question, Report& report) {
+  const auto diagnosis = diagnosis_for(question);
+  for (const auto& check : diagnosis.checks())
+    if (check.rule == Rule::DOC007)
+      report.findings.insert(report.findings.end(), check.findings.begin(), check.findings.end());
+}
+
 // All steps as in check: identity, grant, joining, topic rule and rights.
 Result<Answer> answer_to(const Question& question) {
   if (auto answer = by_revocation(question.folder.paths)) return *std::move(answer);
@@ -314,6 +326,7 @@ Result<Report> can(const Arguments& arguments, const Context& context) {
                                                              .line = answer.line,
                                                              .found = answer.because,
                                                              .hint = answer.hint});
+  warn_of_places(question, report);
   note_stock_products(folder, report);
   if (answer.allowed) {
     note_refused_topic(question, report);

@@ -179,7 +179,8 @@ Result<Report> check(const Arguments& arguments, const Context& context) {
        .domain = domain,
        .partitions = arguments.all("--partition"),
        .writes = {wanted == Wanted::both || wanted == Wanted::writer_a,
-                  wanted == Wanted::both || wanted == Wanted::writer_b}},
+                  wanted == Wanted::both || wanted == Wanted::writer_b},
+       .may_run_elsewhere = true},
       topics);
   const MeetingView view{.meeting = meeting,
                          .names = {names[0], names[1]},

@@ -14,6 +14,7 @@
 #include "governance/doctor/configuration_checks.hpp"
 #include "governance/doctor/cyclonedds_configuration.hpp"
 #include "governance/doctor/expanded_variables.hpp"
+#include "governance/doctor/named_files.hpp"
 #include "governance/doctor/shell_word.hpp"
 #include "pki/source.hpp"
 
@@ -22,24 +23,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
+using Files = pki::ParticipantFolder;
+
 constexpr std::size_t kMostOctets = 1024 * 1024;
 
 // Measured with Fast DDS 2.9.1: any value that begins with 1 counts.
 constexpr const char* kSkipVariable = "SKIP_DEFAULT_XML_FILE";
-
-std::string without_escapes(std::string_view text) {
-  constexpr std::pair<std::string_view, char> kEscapes[] = {
-      {"&amp;", '&'}, {"&lt;", '<'}, {"&gt;", '>'}, {"&quot;", '"'}, {"&apos;", '\''}};
-  std::string out;
-  while (!text.empty()) {
-    const auto* const escape = std::ranges::find_if(
-        kEscapes, [&](const auto& one) { return text.starts_with(one.first); });
-    const bool is_escape = escape != std::end(kEscapes);
-    out += is_escape ? escape->second : text.front();
-    text.remove_prefix(is_escape ? escape->first.size() : 1);
-  }
-  return out;
-}
 
 // Empty for a relative path, which depends on where the application starts.
 std::optional<fs::path> next_path(std::string_view& text) {
@@ -65,85 +54,6 @@ std::optional<fs::path> other_folder(std::string_view text, const pki::Participa
     }
   }
   return std::nullopt;
-}
-
-/// A file of a participant, as configurations call it.
-struct Role {
-  std::string_view element;   ///< of Cyclone DDS's configuration, lower case
-  std::string_view property;  ///< the last part of Fast DDS's property
-  fs::path pki::ParticipantFolder::*judged;
-};
-using Files = pki::ParticipantFolder;
-constexpr Role kRoles[] = {
-    {"identityca", "identity_ca", &Files::identity_ca},
-    {"identitycertificate", "identity_certificate", &Files::certificate},
-    {"privatekey", "private_key", &Files::key},
-    {"crl", "identity_crl", &Files::crl},
-    {"permissionsca", "permissions_ca", &Files::permissions_ca},
-    {"governance", "governance", &Files::governance},
-    {"permissions", "permissions", &Files::permissions},
-};
-
-/// The value in a configuration for a role.
-struct Named {
-  const Role* role;
-  std::string value;  ///< "file:/a/b", "data:,..." or "pkcs11:..."
-};
-
-std::string content_of(std::string_view after_tag) {
-  return without_escapes(trimmed(after_tag.substr(0, after_tag.find("</")), " \t\r\n"));
-}
-
-// The values that apply to the domain; if there are none, everything that looks like them.
-std::vector<Named> named_by_cyclonedds(std::string_view text, const EffectiveSecurity& security,
-                                       DomainId domain) {
-  std::vector<Named> out;
-  if (security.problems.empty() && security.is_there) {
-    for (const auto* plugin : {&security.authentication, &security.access_control})
-      for (const auto& role : kRoles)
-        if (const auto* value = *plugin ? (*plugin)->value(role.element) : nullptr)
-          out.push_back({&role, expanded_variables(value->text, domain).value_or(value->text)});
-    // Measured: Cyclone DDS starts with an empty one, without a list.
-    std::erase_if(out, [](const Named& named) {
-      return named.role->judged == &Files::crl && named.value.empty();
-    });
-    return out;
-  }
-  for (const auto& role : kRoles)
-    for (auto tag = find_tag(text, role.element); tag; tag = find_tag(tag->after, role.element))
-      out.push_back({&role, content_of(tag->after)});
-  return out;
-}
-
-const Role* role_of_property(std::string_view name) {
-  const auto* const role =
-      std::ranges::find(kRoles, name.substr(name.rfind('.') + 1), &Role::property);
-  return name.starts_with("dds.sec.") && role != std::end(kRoles) ? role : nullptr;
-}
-
-// Everything that looks like a property, in any profile and in a text that is not well-formed.
-std::vector<Named> named_anywhere_by_fastdds(std::string_view text) {
-  std::vector<Named> out;
-  for (auto tag = find_tag(text, "name"); tag; tag = find_tag(tag->after, "name")) {
-    const auto value = find_tag(tag->after, "value");
-    const auto* const role = role_of_property(content_of(tag->after));
-    if (value && role != nullptr) out.push_back({role, content_of(value->after)});
-  }
-  return out;
-}
-
-// The values of the default profile, of which the last one counts.
-std::vector<Named> named_by_fastdds(std::string_view text) {
-  const auto properties = properties_of_profile(text);
-  if (!properties) return named_anywhere_by_fastdds(without_comments(text));
-  std::vector<Named> out;
-  for (const auto& [name, value] : *properties) {
-    const auto* const role = role_of_property(name);
-    if (role == nullptr) continue;
-    std::erase_if(out, [&](const Named& earlier) { return earlier.role == role; });
-    out.push_back({role, value});
-  }
-  return out;
 }
 
 Result<Bytes> octets_of(const fs::path& path) {
@@ -183,6 +93,7 @@ struct Configuration {
   Outcomes outcomes;  ///< where it names another file
   std::vector<Named> files;
   bool is_fastdds = false;
+  bool may_run_elsewhere = false;  ///< as in Settings
 };
 
 bool has_scheme(std::string_view value) {
@@ -195,35 +106,56 @@ bool has_fastdds_scheme(std::string_view value) {
          value.starts_with("pkcs11:");
 }
 
-// Also for a file that exists and cannot be read.
-bool is_missing(const std::string& value) {
-  if (!value.starts_with("file:")) return false;
-  auto name = std::string_view(value).substr(std::string_view("file:").size());
+bool is_path(const Named& named) { return named.value.starts_with("file:"); }
+
+fs::path path_of(const Named& named) {
+  auto name = std::string_view(named.value).substr(std::string_view("file:").size());
   if (name.starts_with("//")) name.remove_prefix(2);
-  return fs::path(name).is_absolute() &&
-         !ddssec::load("file://" + std::string(name), "", pki::kMostDocumentOctets);
+  return name;
+}
+
+// True if it names files, and none of them is in the folder, which is a copy or is to be copied:
+// what is at these paths on the machine of the participant is not known here.
+bool leads_elsewhere(const Configuration& configuration, const fs::path& folder) {
+  const auto is_own = [&](const Named& named) {
+    const auto path = path_of(named);
+    std::error_code ignored;
+    return path.is_relative() || fs::equivalent(path.parent_path(), folder, ignored);
+  };
+  return std::ranges::any_of(configuration.files, is_path) &&
+         std::ranges::none_of(configuration.files,
+                              [&](const Named& named) { return is_path(named) && is_own(named); });
+}
+
+// Also for a file that exists and cannot be read.
+bool is_missing(const Named& named) {
+  if (!is_path(named)) return false;
+  const auto path = path_of(named);
+  return path.is_absolute() &&
+         !ddssec::load("file://" + path.string(), "", pki::kMostDocumentOctets);
 }
 
 std::string sentence(const Configuration& configuration, const Named& named,
                      const fs::path& judged) {
   const auto& [role, value] = named;
   const auto product = configuration.is_fastdds ? "Fast DDS" : "Cyclone DDS";
-  if (is_missing(value))
+  if (is_missing(named))
     return fmt::format(
         "{} names {} as {}, which {} cannot read, so that it does not start; {} is "
         "what was judged",
         configuration.name, value, role->property, product, judged.string());
-  return fmt::format("{} makes the process read {} as {}, and {} is what was judged",
-                     configuration.name, shown_value(value), role->property, judged.string());
+  return fmt::format(
+      "{} names {} as {}: a process that starts with it reads that, and not {}, "
+      "which was judged",
+      configuration.name, shown_value(value), role->property, judged.string());
 }
 
 // Measured with Cyclone DDS 0.10.2: its own access control leaves such characters out of the path
 // of the permissions, or replaces them.
 void check_odd_path(const Configuration& configuration, Diagnosis& out) {
   for (const auto& named : configuration.files) {
-    const bool is_path =
-        named.role->judged == &Files::permissions && named.value.starts_with("file:");
-    if (!is_path || named.value.find_first_of("\"\\") == named.value.npos) continue;
+    const bool counts = named.role->judged == &Files::permissions && is_path(named);
+    if (!counts || named.value.find_first_of("\"\\") == named.value.npos) continue;
     out.report(
         {.cyclonedds = Outcome::fail},
         {.rule = Rule::DOC008,
@@ -235,15 +167,45 @@ void check_odd_path(const Configuration& configuration, Diagnosis& out) {
   }
 }
 
+// The values to judge: all except those that may be right on another machine, which get one
+// warning.
+std::vector<Named> named_here(const pki::ParticipantFolder& paths,
+                              const Configuration& configuration, Diagnosis& out) {
+  auto files = configuration.files;
+  if (!configuration.may_run_elsewhere || !leads_elsewhere(configuration, paths.folder))
+    return files;
+  const auto is_misplaced = [&](const Named& named) {
+    return is_path(named) && !is_judged(named.value, paths.*(named.role->judged), paths.folder);
+  };
+  const auto first = std::ranges::find_if(files, is_misplaced);
+  if (first == files.end()) return files;
+  out.report({}, {.rule = Rule::DOC007,
+                  .message = fmt::format(
+                      "{} names {}, which is not {}: the files in {} were judged; {}",
+                      configuration.name, path_of(*first).string(),
+                      is_missing(*first) ? "on this machine" : "the file of this folder",
+                      paths.folder.string(), kIfElsewhere),
+                  .document = configuration.document,
+                  .hint = "run ddssec doctor where the participant runs"});
+  std::erase_if(files, is_misplaced);
+  return files;
+}
+
+std::string hint_for(const pki::ParticipantFolder& paths, const Configuration& configuration) {
+  if (!leads_elsewhere(configuration, paths.folder)) return {};
+  return fmt::format("{}; otherwise {}", kIfElsewhere, info(Rule::DOC008).hint);
+}
+
 void check_judged(const LoadedFolder& folder, const Configuration& configuration, Diagnosis& out) {
   const auto& paths = folder.paths;
   out.pass(Rule::DOC008);
   const auto report = [&](std::string message) {
-    out.report(
-        configuration.outcomes,
-        {.rule = Rule::DOC008, .message = std::move(message), .document = configuration.document});
+    out.report(configuration.outcomes, {.rule = Rule::DOC008,
+                                        .message = std::move(message),
+                                        .document = configuration.document,
+                                        .hint = hint_for(paths, configuration)});
   };
-  for (const auto& named : configuration.files) {
+  for (const auto& named : named_here(paths, configuration, out)) {
     const auto& judged = paths.*(named.role->judged);
     if (!is_judged(named.value, judged, paths.folder))
       report(sentence(configuration, named, judged));
@@ -340,17 +302,19 @@ void check_cyclonedds(const LoadedFolder& folder, const Settings& settings, cons
   const auto security = effective_security(text, settings.domain, ConfigurationPlace::file);
   check_judged(folder,
                {name, file, kCycloneFails,
-                named_by_cyclonedds(without_comments(text), security, settings.domain)},
+                named_by_cyclonedds(without_comments(text), security, settings.domain), false,
+                settings.may_run_elsewhere},
                out);
-  check_effective_security({name, file, folder, settings.domain, security}, out);
+  check_effective_security(
+      {name, file, folder, settings.domain, security, settings.may_run_elsewhere}, out);
 }
 
-Configuration configuration_of(const ProfileInQuestion& question) {
-  return {question.name, question.document, kFastFails, named_by_fastdds(question.text), true};
-}
-
-void check_fastdds(const LoadedFolder& folder, const ProfileInQuestion& question, Diagnosis& out) {
-  check_judged(folder, configuration_of(question), out);
+void check_fastdds(const LoadedFolder& folder, const ProfileInQuestion& question, Diagnosis& out,
+                   bool may_run_elsewhere = false) {
+  check_judged(folder,
+               {question.name, question.document, kFastFails, named_by_fastdds(question.text), true,
+                may_run_elsewhere},
+               out);
   check_profile(question, out);
 }
 
@@ -446,7 +410,9 @@ void check_configurations(const LoadedFolder& folder, const Settings& settings, 
     if (is_cyclonedds)
       check_cyclonedds(folder, settings, file, text, out);
     else
-      check_fastdds(folder, {name, file, text, settings.lineup.fastdds}, out);
+      check_fastdds(folder, {name, file, text, settings.lineup.fastdds}, out,
+                    settings.may_run_elsewhere);
+    if (settings.may_run_elsewhere) continue;
     const auto read = without_comments(text);
     const auto expanded = is_cyclonedds ? expanded_variables(read, settings.domain) : std::nullopt;
     check_other_folder(folder, name, expanded.value_or(read), out);

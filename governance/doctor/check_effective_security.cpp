@@ -216,15 +216,28 @@ class Checks {
                                 "Cyclone DDS and of ddssec's drop-in is \"{}\"",
                                 path.text, expected.element, expected.stock));
     if (std::exchange(has_missing_path_, true)) return;
+    const bool is_there = library_state(path.text) == LibraryState::refused;
+    if (!is_there && question_.may_run_elsewhere) return warn_of_place(expected, path);
+    constexpr std::string_view kRemedy =
+        "copy ddssec's drop-in folder to that place; or name the folder where it is: ddssec "
+        "identity issue NAME --ca CA -o DIR --dropin DROPIN, or by hand in each <Library "
+        "path=...>";
     report(
         Rule::DOC102, path.line,
         fmt::format("names the library {} in <{}>, which is {} this machine: Cyclone DDS "
                     "does not start",
-                    path.text, expected.element,
-                    library_state(path.text) == LibraryState::refused ? "no library of" : "not on"),
-        "copy ddssec's drop-in folder to that place; or name the folder where it is: ddssec "
-        "identity issue NAME --ca CA -o DIR --dropin DROPIN, or by hand in each <Library "
-        "path=...>");
+                    path.text, expected.element, is_there ? "no library of" : "not on"),
+        is_there ? std::string(kRemedy) : fmt::format("{}; otherwise {}", kIfElsewhere, kRemedy));
+  }
+
+  void warn_of_place(const Expected& expected, const ConfiguredText& path) {
+    out_.report({}, {.rule = Rule::DOC007,
+                     .message = fmt::format(
+                         "{} names the library {} in <{}>, which is not on this machine; {}",
+                         question_.name, path.text, expected.element, kIfElsewhere),
+                     .document = question_.document,
+                     .line = path.line,
+                     .hint = "run ddssec doctor where the participant runs"});
   }
 
   void check_function(const Expected& expected, const ConfiguredText* named,

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -20,7 +21,13 @@ struct ConfigurationInQuestion {
   const LoadedFolder& folder;
   DomainId domain;
   const EffectiveSecurity& security;
+  bool may_run_elsewhere = false;  ///< as in Settings
 };
+
+/// What a finding about a path says that may be right on another machine.
+inline constexpr std::string_view kIfElsewhere =
+    "if this folder is for another machine, that is as it should be, and ddssec doctor judges it "
+    "there";
 
 /// DOC101, DOC102: checks that a process with this configuration starts, with the documents of the
 /// folder in force. Which files it names is checked elsewhere (DOC008).

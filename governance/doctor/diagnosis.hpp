@@ -35,6 +35,9 @@ struct Settings {
   bool writes[2] = {false, false};
   /// The versions for which to predict.
   Lineup lineup = {};
+  /// True if the participant may run on another machine: paths of its configurations that lead out
+  /// of its folder, and libraries that are not on this machine, are warnings (DOC007).
+  bool may_run_elsewhere = false;
 };
 
 /// All checks, in the order of a participant's start.

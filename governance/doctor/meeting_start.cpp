@@ -1,5 +1,6 @@
 // How each of two participants starts on its own.
 #include <algorithm>
+#include <filesystem>
 
 #include <fmt/format.h>
 
@@ -42,6 +43,23 @@ void note_revocation(const MeetingScene& scene, const Party& party, const Diagno
   }
 }
 
+bool is_about_fastdds(const Finding& finding) {
+  return std::filesystem::path(finding.document).filename() == "fastdds.xml";
+}
+
+// What is judged only where the participant runs.
+void note_places(const MeetingScene& scene, const Party& party, const Diagnosis& diagnosis) {
+  for (const auto& check : diagnosis.checks()) {
+    if (check.rule != Rule::DOC007) continue;
+    for (auto finding : check.findings) {
+      if (is_about_fastdds(finding) != (party.vendor == Vendor::fastdds)) continue;
+      finding.message = fmt::format("{}: {}", party.name, finding.message);
+      finding.vendors.clear();
+      scene.out.notes.push_back(std::move(finding));
+    }
+  }
+}
+
 }  // namespace
 
 void judge_start(const MeetingScene& scene, int index) {
@@ -73,6 +91,7 @@ void judge_start(const MeetingScene& scene, int index) {
                 why->hint);
   }
   note_revocation(scene, party, diagnosis);
+  if (settings.may_run_elsewhere) note_places(scene, party, diagnosis);
   scene.out.start.push_back(out);
 }
 

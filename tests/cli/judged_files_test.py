@@ -38,7 +38,7 @@ class JudgedFiles(Transcript):
         for product in ("ddssec", "cyclonedds"):
             message = self.told("doctor", "demo/talker", "--vendor", product, exit=1)[0]
             self.assertIn(f"{self.talker}/governance_old.p7s as governance", message)
-            self.assertIn("demo/talker/governance.p7s is what was judged", message)
+            self.assertIn("reads that, and not demo/talker/governance.p7s, which was judged", message)
         self.assertTrue(self.told("check", "demo/talker", "demo/listener", exit=1))
         self.assertEqual(self.told("doctor", "demo/talker", "--vendor", "fastdds", exit=0), [])
 
@@ -226,7 +226,7 @@ class JudgedFiles(Transcript):
     def test_fastdds_configuration(self):
         file = self.talker / "fastdds.xml"
         file.write_text(file.read_text().replace("/governance.p7s", "/../../old.p7s"))
-        self.assertIn("fastdds.xml makes", self.told("doctor", "demo/talker", "--vendor", "fastdds", exit=1)[0])
+        self.assertIn("fastdds.xml names", self.told("doctor", "demo/talker", "--vendor", "fastdds", exit=1)[0])
         self.assertEqual(self.told("doctor", "demo/talker", "--vendor", "cyclonedds", exit=0), [])
 
     def test_a_key_that_only_cyclonedds_takes_is_no_no(self):

@@ -1,0 +1,84 @@
+#include "governance/doctor/named_files.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "base/text.hpp"
+#include "governance/doctor/configuration_checks.hpp"
+#include "governance/doctor/cyclonedds_configuration.hpp"
+#include "governance/doctor/expanded_variables.hpp"
+
+namespace ddssec::governance::doctor {
+namespace {
+
+std::string content_of(std::string_view after_tag) {
+  return without_escapes(trimmed(after_tag.substr(0, after_tag.find("</")), " \t\r\n"));
+}
+
+const Role* role_of_property(std::string_view name) {
+  const auto* const role =
+      std::ranges::find(kRoles, name.substr(name.rfind('.') + 1), &Role::property);
+  return name.starts_with("dds.sec.") && role != std::end(kRoles) ? role : nullptr;
+}
+
+}  // namespace
+
+std::string without_escapes(std::string_view text) {
+  constexpr std::pair<std::string_view, char> kEscapes[] = {
+      {"&amp;", '&'}, {"&lt;", '<'}, {"&gt;", '>'}, {"&quot;", '"'}, {"&apos;", '\''}};
+  std::string out;
+  while (!text.empty()) {
+    const auto* const escape = std::ranges::find_if(
+        kEscapes, [&](const auto& one) { return text.starts_with(one.first); });
+    const bool is_escape = escape != std::end(kEscapes);
+    out += is_escape ? escape->second : text.front();
+    text.remove_prefix(is_escape ? escape->first.size() : 1);
+  }
+  return out;
+}
+
+std::vector<Named> named_by_cyclonedds(std::string_view text, const EffectiveSecurity& security,
+                                       DomainId domain) {
+  std::vector<Named> out;
+  if (security.problems.empty() && security.is_there) {
+    for (const auto* plugin : {&security.authentication, &security.access_control})
+      for (const auto& role : kRoles)
+        if (const auto* value = *plugin ? (*plugin)->value(role.element) : nullptr)
+          out.push_back({&role, expanded_variables(value->text, domain).value_or(value->text)});
+    // Measured: Cyclone DDS starts with an empty one, without a list.
+    std::erase_if(out, [](const Named& named) {
+      return named.role->judged == &pki::ParticipantFolder::crl && named.value.empty();
+    });
+    return out;
+  }
+  for (const auto& role : kRoles)
+    for (auto tag = find_tag(text, role.element); tag; tag = find_tag(tag->after, role.element))
+      out.push_back({&role, content_of(tag->after)});
+  return out;
+}
+
+std::vector<Named> named_anywhere_by_fastdds(std::string_view text) {
+  std::vector<Named> out;
+  for (auto tag = find_tag(text, "name"); tag; tag = find_tag(tag->after, "name")) {
+    const auto value = find_tag(tag->after, "value");
+    const auto* const role = role_of_property(content_of(tag->after));
+    if (value && role != nullptr) out.push_back({role, content_of(value->after)});
+  }
+  return out;
+}
+
+std::vector<Named> named_by_fastdds(std::string_view text) {
+  const auto properties = properties_of_profile(text);
+  if (!properties) return named_anywhere_by_fastdds(without_comments(text));
+  std::vector<Named> out;
+  for (const auto& [name, value] : *properties) {
+    const auto* const role = role_of_property(name);
+    if (role == nullptr) continue;
+    std::erase_if(out, [&](const Named& earlier) { return earlier.role == role; });
+    out.push_back({role, value});
+  }
+  return out;
+}
+
+}  // namespace ddssec::governance::doctor
