@@ -68,8 +68,10 @@ Result<Report> governance_diff(const Arguments& arguments, const Context& contex
       const auto after, named(governance::read_governance(sides.after.text, sides.after.first_line),
                               sides.after.path));
   const auto diff = governance::compare(before, after, options);
-  Report report = report_of(diff, sides, arguments.has("--topics"));
-  add_forecast(before, after, sides, report);
+  auto forecast = forecast_of(before, after, sides, diff.changes.empty() && diff.rewritten.empty());
+  Report report = report_of(diff, sides, arguments.has("--topics"), forecast.is_phased);
+  report.text += forecast.text;
+  report.result["live"] = std::move(forecast.live);
   warn_of_open_ranges(report, Rule::GOV004, before.notes, sides.before.path);
   warn_of_open_ranges(report, Rule::GOV004, after.notes, sides.after.path);
   const bool unknown = diff.verdict == ChangeClass::unknown;

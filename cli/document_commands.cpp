@@ -56,31 +56,15 @@ std::vector<Finding> uncovered(const governance::Permissions& document, const fs
 }
 
 /// What is signed: a governance document with a revision.
-Result<Bytes> text_to_sign(const governance::Governance& document, BytesView xml,
-                           const fs::path& to, const OpenCa& ca, const Arguments& arguments) {
-  if (arguments.has("--no-revision")) return to_bytes(xml);
+Result<NumberedText> text_to_sign(const governance::Governance& document, BytesView xml,
+                                  const fs::path& to, const OpenCa& ca,
+                                  const Arguments& arguments) {
+  if (arguments.has("--no-revision")) return NumberedText{to_bytes(xml), document.revision};
   return with_next_revision(document, xml, to, ca);
 }
-Result<Bytes> text_to_sign(const governance::Permissions&, BytesView xml, const fs::path&,
-                           const OpenCa&, const Arguments&) {
-  return to_bytes(xml);
-}
-
-/// The revision in the text; 0: none.
-template <class Kind>
-std::uint32_t revision_of(BytesView text) {
-  if constexpr (std::is_same_v<Kind, GovernanceKind>) {
-    const auto document = Kind::read(text);
-    return document ? document->revision : 0;
-  }
-  return 0;
-}
-
-Status log_with_revision(const OpenCa& ca, BytesView text, const fs::path& to, WallTime now,
-                         std::uint32_t revision) {
-  if (revision == 0) return log_signed(ca, text, to, now);
-  return log_signed(ca.paths, pki::SigningLog::with_revision(
-                                  signed_line(ca.certificate(), text, to, now), revision));
+Result<NumberedText> text_to_sign(const governance::Permissions&, BytesView xml, const fs::path&,
+                                  const OpenCa&, const Arguments&) {
+  return NumberedText{to_bytes(xml)};
 }
 
 // A document that cannot be parsed, or in which lint finds errors, must not be signed.
@@ -105,21 +89,21 @@ Result<Report> sign(const Arguments& arguments, const Context& context) {
                           named(text_to_sign(document, octets, to, ca, arguments), from));
   DDSSEC_ASSIGN_OR_RETURN(
       const auto signed_octets,
-      named(ca.authority.sign_document(text, context.clock.now(), context.random), from));
+      named(ca.authority.sign_document(text.octets, context.clock.now(), context.random), from));
   if (const auto size = signed_octets.size(); std::is_same_v<Kind, PermissionsKind> &&
                                               size > pki::kMostSentPermissionsOctets &&
                                               !arguments.has("--no-lint"))
     return not_signed(from, {governance::too_long_for_peers(size)});
   DDSSEC_RETURN_IF_ERROR(check_result_place(to, arguments));
-  const auto revision = revision_of<Kind>(text);
-  DDSSEC_RETURN_IF_ERROR(log_with_revision(ca, text, to, context.clock.now(), revision));
+  DDSSEC_RETURN_IF_ERROR(
+      log_signed(ca.paths, signed_line(ca.certificate(), text, to, context.clock.now())));
   DDSSEC_ASSIGN_OR_RETURN(auto written, write_result(to, signed_octets, arguments));
   report.files_written.push_back(std::move(written));
   report.text += fmt::format("{}  signed by {}\n", to.string(), ca.certificate().subject());
   report.result = {{"file", to.string()}, {"signer", ca.certificate().subject()}};
-  if (revision != 0) {
-    report.text.insert(report.text.size() - 1, fmt::format(", revision {}", revision));
-    report.result["revision"] = revision;
+  if (text.revision != 0) {
+    report.text.insert(report.text.size() - 1, fmt::format(", revision {}", text.revision));
+    report.result["revision"] = text.revision;
   }
   return report;
 }
@@ -240,9 +224,6 @@ const Option kCaCertificate{.name = "--ca",
                             .value = "FILE",
                             .summary = "the permissions CA's certificate",
                             .required = true};
-
-const Option kNoRevision{"--no-revision", "",
-                         "write no revision: participants of ddssec up to 0.2.0 refuse it"};
 
 std::vector<Option> signing_options() {
   return {ca_option("the folder that ca create made"),

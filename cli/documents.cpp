@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "cli/ca_folder.hpp"
+#include "cli/governance_revision.hpp"
 #include "cli/inputs.hpp"
 #include "cli/signed_documents.hpp"
 #include "cli/transaction.hpp"
@@ -177,7 +178,8 @@ Result<WrittenFile> write_result(const fs::path& target, BytesView octets,
 }
 
 Result<std::vector<WrittenFile>> write_document(const std::string& xml, const Arguments& arguments,
-                                                const Context& context) {
+                                                const Context& context,
+                                                const governance::Governance* governance) {
   fs::path plain = arguments.text("-o");
   std::vector<WrittenFile> out;
   if (!arguments.has("--sign")) {
@@ -189,12 +191,18 @@ Result<std::vector<WrittenFile>> write_document(const std::string& xml, const Ar
   if (!arguments.has("--ca"))
     return fail(Code::usage, {.field = "--sign", .note = "it needs --ca DIR"});
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, CaOpener(arguments).open("permissions"));
+  NumberedText text{to_bytes(as_bytes(xml))};
+  if (governance != nullptr && !arguments.has("--no-revision")) {
+    DDSSEC_ASSIGN_OR_RETURN(text,
+                            with_next_revision(*governance, text.octets, signed_path(plain), ca));
+  }
   DDSSEC_ASSIGN_OR_RETURN(
       const auto signature,
-      ca.authority.sign_document(as_bytes(xml), context.clock.now(), context.random));
+      ca.authority.sign_document(text.octets, context.clock.now(), context.random));
   for (const auto& file : {plain, signed_path(plain)})
     DDSSEC_RETURN_IF_ERROR(check_result_place(file, arguments));
-  DDSSEC_RETURN_IF_ERROR(log_signed(ca, as_bytes(xml), signed_path(plain), context.clock.now()));
+  DDSSEC_RETURN_IF_ERROR(log_signed(
+      ca.paths, signed_line(ca.certificate(), text, signed_path(plain), context.clock.now())));
   if (arguments.has("--replace")) {
     Replacement both;
     DDSSEC_RETURN_IF_ERROR(both.put_public(plain, xml));

@@ -110,9 +110,11 @@ Result<WrittenFile> write_result(const std::filesystem::path& target, BytesView 
                                  const Arguments& arguments);
 
 /// Writes a new document to the path of -o and, with --sign, its signed form beside it (-o may name
-/// either). Writes both or neither. Errors: usage (--sign without --ca), and those of CaOpener,
-/// Authority::sign_document and write_new_file.
+/// either). Writes both or neither. `governance`: the document itself, if it is one; its signed
+/// form has the next revision, unless --no-revision is given. Errors: usage (--sign without --ca),
+/// and those of CaOpener, with_next_revision, Authority::sign_document and write_new_file.
 Result<std::vector<WrittenFile>> write_document(const std::string& xml, const Arguments& arguments,
-                                                const Context& context);
+                                                const Context& context,
+                                                const governance::Governance* governance = nullptr);
 
 }  // namespace ddssec::cli

@@ -6,6 +6,7 @@
 
 #include "base/text.hpp"
 #include "cli/documents.hpp"
+#include "cli/governance_revision.hpp"
 #include "cli/groups.hpp"
 #include "cli/options.hpp"
 #include "governance/lint.hpp"
@@ -132,11 +133,15 @@ Result<Report> governance_new(const Arguments& arguments, const Context& context
     report.text = "not written: the rules contradict one another\n";
     return report;
   }
-  DDSSEC_ASSIGN_OR_RETURN(report.files_written, write_document(xml, arguments, context));
+  DDSSEC_ASSIGN_OR_RETURN(report.files_written, write_document(xml, arguments, context, &document));
   for (const auto& file : report.files_written) report.text += file.path + "\n";
   report.result = {{"file", report.files_written.front().path},
                    {"profile", arguments.text("--profile")},
                    {"topic_rules", document.domain_rules[0].topic_rules.size()}};
+  if (const auto revision = revision_of(report.files_written.back().path); revision != 0) {
+    report.text.insert(report.text.size() - 1, fmt::format("  revision {}", revision));
+    report.result["revision"] = revision;
+  }
   return report;
 }
 
@@ -163,6 +168,7 @@ std::vector<Command> governance_commands() {
                    kReplace,
                    kSign,
                    kSigningCa,
+                   kNoRevision,
                    kPassphraseFile,
                    kPassphraseEnv,
                    kInsecureKeyMode},

@@ -146,7 +146,7 @@ std::string to_text(const governance::RewrittenRules& rules, bool only_listed) {
   return wrapped(fmt::format("  {:<8} {:<7}", "neutral", ""), parts);
 }
 
-std::string verdict_text(const governance::GovernanceDiff& diff) {
+std::string verdict_text(const governance::GovernanceDiff& diff, bool is_phased) {
   auto verdict = ascii_upper(governance::to_string(diff.verdict)) + ';';
   if (diff.flag_day_domains.empty()) {
     return wrapped("verdict: ",
@@ -155,6 +155,14 @@ std::string verdict_text(const governance::GovernanceDiff& diff) {
                                    : " whether both files work together is not known")});
   }
   const auto domains = shown(diff.flag_day_domains);
+  if (is_phased)
+    return wrapped("verdict: ",
+                   {verdict + fmt::format(" on topics with a line \"breaks\" ({}),", domains),
+                    "a participant that stays with the old file no longer matches those that have",
+                    "changed to the new one; other topics work"}) +
+           wrapped("", {"put it into all folders within a minute: embedded participants change",
+                        "together, and no match ends;",
+                        "start others that use these topics again at that time"});
   if (!diff.parts_participants)
     return wrapped("verdict: ",
                    {verdict + fmt::format(" on topics with a line \"breaks\" ({}),", domains),
@@ -200,10 +208,11 @@ std::string to_text(const governance::GovernanceDiff& diff, bool only_listed) {
 
 }  // namespace
 
-Report report_of(const governance::GovernanceDiff& diff, const DiffSides& sides, bool only_listed) {
+Report report_of(const governance::GovernanceDiff& diff, const DiffSides& sides, bool only_listed,
+                 bool is_phased) {
   Report report;
   report.text = to_text(diff, only_listed) + readings_text(diff.readings) + signer_text(sides) +
-                verdict_text(diff);
+                verdict_text(diff, is_phased);
   if (only_listed)
     report.text +=
         "only the topics of --topics were compared; for others the verdict says nothing\n";

@@ -9,6 +9,8 @@ namespace ddssec::cli {
 
 /// Text and JSON of a comparison; does not set the exit code.
 /// `only_listed`: the comparison was one of the topics of --topics, and the text says so.
-Report report_of(const governance::GovernanceDiff& diff, const DiffSides& sides, bool only_listed);
+/// `is_phased`: embedded participants take the new document in two phases.
+Report report_of(const governance::GovernanceDiff& diff, const DiffSides& sides, bool only_listed,
+                 bool is_phased);
 
 }  // namespace ddssec::cli

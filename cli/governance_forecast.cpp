@@ -20,6 +20,7 @@ enum class Live : std::uint8_t {
   live_unless_in_use,  ///< a rule comes before others, or protects more: its topics may be in use
   live_if_believed,    ///< another CA signed it
   rolled_back,         ///< its revision is not higher
+  no_revision,         ///< it is signed, has none, and needs one
   restart,
 };
 
@@ -37,6 +38,8 @@ std::string_view live_word(Live live) {
       return "live if the signer is believed";
     case Live::rolled_back:
       return "refused as a roll-back";
+    case Live::no_revision:
+      return "refused without a revision";
     case Live::restart:
       return "restart";
   }
@@ -48,6 +51,8 @@ using Prediction = Forecast<Live>;
 /// Of both hosts on ddssec's plugins.
 struct Forecasts {
   Prediction embedded, cyclonedds;
+  bool raises = false;     ///< a rule that was there protects more
+  bool is_phased = false;  ///< whatever the revision
 
   void add(Live next, const std::string& why, int at) {
     embedded.add(next, why, at);
@@ -71,6 +76,7 @@ void add_domain(const governance::DomainRule& before, const governance::DomainRu
     return out.add(Live::restart, why, details.line);
   }
   if (!added->raised.empty()) {
+    out.raises = true;
     const auto& raised = *added->raised.front();
     const auto why = fmt::format("more protection for \"{}\"", raised.topic_expression);
     out.embedded.add(Live::two_phases, why, raised.line);
@@ -82,17 +88,30 @@ void add_domain(const governance::DomainRule& before, const governance::DomainRu
           fmt::format("a further rule for \"{}\"", first.topic_expression), first.line);
 }
 
+/// Of a signed document without a revision. One that is not signed yet gets the next one.
+void add_missing_revision(const governance::Governance& before, const DiffSides& sides,
+                          Forecasts& out) {
+  if (!sides.after.is_signed || sides.after.text == sides.before.text) return;
+  if (before.revision > 0)
+    return out.add(
+        Live::no_revision,
+        fmt::format("the old document has revision {}, the new one none", before.revision), 0);
+  if (out.raises)
+    out.add(Live::no_revision, "more protection needs a revision", 0);
+}
+
 /// A document with the revision of the former one must say the same.
 void add_revision(const governance::Governance& before, const governance::Governance& after,
-                  Forecasts& out) {
+                  const DiffSides& sides, Forecasts& out) {
+  if (after.revision == 0) return add_missing_revision(before, sides, out);
   const bool is_same = out.worse().outcome == Live::same;
-  if (after.revision > before.revision || before.revision == 0) return;
-  if (after.revision == 0 || (after.revision == before.revision && is_same)) return;
+  if (after.revision > before.revision || (after.revision == before.revision && is_same)) return;
   out.add(Live::rolled_back,
           fmt::format("revision {} does not follow {}", after.revision, before.revision), 0);
 }
 
-Forecasts forecast(const governance::Governance& before, const governance::Governance& after) {
+Forecasts forecast(const governance::Governance& before, const governance::Governance& after,
+                   const DiffSides& sides) {
   std::set<std::string> tags{""};
   std::vector<std::string> expressions;
   for (const auto* document : {&before, &after})
@@ -110,24 +129,29 @@ Forecasts forecast(const governance::Governance& before, const governance::Gover
     for (const auto& tag : tags)
       if (const auto* rule = before.find(domain, tag))
         add_domain(*rule, after.find(domain, tag), out);
-  add_revision(before, after, out);
+  out.is_phased = out.embedded.outcome == Live::two_phases;
+  add_revision(before, after, sides, out);
   return out;
 }
 
-std::string_view in_words(Live live) {
+std::string_view in_words(Live live, bool is_ready) {
   switch (live) {
     case Live::same:
       return "nothing changes";
     case Live::live:
       return "taken while they run";
     case Live::two_phases:
-      return "taken while they run, in two phases, if it has a higher revision";
+      return is_ready ? "taken while they run, in two phases"
+                      : "taken while they run, in two phases, once it is signed: ddssec governance "
+                        "sign writes the revision that it needs";
     case Live::live_unless_in_use:
       return "taken while they run; restart those that use one of its topics";
     case Live::live_if_believed:
       return "refused, unless the new signer is one of their permissions CAs";
     case Live::rolled_back:
       return "refused as a roll-back: sign it anew";
+    case Live::no_revision:
+      return "refused: ddssec governance sign writes the revision that it lacks";
     case Live::restart:
       return "restart";
   }
@@ -136,22 +160,24 @@ std::string_view in_words(Live live) {
 
 }  // namespace
 
-void add_forecast(const governance::Governance& before, const governance::Governance& after,
-                  const DiffSides& sides, Report& report) {
-  auto ours = forecast(before, after);
+GovernanceForecast forecast_of(const governance::Governance& before,
+                               const governance::Governance& after, const DiffSides& sides,
+                               bool is_same) {
+  auto ours = forecast(before, after, sides);
   const auto &before_signer = sides.before.signer, &after_signer = sides.after.signer;
   if (!before_signer.empty() && !after_signer.empty() && before_signer != after_signer)
     ours.add(Live::live_if_believed, "another CA signed the new document", 0);
-  const auto& result = report.result;
   const auto& worse = ours.worse();
-  const bool is_same =
-      worse.outcome == Live::same && result["changes"].empty() && result["rewritten"].empty();
-  const auto stock = is_same ? Live::same : Live::restart;
+  const auto stock = is_same && worse.outcome == Live::same ? Live::same : Live::restart;
+  const bool is_ready = sides.after.is_signed || after.revision != 0;
+  GovernanceForecast out;
+  out.is_phased = ours.is_phased;
   std::string heading = "running participants: ";
   const auto add = [&](std::string host, const Prediction& what) {
     const auto reason =
         what.reason.empty() ? std::string() : fmt::format("({})", shown(what.reason));
-    report.text += wrapped(heading, {std::move(host), std::string(in_words(what.outcome)), reason});
+    out.text +=
+        wrapped(heading, {std::move(host), std::string(in_words(what.outcome, is_ready)), reason});
     heading = std::string(heading.size(), ' ');
   };
   if (ours.embedded.outcome == ours.cyclonedds.outcome) {
@@ -161,12 +187,13 @@ void add_forecast(const governance::Governance& before, const governance::Govern
     add("Cyclone DDS on ddssec's plugins:", ours.cyclonedds);
   }
   add("on those of Cyclone DDS and Fast DDS:", {.outcome = stock});
-  report.result["live"] = {{"ddssec", live_word(worse.outcome)},
-                           {"embedded", live_word(ours.embedded.outcome)},
-                           {"cyclonedds", live_word(ours.cyclonedds.outcome)},
-                           {"stock", live_word(stock)},
-                           {"reason", worse.reason},
-                           {"at", place(sides.after.path, worse.line)}};
+  out.live = {{"ddssec", live_word(worse.outcome)},
+              {"embedded", live_word(ours.embedded.outcome)},
+              {"cyclonedds", live_word(ours.cyclonedds.outcome)},
+              {"stock", live_word(stock)},
+              {"reason", worse.reason},
+              {"at", place(sides.after.path, worse.line)}};
+  return out;
 }
 
 }  // namespace ddssec::cli

@@ -6,6 +6,7 @@
 #include "cli/ca_folder.hpp"
 #include "cli/documents.hpp"
 #include "cli/drop_in.hpp"
+#include "cli/governance_revision.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
 #include "cli/keystore.hpp"
@@ -218,8 +219,9 @@ Result<Report> init(const Arguments& arguments, const Context& context) {
   DDSSEC_RETURN_IF_ERROR(add_cas(folder, plan, identity, permissions, crl));
 
   const auto xml = to_xml(governance::governance_of(plan.profile, plan.domains));
+  const auto text = with_first_revision(xml);
   DDSSEC_ASSIGN_OR_RETURN(const auto governance,
-                          permissions.authority.sign_document(as_bytes(xml), now, context.random));
+                          permissions.authority.sign_document(text.octets, now, context.random));
   const bool sros2 = plan.layout == pki::FolderLayout::sros2;
   if (sros2) {
     DDSSEC_RETURN_IF_ERROR(add_keystore_governance(folder, xml, governance));
@@ -232,7 +234,7 @@ Result<Report> init(const Arguments& arguments, const Context& context) {
   const auto document = plan.target / (sros2 ? "enclaves/governance.p7s" : "governance.p7s");
   DDSSEC_RETURN_IF_ERROR(folder.add_public(
       sros2 ? "private/permissions_ca.signed.jsonl" : "ca/permissions/signed.jsonl",
-      signed_line(permissions.certificate(), as_bytes(xml), document, now) + members.signed_log));
+      signed_line(permissions.certificate(), text, document, now) + members.signed_log));
   DDSSEC_RETURN_IF_ERROR(folder.add_public(
       sros2 ? "private/identity_ca.issued.jsonl" : "ca/identity/issued.jsonl", members.log));
 

@@ -9,6 +9,7 @@
 #include "cli/ca_folder.hpp"
 #include "cli/doctor_options.hpp"
 #include "cli/documents.hpp"
+#include "cli/governance_revision.hpp"
 #include "cli/granted_domains.hpp"
 #include "cli/groups.hpp"
 #include "cli/held_folder.hpp"
@@ -72,11 +73,12 @@ Result<Report> keystore_create(const Arguments& arguments, const Context& contex
   DDSSEC_RETURN_IF_ERROR(
       add_keystore_cas(folder, {identity, permissions, single}, secret ? &*secret : nullptr));
   const auto xml = to_xml(governance::governance_of(profile, domains));
+  const auto text = with_first_revision(xml);
   DDSSEC_ASSIGN_OR_RETURN(
       const auto document,
-      permissions.sign_document(as_bytes(xml), context.clock.now(), context.random));
+      permissions.sign_document(text.octets, context.clock.now(), context.random));
   DDSSEC_RETURN_IF_ERROR(add_keystore_governance(folder, xml, document));
-  const auto logged = signed_line(permissions.certificate(), as_bytes(xml),
+  const auto logged = signed_line(permissions.certificate(), text,
                                   target / "enclaves/governance.p7s", context.clock.now());
   DDSSEC_RETURN_IF_ERROR(folder.add("private/permissions_ca.signed.jsonl", as_bytes(logged), 0600));
   DDSSEC_ASSIGN_OR_RETURN(const auto list, first_crl(identity));

@@ -43,6 +43,8 @@ inline constexpr Option kOtherGrants{"--other-grants", "",
                                      "with --permissions: sign its grants for other subjects, too"};
 inline constexpr Option kReplace{"--replace", "", "put it in place of what is there"};
 inline constexpr Option kSign{"--sign", "", "write the signed form (.p7s) beside the document"};
+inline constexpr Option kNoRevision{
+    "--no-revision", "", "write no revision: participants of the release 0.2.0 refuse it"};
 inline constexpr Option kSigningCa{"--ca", "DIR", "the folder that ca create made, for --sign"};
 
 constexpr Option days(std::string_view fallback) {

@@ -37,7 +37,7 @@ Status check_has_revision(const governance::CompiledGovernance& next,
       {.line = raised.line,
        .field = "revision",
        .expected =
-           "one, since the document changes the protection of \"" + raised.topic_expression + "\"",
+           "a revision, since the document changes the protection of \"" + raised.topic_expression + "\"",
        .found = "none",
        .hint = "sign the document with ddssec governance sign, which writes one, or restart "
                "the participant"});

@@ -145,7 +145,13 @@ class GovernanceDifferences(Differences):
         one, more = of("SIGN"), of("ENCRYPT")
         self.assertEqual(live(one, more), ("two phases", "live unless in use", "restart", 'more protection for "rt/x"'))
         self.assertRegex(self.text(), r"embedded participants of ddssec:\s+taken while they run, in two phases")
+        text = " ".join(self.text().split())
+        self.assertIn("once it is signed: ddssec governance sign writes the revision that it needs", text)
+        self.assertIn("a participant that stays with the old file no longer matches those that have changed", text)
+        self.assertIn("put it into all folders within a minute: embedded participants change together", text)
+        self.assertNotIn("second domain", text)
         self.assertEqual(live(more, one)[:3], ("restart", "restart", "restart"))
+        self.assertIn("second domain", self.text())
 
         def numbered(text, revision):
             declaration, rest = text.split("\n", 1)
@@ -154,6 +160,35 @@ class GovernanceDifferences(Differences):
         self.assertEqual(live(numbered(one, 2), numbered(more, 2))[0], "refused as a roll-back")
         self.assertEqual(live(numbered(one, 2), numbered(one, 1))[3], "revision 1 does not follow 2")
         self.assertEqual(live(numbered(one, 1), numbered(one, 2))[0], "same")
+        self.assertEqual(live(numbered(one, 1), more)[0], "two phases", "signing it writes the next revision")
+
+    def test_a_signed_document_without_a_revision_is_refused(self):
+        now = ("--now", "2026-11-21T00:00:00Z")
+        self.run_program("ca", "create", "ca", "--role", "permissions", "--no-passphrase", *now)
+        less = governance(topic("rt/x", "NONE"), topic("*"))
+        more = governance(re.sub(r"metadata_protection_kind>\w+<", "metadata_protection_kind>ENCRYPT<", topic("rt/x", "NONE")), topic("*"))
+        further = governance(topic("rt/x", "NONE"), topic("*"), topic("rt/z"))
+        def signed(name, text, *options):
+            (self.at / f"{name}.xml").write_text(text)
+            self.run_program("governance", "sign", f"{name}.xml", "--ca", "ca", "--no-lint", "--replace", *options, *now)
+            return f"{name}.p7s"
+        def live(old, new):
+            out = self.json("governance", "diff", old, new, exit=None)["result"]["live"]
+            return out["embedded"], out["cyclonedds"]
+        none, refused = "--no-revision", ("refused without a revision",) * 2
+        old, old_2 = signed("old", less, none), signed("old_2", less)
+        new = signed("new", more, none)
+        self.assertEqual(live(old, new), refused)
+        self.assertEqual(live(old_2, new), refused)
+        self.assertEqual(live(old_2, signed("same", less + "<!-- -->", none)), refused)
+        self.assertEqual(live(old, signed("further", further, none)), ("live", "live"))
+        self.assertEqual(live(old_2, signed("further", further, none)), refused)
+        text = " ".join(self.run_program("governance", "diff", old, new).stdout.split())
+        self.assertIn("on ddssec's plugins: refused: ddssec governance sign writes the revision that it lacks "
+                      "(more protection needs a revision)", text)
+        self.assertNotIn("in two phases", text)
+        self.assertEqual(live(old_2, signed("new", more)), ("two phases", "live unless in use"))
+        self.assertRegex(self.run_program("governance", "diff", old_2, new).stdout, r"ddssec:\s+taken while they run, in two phases\s*\(")
 
     def test_participants_whose_tags_only_an_expression_covers_are_judged(self):
         tagged = "<id>0</id><tag_expression>fleet-*</tag_expression>"

@@ -79,6 +79,31 @@ class Documents(Transcript):
                                     "--replace", *NOW)
                 self.assertIn("more than 7", told["message"])
 
+    def test_a_new_document_that_is_signed_has_the_next_revision(self):
+        def revision(file):
+            return self.json("governance", "show", file)["result"].get("revision")
+        for last, document in ((1, "one"), (2, "two")):
+            text = self.run_program("governance", "new", "-o", f"{document}.xml", "--sign", "--ca", "ca", *NOW).stdout
+            self.assertEqual(text, f"{document}.xml\n{document}.p7s  revision {last}\n")
+            self.assertEqual((revision(f"{document}.xml"), revision(f"{document}.p7s")), (None, last))
+        out = self.json("governance", "new", "-o", "two.xml", "--replace", "--sign", "--ca", "ca", *NOW)["result"]
+        self.assertEqual(out["revision"], 3)
+        self.assertIn(', revision 4\n', self.run_program("governance", "sign", "one.xml", "--ca", "ca", "--replace", *NOW).stdout)
+        out = self.json("governance", "new", "-o", "old.xml", "--sign", "--ca", "ca", "--no-revision", *NOW)["result"]
+        self.assertNotIn("revision", out)
+        self.assertIsNone(revision("old.p7s"))
+
+    def test_init_and_keystore_create_begin_with_the_first_revision(self):
+        self.run_program("init", "demo", "-q", *NOW)
+        self.run_program("init", "ros", "--layout", "sros2", "-q", *NOW)
+        self.run_program("keystore", "create", "store", "--no-passphrase", "-q", *NOW)
+        for folder, xml, ca in (("demo", "governance.xml", "demo"), ("ros/enclaves", "governance.xml", "ros"),
+                                ("store/enclaves", "governance.xml", "store")):
+            self.assertEqual(self.json("governance", "show", f"{folder}/governance.p7s")["result"]["revision"], 1)
+            self.assertNotIn("ddssec", (self.at / folder / xml).read_text())
+            self.assertIn(", revision 2\n", self.run_program("governance", "sign", f"{folder}/{xml}", "--ca", ca,
+                                                             "--replace", *NOW).stdout)
+
     def test_a_revision_that_is_none_is_refused_with_its_line(self):
         declaration, rest = GOVERNANCE.split("\n", 1)
         (self.at / "governance.xml").write_text(f'{declaration}\n<?ddssec revision="seven"?>\n{rest}')
