@@ -61,7 +61,7 @@ constexpr std::array kSentences = {
                     "liveliness or RTPS messages; \"not allowed\" follows",
                     "ddssec governance diff OWN OTHER"},
     CycloneSentence{"Remote secure participant ... not allowed",
-                    "the two do not go together now: after a \"mismatch\" line it stays so; alone, "
+                    "the two do not match now: after a \"mismatch\" line it stays so; alone, "
                     "at the start, it is mostly harmless: the other one was still authenticating; "
                     "without a line of ddssec beside it, the log of the other side has the reason",
                     "the line before it; ddssec check OWN OTHER"},
@@ -73,6 +73,10 @@ constexpr std::array kSentences = {
                     "the participants meet, and protect this topic differently: there is no match "
                     "for it",
                     "ddssec governance diff OWN OTHER"},
+    CycloneSentence{"failed to match in ...",
+                    "from ddsperf: no endpoints of another ddsperf were found; the line \"new\" "
+                    "before it comes before security, so it does not mean that keys were exchanged",
+                    "plugins_in_use in both logs; ddssec check OWN OTHER"},
     CycloneSentence{"ddsi_udp_conn_write to udp/... failed with retcode -1",
                     "not security: the other one announced an address that no route leads to",
                     "ip route get ADDRESS"},

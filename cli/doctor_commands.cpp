@@ -211,8 +211,9 @@ void add_host_plugins(Report& report, const std::vector<doctor::HostPlugin>& plu
         return plugin.file.empty() && !plugin.library.contains('/');
       }))
     return;
-  report.text += fmt::format("with this LD_LIBRARY_PATH{} Cyclone DDS would load\n",
-                             is_configured ? "" : " and the folder's cyclonedds.xml");
+  report.text +=
+      fmt::format("with this LD_LIBRARY_PATH{} Cyclone DDS would load\n",
+                  is_configured ? "" : ", and CYCLONEDDS_URI set to the folder's cyclonedds.xml,");
   for (const auto& plugin : plugins) {
     const auto missing = plugin.missing.empty() ? ""
                                                 : fmt::format(" (cannot be loaded without {})",

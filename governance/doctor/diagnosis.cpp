@@ -42,7 +42,17 @@ void Diagnosis::report(Outcomes outcomes, Finding finding, std::string_view abou
 }
 
 void Diagnosis::append(Diagnosis other) {
-  std::ranges::move(other.checks_, std::back_inserter(checks_));
+  for (auto& check : other.checks_) {
+    const auto own = std::ranges::find_if(checks_, [&](const Check& one) {
+      return one.rule == check.rule && one.title == check.title;
+    });
+    if (own == checks_.end()) {
+      checks_.push_back(std::move(check));
+      continue;
+    }
+    own->outcomes = own->outcomes.worse(check.outcomes);
+    std::ranges::move(check.findings, std::back_inserter(own->findings));
+  }
 }
 
 Outcomes Diagnosis::outcomes() const {

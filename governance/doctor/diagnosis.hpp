@@ -51,7 +51,7 @@ class Diagnosis {
   void pass(Rule rule, std::string_view about = {});
   /// Adds a finding. Its vendors are filled in from the outcomes unless these are the same for all.
   void report(Outcomes outcomes, Finding finding, std::string_view about = {});
-  /// Appends the checks of `other`.
+  /// Adds the checks of `other`: those that are there get its outcomes and findings, too.
   void append(Diagnosis other);
 
   const std::vector<Check>& checks() const { return checks_; }

@@ -227,6 +227,7 @@ void check_stock_plugins(const std::vector<HostPlugin>& plugins, const LoaderPla
                   listed(plugins)),
       plugins, places);
   finding.vendors = {"ours"};
+  finding.hint += "; nothing to do for the embedded participant, which loads no plugins";
   out.report({}, std::move(finding));
 }
 

@@ -206,7 +206,7 @@ void GovernanceChange::report_behind() {
               {.document = "governance",
                .field = "revision",
                .expected = std::to_string(target_->revision),
-               .found = is_ahead ? std::to_string(said->version.revision) : std::string(),
+               .found = said ? std::to_string(said->version.revision) : "none that it told",
                .note = "its endpoints no longer match on topics that the two documents protect "
                        "differently"}),
         peer, Origin::its_keys);

@@ -491,7 +491,7 @@ class Golden(WithoutLists):
         self.assertEqual(told, [])
         self.assertEqual(found[1], ("access control", "ddssec", "1.2.3", f"{ours}/libdds_security_ac.so"))
         text = self.run_program("doctor", "demo/talker", environment={"LD_LIBRARY_PATH": ours}).stdout
-        self.assertIn("with this LD_LIBRARY_PATH and the folder's cyclonedds.xml Cyclone DDS would load\n"
+        self.assertIn("with this LD_LIBRARY_PATH, and CYCLONEDDS_URI set to the folder's cyclonedds.xml, Cyclone DDS would load\n"
                       f"  authentication  ddssec 1.2.3: {ours}/libdds_security_auth.so\n", text)
         stock = self.libraries("stock", b"init_crypto")
         found, told = plugins(stock, 0)

@@ -50,6 +50,14 @@ class Elsewhere(Transcript):
         self.assertIn("which is not on this machine: Cyclone DDS does not start", told["message"])
         self.assertTrue(told["hint"].startswith(f"{IF_ELSEWHERE}; otherwise copy ddssec's drop-in folder"), told["hint"])
 
+    def test_doctor_has_each_check_once(self):
+        environment = {"CYCLONEDDS_URI": f"file://{self.at}/demo/talker/cyclonedds.xml"}
+        for words in ((), ("--peer", "demo/talker")):
+            result = self.json("doctor", "demo/listener", *words, *NOW, exit=None, environment=environment)["result"]
+            for checks in (result["checks"], result.get("peer", {}).get("checks", [])):
+                titles = [one["title"] for one in checks]
+                self.assertEqual(sorted(titles), sorted(set(titles)))
+
     def test_a_shell_of_this_machine_names_the_configuration(self):
         self.name_libraries()
         told = self.told("check", "demo/talker", "demo/listener", exit=1,

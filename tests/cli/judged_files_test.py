@@ -184,7 +184,7 @@ class JudgedFiles(Transcript):
             self.assertIn(f"export CYCLONEDDS_URI=file://{self.configuration}", told[0]["hint"])
             text = self.run_program("doctor", "demo/talker", *NOW, environment=environment).stdout
             self.assertNotIn("nothing found", text)
-            self.assertIn("and the folder's cyclonedds.xml Cyclone DDS would load", text)
+            self.assertIn("and CYCLONEDDS_URI set to the folder's cyclonedds.xml, Cyclone DDS would load", text)
         told = self.unsecured("demo/talker", "--vendor", "fastdds")
         self.assertEqual([one["message"].split()[0] for one in told], ["FASTRTPS_DEFAULT_PROFILES_FILE"])
         named = {"CYCLONEDDS_URI": f"file://{self.configuration}"}

@@ -56,6 +56,12 @@ class Expired(Transcript):
         self.assertIn("permissions end before it, on 2027-11-20\n", told)
 
 
+class OfDdsperf(Transcript):
+    def test_explain_knows_how_ddsperf_fails(self):
+        told = self.run_program("explain", "[1234] 5.000  failed to match in 5.000s").stdout
+        self.assertIn('the line "new" before it comes before security', " ".join(told.split()))
+
+
 class Rotated(Transcript):
     def test_rotate_says_that_a_ca_of_the_same_name_has_a_new_key_and_that_copies_need_the_files(self):
         self.run_program("keystore", "create", "keystore", "--no-passphrase", *MADE)

@@ -45,7 +45,7 @@ class Sentences(Transcript):
         self.assertIn("Remote secure participant ... not allowed", found)
         self.assertIn("Not Allowed By Security", found)
         done = self.run_program("explain", "not allowed")
-        self.assertIn("Cyclone DDS: Remote secure participant ... not allowed\n  the two do not go together", done.stdout)
+        self.assertIn("Cyclone DDS: Remote secure participant ... not allowed\n  the two do not match now", done.stdout)
         self.assertIn("  look with: ", done.stdout)
 
     def test_a_part_of_a_sentence_of_ddssec_finds_its_code(self):
