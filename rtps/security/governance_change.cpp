@@ -206,7 +206,7 @@ void GovernanceChange::report_behind() {
               {.document = "governance",
                .field = "revision",
                .expected = std::to_string(target_->revision),
-               .found = said ? std::to_string(said->version.revision) : "none that it told",
+               .found = said ? std::to_string(said->version.revision) : "an earlier one or none",
                .note = "its endpoints no longer match on topics that the two documents protect "
                        "differently"}),
         peer, Origin::its_keys);
