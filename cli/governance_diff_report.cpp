@@ -160,9 +160,10 @@ std::string verdict_text(const governance::GovernanceDiff& diff, bool is_phased)
                    {verdict + fmt::format(" on topics with a line \"breaks\" ({}),", domains),
                     "a participant that stays with the old file no longer matches those that have",
                     "changed to the new one; other topics work"}) +
-           wrapped("", {"put it into all folders within a minute: embedded participants change",
-                        "together, and no match ends;",
-                        "start others that use these topics again at that time"});
+           wrapped(
+               "",
+               {"put it into all folders within a minute: embedded participants change together,",
+                "and no match ends; start others that use these topics again at that time"});
   if (!diff.parts_participants)
     return wrapped("verdict: ",
                    {verdict + fmt::format(" on topics with a line \"breaks\" ({}),", domains),

@@ -84,8 +84,11 @@ void add_domain(const governance::DomainRule& before, const governance::DomainRu
   }
   if (added->rules.empty()) return;
   const auto& first = *added->rules.front();
-  out.add(added->are_last ? Live::live : Live::live_unless_in_use,
-          fmt::format("a further rule for \"{}\"", first.topic_expression), first.line);
+  const auto why = fmt::format("a further rule for \"{}\"", first.topic_expression);
+  const auto unless_in_use = added->fit_in_use ? Live::two_phases : Live::live_unless_in_use;
+  if (added->are_last || added->are_alike) return out.add(Live::live, why, first.line);
+  out.embedded.add(unless_in_use, why, first.line);
+  out.cyclonedds.add(Live::live_unless_in_use, why, first.line);
 }
 
 /// Of a signed document without a revision. One that is not signed yet gets the next one.
@@ -96,8 +99,9 @@ void add_missing_revision(const governance::Governance& before, const DiffSides&
     return out.add(
         Live::no_revision,
         fmt::format("the old document has revision {}, the new one none", before.revision), 0);
-  if (out.raises)
-    out.add(Live::no_revision, "more protection needs a revision", 0);
+  if (out.raises) return out.add(Live::no_revision, "more protection needs a revision", 0);
+  if (out.embedded.outcome == Live::two_phases)
+    out.embedded.add(Live::live_unless_in_use, out.embedded.reason, out.embedded.line);
 }
 
 /// A document with the revision of the former one must say the same.

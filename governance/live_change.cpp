@@ -177,6 +177,10 @@ Result<LiveChange> live_change(const DomainRule& former, const DomainRule& next)
     }
     DDSSEC_RETURN_IF_ERROR(check_discovery(former, rule));
     out.are_last = out.are_last && awaited == former.topic_rules.end();
+    for (auto later = awaited; later != former.topic_rules.end(); ++later) {
+      out.fit_in_use = out.fit_in_use && check_topic_change(*later, next, rule);
+      out.are_alike = out.are_alike && protect_alike(*later, rule);
+    }
     out.rules.push_back(&rule);
   }
   if (awaited == former.topic_rules.end()) return out;

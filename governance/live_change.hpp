@@ -25,6 +25,11 @@ struct LiveChange {
   std::vector<const TopicRule*> rules;  ///< added ones, of `next`, in its order
   /// All of them come after the rules of `former`: they decide only for topics that had no rule.
   bool are_last = true;
+  /// Each topic that an added rule takes from a later rule can come under it while it is in use
+  /// (check_topic_change).
+  bool fit_in_use = true;
+  /// It is protected there as before.
+  bool are_alike = true;
   std::vector<const TopicRule*> raised;  ///< of `next`: rules that were there with less protection
 };
 

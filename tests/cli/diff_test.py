@@ -162,6 +162,23 @@ class GovernanceDifferences(Differences):
         self.assertEqual(live(numbered(one, 1), numbered(one, 2))[0], "same")
         self.assertEqual(live(numbered(one, 1), more)[0], "two phases", "signing it writes the next revision")
 
+    def test_a_rule_before_others_that_protects_its_topics_more_is_taken_in_two_phases(self):
+        def live(old, new):
+            self.write(old, new)
+            out = self.diff()["live"]
+            return out["embedded"], out["cyclonedds"]
+        encrypted, signed, none = (re.sub(r"(metadata|data)_protection_kind>\w+<", rf"\1_protection_kind>{kind}<", topic("rt/y"))
+                                   for kind in ("ENCRYPT", "SIGN", "NONE"))
+        every = signed.replace("rt/y", "*")
+        self.assertEqual(live(governance(every), governance(encrypted, every)), ("two phases", "live unless in use"))
+        self.assertIn('(a further rule for "rt/y")', self.text())
+        self.assertEqual(live(governance(every), governance(none, every)), ("live unless in use",) * 2)
+        self.assertEqual(live(governance(every), governance(signed, every)), ("live", "live"))
+        stronger = encrypted.replace("rt/y", "rt/z")
+        self.assertEqual(live(governance(stronger, every), governance(signed, stronger, every)), ("live unless in use",) * 2)
+        self.assertEqual(live(governance(stronger, every), governance(stronger, encrypted, every)),
+                         ("two phases", "live unless in use"))
+
     def test_a_signed_document_without_a_revision_is_refused(self):
         now = ("--now", "2026-11-21T00:00:00Z")
         self.run_program("ca", "create", "ca", "--role", "permissions", "--no-passphrase", *now)

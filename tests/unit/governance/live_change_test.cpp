@@ -33,6 +33,8 @@ TEST(LiveChange, RuleBeforeAnother_IsNotLast) {
   ASSERT_TRUE(added);
   EXPECT_EQ(added->rules.size(), 1u);
   EXPECT_FALSE(added->are_last);
+  EXPECT_TRUE(added->fit_in_use);
+  EXPECT_TRUE(added->are_alike);
 }
 
 TEST(LiveChange, RuleThatLeftOrMovedOrChanged_IsRefused) {
