@@ -11,13 +11,13 @@
 #include "plugins/cyclonedds/exempt_topics.hpp"
 #include "plugins/cyclonedds/own_readers.hpp"
 #include "plugins/cyclonedds/presence.hpp"
-#include "plugins/cyclonedds/process_properties.hpp"
 #include "plugins/cyclonedds/process_questions.hpp"
 #include "plugins/cyclonedds/token_translation.hpp"
 #include "plugins/cyclonedds/unguarded_endpoints.hpp"
 #include "plugins/cyclonedds/value_translation.hpp"
 #include "plugins/spi/clock_step_grace.hpp"
 #include "plugins/spi/flag_property.hpp"
+#include "plugins/spi/process_properties.hpp"
 #include "plugins/spi/property_names.hpp"
 
 namespace ddssec::cyclonedds {
@@ -50,7 +50,7 @@ CPermissions validate_local_permissions(Instance* instance, const dds_security_a
     say_plugins_in_use(adapter.host(), PluginKind::access_control);
     DDSSEC_ASSIGN_OR_RETURN(auto property_list, properties_from(qos));
     DDSSEC_ASSIGN_OR_RETURN(const auto properties,
-                            with_process_properties(std::move(property_list)));
+                            spi::with_process_properties(std::move(property_list)));
     DDSSEC_ASSIGN_OR_RETURN(const auto clock_step_grace, spi::clock_step_grace(properties));
     adapter.host().calendar().set_grace(clock_step_grace);
     DDSSEC_ASSIGN_OR_RETURN(const bool allow_shared_memory,

@@ -6,12 +6,12 @@
 
 #include "plugins/cyclonedds/datagrams.hpp"
 #include "plugins/cyclonedds/presence.hpp"
-#include "plugins/cyclonedds/process_properties.hpp"
 #include "plugins/cyclonedds/process_questions.hpp"
 #include "plugins/cyclonedds/token_translation.hpp"
 #include "plugins/cyclonedds/value_translation.hpp"
 #include "plugins/spi/clock_step_grace.hpp"
 #include "plugins/spi/flag_property.hpp"
+#include "plugins/spi/process_properties.hpp"
 #include "plugins/spi/property_names.hpp"
 
 namespace ddssec::cyclonedds {
@@ -76,7 +76,7 @@ CResult validate_local_identity(Instance* instance, CIdentity* handle,
     say_transport(adapter.host());
     DDSSEC_ASSIGN_OR_RETURN(auto property_list, properties_from(qos));
     DDSSEC_ASSIGN_OR_RETURN(const auto properties,
-                            with_process_properties(std::move(property_list)));
+                            spi::with_process_properties(std::move(property_list)));
     DDSSEC_ASSIGN_OR_RETURN(const auto clock_step_grace, spi::clock_step_grace(properties));
     adapter.host().calendar().set_grace(clock_step_grace);
     DDSSEC_ASSIGN_OR_RETURN(const auto local,

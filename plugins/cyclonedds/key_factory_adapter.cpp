@@ -7,10 +7,10 @@
 #include "plugins/cyclonedds/match_gate.hpp"
 #include "plugins/cyclonedds/peers_with_keys.hpp"
 #include "plugins/cyclonedds/presence.hpp"
-#include "plugins/cyclonedds/process_properties.hpp"
 #include "plugins/cyclonedds/session_resets.hpp"
 #include "plugins/cyclonedds/token_translation.hpp"
 #include "plugins/cyclonedds/value_translation.hpp"
+#include "plugins/spi/process_properties.hpp"
 
 namespace ddssec::cyclonedds {
 namespace {
@@ -41,7 +41,8 @@ CHandle register_local_participant(Instance* instance, const DDS_Security_Identi
         DDSSEC_RETURN_IF_ERROR(require(attributes));
         say_plugins_in_use(adapter.host(), PluginKind::cryptography);
         DDSSEC_ASSIGN_OR_RETURN(auto property_list, optional_properties(properties));
-        DDSSEC_ASSIGN_OR_RETURN(const auto list, with_process_properties(std::move(property_list)));
+        DDSSEC_ASSIGN_OR_RETURN(const auto list,
+                                spi::with_process_properties(std::move(property_list)));
         DDSSEC_ASSIGN_OR_RETURN(const auto local,
                                 adapter.key_factory().register_local_participant(
                                     {identity}, {permissions}, list, attributes_from(*attributes)));

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "plugins/cyclonedds/process_properties.hpp"
+#include "plugins/spi/process_properties.hpp"
 #include "plugins/spi/property_names.hpp"
 #include "plugins/spi/session_facts.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -74,11 +74,11 @@ TEST_F(AuthenticationAdapterTest, LocalIdentity) {
 
 /// A participant's properties from the host and from the file that the process names.
 struct ProcessProperties : AuthenticationAdapterTest {
-  ~ProcessProperties() override { unsetenv(kPropertiesVariable); }
+  ~ProcessProperties() override { unsetenv(spi::kPropertiesVariable); }
 
   DDS_Security_ValidationResult_t validate(std::string host_name, std::string host_value,
                                            std::string_view file) {
-    setenv(kPropertiesVariable, folder.write("file", file).c_str(), 1);
+    setenv(spi::kPropertiesVariable, folder.write("file", file).c_str(), 1);
     return validate(std::move(host_name), std::move(host_value));
   }
   DDS_Security_ValidationResult_t validate(std::string name, std::string value) {
@@ -104,7 +104,7 @@ TEST_F(ProcessProperties, AddWhatTheHostDoesNotName) {
   expect_engine_gets({{crl, "v", false}, {password, "w", false}});
   EXPECT_EQ(validate(crl, "v", crl + " = other\n" + password + " = w\n"),
             DDS_SECURITY_VALIDATION_OK);
-  setenv(kPropertiesVariable, (folder.path() + "/none").c_str(), 1);
+  setenv(spi::kPropertiesVariable, (folder.path() + "/none").c_str(), 1);
   EXPECT_EQ(validate(crl, "v"), DDS_SECURITY_VALIDATION_FAILED);
   EXPECT_EQ(refusal.reason(), Code::file_not_found);
 }

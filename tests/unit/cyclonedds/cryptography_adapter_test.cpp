@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "plugins/cyclonedds/process_properties.hpp"
 #include "plugins/cyclonedds/value_translation.hpp"
+#include "plugins/spi/process_properties.hpp"
 #include "tests/unit/cyclonedds/support.hpp"
 
 namespace ddssec::cyclonedds {
@@ -123,18 +123,18 @@ TEST_F(CryptographyAdapterTest, AParticipantsPropertiesComeFromTheEnvironment) {
     return spi::Property{"dds.sec.crypto.symmetric_cipher_algorithm", std::move(name), false};
   };
   {
-    const Variable from(kPropertiesVariable, file);
+    const Variable from(spi::kPropertiesVariable, file);
     registers_with({cipher("AES128+GCM"), other});
-    const Variable over(kCipherVariable, "org.ddssec.ChaCha20-Poly1305");
+    const Variable over(spi::kCipherVariable, "org.ddssec.ChaCha20-Poly1305");
     registers_with({other, cipher("org.ddssec.ChaCha20-Poly1305")});
   }
   {
-    const Variable over(kCipherVariable, "AUTO");
+    const Variable over(spi::kCipherVariable, "AUTO");
     registers_with({cipher("AUTO")});
-    const Variable nothing(kPropertiesVariable, "");
+    const Variable nothing(spi::kPropertiesVariable, "");
     registers_with({cipher("AUTO")});
   }
-  const Variable missing(kPropertiesVariable, file + ".not-there");
+  const Variable missing(spi::kPropertiesVariable, file + ".not-there");
   EXPECT_EQ(factory->register_local_participant(factory, 1, 2, nullptr, &participant, &refusal), 0);
   EXPECT_EQ(refusal.reason(), Code::file_not_found);
 }

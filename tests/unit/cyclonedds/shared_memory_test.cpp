@@ -7,7 +7,7 @@
 
 #include "plugins/cyclonedds/access_control_adapter.hpp"
 #include "plugins/cyclonedds/loaded_symbols.hpp"
-#include "plugins/cyclonedds/process_properties.hpp"
+#include "plugins/spi/process_properties.hpp"
 #include "plugins/spi/property_names.hpp"
 #include "tests/support/expect_code.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -194,7 +194,7 @@ struct AdapterWithSharedMemory : testing::Test {
     });
     endpoint.payload = ProtectionKind::encrypt;
   }
-  ~AdapterWithSharedMemory() override { unsetenv(kPropertiesVariable); }
+  ~AdapterWithSharedMemory() override { unsetenv(spi::kPropertiesVariable); }
 
   /// A participant's or an endpoint's QoS with the property.
   struct Qos : DDS_Security_Qos {
@@ -297,11 +297,11 @@ TEST_F(AdapterWithSharedMemory, TheEndpointsPropertyAllowsItForThatEndpoint) {
 
 TEST_F(AdapterWithSharedMemory, TheFileOfPropertiesAllowsItWhereTheHostSaysNothing) {
   const test::TemporaryFolder folder;
-  setenv(kPropertiesVariable, folder.write("properties", std::string(kAllow) + " = true\n").c_str(),
-         1);
+  setenv(spi::kPropertiesVariable,
+         folder.write("properties", std::string(kAllow) + " = true\n").c_str(), 1);
   EXPECT_TRUE(may_write(validate({}))) << sentence;
   EXPECT_FALSE(may_write(validate(Qos("false")))) << "the host's word goes before";
-  setenv(kPropertiesVariable, (folder.path() + "/none").c_str(), 1);
+  setenv(spi::kPropertiesVariable, (folder.path() + "/none").c_str(), 1);
   EXPECT_EQ(validate({}), DDS_SECURITY_HANDLE_NIL);
 }
 
