@@ -79,6 +79,16 @@ IssueLog IssueLog::parse(BytesView text) {
   }
 }
 
+// The serial number alone does not make it the same certificate.
+void IssueLog::add_issued(IssuedCertificate one) {
+  const auto [at, is_new] = issued_by_serial_.emplace(one.serial, issued_.size());
+  if (is_new) return issued_.push_back(std::move(one));
+  auto& known = issued_[at->second];
+  if (one.sha256.empty() || one.sha256 != known.sha256 || one.folder.empty()) return;
+  known.folder = std::move(one.folder);
+  known.file = std::move(one.file);
+}
+
 Status IssueLog::add_line(std::string_view line) {
   if (line.size() > kMaxLogLineOctets) return malformed_line("the line is too long");
   const auto object = Json::parse(line, nullptr, false);
@@ -95,8 +105,7 @@ Status IssueLog::add_line(std::string_view line) {
                           .file = text_of(object, "file"),
                           .sha256 = text_of(object, "sha256"),
                           .key = text_of(object, "key")};
-    if (issued_by_serial_.emplace(std::move(serial), issued_.size()).second)
-      issued_.push_back(std::move(one));
+    add_issued(std::move(one));
     return {};
   }
   if (event != "revoked") return malformed_line("event is neither issued nor revoked");
@@ -119,6 +128,20 @@ std::vector<std::string> IssueLog::places() const {
   for (const auto& one : issued_)
     if (!one.folder.empty() && !one.revoked && seen.insert(one.place()).second)
       out.push_back(one.place());
+  return out;
+}
+
+std::unordered_set<std::string> IssueLog::present_places() const {
+  std::unordered_set<std::string> out;
+  std::unordered_map<std::string, const IssuedCertificate*> last;
+  for (const auto& one : issued_) {
+    if (one.folder.empty()) continue;
+    if (one.key.empty())
+      out.insert(one.place());
+    else
+      last[one.key + one.subject] = &one;
+  }
+  for (const auto& [participant, one] : last) out.insert(one->place());
   return out;
 }
 

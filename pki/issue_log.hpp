@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 #include "base/bytes.hpp"
@@ -72,11 +73,15 @@ class IssueLog {
   std::optional<WallTime> latest_before(WallTime limit) const;
   /// The places of all certificates that are not revoked, each once.
   std::vector<std::string> places() const;
+  /// The places that no participant has left: those of the last certificate of each subject and
+  /// key, and those of certificates whose key is not known.
+  std::unordered_set<std::string> present_places() const;
 
   /// Adds one more revocation, like its line would. Error: issue_log_malformed.
   Status add(const Revocation& revocation);
 
-  /// The line, with its end, for an issued certificate. `file`: its name in the folder.
+  /// The line, with its end, for an issued certificate. `file`: its name in the folder. A second
+  /// line for the same certificate tells only that it is in another place from then on.
   static std::string issued_line(const Certificate& certificate, std::string_view folder,
                                  WallTime now, std::string_view file = kCertificateFile);
   /// The line, with its end, for a revoked certificate. `key`: its key_digest(), if no line of the
@@ -85,6 +90,7 @@ class IssueLog {
 
  private:
   Status add_line(std::string_view line);
+  void add_issued(IssuedCertificate one);
 
   std::vector<IssuedCertificate> issued_;
   std::vector<Revocation> revocations_;

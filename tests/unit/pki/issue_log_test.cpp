@@ -91,6 +91,37 @@ TEST(IssueLog, TheFirstLineOfASerialNumberCounts) {
   EXPECT_EQ(IssueLog::parse(as_bytes(text)).revocations(), std::vector{first});
 }
 
+std::string line_of(const std::string& serial, const std::string& sha256, const std::string& key,
+                    const std::string& folder) {
+  return R"({"event":"issued","time":"2026-11-21T00:00:00Z","serial":")" + serial +
+         R"(","subject":"CN=a","not_after":"2027-11-21T00:00:00Z","sha256":")" + sha256 +
+         R"(","key":")" + key + R"(","folder":")" + folder + "\"}\n";
+}
+
+TEST(IssueLog, ACertificateThatWasMoved_IsInItsLastPlace) {
+  const auto line = [](const std::string& sha256, const std::string& folder) {
+    return line_of("0A", sha256, "k", folder);
+  };
+  const auto place = [](const std::string& text) {
+    const auto log = IssueLog::parse(as_bytes(text));
+    EXPECT_EQ(log.issued().size(), 1u);
+    EXPECT_EQ(log.present_places().size(), 1u);
+    return log.find("0A")->place();
+  };
+  EXPECT_EQ(place(line("11", "/a") + line("11", "/b")), "/b");
+  EXPECT_EQ(place(line("11", "/a") + line("11", "")), "/a");
+  EXPECT_EQ(place(line("11", "/a") + line("22", "/b")), "/a") << "another certificate";
+  EXPECT_EQ(place(line("", "/a") + line("", "/b")), "/a") << "perhaps another certificate";
+}
+
+TEST(IssueLog, PlacesThatAParticipantHasLeft_AreNotPresent) {
+  const auto log =
+      IssueLog::parse(as_bytes(line_of("0A", "1", "k", "/a") + line_of("0B", "2", "k", "/b") +
+                               line_of("0C", "3", "other", "/c") + line_of("0D", "4", "", "/d")));
+  EXPECT_EQ(log.present_places(), (std::unordered_set<std::string>{"/b", "/c", "/d"}));
+  EXPECT_EQ(log.places().size(), 4u);
+}
+
 TEST(IssueLog, ADamagedLineIsToldAndTheOthersCount) {
   const std::string good =
       R"({"event":"revoked","time":"2026-11-21T00:00:00Z","serial":"0A","reason":"superseded"})"
