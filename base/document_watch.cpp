@@ -28,8 +28,14 @@ Result<bool> DocumentWatch::look(std::chrono::nanoseconds now, const Take& take)
     return is_other;
   }
   if (!refusals_.is_due(status.error().code(), content)) return false;
-  return std::unexpected(
-      refusals_.note(renewal_refused(what_.refused, status.error(), what_.name, what_.stays)));
+  const auto& why = status.error();
+  auto report = renewal_refused(what_.refused, why, what_.name, what_.stays);
+  if (what_.gives_remedy_of_reason && why.code() != what_.refused) {
+    auto details = report.details();
+    details.hint = why.hint();
+    report = Error(what_.refused, std::move(details));
+  }
+  return std::unexpected(refusals_.note(std::move(report)));
 }
 
 }  // namespace ddssec

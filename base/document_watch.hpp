@@ -21,6 +21,8 @@ class DocumentWatch {
     std::size_t most;        ///< octets that are read
     Code refused;            ///< the event's code
     std::string_view stays;  ///< what is still in force then
+    /// The event gives the remedy of its reason, because the document itself must be written anew.
+    bool gives_remedy_of_reason = false;
   };
 
   /// Before the file is read for the first time.

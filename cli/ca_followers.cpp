@@ -44,6 +44,7 @@ std::vector<std::string> gone_among(const std::vector<std::string>& elsewhere,
 KnownFollowers known_to(const CaPaths& ca, const pki::IssueLog& log,
                         const pki::Certificate& identity, WallTime now) {
   const LoggedFolders folders(ca, log);
+  const auto present = log.present_places();
   KnownFollowers out;
   std::set<std::string> seen;
   std::set<fs::path> seen_here;
@@ -58,7 +59,8 @@ KnownFollowers known_to(const CaPaths& ca, const pki::IssueLog& log,
       out.here.push_back(follower_in(folder));
     else if (is_here)
       continue;
-    else if (!issued.revoked && now < issued.not_after)
+    else if (!issued.revoked && now < issued.not_after &&
+             (issued.folder.empty() || present.contains(place)))
       out.elsewhere.push_back(place);
   }
   out.gone = gone_among(out.elsewhere, folders, log);
@@ -66,6 +68,24 @@ KnownFollowers known_to(const CaPaths& ca, const pki::IssueLog& log,
 }
 
 }  // namespace
+
+Status log_places(const fs::path& given, const std::vector<Follower>& followers,
+                  const std::vector<std::string>& again, WallTime now) {
+  const auto paths = ca_paths(given, "identity");
+  if (!is_there(paths.certificate) || !is_there(paths.log)) return {};
+  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(paths));
+  std::string lines;
+  for (const auto& follower : followers) {
+    const auto& files = follower.files;
+    if (!follower.is_named || std::ranges::find(again, follower.name) == again.end()) continue;
+    const auto certificate = read_certificate(files.certificate);
+    if (!certificate || belonging_of(*certificate, files.folder, paths, log) != Belonging::moved)
+      continue;
+    const auto folder = recorded_folder(*certificate, files.folder, paths, log);
+    lines += pki::IssueLog::issued_line(*certificate, folder.string(), now);
+  }
+  return lines.empty() ? Status() : log_issued(paths, lines);
+}
 
 Follower follower_in(const fs::path& folder) {
   return {folder.string(), pki::participant_folder(folder)};

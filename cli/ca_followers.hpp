@@ -24,4 +24,11 @@ Follower follower_in(const std::filesystem::path& folder);
 /// ca_paths(). Errors: those of read_issue_log and read_certificate.
 Result<KnownFollowers> known_followers(const std::filesystem::path& given, WallTime now);
 
+/// Records where the participants are whose folders the command line names, if the identity CA's
+/// log has their certificates for other folders, in which they no longer lie. A permissions CA
+/// issues no certificate that would tell the log. `again`: the names of followers that get new
+/// files. The caller holds the identity CA's lock. Errors: those of read_issue_log and log_issued.
+Status log_places(const std::filesystem::path& given, const std::vector<Follower>& followers,
+                  const std::vector<std::string>& again, WallTime now);
+
 }  // namespace ddssec::cli

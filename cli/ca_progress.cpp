@@ -137,12 +137,6 @@ std::string next_step(const std::string& command, const std::string& role,
     return fmt::format("  next   {} --role {} {}\n", command, role, step);
   const auto then =
       remaining.is_overlap ? fmt::format("  then   {} --role {} --end\n", command, role) : "";
-  // Only a new certificate tells the log where its participant is now.
-  if (role == "permissions")
-    return fmt::format(
-        "  first  put the folders that are not here back, or issue these participants again\n"
-        "  next   {} --role {} {}\n{}",
-        command, role, step, then);
   return fmt::format(
       "  next   {} PLACES --role {} {}\n"
       "         PLACES: where the folders that are not here are now. A participant on another "

@@ -285,15 +285,21 @@ Result<std::vector<Follower>> unnamed(const Arguments& arguments, WallTime now) 
   return known.here;
 }
 
-// --move works on folders that --overlap did not name, and --end may name fewer than --move.
+// --move works on folders that --overlap did not name, and --end may name fewer than --move. A
+// rotation at once leaves all that are not named.
 Result<std::vector<Error>> warnings_of(Step step, const std::string& role,
                                        const std::vector<Follower>& followers,
                                        const Arguments& arguments, WallTime now) {
   std::vector<Error> out;
-  if (step != Step::move && step != Step::end) return out;
+  if (step == Step::begin) return out;
   const fs::path given = arguments.text("DIR");
-  DDSSEC_ASSIGN_OR_RETURN(const auto progress, RotationProgress::of(given, role, now));
   DDSSEC_ASSIGN_OR_RETURN(auto others, unnamed(arguments, now));
+  if (step == Step::replace) {
+    for (const auto& one : others)
+      out.emplace_back(tool_code::rotation_unfinished, ErrorDetails{.document = one.files.folder});
+    return out;
+  }
+  DDSSEC_ASSIGN_OR_RETURN(const auto progress, RotationProgress::of(given, role, now));
   const bool is_end = step == Step::end;
   if (!is_end) others.insert(others.end(), followers.begin(), followers.end());
   const auto code = is_end ? tool_code::rotation_unfinished : tool_code::successor_unknown;
@@ -343,6 +349,8 @@ Result<Report> follow(const std::string& role, const Work& work, const Arguments
       auto followed, role == "identity" ? follow_identity_ca(out, change, work.known.here, context)
                                         : follow_permissions_ca(out, change, work.known.here,
                                                                 shared_documents(given), context));
+  if (role == "permissions")
+    DDSSEC_RETURN_IF_ERROR(log_places(given, work.known.here, followed.again, context.clock.now()));
   DDSSEC_ASSIGN_OR_RETURN(auto files, put_in_place(out, followed));
   // If this fails, nothing is wrong: the former CA is not in the CA's file any more.
   if (is_over) remove_file(overlap_file(paths));
@@ -399,6 +407,14 @@ std::vector<Follower> left_before(const std::string& role, Step step, const Argu
   return progress->not_ended(known->here);
 }
 
+// The log of the identity CA learns where named folders are. Its lock comes before that of the
+// permissions CA, as in every command that holds both.
+Result<std::optional<FileLock>> lock_places(const fs::path& given, const std::string& role) {
+  const auto paths = ca_paths(given, "identity");
+  if (role == "identity" || !is_there(paths.key)) return std::nullopt;
+  return lock_records(paths);
+}
+
 Result<Report> ca_rotate(const Arguments& arguments, const Context& context) {
   const fs::path given = arguments.text("DIR");
   DDSSEC_ASSIGN_OR_RETURN(const auto role, one_role(arguments));
@@ -406,12 +422,15 @@ Result<Report> ca_rotate(const Arguments& arguments, const Context& context) {
   DDSSEC_RETURN_IF_ERROR(check_no_other_kind(given));
   const auto now = context.clock.now();
   const auto waiting = left_before(role, step, arguments, now);
+  DDSSEC_ASSIGN_OR_RETURN(const auto lock, lock_places(given, role));
   CaOpener opener(arguments);
   DDSSEC_ASSIGN_OR_RETURN(const auto old, opener.open(ca_paths(given, role)));
   if (const auto log = ca_paths(given, "identity"); is_there(log.certificate))
     DDSSEC_RETURN_IF_ERROR(check_list_date(now, log, arguments));
   if (old.authority.key().in_token()) return fail(Code::key_in_token, {.document = old.paths.key});
-  DDSSEC_ASSIGN_OR_RETURN(auto overlap, read_overlap(old.paths));
+  auto overlap_read = read_overlap(old.paths);
+  if (!overlap_read && step != Step::replace) return std::unexpected(overlap_read.error());
+  const auto overlap = std::move(overlap_read).value_or(std::nullopt);
   if (step == Step::end && overlap && arguments.has("--when-due") && now < overlap->until)
     return not_due(role, old, *overlap);
   const auto run = [&](Work work) -> Result<Report> {

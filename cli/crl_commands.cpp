@@ -17,6 +17,7 @@
 #include "cli/participant_places.hpp"
 #include "cli/revocation_lists.hpp"
 #include "cli/transaction.hpp"
+#include "governance/doctor/shell_word.hpp"
 #include "pki/participant_folder.hpp"
 
 namespace ddssec::cli {
@@ -218,7 +219,7 @@ Result<ParticipantPlaces> recipients(const Arguments& arguments, const CaPaths& 
   if (!out.here.empty()) return out;
   DDSSEC_ASSIGN_OR_RETURN(const auto issue_log, read_issue_log(ca));
   DDSSEC_ASSIGN_OR_RETURN(out, participant_places(ca, issue_log));
-  if (!out.is_empty()) return out;
+  if (!out.is_empty() || are_all_revoked(issue_log)) return out;
   return fail(Code::usage, {.field = "DIRS", .note = "the CA's log knows no folder: name them"});
 }
 
@@ -358,7 +359,13 @@ Result<Report> crl_distribute(const Arguments& arguments, const Context& context
   report.text += fmt::format("list {} of {} is in {}, holds {}\n", number_text(crl), crl.issuer(),
                              counted(done.folders.size(), "folder"), words_until(crl));
   report.text += places_text(recipient, paths);
-  if (recipient.here.empty()) report.exit = Exit::no;
+  if (recipient.is_empty())
+    report.text += fmt::format(
+        "every participant in the CA's log is revoked, and needs no list; those of CAs below it "
+        "do: ddssec crl distribute DIR... --ca {}\n",
+        governance::doctor::shell_word(given));
+  else if (recipient.here.empty())
+    report.exit = Exit::no;
   for (const auto& error : done.errors) {
     report.errors.push_back(error);
     report.exit = std::max(report.exit, exit_of(error.code()));

@@ -5,6 +5,9 @@
 #include <system_error>
 #include <utility>
 
+#include "cli/inputs.hpp"
+#include "pki/source.hpp"
+
 namespace ddssec::cli {
 namespace {
 
@@ -35,10 +38,17 @@ bool is_plain_folder(const fs::path& path) {
   return fs::symlink_status(path, ignored).type() == fs::file_type::directory;
 }
 
+bool is_anything(const fs::path& path) {
+  std::error_code ignored;
+  return fs::symlink_status(path, ignored).type() > fs::file_type::not_found;
+}
+
 }  // namespace
 
-Result<EnclaveFolder> EnclaveFolder::at(const fs::path& keystore, const fs::path& target) {
+Result<EnclaveFolder> EnclaveFolder::at(const fs::path& keystore, const fs::path& target,
+                                        Existing existing) {
   EnclaveFolder out(target);
+  out.existing_ = existing;
   if (is_plain_folder(target)) {
     DDSSEC_RETURN_IF_ERROR(check_inside(keystore, target, target));
     out.files_ = std::make_unique<Replacement>();
@@ -55,7 +65,7 @@ Result<EnclaveFolder> EnclaveFolder::at(const fs::path& keystore, const fs::path
 
 Status EnclaveFolder::add(const fs::path& name, BytesView octets, unsigned mode) {
   if (folder_) return folder_->add(below_ / name, octets, mode);
-  DDSSEC_RETURN_IF_ERROR(check_nothing_at(target_ / name));
+  if (existing_ == Existing::refused) DDSSEC_RETURN_IF_ERROR(check_nothing_at(target_ / name));
   return files_->put(target_ / name, octets, mode);
 }
 
@@ -65,8 +75,14 @@ Status EnclaveFolder::add_public(const fs::path& name, std::string_view text) {
 
 Status EnclaveFolder::link(const fs::path& name, const fs::path& to) {
   if (folder_) return folder_->link(below_ / name, to);
-  links_.emplace_back(target_ / name, to);
-  return check_link_place(target_ / name, to);
+  const auto place = target_ / name;
+  const auto fits = check_link_place(place, to);
+  if (!fits && existing_ == Existing::replaced && is_anything(place)) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(target_ / to, pki::kMostDocumentOctets));
+    return files_->put(place, octets, 0644, Replacement::Links::replaced);
+  }
+  links_.emplace_back(place, to);
+  return fits;
 }
 
 Result<std::vector<WrittenFile>> EnclaveFolder::commit() {

@@ -71,8 +71,9 @@ class Search {
               .hint = "name the folder of a participant, of a CA, or one with such folders in it"});
       return;
     }
-    unreadable_.emplace_back(Code::file_not_found,
-                             ErrorDetails{.document = path, .expected = kKinds});
+    unreadable_.emplace_back(
+        Code::file_unreadable,
+        ErrorDetails{.document = path, .expected = kKinds, .found = "another file"});
   }
 
   /// To be called after the last path: a link to a folder is well if that was searched under its

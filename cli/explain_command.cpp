@@ -1,5 +1,6 @@
 // explain: explains an error code or a rule of lint and doctor, and what to do about it.
 #include <algorithm>
+#include <iterator>
 #include <optional>
 #include <ranges>
 
@@ -81,20 +82,29 @@ std::string_view severity_of(const Row& row) {
   return row.number == 0 ? severity_word(row.severity) : to_string(row.severity);
 }
 
+std::vector<OtherSeverity> others_of(const Row& row) {
+  std::vector<OtherSeverity> out;
+  std::ranges::copy_if(other_severities(), std::back_inserter(out),
+                       [&](const auto& other) { return is_among(row.name, other.names); });
+  if (row.number == 0) return out;
+  const auto in_tool = severity_in_tool(static_cast<Code>(row.number));
+  if (in_tool != row.severity)
+    out.push_back({row.name, in_tool, "where a command of ddssec reports it"});
+  return out;
+}
+
 // "error; note where --vendor does not name the products".
 std::string severities_of(const Row& row) {
   std::string out(severity_of(row));
-  for (const auto& other : other_severities())
-    if (is_among(row.name, other.names))
-      out += fmt::format("; {} {}", severity_word(other.severity), other.when);
+  for (const auto& other : others_of(row))
+    out += fmt::format("; {} {}", severity_word(other.severity), other.when);
   return out;
 }
 
 Json other_severities_of(const Row& row) {
   Json out = Json::array();
-  for (const auto& other : other_severities())
-    if (is_among(row.name, other.names))
-      out.push_back({{"severity", severity_word(other.severity)}, {"when", other.when}});
+  for (const auto& other : others_of(row))
+    out.push_back({{"severity", severity_word(other.severity)}, {"when", other.when}});
   return out;
 }
 

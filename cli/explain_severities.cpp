@@ -1,5 +1,7 @@
 #include "cli/explain_severities.hpp"
 
+#include <algorithm>
+
 namespace ddssec::cli {
 namespace {
 
@@ -23,7 +25,7 @@ constexpr OtherSeverity kOthers[] = {
     {"DOC091", warning, "where the keys can still be used"},
     {"DOC094", error, "where --vendor names two versions that do not find each other"},
     {"DOC101", warning, "where the environment names no configuration, or one for another purpose"},
-    {"DOC103", warning, "where the embedded participant may be meant"},
+    {"DOC093 DOC103", warning, "where the embedded participant may be meant"},
     {"DOC107", warning, "for products that --vendor of check does not name"},
     {"GOV010", warning, "where the rules before it protect alike"},
     {"GOV012 PERM013", note, "where Cyclone DDS and Fast DDS agree"},
@@ -41,5 +43,10 @@ constexpr OtherSeverity kOthers[] = {
 }  // namespace
 
 std::span<const OtherSeverity> other_severities() { return kOthers; }
+
+Severity severity_in_tool(Code code) {
+  const bool is_of_input = Code::truncated <= code && code <= Code::ocsp_not_yet_valid;
+  return is_of_input ? std::max(info(code).severity, error) : info(code).severity;
+}
 
 }  // namespace ddssec::cli

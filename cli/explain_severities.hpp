@@ -19,4 +19,9 @@ struct OtherSeverity {
 /// finding against this list.
 std::span<const OtherSeverity> other_severities();
 
+/// The severity of a code in the command line. About octets, files and certificates (1000 to 1199)
+/// a participant may only warn, because it drops what a peer sent and goes on; a command that
+/// reports one has failed with it.
+Severity severity_in_tool(Code code);
+
 }  // namespace ddssec::cli

@@ -323,18 +323,6 @@ Result<Report> complete_folder(Job& job) {
                   job, out.commit());
 }
 
-// Reports certificates that stay valid although no file contains them any more.
-std::string about_former(const Job& job) {
-  const auto former = read_certificate(job.files.certificate);
-  if (!former || former->not_after() < job.context.clock.now()) return {};
-  const auto log = read_issue_log(ca_paths(job.arguments.text("--ca"), "identity"));
-  if (log && log->is_revoked(former->serial())) return {};
-  return fmt::format(
-      "the certificate before it is valid until {}; if its key may be in other hands: ddssec "
-      "identity revoke {} --ca {}\n",
-      date(former->not_after()), former->serial(), job.arguments.text("--ca"));
-}
-
 // A *.p11 file names an object of a token, so PEM text in it would be useless.
 Status check_nothing_in_token(const Job& job) {
   for (const auto* file :
@@ -382,7 +370,8 @@ Result<Report> fill_folder(Job& job) {
   DDSSEC_RETURN_IF_ERROR(out.put_public(files.certificate, made.self.certificate.pem()));
   DDSSEC_RETURN_IF_ERROR(log_one(cas, made, job.target, job.context.clock.now()));
   auto report = report_on(job, made.self.certificate, "");
-  report.text += about_former(job);
+  report.text +=
+      about_former(job.files.certificate, job.arguments.text("--ca"), job.context.clock.now());
   return finished(std::move(report), job, out.commit());
 }
 

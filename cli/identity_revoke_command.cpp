@@ -119,19 +119,23 @@ std::string same_key_text(const Doomed& what, const std::string& ca) {
 }
 
 // The log may contain the name, but revoking by name alone could end the wrong participant.
-std::unexpected<Error> not_there(const std::string& what, const OpenCa& ca,
+std::unexpected<Error> not_there(const std::string& what, const std::string& ca,
                                  const pki::IssueLog& log) {
+  std::error_code ignored;
+  const auto path = fs::absolute(what, ignored).lexically_normal();
+  const auto folder = path.has_filename() ? path : path.parent_path();
   ErrorDetails details{.document = what,
                        .expected = "a participant's folder, its certificate or a serial number",
                        .hint = participants_near(what)};
   for (const auto& issued : log.issued()) {
     const bool is_meant = issued.subject == what || issued.subject == "CN=" + what ||
-                          folder_name(issued.folder) == what;
+                          folder_name(issued.folder) == what || issued.folder == folder;
     if (!is_meant || issued.revoked) continue;
+    const bool is_here = is_there(fs::path(issued.folder) / "cert.pem");
     details.hint =
         fmt::format("the CA's log has it: ddssec identity revoke {} --ca {}",
-                    is_there(fs::path(issued.folder) / "cert.pem") ? issued.folder : issued.serial,
-                    ca.paths.log.parent_path().string());
+                    is_here ? governance::doctor::shell_word(issued.folder) : issued.serial,
+                    governance::doctor::shell_word(ca));
   }
   return fail(Code::file_not_found, std::move(details));
 }
@@ -139,7 +143,7 @@ std::unexpected<Error> not_there(const std::string& what, const OpenCa& ca,
 Result<Doomed> doomed(const Arguments& arguments, const OpenCa& ca, const pki::IssueLog& log) {
   const auto what = arguments.text("WHAT");
   if (is_there(what)) return doomed_participant(what, ca, log, arguments);
-  if (!is_serial(what)) return not_there(what, ca, log);
+  if (!is_serial(what)) return not_there(what, arguments.text("--ca"), log);
   const auto serial = ascii_upper(what);
   const auto* issued = log.find(serial);
   if (issued == nullptr)
@@ -163,8 +167,14 @@ Result<pki::RevocationReason> reason_of(const Arguments& arguments) {
 
 // Explains which participants notice the new list, and when.
 std::string next_steps(const std::string& ca, const ParticipantPlaces& places,
-                       const std::vector<std::string>& without_list, const CaPaths& paths) {
+                       const std::vector<std::string>& without_list, const CaPaths& paths,
+                       const pki::IssueLog& log) {
   const bool knows_none = places.is_empty();  // a CA above others
+  if (knows_none && are_all_revoked(log))
+    return fmt::format(
+        "no other participant in the CA's log needs the list; those of CAs below it do: ddssec crl "
+        "distribute DIR... --ca {}\n",
+        governance::doctor::shell_word(ca));
   auto out = fmt::format(
       "next: ddssec crl distribute {}--ca {}   ({})\n"
       "when the list is in the folder, a participant reads it\n"
@@ -206,7 +216,7 @@ Result<std::string> report_places(const CaPaths& ca, const pki::IssueLog& log,
   for (const auto& folder : out["elsewhere"]) out["folders"].push_back(folder);
   out["left_behind"] = places.left_behind;
   out["of_other_cas"] = places.of_other_cas;
-  return next_steps(given, places, bare, ca);
+  return next_steps(given, places, bare, ca, log);
 }
 
 std::string log_lines(const Doomed& what, const std::vector<pki::Revocation>& revocations) {

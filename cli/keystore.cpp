@@ -139,6 +139,7 @@ Status put_enclave(Folder& folder, const fs::path& below, std::string_view name,
   DDSSEC_ASSIGN_OR_RETURN(const auto pem, participant.self.key.to_pem());
   DDSSEC_RETURN_IF_ERROR(
       pem.expose([&](BytesView octets) { return folder.add(files.key, octets, 0600); }));
+  if (participant.permissions.empty()) return {};
   DDSSEC_RETURN_IF_ERROR(folder.add_public(below / "permissions.xml", participant.permissions_xml));
   return folder.add(files.permissions, participant.permissions, 0644);
 }

@@ -40,7 +40,8 @@ Status add_keystore_cas(NewFolder& keystore, const KeystoreCas& cas,
 Status add_keystore_governance(NewFolder& keystore, std::string_view xml, BytesView signed_octets);
 
 /// Adds an enclave's files to a new folder. `below` is the enclave's place in that folder; `name`
-/// is its name in the keystore, from which the links are made.
+/// is its name in the keystore, from which the links are made. A participant without permissions
+/// adds none.
 Status add_enclave(EnclaveFolder& folder, std::string_view name,
                    const NewParticipant& participant);
 Status add_enclave(NewFolder& folder, const std::filesystem::path& below, std::string_view name,

@@ -10,6 +10,7 @@
 #include "cli/doctor_options.hpp"
 #include "cli/documents.hpp"
 #include "cli/governance_revision.hpp"
+#include "cli/extended_permissions.hpp"
 #include "cli/granted_domains.hpp"
 #include "cli/groups.hpp"
 #include "cli/held_folder.hpp"
@@ -26,6 +27,7 @@
 #include "cli/snippets.hpp"
 #include "cli/subject_overlap.hpp"
 #include "cli/transaction.hpp"
+#include "cli/unfinished.hpp"
 #include "governance/doctor/domains.hpp"
 #include "governance/profile.hpp"
 #include "governance/read.hpp"
@@ -96,12 +98,16 @@ Result<Report> keystore_create(const Arguments& arguments, const Context& contex
   return report;
 }
 
+/// Whether an enclave may keep the permissions that it has.
+enum class Rights : std::uint8_t { needed, may_stay };
+
 // Rights must be given explicitly, in one way: an enclave with all rights must be requested.
-Status check_one_source(const Arguments& arguments) {
+Status check_one_source(const Arguments& arguments, Rights rights) {
   const bool given[] = {arguments.has("--publish") || arguments.has("--subscribe"),
                         arguments.has("--permissions"), arguments.has("--policy"),
                         arguments.has("--allow-all")};
-  if (std::ranges::count(given, true) == 1) return {};
+  const auto count = std::ranges::count(given, true);
+  if (count == 1 || (count == 0 && rights == Rights::may_stay)) return {};
   return fail(Code::usage, {.field = "--publish",
                             .note = "give --publish and --subscribe, or one of --permissions, "
                                     "--policy and --allow-all"});
@@ -139,8 +145,9 @@ void warn_of_missing_prefixes(const ParticipantSpec& spec, Report& report) {
              .severity = Severity::warning});
 }
 
-Status read_rights(ParticipantSpec& spec, const Arguments& arguments, Report& report) {
-  DDSSEC_RETURN_IF_ERROR(check_one_source(arguments));
+Status read_rights(ParticipantSpec& spec, const Arguments& arguments, Rights rights,
+                   Report& report) {
+  DDSSEC_RETURN_IF_ERROR(check_one_source(arguments, rights));
   DDSSEC_ASSIGN_OR_RETURN(
       spec.domains,
       granted_domains(arguments, fs::path(arguments.text("KEYSTORE")) / "enclaves/governance.p7s",
@@ -191,55 +198,129 @@ Status warn_of_overlap(const ParticipantSpec& spec, const CaPaths& identity, con
   return {};
 }
 
-Result<Report> keystore_enclave(const Arguments& arguments, const Context& context) {
+/// What `keystore enclave` makes.
+struct EnclaveJob {
+  const Arguments& arguments;
+  const Context& context;
+  fs::path keystore;
+  std::string name;
+  fs::path target;
+  bool is_again;  ///< the enclave is there, and gets a new key and certificate
+  pki::ParticipantFolder files;
+};
+
+Result<EnclaveJob> enclave_job(const Arguments& arguments, const Context& context) {
   const fs::path keystore = arguments.text("KEYSTORE");
   const auto name = arguments.text("ENCLAVE");
-  const auto now = context.clock.now();
   DDSSEC_RETURN_IF_ERROR(check_enclave(name));
   if (name == "/") return fail(Code::enclave_name_unusable, {.found = name});
   DDSSEC_RETURN_IF_ERROR(check_keystore(keystore));
-  DDSSEC_ASSIGN_OR_RETURN(const auto life, validity(arguments, now));
-  DDSSEC_ASSIGN_OR_RETURN(const auto key, key_spec(arguments));
-  ParticipantSpec spec{.name = name, .subject = "CN=" + name, .life = life, .key = key};
-  Report report;
-  DDSSEC_RETURN_IF_ERROR(read_rights(spec, arguments, report));
   const auto target = keystore / enclave_folder(name);
-  if (is_there(target / "cert.pem"))
+  const auto files = pki::participant_folder(target, pki::FolderLayout::sros2);
+  const bool is_again = arguments.has("--replace") && is_there(target);
+  if (is_there(files.certificate) && !is_again)
     return fail(Code::would_overwrite,
                 {.document = target,
                  .note = "the enclave exists",
-                 .hint = "ddssec keystore permission gives it other rights; to issue it again with "
-                         "a new key, remove its folder first"});
+                 .hint = "ddssec keystore permission gives it other rights; --replace issues it "
+                         "again, with a new key"});
   DDSSEC_RETURN_IF_ERROR(check_nameable(target));
-  DDSSEC_ASSIGN_OR_RETURN(auto folder, EnclaveFolder::at(keystore, target));
-  CaOpener opener(arguments);
-  DDSSEC_ASSIGN_OR_RETURN(const auto identity, opener.open(ca_paths(keystore, "identity")));
-  DDSSEC_ASSIGN_OR_RETURN(const auto permissions, opener.open(ca_paths(keystore, "permissions")));
-  DDSSEC_ASSIGN_OR_RETURN(spec.life,
-                          within_ca(spec.life, identity.certificate(), arguments.has("--clamp")));
-  DDSSEC_RETURN_IF_ERROR(warn_of_overlap(spec, identity.paths, target, now, report));
-  DDSSEC_ASSIGN_OR_RETURN(const auto made,
-                          named(make_participant(spec, {identity, &permissions}, context),
-                                arguments.text("--permissions")));
-  DDSSEC_RETURN_IF_ERROR(
-      warn_of_missing_rights(made.permissions_xml, target / "permissions.p7s", report));
-  DDSSEC_RETURN_IF_ERROR(add_enclave(folder, name, made));
-  DDSSEC_ASSIGN_OR_RETURN(const auto list, list_for_newcomers(identity.paths, now));
-  if (list) DDSSEC_RETURN_IF_ERROR(folder.add_public("crl.pem", list->pem()));
-  DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
-  DDSSEC_RETURN_IF_ERROR(log_issued(identity.paths, log_line(made, target, now)));
-  DDSSEC_RETURN_IF_ERROR(
-      log_signed(permissions.paths, signed_line(made, permissions, target, now)));
-  const auto& certificate = made.self.certificate;
-  report.text = fmt::format("{}  {}  expires {}\n{}", target.string(), certificate.subject(),
-                            date(certificate.not_after()), ros2_snippet(keystore, name));
-  report.result = {{"name", name},
-                   {"dir", target.string()},
+  if (is_again) {
+    DDSSEC_RETURN_IF_ERROR(hold_folder(target));
+    DDSSEC_RETURN_IF_ERROR(finish_interrupted(target));
+  }
+  if (is_again && files.key.extension() == ".p11")
+    return fail(Code::key_in_token, {.document = files.key});
+  return EnclaveJob{arguments, context, keystore, name, target, is_again, files};
+}
+
+// The rights are those of the name, which stays. Whether they go on is for the user to decide.
+Result<std::string> about_kept_permissions(const EnclaveJob& job,
+                                           const pki::Certificate& certificate) {
+  const auto now = job.context.clock.now();
+  const auto old = [&]() -> Result<OldPermissions> {
+    const auto ca = ca_paths(job.keystore, "permissions").certificate;
+    DDSSEC_ASSIGN_OR_RETURN(const auto proof, verified(job.files.permissions, ca, now));
+    DDSSEC_ASSIGN_OR_RETURN(auto out, own_permissions(proof, certificate, now));
+    if (out.has_ended) return fail(Code::grant_expired, {.found = certificate.subject()});
+    return out;
+  }();
+  if (old)
+    return fmt::format("permissions.p7s stays, until {}\n", date(old->grant.validity.not_after));
+  auto details = old.error().details();
+  details.document = job.files.permissions;
+  details.hint =
+      "give its rights, too: --publish and --subscribe, or one of --permissions, --policy and "
+      "--allow-all";
+  return fail(old.error().code(), std::move(details));
+}
+
+Report report_on(const EnclaveJob& job, const pki::Certificate& certificate) {
+  Report report;
+  report.text = fmt::format("{}  {}  expires {}\n", job.target.string(), certificate.subject(),
+                            date(certificate.not_after()));
+  report.result = {{"name", job.name},
+                   {"dir", job.target.string()},
                    {"subject", certificate.subject()},
                    {"serial", certificate.serial()},
                    {"not_after", to_string(certificate.not_after())}};
-  DDSSEC_ASSIGN_OR_RETURN(report.files_written, folder.commit());
   return report;
+}
+
+// The log comes before the files: a certificate that it lacks cannot be revoked.
+Result<std::vector<WrittenFile>> put_enclave(const EnclaveJob& job, EnclaveFolder& folder,
+                                             const NewParticipant& made, const OpenCa& identity,
+                                             const OpenCa* permissions) {
+  const auto now = job.context.clock.now();
+  DDSSEC_RETURN_IF_ERROR(add_enclave(folder, job.name, made));
+  DDSSEC_ASSIGN_OR_RETURN(const auto list, list_for_newcomers(identity.paths, now));
+  if (list) DDSSEC_RETURN_IF_ERROR(folder.add_public("crl.pem", list->pem()));
+  DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
+  DDSSEC_RETURN_IF_ERROR(log_issued(identity.paths, log_line(made, job.target, now)));
+  if (permissions != nullptr)
+    DDSSEC_RETURN_IF_ERROR(
+        log_signed(permissions->paths, signed_line(made, *permissions, job.target, now)));
+  return folder.commit();
+}
+
+Result<Report> keystore_enclave(const Arguments& arguments, const Context& context) {
+  const auto now = context.clock.now();
+  DDSSEC_ASSIGN_OR_RETURN(const auto job, enclave_job(arguments, context));
+  DDSSEC_ASSIGN_OR_RETURN(const auto life, validity(arguments, now));
+  DDSSEC_ASSIGN_OR_RETURN(const auto key, key_spec(arguments));
+  ParticipantSpec spec{.name = job.name, .subject = "CN=" + job.name, .life = life, .key = key};
+  Report report;
+  DDSSEC_RETURN_IF_ERROR(
+      read_rights(spec, arguments, job.is_again ? Rights::may_stay : Rights::needed, report));
+  using Existing = EnclaveFolder::Existing;
+  DDSSEC_ASSIGN_OR_RETURN(auto folder,
+                          EnclaveFolder::at(job.keystore, job.target,
+                                            job.is_again ? Existing::replaced : Existing::refused));
+  CaOpener opener(arguments);
+  DDSSEC_ASSIGN_OR_RETURN(const auto identity, opener.open(ca_paths(job.keystore, "identity")));
+  std::optional<OpenCa> permissions;
+  if (spec.has_permissions()) {
+    DDSSEC_ASSIGN_OR_RETURN(permissions, opener.open(ca_paths(job.keystore, "permissions")));
+  }
+  const auto* const signer = permissions ? &*permissions : nullptr;
+  DDSSEC_ASSIGN_OR_RETURN(spec.life,
+                          within_ca(spec.life, identity.certificate(), arguments.has("--clamp")));
+  DDSSEC_RETURN_IF_ERROR(warn_of_overlap(spec, identity.paths, job.target, now, report));
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto made,
+      named(make_participant(spec, {identity, signer}, context), arguments.text("--permissions")));
+  const auto& certificate = made.self.certificate;
+  auto out = report_on(job, certificate);
+  out.findings = std::move(report.findings);
+  DDSSEC_RETURN_IF_ERROR(warn_of_missing_rights(made.permissions_xml, job.files.permissions, out));
+  if (signer == nullptr) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto kept, about_kept_permissions(job, certificate));
+    out.text += kept;
+  }
+  if (job.is_again) out.text += about_former(job.files.certificate, job.keystore, now);
+  out.text += ros2_snippet(job.keystore, job.name);
+  DDSSEC_ASSIGN_OR_RETURN(out.files_written, put_enclave(job, folder, made, identity, signer));
+  return out;
 }
 
 Result<Report> keystore_list(const Arguments& arguments, const Context&) {
@@ -269,7 +350,7 @@ Result<Report> keystore_permission(const Arguments& arguments, const Context& co
       check_issued_for(certificate, files.folder, ca_paths(keystore, "identity")));
   ParticipantSpec spec{.name = name, .subject = {}, .life = {}};
   Report report;
-  DDSSEC_RETURN_IF_ERROR(read_rights(spec, arguments, report));
+  DDSSEC_RETURN_IF_ERROR(read_rights(spec, arguments, Rights::needed, report));
   const auto now = context.clock.now();
   DDSSEC_ASSIGN_OR_RETURN(const auto xml, named(permissions_xml(spec, certificate, now),
                                                 arguments.text("--permissions")));
@@ -335,10 +416,16 @@ std::vector<Command> keystore_commands() {
        .name = "enclave",
        .summary = "Makes an enclave: key, certificate, permissions and the links.",
        .positionals = {kKeystore, kEnclave},
-       .options = with({days("365"), kKey, {"--clamp", "", "end with the CA if it ends before"}},
+       .options = with({days("365"),
+                        kKey,
+                        {"--clamp", "", "end with the CA if it ends before"},
+                        {"--replace", "",
+                         "make key and certificate of an enclave that is there anew; without "
+                         "rights, it keeps its permissions; enclaves below it stay as they are"}},
                        rights_options()),
        .examples = {"ddssec keystore enclave keystore /talker --publish rt/chatter",
-                    "ddssec keystore enclave keystore /talker --allow-all"},
+                    "ddssec keystore enclave keystore /talker --allow-all",
+                    "ddssec keystore enclave keystore /talker --replace"},
        .run = keystore_enclave},
       {.group = "keystore",
        .name = "list",

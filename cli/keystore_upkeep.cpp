@@ -20,6 +20,7 @@
 #include "governance/doctor/diagnosis.hpp"
 #include "governance/doctor/lint_checks.hpp"
 #include "governance/doctor/ros.hpp"
+#include "governance/doctor/shell_word.hpp"
 #include "pki/key_digest.hpp"
 #include "pki/source.hpp"
 
@@ -81,21 +82,62 @@ void check_belongs(const fs::path& keystore, const doctor::LoadedFolder& enclave
     differs(enclave.paths.governance, governance);
 }
 
-// A copy of another enclave is valid in itself, too.
-void report_copy(const doctor::LoadedFolder& enclave, const std::string& name,
-                 std::map<std::string, std::string>& enclave_of_key, Report& report) {
-  if (!enclave.certificate) return;
-  const auto& certificate = *enclave.certificate;
-  const auto [first, is_new] = enclave_of_key.try_emplace(pki::key_digest(certificate), name);
-  if (is_new) return;
-  report.exit = Exit::no;
-  report.findings.push_back(
-      {.rule = Rule::DOC006,
-       .message = fmt::format("enclave {} has the key of enclave {}, \"{}\": it is a copy", name,
-                              first->second, certificate.subject()),
-       .document = enclave.paths.certificate.string(),
-       .hint = fmt::format("remove its folder, then ddssec keystore enclave KEYSTORE {}", name)});
-}
+/// Finds enclaves that have the key of another one: each is valid in itself.
+class Copies {
+ public:
+  explicit Copies(const fs::path& keystore)
+      : keystore_(keystore),
+        paths_(ca_paths(keystore, "identity")),
+        log_(read_issue_log(paths_).value_or(pki::IssueLog())) {}
+
+  void look_at(const doctor::LoadedFolder& enclave, const std::string& name, Report& report) {
+    if (!enclave.certificate) return;
+    const auto& certificate = *enclave.certificate;
+    const One one{name, enclave.paths.certificate.string(), is_at_home(enclave, name)};
+    const auto [at, is_new] = enclave_of_key_.try_emplace(pki::key_digest(certificate), one);
+    if (is_new) return;
+    const bool is_original = one.is_at_home && !at->second.is_at_home;
+    const auto original = is_original ? one : at->second;
+    const auto copy = is_original ? at->second : one;
+    at->second = original;
+    report.exit = Exit::no;
+    report.findings.push_back(
+        {.rule = Rule::DOC006,
+         .message = fmt::format("enclave {} has the key of enclave {}, \"{}\": it is a copy",
+                                copy.name, original.name, certificate.subject()),
+         .document = copy.certificate,
+         .hint = hint_for(copy.name)});
+  }
+
+ private:
+  struct One {
+    std::string name, certificate;
+    bool is_at_home;  ///< the certificate was issued for it
+  };
+
+  bool is_at_home(const doctor::LoadedFolder& enclave, const std::string& name) const {
+    const auto& certificate = *enclave.certificate;
+    const auto belonging = belonging_of(certificate, enclave.paths.folder, paths_, log_);
+    return belonging == Belonging::own ||
+           (belonging == Belonging::unlogged && certificate.subject() == "CN=" + name);
+  }
+
+  std::string hint_for(const std::string& name) const {
+    if (name == "/")
+      return fmt::format(
+          "move cert.pem, key.pem and permissions.p7s out of {}, the folder of all enclaves",
+          (keystore_ / "enclaves").string());
+    return fmt::format(
+        "ddssec keystore enclave {} {} --replace, with its rights (--publish, --subscribe or "
+        "--policy), gives it a key of its own",
+        doctor::shell_word(keystore_.string()), name);
+  }
+
+  fs::path keystore_;
+  CaPaths paths_;
+  pki::IssueLog log_;
+  std::map<std::string, One> enclave_of_key_ = {};
+};
 
 void refuse(Rule rule, const fs::path& file, std::string message, Report& report) {
   report.exit = Exit::no;
@@ -171,7 +213,7 @@ Result<Report> keystore_verify(const Arguments& arguments, const Context& contex
   check_folder_modes(keystore, report);
   add_empty(keystore, enclaves, report);
   Report domains;
-  std::map<std::string, std::string> enclave_of_key;
+  Copies copies(keystore);
   const auto lineup = installed_lineup();
   for (const auto& name : enclaves.names) {
     const auto folder =
@@ -192,7 +234,7 @@ Result<Report> keystore_verify(const Arguments& arguments, const Context& contex
     }
     add_findings_of(diagnosis, report);
     check_belongs(keystore, loaded, name, report);
-    report_copy(loaded, name, enclave_of_key, report);
+    copies.look_at(loaded, name, report);
     report.text += fmt::format("{:<30}  domain {}{}\n", name, domain, words);
     report.result["enclaves"].push_back(
         {{"name", name}, {"domain", domain}, {"verdicts", verdicts}});

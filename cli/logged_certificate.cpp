@@ -216,6 +216,17 @@ Status check_not_revoked(const pki::Certificate& certificate, const fs::path& fi
   return fail(Code::certificate_revoked, std::move(details));
 }
 
+std::string about_former(const fs::path& file, const fs::path& given, WallTime now) {
+  const auto former = read_certificate(file);
+  if (!former || former->not_after() < now) return {};
+  const auto log = read_issue_log(ca_paths(given, "identity"));
+  if (log && log->is_revoked(former->serial())) return {};
+  return fmt::format(
+      "the certificate before it is valid until {}; if its key may be in other hands: ddssec "
+      "identity revoke {} --ca {}\n",
+      date(former->not_after()), former->serial(), given.string());
+}
+
 Status check_issued_for(const pki::Certificate& certificate, const fs::path& folder,
                         const CaPaths& ca) {
   const auto file = folder / "cert.pem";

@@ -160,12 +160,16 @@ std::string about_missing(const fs::path& missing) {
   std::error_code error;
   if (!fs::exists(folder, error))
     return fmt::format("the folder {} does not exist", folder.string());
+  if (fs::is_symlink(plain, error))
+    return fmt::format("it is a link to {}, which does not exist",
+                       fs::read_symlink(plain, error).string());
+  const auto own = plain.filename().string();
   std::vector<std::string> names;
   for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
     if (names.size() == kMostInFolder) break;
-    names.push_back(at->path().filename().string());
+    if (auto name = at->path().filename().string(); name != own) names.push_back(std::move(name));
   }
-  const auto name = nearest(plain.filename().string(), names);
+  const auto name = nearest(own, names);
   if (name.empty()) return {};
   return fmt::format("is {} meant?", (plain.parent_path() / name).string());
 }

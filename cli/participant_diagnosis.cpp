@@ -10,6 +10,7 @@
 #include "cli/own_start.hpp"
 #include "cli/pre_shared_keys.hpp"
 #include "governance/doctor/cyclonedds_configuration.hpp"
+#include "governance/doctor/domain_tag.hpp"
 #include "governance/doctor/effective_security.hpp"
 #include "governance/doctor/host_plugins.hpp"
 #include "governance/doctor/shell_word.hpp"
@@ -213,12 +214,29 @@ void warn_of_unset_profiles_file(const LoadedFolder& folder, const doctor::Setti
               .severity = Severity::warning});
 }
 
+namespace {
+
+// With which an application would run, as far as it is known: that of the environment, or the one
+// in the folder.
+std::optional<std::string> configuration_for(const LoadedFolder& folder) {
+  if (auto named = doctor::cyclonedds_configuration()) return named;
+  const auto file = configuration_in(folder.paths.folder);
+  return is_there(file) ? doctor::cyclonedds_configuration(file.string()) : std::nullopt;
+}
+
+void check_tag(const LoadedFolder& folder, doctor::Diagnosis& out) {
+  const auto configuration = configuration_for(folder);
+  if (!configuration) return;
+  const bool is_named = doctor::cyclonedds_configuration().has_value();
+  doctor::check_domain_tag(
+      *configuration, is_named ? "CYCLONEDDS_URI" : configuration_in(folder.paths.folder), out);
+}
+
+}  // namespace
+
 bool runs_drop_in(const LoadedFolder& folder) {
   const auto places = doctor::LoaderPlaces::here();
-  auto configuration = doctor::cyclonedds_configuration();
-  const auto file = folder.paths.folder / "cyclonedds.xml";
-  if (!configuration && is_there(file))
-    configuration = doctor::cyclonedds_configuration(file.string());
+  const auto configuration = configuration_for(folder);
   auto plugins = configuration ? doctor::host_plugins(*configuration, places)
                                : std::vector<doctor::HostPlugin>();
   if (plugins.empty()) plugins = doctor::plugins_of_node(places);
@@ -264,6 +282,8 @@ doctor::Diagnosis diagnosis_beyond_folder(const LoadedFolder& folder,
   check_environment(folder, settings, out);
   check_profiles_file(folder, settings, out);
   check_enforcement(folder, settings, out);
+  check_start_in_cyclonedds(folder, settings, runs_drop_in(folder), doctor::Diagnosis(out), out);
+  check_tag(folder, out);
   return out;
 }
 

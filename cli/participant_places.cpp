@@ -132,9 +132,14 @@ Result<ParticipantPlaces> participant_places(const CaPaths& ca, const pki::Issue
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(ca.certificate));
   std::vector<pki::Certificate> cas{certificate};
   // A participant that has not moved accepts those that have, and needs their list.
-  DDSSEC_ASSIGN_OR_RETURN(const auto overlap, read_overlap(ca));
-  if (overlap) cas.insert(cas.end(), overlap->former.begin(), overlap->former.end());
+  // If the record of the overlap cannot be read, all former CAs count: a list too many does no
+  // harm.
+  const auto overlap = read_overlap(ca);
+  const auto of_former = overlap ? Issuer::before_rotation : Issuer::present;
+  if (overlap && *overlap)
+    cas.insert(cas.end(), (*overlap)->former.begin(), (*overlap)->former.end());
   const LoggedFolders folders(ca, log);
+  const auto present = log.present_places();
   std::set<fs::path> seen;
   for (const auto& logged : log.places()) {
     const auto folder = folders.today(logged);
@@ -143,9 +148,10 @@ Result<ParticipantPlaces> participant_places(const CaPaths& ca, const pki::Issue
     if (folders.is_of_another_copy(folder)) {
       out.other_copies.push_back(logged);
     } else if (!is_here) {
-      out.elsewhere.push_back(logged);
+      if (present.contains(logged)) out.elsewhere.push_back(logged);
     } else if (seen.insert(folder).second) {
-      add_here(folder, issuer_in(folder, cas, log), out);
+      const auto issuer = issuer_in(folder, cas, log);
+      add_here(folder, issuer == Issuer::before_rotation ? of_former : issuer, out);
       const bool is_outside = folders.keystore() && !folders.is_inside(folder);
       if (is_outside && !out.here.empty() && out.here.back() == folder)
         out.outside.push_back(folder);
@@ -153,6 +159,11 @@ Result<ParticipantPlaces> participant_places(const CaPaths& ca, const pki::Issue
   }
   if (folders.keystore()) add_unlogged(*folders.keystore(), certificate, log, seen, out);
   return out;
+}
+
+bool are_all_revoked(const pki::IssueLog& log) {
+  const auto has_folder = [](const auto& issued) { return !issued.folder.empty(); };
+  return log.places().empty() && std::ranges::any_of(log.issued(), has_folder);
 }
 
 std::string places_text(const ParticipantPlaces& places, const CaPaths& ca) {

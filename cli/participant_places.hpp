@@ -63,6 +63,10 @@ struct ParticipantPlaces {
 /// cannot be entered counts as `here`. Errors: those of read_certificate, for the CA's.
 Result<ParticipantPlaces> participant_places(const CaPaths& ca, const pki::IssueLog& log);
 
+/// True if the log has participants with folders, and each of them is revoked: no folder of them
+/// needs a revocation list.
+bool are_all_revoked(const pki::IssueLog& log);
+
 /// Lines of text about all places except `here`, and about copies of folders.
 std::string places_text(const ParticipantPlaces& places, const CaPaths& ca);
 

@@ -6,6 +6,7 @@
 
 #include "base/text.hpp"
 #include "base/tool_code.hpp"
+#include "cli/explain_severities.hpp"
 #include "cli/near.hpp"
 
 namespace ddssec::cli {
@@ -64,9 +65,8 @@ Diagnostic diagnostic(const Error& error, const std::string& help_on) {
   const auto message = details.field.empty()
                            ? message_of(error)
                            : fmt::format("{}: {}", details.field, message_of(error));
-  return {
-      row.name, row.severity, message, details.document, details.line, {}, hint_of(error, help_on),
-      {}};
+  return {row.name, severity_in_tool(error.code()), message, details.document, details.line,
+          {},       hint_of(error, help_on),        {}};
 }
 
 Diagnostic diagnostic(const Finding& finding) {

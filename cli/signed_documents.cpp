@@ -18,9 +18,11 @@ namespace {
 namespace fs = std::filesystem;
 using Standing = pki::SigningLog::Standing;
 
-// The CA may have expired since; its successor signs what it signed while it was valid.
+// The CA may have expired since; its successor signs what it signed while it was valid, which it no
+// longer is at not_after.
 WallTime within(const pki::Certificate& ca, WallTime now) {
-  return std::clamp(now, ca.not_before(), std::max(ca.not_before(), ca.not_after()));
+  const auto last = ca.not_after() - std::chrono::seconds(1);
+  return std::clamp(now, ca.not_before(), std::max(ca.not_before(), last));
 }
 
 Status check_standing(Standing standing, const fs::path& file, const OpenCa& ca) {

@@ -265,6 +265,30 @@ void check_access(Findings& out, const DomainPlace& place, std::size_t i) {
                     name)));
 }
 
+// Each payload, and each fragment of a sample, is protected on its own. Nothing protects what
+// stands around it, unless messages are protected: then it can be forged with their keys, which
+// every participant gets.
+Finding payload_alone(const DomainPlace& place, std::size_t i) {
+  const auto& topic = place.rule.topic_rules[i];
+  const auto rtps = place.rule.rtps_protection_kind;
+  const auto kinds =
+      fmt::format("{}: data_protection_kind is {} and metadata_protection_kind is NONE",
+                  in_quotes(topic.topic_expression), to_string(topic.data_protection_kind));
+  if (is_origin_authenticated(rtps)) {  // each receiver knows the sender of all that it gets
+    auto out = place.about(GOV031, i, kinds);
+    out.vendors = stock_vendors();
+    return out;
+  }
+  return place.about(
+      GOV031, i,
+      fmt::format("{}: {} can dispose instances in a writer's name, join fragments of different "
+                  "samples into one, and make readers skip samples",
+                  kinds,
+                  is_protected(rtps) ? "each participant that may join, permitted to use the topic "
+                                       "or not,"
+                                     : "anyone on the network"));
+}
+
 void check_kinds(Findings& out, const DomainPlace& place, std::size_t i) {
   const auto& topic = place.rule.topic_rules[i];
   const auto name = in_quotes(topic.topic_expression);
@@ -275,14 +299,8 @@ void check_kinds(Findings& out, const DomainPlace& place, std::size_t i) {
     finding.vendors = {kOpenDds, kFastDds};
     out.add(std::move(finding));
   }
-  if (is_protected(topic.data_protection_kind) && !is_protected(topic.metadata_protection_kind)) {
-    auto finding = place.about(
-        GOV031, i,
-        fmt::format("{}: data_protection_kind is {} and metadata_protection_kind is NONE", name,
-                    to_string(topic.data_protection_kind)));
-    finding.vendors = stock_vendors();
-    out.add(std::move(finding));
-  }
+  if (is_protected(topic.data_protection_kind) && !is_protected(topic.metadata_protection_kind))
+    out.add(payload_alone(place, i));
 }
 
 // All readers of a topic share its writer's key. So each of them can forge messages that the others

@@ -16,6 +16,12 @@ DocumentWatch::What what(const std::string& uri, const std::string& name, std::s
   return {.uri = uri, .name = name, .most = most, .refused = refused, .stays = stays};
 }
 
+/// With the remedy of what is wrong with the document: a restart with it would fail.
+DocumentWatch::What signed_document(DocumentWatch::What what) {
+  what.gives_remedy_of_reason = true;
+  return what;
+}
+
 /// Nothing if `octets` fit, else the file as it is now if that fits; else why `octets` do not.
 template <class Fits>
 Result<std::optional<Bytes>> one_that_fits(BytesView octets, const DocumentWatch& file,
@@ -58,12 +64,14 @@ OwnDocuments::OwnDocuments(const DocumentPlaces& places, const Options& options,
       authorities_(what(places.permissions_ca, places.permissions_ca_name, 0,
                         Code::permissions_ca_renewal_refused, "the CAs read before stay in force"),
                    interval),
-      governance_(what(places.governance, places.governance_name, pki::kMostDocumentOctets,
-                       Code::governance_renewal_refused, "the document read before stays in force"),
+      governance_(signed_document(what(places.governance, places.governance_name,
+                                       pki::kMostDocumentOctets, Code::governance_renewal_refused,
+                                       "the document read before stays in force")),
                   interval),
       permissions_(
-          what(places.permissions, places.permissions_name, pki::kMostSentPermissionsOctets,
-               Code::permissions_renewal_refused, "the permissions read before stay in force"),
+          signed_document(what(places.permissions, places.permissions_name,
+                               pki::kMostSentPermissionsOctets, Code::permissions_renewal_refused,
+                               "the permissions read before stay in force")),
           permissions_stay_ ? std::chrono::seconds(0) : interval),
       identity_authorities_(what(places.identity_ca, places.identity_ca, pki::kMostBundleOctets,
                                  Code::identity_ca_renewal_refused, ""),

@@ -102,6 +102,57 @@ class Rotate(Transcript):
         self.assertEqual(self.rotate("identity", "moved", "demo/listener")["result"]["elsewhere"], [])
         self.meet("moved", "demo/listener")
 
+    def test_PlacesOfAPermissionsCa_AreInTheLogFromThenOn(self):
+        (self.at / "demo/talker").rename(self.at / "moved")
+        (self.at / "moved/cyclonedds.xml").unlink()  # it names the former place
+        moved = str(self.at / "moved")
+        self.rotate("permissions", "moved", "demo/listener")
+        for role in ("permissions", "identity", "permissions"):
+            out = self.rotate(role)["result"]
+            self.assertEqual((sorted(out["folders"]), out["elsewhere"]), (sorted([moved, *self.folders("listener")]), []))
+        self.meet("moved", "demo/listener")
+        self.run_program("identity", "revoke", "demo/listener", "--ca", "demo", *NOW)
+        out = self.json("crl", "distribute", "--ca", "demo", *NOW)["result"]
+        self.assertEqual((out["folders"], out["elsewhere"]), ([moved], []))
+
+    def test_FoldersThatAreNotNamed_AreWarnedOfAndFollowAsTheHintSays(self):
+        for role in ("identity", "permissions"):
+            told = self.rotate(role, "demo/talker")["diagnostics"]
+            self.assertEqual([(d["id"], d["file"]) for d in told], [("rotation_unfinished", self.folders("listener")[0])])
+            self.assertTrue(told[0]["hint"].startswith("ddssec ca rotate CA --role ROLE --end"))
+            self.meet("demo/talker", "demo/listener", exit=1)
+            self.assertEqual(self.rotate(role, "--end")["result"]["folders"], self.folders("listener"))
+            self.meet("demo/talker", "demo/listener")
+
+    def test_PlaceOfACopy_IsNotRecorded(self):
+        shutil.copytree(self.at / "demo/talker", self.at / "copy")
+        (self.at / "copy/cyclonedds.xml").unlink()
+        before = self.text("demo/ca/identity/issued.jsonl")
+        self.rotate("permissions", "copy", "demo/talker", "demo/listener", exit=None)
+        self.assertEqual(self.text("demo/ca/identity/issued.jsonl"), before)
+
+    def test_ExpiredCas_AreReplaced(self):
+        later = ("--now", "2040-01-01T00:00:00Z")
+        told = self.json("doctor", "demo/talker", *later, exit=1)["diagnostics"]
+        self.assertEqual({d["hint"].split(" gives")[0] for d in told if d["id"] == "DOC022"},
+                         {"ddssec ca rotate CA --role ROLE"})
+        for role in ("identity", "permissions"):
+            self.json("ca", "rotate", "demo", "--role", role, "--clock-is-right", *later)
+        for name in ("talker", "listener"):
+            self.run_program("identity", "renew", f"demo/{name}", "--ca", "demo", "--permissions", "--ended-permissions",
+                             *later)
+        self.json("check", "demo/talker", "demo/listener", *later)
+
+    def test_UnreadableOverlap_IsEndedByARotationAtOnce(self):
+        self.rotate("identity", "--overlap", "30d")
+        (self.at / "demo/ca/identity/ca.overlap.json").write_text("{")
+        told = self.refused("overlap_unreadable", 1, "ca", "rotate", "demo", "--role", "identity", "--move", *NOW)
+        self.assertTrue(told["hint"].startswith("ddssec ca rotate CA --role ROLE replaces the CA at once"), told)
+        out = self.rotate("identity")["result"]
+        self.assertEqual(sorted(out["folders"]), sorted(self.folders("talker", "listener")))
+        self.meet("demo/talker", "demo/listener")
+        self.assertFalse((self.at / "demo/ca/identity/ca.overlap.json").exists())
+
     def test_an_encrypted_key_stays_encrypted_and_of_its_kind(self):
         secret = ("--passphrase-env", "SECRET", *NOW)
         self.json("ca", "create", "ca", "--key", "rsa2048", *secret, environment=SECRET)

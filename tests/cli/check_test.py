@@ -393,6 +393,7 @@ class Check(WithoutLists):
                 (revising, "org.ddssec.crypto.key_lifetime = 3600\n", None),
                 (revising, "org.ddssec.crypto.key_lifetime = 1h\n", "from 20 to 31536000"),
                 (GOVERNANCE, "org.ddssec.files_poll_interval = five\n", "org.ddssec.files_poll_interval"),
+                (GOVERNANCE, "org.ddssec.clock_step_grace = five\n", "org.ddssec.clock_step_grace"),
                 (GOVERNANCE, "org.ddssec.crypto.trust_type_information = 1\n", "true or false"),
                 (GOVERNANCE, "dds.sec.access.permissions = file:p.p7s\n", "[property_without_effect 1017]"),
                 (revising, "org.ddssec.crypto.max_blocks_per_key = -1\n", "org.ddssec.crypto.max_blocks_per_key"),

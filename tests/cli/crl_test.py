@@ -297,6 +297,22 @@ class Revocation(Transcript):
         self.assertIn("(puts the list into 1 folder)", done.stdout)
         self.assertIn("issued   2 certificates, 1 revoked", self.run_program("ca", "show", "ca").stdout)
 
+    def test_Distribute_AfterTheOnlyParticipantWasRevoked_HasNothingToDo(self):
+        for ca in ("ks", "alone"):
+            make = ("keystore", "create", ca) if ca == "ks" else ("ca", "create", ca)
+            self.run_program(*make, "--no-passphrase", *NOW)
+        self.run_program("keystore", "enclave", "ks", "/a", "--allow-all", *NOW)
+        self.run_program("identity", "issue", "one", "--ca", "alone", "-o", "one", *NOW)
+        for ca, folder in (("ks", "ks/enclaves/a"), ("alone", "one")):
+            done = self.run_program("identity", "revoke", folder, "--ca", ca, *NOW)
+            self.assertIn("no other participant in the CA's log needs the list", done.stdout)
+            self.assertNotIn("next:", done.stdout)
+            self.assertEqual(self.json("crl", "distribute", "--ca", ca, *NOW)["result"]["folders"], [])
+            self.assertIn("every participant in the CA's log is revoked",
+                          self.run_program("crl", "distribute", "--ca", ca, *NOW).stdout)
+        self.run_program("ca", "create", "new", "--no-passphrase", *NOW)
+        self.assertIn("knows no folder", self.refused("usage", 2, "crl", "distribute", "--ca", "new", *NOW)["message"])
+
     def test_distribute_writes_through_no_link(self):
         self.run_program("crl", "new", "--ca", "ca", *NOW)
         (self.at / "mine").write_text("mine")

@@ -44,6 +44,15 @@ class DeeperEnclave(Transcript):
         self.assertEqual((self.a / "key.pem").read_text(), "another key")
         self.assertFalse((self.a / "cert.pem").exists())
 
+    def test_with_replace_they_are(self):
+        (self.a / "key.pem").write_text("another key")
+        (self.a / "governance.p7s").symlink_to("../../elsewhere")
+        self.enclave("--replace")
+        self.assertIn("PRIVATE KEY", (self.a / "key.pem").read_text())
+        self.assertEqual((self.a / "governance.p7s").read_bytes(), (self.a.parent / "governance.p7s").read_bytes())
+        self.json("keystore", "verify", "ks", *NOW)
+        self.assertEqual(self.json("keystore", "list", "ks")["result"]["enclaves"], ["/a", "/a/b"])
+
     def test_links_of_a_command_that_was_ended_are_kept(self):
         (self.a / "governance.p7s").symlink_to("../governance.p7s")
         self.enclave()

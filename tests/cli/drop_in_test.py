@@ -42,6 +42,61 @@ class DropIn(Transcript):
         out["can"] = can["result"]["because"]
         return out
 
+    def properties(self, text):
+        """The environment of a process with these properties."""
+        (self.at / "p.properties").write_text(text)
+        return {**self.drop_in, "DDSSEC_PROPERTIES": str(self.at / "p.properties")}
+
+    def refusals(self, environment, exit):
+        """What doctor says of them; check refuses the same."""
+        words = ("doctor", "demo/talker", "--vendor", "ours")
+        told = self.json(*words, *NOW, environment=environment, exit=exit)["diagnostics"]
+        checked = self.json("check", "demo/talker", "demo/listener", *NOW, environment=environment, exit=exit)
+        told = [one for one in told if one["id"] == "DOC093"]
+        self.assertEqual(any("DOC093" in one["id"] + one["message"] for one in checked["diagnostics"]), exit == 1)
+        return told
+
+    def test_PropertiesOfAProcess_AreJudgedAsThePluginsJudgeThem(self):
+        for text in ("", "# nothing\n", "org.ddssec.auth.ocsp = soft\n", "org.ddssec.access.allow_shared_memory = true\n",
+                     "org.ddssec.governance_change_time = of the embedded participant alone\n"):
+            self.assertEqual(self.refusals(self.properties(text), 0), [], text)
+        for text, sentence in (("org.ddssec.auth.oscp = soft\n", "[property_unknown 1016]"),
+                               ("dds.sec.crypto.rtps_psk_secret_passphrase = data:,1:x\n", "[property_without_effect 1017]"),
+                               ("org.ddssec.clock_step_grace = abc\n", "org.ddssec.clock_step_grace"),
+                               ("org.ddssec.access.allow_shared_memory = maybe\n", "true or false"),
+                               ("org.ddssec.crypto.trust_type_information = 7\n", "true or false"),
+                               ("org.ddssec.auth.ocsp = never\n", "org.ddssec.auth.ocsp"),
+                               ("org.ddssec.crypto.key_lifetime = 3600\n", "<enable_key_revision>"),
+                               ("dds.sec.crypto.symmetric_cipher_algorithm = ROT13\n", "ROT13"),
+                               ("dds.sec.auth.trusted_ca_dir = /nowhere\n", "dds.sec.auth.trusted_ca_dir"),
+                               ("no equals sign\n", "no equals sign")):
+            (told,) = self.refusals(self.properties(text), 1)
+            self.assertEqual(told["severity"], "error")
+            self.assertIn("a Cyclone DDS process on ddssec's plugins does not start", told["message"])
+            self.assertIn(sentence, told["message"])
+            self.assertEqual(told["file"], str(self.at / "p.properties"))
+        (told,) = self.refusals({**self.drop_in, "DDSSEC_PROPERTIES": str(self.at / "none")}, 1)
+        self.assertIn("[file_not_found 1013]", told["message"])
+        (told,) = self.refusals({**self.drop_in, "DDSSEC_SYMMETRIC_CIPHER_ALGORITHM": "ROT13"}, 1)
+        self.assertIn("ROT13", told["message"])
+        # A process on other plugins does not read them.
+        environment = self.properties("org.ddssec.auth.oscp = soft\n")
+        del environment["LD_LIBRARY_PATH"]
+        (told,) = self.refusals(environment, 0)
+        self.assertEqual(told["severity"], "warning")
+
+    def test_ADomainTag_IsWarnedOf(self):
+        words = ("doctor", "demo/talker", "--vendor", "ours", *NOW)
+        tag = "<Discovery><Tag>Robots</Tag></Discovery>"
+        told = lambda environment: [(one["severity"], one["file"]) for one in self.json(
+            *words, environment=environment)["diagnostics"] if one["id"] == "DOC114"]
+        self.assertEqual(told(self.drop_in), [])
+        file = self.at / "demo/talker/cyclonedds.xml"
+        file.write_text(file.read_text().replace("</Domain>", tag + "</Domain>"))
+        self.assertEqual(told(self.drop_in), [("warning", "demo/talker/cyclonedds.xml")])
+        named = {**self.drop_in, "CYCLONEDDS_URI": f"file://{file}"}
+        self.assertEqual(told(named), [("warning", "CYCLONEDDS_URI")])
+
     def test_what_is_enforceable_is_no_matter(self):
         for environment in (None, self.drop_in):
             self.assertEqual([v for k, v in self.answers(0, environment).items() if k != "can"], [[], []])

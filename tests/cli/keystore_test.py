@@ -427,10 +427,81 @@ class Keystore(Transcript):
         told = self.refused("would_overwrite", 4, "keystore", "enclave", "ks", "/a", "--allow-all", *NOW)
         self.assertIn("the enclave exists", told["message"])
         self.assertTrue(told["hint"].startswith("ddssec keystore permission gives it other rights"), told)
-        self.assertIn("remove its folder first", told["hint"])
-        shutil.rmtree(self.at / "ks/enclaves/a")
-        self.run_program("keystore", "enclave", "ks", "/a", "--allow-all", *NOW)
+        self.assertIn("--replace issues it again, with a new key", told["hint"])
+        self.run_program("keystore", "enclave", "ks", "/a", "--replace", *NOW)
         self.healthy("/a")
+
+    def test_Replace_OfAnEnclave_KeepsItsPermissionsAndTheEnclavesBelowIt(self):
+        self.create()
+        for name in ("/a", "/a/b", "/z"):
+            self.run_program("keystore", "enclave", "ks", name, "--allow-all", *NOW)
+        files = lambda folder: {name: (self.at / "ks/enclaves" / folder / name).read_bytes()
+                                for name in ("cert.pem", "key.pem", "permissions.p7s")}
+        before, below = files("a"), files("a/b")
+        done = self.run_program("keystore", "enclave", "ks", "/a", "--replace", *NOW)
+        self.assertIn("permissions.p7s stays, until 2027-11-21\n", done.stdout)
+        self.assertIn("the certificate before it is valid until 2027-11-21", done.stdout)
+        after = files("a")
+        self.assertEqual([name for name in before if before[name] != after[name]], ["cert.pem", "key.pem"])
+        self.assertEqual(files("a/b"), below)
+        self.healthy("/a", "/a/b", "/z")
+        serial = done.stdout.split("ddssec identity revoke ")[1].split()[0]
+        self.json("identity", "revoke", serial, "--ca", "ks", *NOW)
+        self.run_program("crl", "distribute", "--ca", "ks", *NOW)
+        self.healthy("/a", "/a/b", "/z")
+        self.run_program("keystore", "enclave", "ks", "/a", "--replace", "--allow-all", *NOW)
+        self.assertNotEqual(files("a")["permissions.p7s"], after["permissions.p7s"])
+        self.healthy("/a", "/a/b", "/z")
+
+    def test_Replace_WithoutPermissionsOfTheEnclave_AsksForThem(self):
+        self.create()
+        enclave = ("keystore", "enclave", "ks")
+        self.refused("usage", 2, *enclave, "/a", "--replace", *NOW)  # there is nothing to keep
+        for name in ("/a", "/b"):
+            self.run_program(*enclave, name, "--allow-all", *NOW)
+        shutil.copy(self.at / "ks/enclaves/b/permissions.p7s", self.at / "ks/enclaves/a/permissions.p7s")
+        told = self.refused("no_grant_for_subject", 1, *enclave, "/a", "--replace", *NOW)
+        self.assertTrue(told["hint"].startswith("give its rights, too"), told)
+        later = ("--now", "2028-11-21T00:00:00Z")
+        self.refused("grant_expired", 1, *enclave, "/b", "--replace", *later)
+        for name in ("/a", "/b"):
+            self.run_program(*enclave, name, "--replace", "--allow-all", *NOW)
+        self.healthy("/a", "/b")
+
+    def test_Replace_OfAnEnclaveOfAnotherKeystore_MakesItOneOfThisOne(self):
+        self.create()
+        self.run_program("keystore", "enclave", "ks", "/a", "--allow-all", *NOW)
+        self.run_program("keystore", "create", "other", "--no-passphrase", *NOW)
+        self.run_program("keystore", "enclave", "other", "/a", "--allow-all", *NOW)
+        shutil.rmtree(self.at / "ks/enclaves/a")
+        shutil.copytree(self.at / "other/enclaves/a", self.at / "ks/enclaves/a")  # follows links, as cp -rL
+        told = self.json("keystore", "verify", "ks", *NOW, exit=1)["diagnostics"]
+        self.assertIn("ddssec keystore enclave KEYSTORE ENCLAVE --replace",
+                      [d["hint"] for d in told if d["id"] == "DOC006"][0])
+        self.run_program("keystore", "enclave", "ks", "/a", "--replace", "--allow-all", *NOW)
+        self.healthy("/a")
+
+    def test_Verify_OfACopy_NamesTheCopyAndNotTheOriginal(self):
+        self.create()
+        for name in ("/zed", "/zed/deep"):
+            self.run_program("keystore", "enclave", "ks", name, "--allow-all", *NOW)
+        shutil.copytree(self.at / "ks/enclaves/zed", self.at / "ks/enclaves/alpha", symlinks=True)
+        shutil.rmtree(self.at / "ks/enclaves/alpha/deep")
+        copies = lambda: [d for d in self.json("keystore", "verify", "ks", *NOW, exit=1)["diagnostics"]
+                          if d["id"] == "DOC006"]
+        (told,) = copies()
+        self.assertIn('enclave /alpha has the key of enclave /zed, "CN=/zed": it is a copy', told["message"])
+        self.assertEqual(told["file"], "ks/enclaves/alpha/cert.pem")
+        command = told["hint"].split(", with its rights")[0].split()
+        self.assertEqual(command, ["ddssec", "keystore", "enclave", "ks", "/alpha", "--replace"])
+        self.run_program(*command[1:], "--allow-all", *NOW)
+        self.healthy("/alpha", "/zed", "/zed/deep")
+        for name in ("cert.pem", "key.pem"):
+            shutil.copy(self.at / "ks/enclaves/zed" / name, self.at / "ks/enclaves" / name)
+        (told,) = copies()
+        self.assertIn("enclave / has the key of enclave /zed", told["message"])
+        self.assertEqual(told["hint"], "move cert.pem, key.pem and permissions.p7s out of ks/enclaves, the folder of "
+                                       "all enclaves")
 
     def test_another_domain_than_the_governance_documents_is_told(self):
         self.create("--domain", "5")

@@ -2,6 +2,7 @@
 """Mistakes that a new user makes: a wrong folder, a wrong word, a wrong CA. Each answer names what was meant."""
 
 import pathlib
+import shlex
 import shutil
 
 from transcript import NOW, Transcript, main
@@ -75,10 +76,10 @@ class Mistakes(Transcript):
 
     def test_revoking_by_name_proposes_what_the_log_knows(self):
         told = self.answer("file_not_found", 3, "identity", "revoke", "talker", "--ca", "demo")
-        self.assertIn(f"ddssec identity revoke {self.at}/demo/talker --ca demo/ca/identity", told)
+        self.assertIn(f"ddssec identity revoke {self.at}/demo/talker --ca demo", told)
         shutil.rmtree(self.at / "demo/talker")
         told = self.answer("file_not_found", 3, "identity", "revoke", "CN=talker", "--ca", "demo")
-        self.assertRegex(told, r"ddssec identity revoke [0-9A-F]{32} --ca demo/ca/identity")
+        self.assertRegex(told, r"ddssec identity revoke [0-9A-F]{32} --ca demo$")
         self.run_program(*told.split("ddssec ")[1].split(), *NOW)
         told = self.answer("file_not_found", 3, "identity", "revoke", "nobody", "--ca", "demo")
         self.assertIn("participants here: demo/listener", told)
@@ -192,6 +193,28 @@ class Mistakes(Transcript):
         (self.at / "loop").mkdir()
         (self.at / "loop/again").symlink_to(pathlib.Path(".."))
         self.assertNotIn("again", self.answer("file_not_found", 3, "doctor", "loop/x"))
+
+
+class Proposals(Transcript):
+    def test_ALinkThatLeadsNowhere_IsNotProposedForItself(self):
+        (self.at / "link.xml").symlink_to("nowhere.xml")
+        for words in (("permissions", "show"), ("governance", "show"), ("expiry",), ("crl", "show")):
+            told = self.refused("file_not_found", 3, *words, "link.xml")
+            self.assertEqual(told["hint"], "check the path: it is a link to nowhere.xml, which does not exist")
+
+    def test_AParticipantThatIsNotHere_IsRevokedAsTheHintSays(self):
+        self.run_program("keystore", "create", "a ks", "--no-passphrase", *NOW)
+        self.run_program("keystore", "enclave", "a ks", "/a", "--allow-all", *NOW)
+        shutil.move(self.at / "a ks/enclaves/a", self.at / "gone")
+        for what in ("a ks/enclaves/a", "a ks/enclaves/a/", "/a", "CN=/a"):
+            told = self.refused("file_not_found", 3, "identity", "revoke", what, "--ca", "a ks", *NOW)
+            words = shlex.split(told["hint"].removeprefix("the CA's log has it: ddssec "))
+            self.assertIn("a ks/public/identity_ca.crl.pem", self.run_program(*words, "--dry-run", *NOW).stdout)
+        self.assertIn("revoked (1 certificate)", self.run_program(*words, *NOW).stdout)
+
+    def test_AFileOfAnotherKind_IsNotSaidToBeMissing(self):
+        (self.at / "file").write_text("text")
+        self.assertIn("found another file", self.refused("file_unreadable", 3, "expiry", "file")["message"])
 
 
 if __name__ == "__main__":

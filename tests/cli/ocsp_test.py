@@ -67,7 +67,10 @@ class Ocsp(Transcript):
         """The responder's answer is judged so, and no file changes."""
         before = self.files()
         (told,) = self.json(*ASK, url, exit=1)["diagnostics"]
-        self.assertEqual((told["id"], self.files()), (code, before))
+        self.assertEqual((told["id"], told["severity"], self.files()), (code, "error", before))
+        self.assertTrue(self.run_program(*ASK, url, exit=1).stderr.startswith(f"error[{code}]: "))
+        explained = self.json("explain", code)["result"]
+        self.assertIn("error", [explained["severity"], *(one["severity"] for one in explained["other_severities"])])
         return told["message"]
 
     def set_property(self, name, text):

@@ -92,6 +92,21 @@ TEST_F(Renewal, LaterDocument_IsInForceAndPresented) {
   EXPECT_EQ(plugin->next_expiry(), kNow + 48h);
 }
 
+// A restart with it would fail, and so would a renewal that begins with it.
+TEST_F(Renewal, UnsignedDocument_ComesWithTheRemedyOfItsReason) {
+  folder_.replace("permissions.p7s", "garbage");
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewal_refused));
+  ASSERT_FALSE(log.events.empty());
+  EXPECT_EQ(log.events.front().error.hint(), info(Code::smime_not_multipart).hint);
+}
+
+TEST_F(Renewal, DocumentThatBeginsEarlier_IsToBeWrittenAnew) {
+  folder_.replace("permissions.p7s", document({"t"}, -48h, 48h));
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewal_refused));
+  ASSERT_FALSE(log.events.empty());
+  EXPECT_THAT(log.events.front().error.hint(), HasSubstr("ddssec permissions new"));
+}
+
 TEST_F(Renewal, SecondRenewal_IsTakenToo) {
   folder_.replace("permissions.p7s", document({"t"}, 0s, 48h));
   codes_after_looking();

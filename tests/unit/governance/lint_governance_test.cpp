@@ -294,10 +294,22 @@ TEST(LintGovernance, MessagesThatAnAttackerCanRedirect) {
 }
 
 TEST(LintGovernance, DataProtectionAlone) {
-  const auto found =
-      only(changed([](DomainRule& rule) { rule.topic_rules[0].metadata_protection_kind = none; }));
-  EXPECT_EQ(found.rule, ddssec::Rule::GOV031);
-  EXPECT_EQ(found.vendors, (std::vector<std::string>{"cyclonedds", "fastdds"}));
+  const auto found_under = [](ProtectionKind rtps) {
+    return of(ddssec::Rule::GOV031, changed([&](DomainRule& rule) {
+                rule.rtps_protection_kind = rtps;
+                rule.topic_rules[0].metadata_protection_kind = none;
+              }))
+        .at(0);
+  };
+  EXPECT_TRUE(found_under(none).message.contains("anyone on the network can dispose"));
+  EXPECT_TRUE(found_under(sign).message.contains("each participant that may join"));
+  for (const auto rtps : {none, sign}) {
+    EXPECT_EQ(found_under(rtps).severity, ddssec::Severity::warning);
+    EXPECT_TRUE(found_under(rtps).vendors.empty());
+  }
+  const auto bound = found_under(sign_with_origin_authentication);
+  EXPECT_EQ(bound.vendors, (std::vector<std::string>{"cyclonedds", "fastdds"}));
+  EXPECT_FALSE(bound.message.contains("dispose"));
 }
 
 TEST(LintGovernance, AccessControlWithoutProtection) {

@@ -1,0 +1,41 @@
+#include "governance/doctor/domain_tag.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+
+namespace ddssec::governance::doctor {
+namespace {
+
+constexpr std::size_t kMostShown = 64;
+
+}  // namespace
+
+// Names of elements may be in any case, the tag itself may not.
+std::string domain_tag_setting(std::string_view configuration) {
+  const auto text = without_comments(configuration);
+  const auto lower = ascii_lower(text);
+  for (const auto word : values_within(lower, "discovery", "tag"))
+    if (!word.empty() && word != "default")
+      return text.substr(static_cast<std::size_t>(word.data() - lower.data()),
+                         std::min(word.size(), kMostShown));
+  return {};
+}
+
+void check_domain_tag(std::string_view configuration, const std::filesystem::path& document,
+                      Diagnosis& out) {
+  const auto tag = domain_tag_setting(configuration);
+  if (tag.empty()) return;
+  out.report({},
+             {.rule = Rule::DOC114,
+              .message = fmt::format(
+                  "<Discovery><Tag> is \"{}\": Cyclone DDS shows it to no plugin, so that rules "
+                  "for this tag do not count, and rules for no tag do",
+                  tag),
+              .document = document.string(),
+              .severity = Severity::warning});
+}
+
+}  // namespace ddssec::governance::doctor
