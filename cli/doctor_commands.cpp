@@ -11,6 +11,7 @@
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
+#include "cli/key_passwords.hpp"
 #include "cli/meeting_report.hpp"
 #include "cli/near.hpp"
 #include "cli/options.hpp"
@@ -286,7 +287,9 @@ Result<Report> doctor_of(const Arguments& arguments, const Context& context) {
 }  // namespace
 
 doctor::LoadedFolder load_participant(const fs::path& folder, WallTime now) {
-  return doctor::load_folder(pki::participant_folder(folder), now);
+  auto out = doctor::load_folder(pki::participant_folder(folder), now);
+  open_key(out);
+  return out;
 }
 
 Result<DomainId> domain_for(const Arguments& arguments,

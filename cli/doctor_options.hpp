@@ -9,7 +9,7 @@
 
 namespace ddssec::cli {
 
-/// The participant's folder, loaded.
+/// The participant's folder, loaded; an encrypted key with the password that the files give.
 governance::doctor::LoadedFolder load_participant(const std::filesystem::path& folder,
                                                   WallTime now);
 /// The domain to check: the value of --domain, otherwise one that the documents of all these

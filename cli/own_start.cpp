@@ -203,7 +203,12 @@ void check_start_in_cyclonedds(const doctor::LoadedFolder& folder, const doctor:
   const bool is_configured = configuration && configuration->security.is_there;
   if (!is_configured && file.empty() && variable(spi::kCipherVariable).empty()) return;
   if (!starts(before) || !starts(doctor::diagnose(folder, settings))) return;
-  const auto of_folder = properties_of_folder(folder.paths);
+  auto of_folder = properties_of_folder(folder.paths);
+  if (of_folder && folder.password && is_configured) {
+    const auto of_file = properties_of(configuration->security, settings.domain);
+    of_folder->push_back({std::string(property::kPassword),
+                          std::string(spi::property_value(of_file, property::kPassword)), false});
+  }
   // What else keeps such a process from starting is said of the document that does.
   if (!of_folder || !start(*of_folder, {}, settings)) return;
   const auto of_host =

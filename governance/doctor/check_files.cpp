@@ -76,6 +76,29 @@ void report_unloaded(const fs::path& path, const Error& error, Diagnosis& out) {
   }
 }
 
+// A key that opens with the password that some product is given.
+void check_password(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
+  if (!folder.password) return;
+  out.pass(Rule::DOC013);
+  Outcomes outcomes;
+  std::string who;
+  const auto look_at = [&](Vendor vendor, Outcome& outcome) {
+    if (folder.password->to(vendor)) return;
+    outcome = Outcome::fail;
+    who += (who.empty() ? "" : " and ") + name(vendor, settings.lineup);
+  };
+  look_at(Vendor::cyclonedds, outcomes.cyclonedds);
+  look_at(Vendor::fastdds, outcomes.fastdds);
+  look_at(Vendor::ours, outcomes.ours);
+  if (who.empty()) return;
+  out.report(outcomes, {.rule = Rule::DOC013,
+                        .message = fmt::format("{} is encrypted, and {} {} given no password that "
+                                               "opens it by the files",
+                                               name_of(folder.paths.key), who,
+                                               who.contains(" and ") ? "are" : "is"),
+                        .document = folder.paths.key});
+}
+
 void check_loaded(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
   const auto look = [&](const auto& piece, const fs::path& path) {
     if (piece) return;
@@ -86,6 +109,7 @@ void check_loaded(const LoadedFolder& folder, const Settings& settings, Diagnosi
   look(folder.identity_cas, folder.paths.identity_ca);
   look(folder.certificate, folder.paths.certificate);
   look(folder.key, folder.paths.key);
+  check_password(folder, settings, out);
   look(folder.permissions_cas, folder.paths.permissions_ca);
   look(folder.governance.readable, folder.paths.governance);
   look(folder.permissions.readable, folder.paths.permissions);

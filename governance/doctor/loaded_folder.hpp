@@ -53,12 +53,23 @@ struct LoadedDocument {
   }
 };
 
+/// The products to which files give the password of an encrypted key.
+struct PasswordGiven {
+  bool cyclonedds = false, fastdds = false, ours = false;
+
+  bool to(Vendor vendor) const {
+    return vendor == Vendor::cyclonedds ? cyclonedds : vendor == Vendor::fastdds ? fastdds : ours;
+  }
+};
+
 /// The loaded parts of a folder. Each Result is independent of the others.
 struct LoadedFolder {
   pki::ParticipantFolder paths;
   Result<std::vector<pki::Certificate>> identity_cas;
   Result<pki::Certificate> certificate;
   Result<pki::PrivateKey> key;
+  /// Of an encrypted key that a password opened, which the caller of load_folder() has found.
+  std::optional<PasswordGiven> password = {};
   Result<std::vector<pki::Certificate>> permissions_cas;
   Bytes permissions_ca_file;  ///< the content of that file; empty if it cannot be read
   /// Empty if there is no such file.

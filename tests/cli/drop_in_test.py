@@ -85,6 +85,33 @@ class DropIn(Transcript):
         (told,) = self.refusals(environment, 0)
         self.assertEqual(told["severity"], "warning")
 
+    def test_AnEncryptedKey_OpensWithThePasswordThatEachProductIsGiven(self):
+        folder = self.at / "demo/talker"
+        key, xml, profile = folder / "key.pem", folder / "cyclonedds.xml", folder / "fastdds.xml"
+        self.openssl("pkcs8", "-topk8", "-in", key, "-out", "k.pem", "-passout", "pass:secret")
+        shutil.move(self.at / "k.pem", key)
+        key.chmod(0o600)
+        texts = xml.read_text(), profile.read_text()
+
+        def verdicts(exit):
+            told = self.json("doctor", "demo/talker", *NOW, environment=self.drop_in, exit=exit)
+            return [one for one in told["result"]["verdicts"].values()], [
+                one["message"] for one in told["diagnostics"] if one["id"] == "DOC013"]
+
+        self.assertEqual(verdicts(1)[0], ["fail"] * 3)
+        (folder / "security.properties").write_text("dds.sec.auth.password = secret\n")
+        self.assertEqual(verdicts(1), (["fail", "fail", "ok"], ["key.pem is encrypted, and Cyclone DDS 0.10.2 and Fast DDS "
+                                                                "2.9.1 are given no password that opens it by the files"]))
+        xml.write_text(texts[0].replace("</PrivateKey>", "</PrivateKey><Password>secret</Password>"))
+        self.assertEqual(verdicts(1), (["ok", "fail", "ok"], ["key.pem is encrypted, and Fast DDS 2.9.1 is given no password "
+                                                              "that opens it by the files"]))
+        profile.write_text(texts[1].replace("</properties>", "<property><name>dds.sec.auth.builtin.PKI-DH.password</name>"
+                                            "<value>secret</value></property></properties>"))
+        self.assertEqual(verdicts(0), (["ok"] * 3, []))
+        self.json("check", "demo/talker", "demo/listener", *NOW, environment=self.drop_in)
+        xml.write_text(texts[0].replace("</PrivateKey>", "</PrivateKey><Password>wrong</Password>"))
+        self.assertEqual(verdicts(1)[0], ["fail", "ok", "ok"])
+
     def test_ADomainTag_IsWarnedOf(self):
         words = ("doctor", "demo/talker", "--vendor", "ours", *NOW)
         tag = "<Discovery><Tag>Robots</Tag></Discovery>"

@@ -147,7 +147,7 @@ class Expiry(Transcript):
         (self.at / "empty/notes.txt").write_text("no certificate")
         told = self.json("expiry", "demo", "empty", "empty/notes.txt", *NOW, exit=3)
         self.assertEqual([(d["id"], d["file"]) for d in told["diagnostics"]],
-                         [("file_unreadable", "empty"), ("file_not_found", "empty/notes.txt")])
+                         [("file_unreadable", "empty"), ("file_unreadable", "empty/notes.txt")])
         kinds = "a certificate, a revocation list or permissions"
         self.assertIn(f"{kinds} is expected in the folder, and there is none", told["diagnostics"][0]["message"])
         self.assertIn("name the folder of a participant", told["diagnostics"][0]["hint"])
@@ -211,7 +211,7 @@ class Expiry(Transcript):
         self.assertEqual((row["state"], row["kind"], row["subject"]), ("soon", "certificate", "CN=signing office"))
         openssl("smime", "-sign", "-text", "-nocerts", "-in", "plain.xml", "-out", "governance.p7s", "-signer",
                 "signer.pem", "-inkey", "signer.key")
-        self.refused("file_not_found", 3, "expiry", "governance.p7s")
+        self.refused("file_unreadable", 3, "expiry", "governance.p7s")
 
     def test_every_label_of_a_certificate_counts(self):
         text = (self.at / "demo/talker/cert.pem").read_text().replace("CERTIFICATE-----", "x")
