@@ -14,8 +14,8 @@
 namespace ddssec::cli {
 
 /// Collects the files of one enclave. If there is no folder with the name, it appears with all
-/// files at once. If there is one, the files are put into it like those of a Replacement. Folders of
-/// deeper enclaves in it stay as they are.
+/// files at once. If there is one, the files are put into it like those of a Replacement. Folders
+/// of deeper enclaves in it stay as they are.
 class EnclaveFolder {
  public:
   /// The reaction to a file of the enclave that is there already.

@@ -11,8 +11,8 @@ namespace ddssec::cli {
 
 /// For each host: whether it takes the new document while it runs.
 struct GovernanceForecast {
-  std::string text;        ///< complete lines
-  Json live;               ///< of the result of `governance diff`
+  std::string text;  ///< complete lines
+  Json live;         ///< of the result of `governance diff`
   /// Embedded participants take it in two phases, if its revision allows it.
   bool is_phased = false;
 };

@@ -42,8 +42,7 @@ Status add_keystore_governance(NewFolder& keystore, std::string_view xml, BytesV
 /// Adds an enclave's files to a new folder. `below` is the enclave's place in that folder; `name`
 /// is its name in the keystore, from which the links are made. A participant without permissions
 /// adds none.
-Status add_enclave(EnclaveFolder& folder, std::string_view name,
-                   const NewParticipant& participant);
+Status add_enclave(EnclaveFolder& folder, std::string_view name, const NewParticipant& participant);
 Status add_enclave(NewFolder& folder, const std::filesystem::path& below, std::string_view name,
                    const NewParticipant& participant);
 

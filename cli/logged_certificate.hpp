@@ -73,8 +73,8 @@ Status check_not_revoked(const pki::Certificate& certificate, const std::filesys
 Status check_key_not_revoked(const pki::Certificate& certificate, const std::filesystem::path& file,
                              const CaPaths& ca, const pki::IssueLog& log);
 
-/// A line about the certificate in `file`, which is about to be replaced and stays valid although no
-/// file holds it any more; empty if it has ended or was revoked. `given`: the CA's folder as the
+/// A line about the certificate in `file`, which is about to be replaced and stays valid although
+/// no file holds it any more; empty if it has ended or was revoked. `given`: the CA's folder as the
 /// user names it.
 std::string about_former(const std::filesystem::path& file, const std::filesystem::path& given,
                          WallTime now);

@@ -24,8 +24,8 @@ inline std::string remedy_of_ros(const LoadedFolder& folder) {
 /// True if both files can be read and have the same content.
 bool has_same_octets(const std::filesystem::path& one, const std::filesystem::path& other);
 
-/// The outcome with a key that DDS-Security does not allow: that of the certificate or CA at `path`,
-/// which ddssec refused with `error`.
+/// The outcome with a key that DDS-Security does not allow: that of the certificate or CA at
+/// `path`, which ddssec refused with `error`.
 Outcomes outcomes_of_key(const pki::ParticipantFolder& paths, const std::filesystem::path& path,
                          const Error& error, const Lineup& lineup);
 

@@ -223,17 +223,18 @@ void check_node_rights(const LoadedFolder& folder, const Grant& grant, DomainId 
   out.pass(Rule::PERM040);
   const auto missing = missing_node_rights(grant, domain);
   if (missing.empty()) return;
-  out.report(Outcomes::all(Outcome::late),
-             {.rule = Rule::PERM040,
-              .message = fmt::format("an rclcpp node does not start in domain {}: grant \"{}\" does "
-                                     "not allow it to {}",
-                                     domain, grant.name, fmt::join(missing, ", ")),
-              .document = folder.paths.permissions,
-              .line = grant.line,
-              .hint = "add it from the policy: ddssec keystore permission KEYSTORE ENCLAVE --policy "
-                      "FILE --node-defaults; without a policy, allow these topics in the "
-                      "permissions document",
-              .severity = Severity::error});
+  out.report(
+      Outcomes::all(Outcome::late),
+      {.rule = Rule::PERM040,
+       .message = fmt::format("an rclcpp node does not start in domain {}: grant \"{}\" does "
+                              "not allow it to {}",
+                              domain, grant.name, fmt::join(missing, ", ")),
+       .document = folder.paths.permissions,
+       .line = grant.line,
+       .hint = "add it from the policy: ddssec keystore permission KEYSTORE ENCLAVE --policy "
+               "FILE --node-defaults; without a policy, allow these topics in the "
+               "permissions document",
+       .severity = Severity::error});
 }
 
 void check_rosout(const LoadedFolder& folder, const CompiledGrant& grant, Diagnosis& out) {

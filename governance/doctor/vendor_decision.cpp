@@ -120,8 +120,8 @@ Verdict judge_as(Vendor vendor, const CompiledGrant& grant, DomainId domain, Act
 
 Validity validity_as(Vendor vendor, const Validity& validity) {
   if (vendor == Vendor::ours) return validity;
-  return as_stock_reads(validity, vendor == Vendor::cyclonedds ? StockProduct::cyclonedds
-                                                               : StockProduct::fastdds);
+  return as_stock_reads(
+      validity, vendor == Vendor::cyclonedds ? StockProduct::cyclonedds : StockProduct::fastdds);
 }
 
 Verdict judge_participant_as(Vendor vendor, const CompiledGrant& grant, DomainId domain) {
