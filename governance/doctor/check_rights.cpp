@@ -240,130 +240,6 @@ void check_second_grant(const Scene& scene, const std::vector<Candidate>& all) {
                     .line = all[1].grant->line});
 }
 
-/// What to say, besides, of documents that have no domain in common.
-struct Culprit {
-  std::string words;
-  std::string hint;
-};
-
-// The governance document is the same for all participants, and the permissions are one's own.
-Culprit culprit_of(const LoadedFolder& folder, const Settings& settings) {
-  const auto found = contradiction_of(folder, settings.now);
-  if (!found) return {};
-  Culprit out{
-      fmt::format("; {}:{} allows only domain {}, and {}:{} covers only {}: the participant can "
-                  "start in neither, and the permissions are probably wrong",
-                  folder.paths.permissions.string(), found->line_of_permissions,
-                  in_words(found->granted), folder.paths.governance.string(),
-                  found->line_of_governance, in_words(found->governed)),
-      {}};
-  if (folder.paths.layout != pki::FolderLayout::sros2)
-    out.hint = fmt::format(
-        "sign permissions for domain {0}: ddssec permissions new --cert {1} --domain {0} ... "
-        "--replace --sign --ca CA -o {2} (name all topics of the participant); or, if the "
-        "governance document is wrong, add domain {3} to it and sign it again for all participants",
-        found->governed.front().first, folder.paths.certificate.string(),
-        fs::path(folder.paths.permissions).replace_extension("xml").string(),
-        in_words(found->granted));
-  return out;
-}
-
-void report_uncovered(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
-  std::vector<DomainRange> all;
-  for (const auto& rule : folder.governance.model->domain_rules)
-    all.insert(all.end(), rule.domains.ranges.begin(), rule.domains.ranges.end());
-  const auto& rules = folder.governance.model->domain_rules;
-  auto outcomes = measured(Variant::governance_other_domain, settings.lineup);
-  outcomes.ours = Outcome::fail;
-  const auto culprit = culprit_of(folder, settings);
-  out.report(outcomes,
-             {.rule = Rule::DOC050,
-              .message = fmt::format("no <domain_rule> of {} covers domain {}; they cover {}{}",
-                                     folder.paths.governance.filename().string(), settings.domain,
-                                     in_words(normal(std::move(all))), culprit.words),
-              .document = folder.paths.governance,
-              .line = rules.empty() ? 0 : rules.front().domains.line,
-              .hint = folder.paths.layout == pki::FolderLayout::sros2
-                          ? fmt::format("start the node in a domain that the keystore is for "
-                                        "(ROS_DOMAIN_ID), or make a keystore for this one: ddssec "
-                                        "keystore create KEYSTORE --domain {}",
-                                        settings.domain)
-                          : culprit.hint});
-}
-
-// Cyclone DDS and Fast DDS read a range without <max> as one domain, and then another rule or none
-// is the first for this one.
-void check_open_ranges(const LoadedFolder& folder, const DomainRule& rule, const Settings& settings,
-                       Diagnosis& out) {
-  const auto* stock = folder.governance.model->find_for_stock(settings.domain);
-  if (stock == &rule) return out.pass(Rule::DOC050);
-  const auto outcomes = stock == nullptr
-                            ? measured(Variant::governance_other_domain, settings.lineup)
-                            : Outcomes{.cyclonedds = Outcome::unsafe, .fastdds = Outcome::unsafe};
-  const auto theirs = stock == nullptr ? std::string("no <domain_rule>")
-                                       : fmt::format("the <domain_rule> at line {}", stock->line);
-  out.report(outcomes,
-             {.rule = Rule::DOC050,
-              .message = fmt::format("for domain {} Cyclone DDS and Fast DDS apply {}, not the one "
-                                     "at line {}: they read an <id_range> without <max> as one "
-                                     "domain",
-                                     settings.domain, theirs, rule.line),
-              .document = folder.paths.governance,
-              .line = rule.domains.line});
-}
-
-void check_topic_rules(const LoadedFolder& folder, const DomainRule& rule, Diagnosis& out) {
-  std::vector<std::string_view> expressions;
-  for (const auto& topic : rule.topic_rules) expressions.emplace_back(topic.topic_expression);
-  constexpr std::string_view kEvery = "*";
-  const auto answer = contained({&kEvery, 1}, expressions);
-  if (answer.kind != SetAnswer::Kind::no) return out.pass(Rule::DOC054);
-  out.report({}, {.rule = Rule::DOC054,
-                  .message = fmt::format("no <topic_rule> matches every topic: one named \"{}\" "
-                                         "cannot be created",
-                                         answer.witness),
-                  .document = folder.paths.governance,
-                  .line = rule.line});
-}
-
-// Fast DDS reads allow_unauthenticated_participants and does not act on it (2.9.1); later ones
-// refuse it together with protection of all messages.
-void check_unauthenticated(const LoadedFolder& folder, const DomainRule& rule, const Lineup& lineup,
-                           Diagnosis& out) {
-  if (!rule.allow_unauthenticated_participants) return;
-  const auto who =
-      measured(is_protected(rule.rtps_protection_kind) ? Variant::governance_unauthenticated
-                                                       : Variant::governance_unauthenticated_open,
-               lineup);
-  const auto fastdds = name(Vendor::fastdds, lineup);
-  out.report(who,
-             {.rule = Rule::DOC055,
-              .message = "<allow_unauthenticated_participants> is true: Cyclone DDS then talks "
-                         "to every participant, also on topics with access control; " +
-                         (who.fastdds == Outcome::ok
-                              ? fastdds + " talks to authenticated participants only"
-                              : fastdds + " refuses it together with <rtps_protection_kind> " +
-                                    std::string(to_string(rule.rtps_protection_kind))),
-              .document = folder.paths.governance,
-              .line = rule.line,
-              .vendors = {id(Vendor::cyclonedds, lineup), id(Vendor::fastdds, lineup)},
-              .severity = who.all_ok() ? Severity::warning : Severity::error});
-}
-
-const DomainRule* check_governance(const LoadedFolder& folder, const Settings& settings,
-                                   Diagnosis& out) {
-  if (!folder.governance.model) return nullptr;
-  const auto* rule = folder.governance.model->find(settings.domain);
-  if (rule == nullptr) {
-    report_uncovered(folder, settings, out);
-    return nullptr;
-  }
-  check_open_ranges(folder, *rule, settings, out);
-  check_topic_rules(folder, *rule, out);
-  check_unauthenticated(folder, *rule, settings.lineup, out);
-  return rule;
-}
-
 std::string why_not_joining(const Grant& grant, const Outcomes& outcomes, DomainId domain) {
   if (outcomes.ours == Outcome::ok)
     return fmt::format(
@@ -418,7 +294,7 @@ void check_join(const Scene& scene, const Grant& grant, const DomainRule* govern
   // That Fast DDS takes every default as DENY is DOC052's.
   if (compiled.judge_participant().allowed && grant.default_allow) outcomes.fastdds = Outcome::ok;
   if (!asks || outcomes.all_ok()) return scene.out.pass(Rule::DOC051);
-  const auto culprit = culprit_of(scene.folder, scene.settings);
+  const auto culprit = culprit_of(scene.folder, scene.settings.now);
   scene.out.report(
       outcomes, {.rule = Rule::DOC051,
                  .message = why_not_joining(grant, outcomes, scene.settings.domain) + culprit.words,
@@ -498,7 +374,7 @@ const Grant* grant_of(const LoadedFolder& folder, WallTime now) {
 }
 
 void check_rights(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
-  const auto* rule = check_governance(folder, settings, out);
+  const auto* rule = check_domain_rule(folder, settings, out);
   if (folder.permissions.model && folder.certificate)
     check_permissions({folder, settings, out}, rule);
 }

@@ -38,6 +38,10 @@ void check_configurations(const LoadedFolder& folder, const Settings& settings, 
 void check_identity(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
 /// Checks form, signature and signer of both documents, and whether they can be parsed.
 void check_documents(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
+/// Checks the governance document's rule for the domain, and returns it; nullptr: there is none (a
+/// part of check_rights).
+const DomainRule* check_domain_rule(const LoadedFolder& folder, const Settings& settings,
+                                    Diagnosis& out);
 /// Checks the rights of this participant in the domain.
 void check_rights(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
 /// Checks what the deny_rules of a grant, and its rules for other domains, mean to stock products,

@@ -90,6 +90,28 @@ std::optional<Contradiction> contradiction_of(const LoadedFolder& folder, WallTi
   return out;
 }
 
+// The governance document is the same for all participants, and the permissions are one's own.
+Culprit culprit_of(const LoadedFolder& folder, WallTime now) {
+  const auto found = contradiction_of(folder, now);
+  if (!found) return {};
+  Culprit out{
+      fmt::format("; {}:{} allows only domain {}, and {}:{} covers only {}: the participant can "
+                  "start in neither, and the permissions are probably wrong",
+                  folder.paths.permissions.string(), found->line_of_permissions,
+                  in_words(found->granted), folder.paths.governance.string(),
+                  found->line_of_governance, in_words(found->governed)),
+      {}};
+  if (folder.paths.layout != pki::FolderLayout::sros2)
+    out.hint = fmt::format(
+        "sign permissions for domain {0}: ddssec permissions new --cert {1} --domain {0} ... "
+        "--replace --sign --ca CA -o {2} (name all topics of the participant); or, if the "
+        "governance document is wrong, add domain {3} to it and sign it again for all participants",
+        found->governed.front().first, folder.paths.certificate.string(),
+        std::filesystem::path(folder.paths.permissions).replace_extension("xml").string(),
+        in_words(found->granted));
+  return out;
+}
+
 DomainChoice choose_domain(std::span<const Domains> participants) {
   DomainChoice out;
   for (const auto& domains : participants) out.named = common(out.named, domains);

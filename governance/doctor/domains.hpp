@@ -29,6 +29,13 @@ struct Contradiction {
 /// Empty if they have one in common, or if either one cannot be read.
 std::optional<Contradiction> contradiction_of(const LoadedFolder& folder, WallTime now);
 
+/// What to say, besides, of documents that have no domain in common. Empty texts: they have one.
+struct Culprit {
+  std::string words;
+  std::string hint;
+};
+Culprit culprit_of(const LoadedFolder& folder, WallTime now);
+
 /// A chosen domain, and the alternatives.
 struct DomainChoice {
   DomainId domain = 0;

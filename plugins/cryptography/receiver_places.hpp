@@ -5,8 +5,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 
 #include "base/result.hpp"
 
@@ -32,6 +34,10 @@ class ReceiverPlaces {
   /// Takes a place for one more receiver of a certificate's subject. Error: receiver_places_taken.
   Status take(std::uint64_t subject);
   void give_back(std::uint64_t subject) noexcept;
+  /// The same, if there is one; `place` is empty from now on.
+  void give_back(std::optional<std::uint64_t>& place) noexcept {
+    if (const auto taken = std::exchange(place, std::nullopt)) give_back(*taken);
+  }
 
  private:
   std::unexpected<Error> refuse(std::size_t most, std::string_view whose) const;
