@@ -76,6 +76,7 @@ void DocumentsInUse::note(Document& document, const DocumentState& state, WallTi
     document.parts = state.parts;
     document.since = now;
   }
+  document.waiting = state.waiting;
   auto& refusal = document.refusal;
   // Copies of an error share their details: the same ones are of the same report.
   const bool is_known =
@@ -124,12 +125,14 @@ std::string DocumentsInUse::json_of(std::int64_t identity, const Participant& pa
   auto documents = Json::array();
   for (const auto& [kind, document] : participant.documents) {
     const auto& parts = document.parts;
-    documents.push_back({{"kind", to_string(kind)},
-                         {"file", shortened(document.file, kMostOfAnswerPath)},
-                         {"since", to_string(document.since)},
-                         {"in_force", ddssec::json_of(parts)},
-                         {"more", parts.size() - std::min(parts.size(), kMostParts)},
-                         {"refused", json_of(document.refusal)}});
+    documents.push_back(
+        {{"kind", to_string(kind)},
+         {"file", shortened(document.file, kMostOfAnswerPath)},
+         {"since", to_string(document.since)},
+         {"in_force", ddssec::json_of(parts)},
+         {"more", parts.size() - std::min(parts.size(), kMostParts)},
+         {"waiting", document.waiting ? ddssec::json_of(*document.waiting) : Json()},
+         {"refused", json_of(document.refusal)}});
   }
   const Json out = {{"identity", identity},
                     {"guid", shortened(participant.guid)},

@@ -34,7 +34,7 @@ std::string_view to_string(DocumentKind kind);
 
 /// One certificate, list or text of a document. No part may hold anything secret.
 struct DocumentPart {
-  std::string subject = {};  ///< of a revocation list: its issuer
+  std::string subject = {};  ///< of a revocation list: its issuer; of a governance: its revision
   std::string number = {};   ///< serial number of a certificate, number of a revocation list
   std::optional<WallTime> until = {};
   std::string sha256 = {};  ///< of a certificate (DER) or of a document's file; hexadecimal
@@ -44,9 +44,10 @@ struct DocumentPart {
 /// What an engine knows about one document of a participant.
 struct DocumentState {
   DocumentKind kind;
-  std::string file = {};                 ///< its path, or the property that holds it
-  std::vector<DocumentPart> parts = {};  ///< in force
-  std::optional<Error> refused = {};     ///< why the file's present content is not in force
+  std::string file = {};                     ///< its path, or the property that holds it
+  std::vector<DocumentPart> parts = {};      ///< in force
+  std::optional<Error> refused = {};         ///< why the file's present content is not in force
+  std::optional<DocumentPart> waiting = {};  ///< comes into force when the peers are ready
 };
 
 /// The record of all participants of a library. Engines note the state again and again; the record
@@ -84,6 +85,7 @@ class DocumentsInUse {
     std::vector<DocumentPart> parts = {};
     WallTime since = {};
     std::optional<Refusal> refusal = {};
+    std::optional<DocumentPart> waiting = {};
   };
   struct Participant {
     std::string guid = {};

@@ -110,7 +110,14 @@ class Reading {
             {"since", time(from, "since")},
             {"in_force", std::move(parts)},
             {"more", from.at("more").get<unsigned>()},
+            {"waiting", waiting_in(from)},
             {"refused", refusal_of(from.at("refused"))}};
+  }
+
+  /// Processes with ddssec 0.2 do not say it.
+  Json waiting_in(const Json& from) {
+    const auto at = from.find("waiting");
+    return at == from.end() || at->is_null() ? Json() : part_of(*at);
   }
 
   Json participant_of(const Json& from) {

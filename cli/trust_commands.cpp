@@ -134,6 +134,8 @@ std::string text_of(const Json& document, const std::string& now) {
   for (const auto& part : document["in_force"]) out += "      " + line_of(part, now) + '\n';
   if (document["in_force"].empty()) out += "      none\n";
   if (document["more"] != 0) out += fmt::format("      and {} more\n", document["more"].get<int>());
+  if (const auto& waiting = document["waiting"]; !waiting.is_null())
+    out += "    waits for peers, to come into force: " + line_of(waiting, now) + '\n';
   const auto& refused = document["refused"];
   if (refused.is_null()) return out;
   return out + fmt::format("    {} {}: {}\n",

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "governance/live_change.hpp"
 #include "pki/document_parts.hpp"
 #include "pki/source.hpp"
@@ -93,6 +95,15 @@ void OwnDocuments::look_now() {
 std::vector<DocumentState> OwnDocuments::states(const Participant& participant,
                                                 DocumentPart permissions) const {
   const auto basis = participant.basis();
+  const auto part_of = [](const governance::CompiledGovernance& rules, BytesView file) {
+    return DocumentPart{.subject = rules.revision() == 0
+                                       ? "no revision"
+                                       : fmt::format("revision {}", rules.revision()),
+                        .sha256 = to_hex(sha256(file))};
+  };
+  std::optional<DocumentPart> waiting;
+  if (const auto pending = participant.pending(); pending && governance_waiting_)
+    waiting = part_of(*pending->governance, *governance_waiting_);
   return {{.kind = DocumentKind::permissions_ca,
            .file = authorities_.name(),
            .parts = pki::parts_of(basis->ca->verifier().permissions_cas()),
@@ -103,8 +114,9 @@ std::vector<DocumentState> OwnDocuments::states(const Participant& participant,
            .refused = permissions_.refused()},
           {.kind = DocumentKind::governance,
            .file = governance_.name(),
-           .parts = {{.sha256 = to_hex(sha256(governance_in_force_))}},
-           .refused = governance_.refused()}};
+           .parts = {part_of(*basis->governance, governance_in_force_)},
+           .refused = governance_.refused(),
+           .waiting = std::move(waiting)}};
 }
 
 std::vector<Error> OwnDocuments::renew(PermissionsHolder& holder, Participant& participant,

@@ -81,6 +81,10 @@ TEST_F(GovernancePhases, MoreProtection_WaitsUntilTheHostHasChangedItsEndpoints)
   EXPECT_EQ(data_of("new"), kSign) << "endpoints that are made meanwhile are as the others";
   EXPECT_EQ(revision(), 1u);
   ASSERT_TRUE(waits());
+  const auto shown = test::recorded_document(documents, "governance");
+  EXPECT_EQ(shown["in_force"][0]["subject"], "revision 1");
+  EXPECT_EQ(shown["waiting"]["subject"], "revision 2");
+  EXPECT_EQ(shown["waiting"]["sha256"], to_hex(sha256(as_bytes(text))));
   EXPECT_EQ(plugin->pending_governance(*own_)->revision, 2u);
   EXPECT_EQ(plugin->other_attributes(*own_, "t")->payload, kEncrypt);
   EXPECT_THAT(codes_after_looking(), IsEmpty()) << "begins once";

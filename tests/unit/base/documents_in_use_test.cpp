@@ -63,6 +63,18 @@ TEST_F(Record, Document_IsShownWithItsPartsAndSinceWhen) {
   EXPECT_EQ(document["in_force"][0]["number"], "7");
   EXPECT_EQ(document["in_force"][0]["until"], to_string(kNow + 24h));
   EXPECT_TRUE(document["refused"].is_null());
+  EXPECT_TRUE(document["waiting"].is_null());
+}
+
+TEST_F(Record, DocumentThatWaits_IsShownUntilItWaitsNoMore) {
+  auto waits = state("7");
+  waits.waiting = DocumentPart{.subject = "revision 8", .sha256 = "08"};
+  note(waits);
+  EXPECT_EQ(first()["waiting"]["subject"], "revision 8");
+  EXPECT_EQ(first()["in_force"][0]["number"], "7");
+  note(state("7"), 10s);
+  EXPECT_TRUE(first()["waiting"].is_null());
+  EXPECT_EQ(first()["since"], to_string(kNow));
 }
 
 TEST_F(Record, SameStateAgain_KeepsItsTime) {
