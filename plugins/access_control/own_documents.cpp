@@ -243,18 +243,13 @@ Result<OwnDocuments::Judged> OwnDocuments::judge_governance(const Renewal& now, 
 
 Status OwnDocuments::take_governance(const Renewal& now, const Basis& former, BytesView file) {
   DDSSEC_ASSIGN_OR_RETURN(auto judged, judge_governance(now, former, file));
-  if (const auto pending = now.participant.pending()) {
-    if (judged.basis.governance_digest == pending->digest) return {};
-    DDSSEC_RETURN_IF_ERROR(now.participant.check_after_pending(*judged.basis.governance));
-  }
   if (judged.is_phased && options_.host_changes_protection) {
     now.participant.set_pending({judged.basis.governance, judged.basis.governance_digest});
     governance_waiting_ = to_bytes(file);
     return {};
   }
-  DDSSEC_RETURN_IF_ERROR(now.participant.set_governance(std::move(judged.basis)));
+  DDSSEC_RETURN_IF_ERROR(now.participant.set_basis(std::move(judged.basis)));
   governance_in_force_ = to_bytes(file);
-  governance_waiting_.reset();
   return {};
 }
 
@@ -268,14 +263,13 @@ std::optional<Error> OwnDocuments::note_applied(const Participant& participant) 
 }
 
 void OwnDocuments::renew_governance(const Renewal& now, std::vector<Error>& events) {
+  if (governance_waiting_) return;
   const auto former = now.participant.basis();
-  const auto waited = now.participant.pending();
   const auto taken = governance_.look(
       now.clock.monotonic(), [&](BytesView file) { return take_governance(now, *former, file); });
   if (!taken) events.push_back(taken.error());
   if (!taken || !*taken) return;
   if (const auto pending = now.participant.pending()) {
-    if (pending == waited) return;
     events.emplace_back(Code::governance_changing,
                         ErrorDetails{.document = governance_.name(),
                                      .field = "revision",

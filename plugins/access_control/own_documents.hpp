@@ -44,7 +44,7 @@ class OwnDocuments {
   ///   by one of them: those in force, or else those in the files now, which then come into force.
   /// - A governance document that only adds topic rules, none of them for a topic in use. One that
   ///   protects topics in use more waits as the participant's pending document, if the host changes
-  ///   endpoints that exist. A later one that protects at least as much takes its place.
+  ///   endpoints that exist; until it is applied, no other one is looked at.
   /// - Renewed permissions, as PermissionsHolder::take has it; none if the host does not present
   ///   them.
   /// - Further identity CAs, where the governance restricts algorithms. Authentication decides

@@ -17,16 +17,14 @@ bool is_same_revision(const governance::CompiledGovernance& former,
 }
 
 Error old_revision(const governance::CompiledGovernance& former,
-                   const governance::CompiledGovernance& next,
-                   std::string_view which = "the one in force") {
+                   const governance::CompiledGovernance& next) {
   const auto revision = next.revision();
-  return Error(
-      Code::governance_renewal_refused,
-      {.field = "revision",
-       .expected = "more than " + std::to_string(former.revision()) + ", " + std::string(which),
-       .found = revision == 0 ? "none" : std::to_string(revision),
-       .hint = "sign the document anew with ddssec governance sign, which writes the next "
-               "revision, if it is not an old one that was put back"});
+  return Error(Code::governance_renewal_refused,
+               {.field = "revision",
+                .expected = "more than " + std::to_string(former.revision()) + ", the one in force",
+                .found = revision == 0 ? "none" : std::to_string(revision),
+                .hint = "sign the document anew with ddssec governance sign, which writes the next "
+                        "revision, if it is not an old one that was put back"});
 }
 
 Status check_has_revision(const governance::CompiledGovernance& next,
@@ -36,8 +34,8 @@ Status check_has_revision(const governance::CompiledGovernance& next,
       Code::governance_renewal_refused,
       {.line = raised.line,
        .field = "revision",
-       .expected =
-           "a revision, since the document changes the protection of \"" + raised.topic_expression + "\"",
+       .expected = "a revision, since the document changes the protection of \"" +
+                   raised.topic_expression + "\"",
        .found = "none",
        .hint = "sign the document with ddssec governance sign, which writes one, or restart "
                "the participant"});
@@ -111,37 +109,14 @@ Status Participant::check_new_topic(std::string_view topic) const {
 Result<Participant::Change> Participant::check_governance(
     const governance::CompiledGovernance& next) const {
   const std::lock_guard lock(mutex_);
-  return check(*basis_->governance, next);
-}
-
-Status Participant::check_after_pending(const governance::CompiledGovernance& next) const {
-  const std::lock_guard lock(mutex_);
-  if (!pending_) return {};
-  const auto& waiting = *pending_->governance;
-  if (next.revision() <= waiting.revision())
-    return std::unexpected(old_revision(waiting, next, "the one that is being put into force"));
-  DDSSEC_RETURN_IF_ERROR(check(waiting, next));
-  return {};
+  return check(next);
 }
 
 Status Participant::set_basis(Basis basis) {
   auto next = std::make_shared<const Basis>(std::move(basis));
   const std::lock_guard lock(mutex_);
-  return take(std::move(next));
-}
-
-Status Participant::set_governance(Basis basis) {
-  auto next = std::make_shared<const Basis>(std::move(basis));
-  const std::lock_guard lock(mutex_);
-  DDSSEC_RETURN_IF_ERROR(take(std::move(next)));
-  pending_ = nullptr;
-  return {};
-}
-
-/// mutex_ is held.
-Status Participant::take(std::shared_ptr<const Basis> next) {
   if (basis_ && next->governance != basis_->governance) {
-    DDSSEC_ASSIGN_OR_RETURN(const auto change, check(*basis_->governance, *next->governance));
+    DDSSEC_ASSIGN_OR_RETURN(const auto change, check(*next->governance));
     if (change == Change::phased) return std::unexpected(not_at_once());
   }
   basis_ = std::move(next);
@@ -182,8 +157,8 @@ bool Participant::apply_pending(const Sha256Digest& digest) {
 }
 
 /// mutex_ is held.
-Result<Participant::Change> Participant::check(const governance::CompiledGovernance& former,
-                                               const governance::CompiledGovernance& next) const {
+Result<Participant::Change> Participant::check(const governance::CompiledGovernance& next) const {
+  const auto& former = *basis_->governance;
   if (next.revision() < former.revision()) return std::unexpected(old_revision(former, next));
   DDSSEC_ASSIGN_OR_RETURN(const auto change,
                           governance::live_change(former.domain_rule(), next.domain_rule()));

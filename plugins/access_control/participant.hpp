@@ -55,14 +55,8 @@ class Participant {
   /// revision, or neither has one and no topic is protected more. Error:
   /// governance_renewal_refused.
   Result<Change> check_governance(const governance::CompiledGovernance& next) const;
-  /// Success if no document waits, or if `next` has a higher revision than the one that waits and
-  /// may take its place in the same way: some participants may have applied that one already.
-  /// Error: governance_renewal_refused.
-  Status check_after_pending(const governance::CompiledGovernance& next) const;
   /// Error: that of check_governance, for another one than before; it must be taken at once.
   Status set_basis(Basis basis);
-  /// The same for a later governance document: one that waited does not wait any more.
-  Status set_governance(Basis basis);
 
   /// A governance document that waits until the host has changed the protection of its endpoints.
   struct Pending {
@@ -80,10 +74,8 @@ class Participant {
   bool apply_pending(const Sha256Digest& digest);
 
  private:
-  Status take(std::shared_ptr<const Basis> next);
   Status check_new_topic(std::string_view topic) const;
-  Result<Change> check(const governance::CompiledGovernance& former,
-                       const governance::CompiledGovernance& next) const;
+  Result<Change> check(const governance::CompiledGovernance& next) const;
 
   mutable std::mutex mutex_;
   std::shared_ptr<const Basis> basis_;

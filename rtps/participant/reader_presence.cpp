@@ -14,7 +14,12 @@ bool ReaderPresence::awaits(LocalWriter& writer, const EndpointData& reader) {
 // The reader shows that it is ready by its first ACKNACK. With a durable writer, a late joiner
 // misses nothing, so there is no need to wait.
 bool ReaderPresence::shows_readiness(const LocalWriter& writer, const EndpointData& reader) const {
-  return reader.guid.prefix != local_.prefix() && core_.attributes().is_rtps_protected() &&
+  if (!core_.security) return false;
+  const auto* attributes = core_.security->keyring().attributes(writer.data.guid.entity);
+  const bool needs_keys = core_.attributes().is_rtps_protected() ||
+                          (attributes != nullptr && (attributes->is_submessage_protected() ||
+                                                     attributes->is_payload_protected()));
+  return needs_keys && reader.guid.prefix != local_.prefix() &&
          core_.is_authenticated(reader.guid.prefix) && reader.qos.is_reliable() &&
          writer.data.qos.is_reliable() &&
          std::min(writer.data.qos.durability, reader.qos.durability) == DurabilityKind::volatile_;

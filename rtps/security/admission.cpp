@@ -197,17 +197,6 @@ Status Admission::add_other_protection(const EntityId& id, std::string_view topi
   return core_.keyring.second().add(id, *other);
 }
 
-void Admission::drop_other_protections() {
-  auto& second = core_.keyring.second();
-  for (const auto& [id, asked] : own_) {
-    const auto* former = second.attributes(id);
-    const auto other =
-        core_.own->plugins().access_control.other_attributes(core_.own->permissions(), asked.topic);
-    if (former != nullptr && (!other || protection_id(*other) != protection_id(*former)))
-      second.remove(id);
-  }
-}
-
 Result<Admission::Announced> Admission::announced(const EntityId& id) {
   const auto& attributes = *core_.keyring.attributes(id);
   DDSSEC_ASSIGN_OR_RETURN(const auto ciphers, core_.keyring.required_ciphers(id));

@@ -76,8 +76,6 @@ class Admission {
   /// While the governance changes: gives the endpoint the protection of the other document, too, if
   /// it has none yet and differs. Error: that of cryptography.
   Status add_other_protection(const EntityId& id, std::string_view topic);
-  /// Takes second protections away that the other document does not demand any more.
-  void drop_other_protections();
   /// Called when local endpoints have another protection, which is to be announced.
   void on_protection(std::function<void()> announce) { announce_ = std::move(announce); }
   void announce_protection() const {

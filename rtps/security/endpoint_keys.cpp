@@ -185,19 +185,15 @@ const spi::EndpointSecurityAttributes* SecondProtections::attributes(const Entit
 }
 
 void SecondProtections::swap() noexcept {
-  is_swapped_ = !is_swapped_;
   for (auto& [id, other] : others_)
     if (const auto at = first_.find(id); at != first_.end()) std::swap(at->second, other);
 }
 
 void SecondProtections::permit(const EntityId& id, const Guid& remote, bool may) {
-  if (may) {
+  if (may)
     permitted_[id].insert(remote);
-    return;
-  }
-  forget(permitted_, id, remote);
-  const auto* other = rtps::find(others_, id);
-  if (!is_swapped_ && other != nullptr && other->pairs.contains(remote)) keys_.remove(others_, id);
+  else
+    forget(permitted_, id, remote);
 }
 
 bool SecondProtections::is_permitted(const EntityId& id, const Guid& remote) const {
@@ -245,7 +241,6 @@ void SecondProtections::part_all(const GuidPrefix& remote) {
 void SecondProtections::remove_all() {
   permitted_.clear();
   announced_with_second_.clear();
-  is_swapped_ = false;
   while (!others_.empty()) remove(EntityId(others_.begin()->first));
 }
 

@@ -156,7 +156,6 @@ class SecondProtections {
   Locals others_;
   Pairs permitted_;
   Pairs announced_with_second_;
-  bool is_swapped_ = false;  ///< the second protections are the former ones
 };
 
 }  // namespace ddssec::rtps

@@ -79,7 +79,7 @@ void GovernanceChange::tick() {
 void GovernanceChange::look() {
   const auto next =
       core_.own->plugins().access_control.pending_governance(core_.own->permissions());
-  if (phase_ == Phase::accepting && next != target_) begin_again(next);
+  if (phase_ == Phase::accepting && !next) end();  // it was dropped
   core_.governance_waits = next.has_value();
   if (!next) waits_since_.reset();
   if (phase_ == Phase::none && next && may_begin()) begin(*next);
@@ -107,24 +107,12 @@ void GovernanceChange::begin(const Version& next) {
   any_lost_ = false;
   core_.governance_changes = true;
   waits_since_.reset();
-  begun_ = core_.now;
   deadline_ = core_.now + core_.own->governance_change_time();
   each_joined([&](Peer& peer) { refresh(peer); });
   judge_matches();
 }
 
-// Whatever documents follow one another, the first phase lasts at most twice its time.
-void GovernanceChange::begin_again(const std::optional<Version>& next) {
-  if (!next) return end();
-  admission_.drop_other_protections();
-  const auto begun = begun_;
-  const auto latest = begun + 2 * core_.own->governance_change_time();
-  begin(*next);
-  begun_ = begun;
-  deadline_ = std::min(deadline_, latest);
-}
-
-// Another document may have come since: the next tick begins with that one.
+// The document may have been dropped since, because its CA has left.
 void GovernanceChange::change() {
   auto& access = core_.own->plugins().access_control;
   if (!access.apply_pending_governance(core_.own->permissions(), *target_)) return;
@@ -184,16 +172,10 @@ bool GovernanceChange::is_ready(const Peer& peer) const {
   return has_changed(peer) && KeyExchange::is_up_to_date(peer);
 }
 
-// A peer that has another document than we, but not the one in force here, takes part as well: what
-// matters is that it has a protection of ours.
 void GovernanceChange::refresh(Peer& peer) const {
   auto* association = peer.state.association();
   if (association == nullptr) return;
-  const auto in_force =
-      core_.own->plugins().access_control.governance_version(core_.own->permissions());
-  const auto& said = association->governance.said;
-  association->governance.takes_part =
-      has_changed(peer) || (said && in_force && said->version.revision > in_force->revision);
+  association->governance.takes_part = has_changed(peer);
 }
 
 void GovernanceChange::report_behind() {

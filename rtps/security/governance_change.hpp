@@ -40,8 +40,6 @@ class GovernanceChange {
   void look();
   bool may_begin();
   void begin(const Version& next);
-  /// Another document waits now, or none.
-  void begin_again(const std::optional<Version>& next);
   void change();
   void end();
   /// Gives endpoints on topics that change their second protection. False: one has none. An event
@@ -69,7 +67,7 @@ class GovernanceChange {
   Phase phase_ = Phase::none;
   std::optional<Version> target_;             ///< of the change under way, or of the last one
   std::optional<MonotonicTime> waits_since_;  ///< a document waits, and its change has not begun
-  MonotonicTime begun_{}, deadline_ = kNever;
+  MonotonicTime deadline_ = kNever;
   bool has_failed_ = false;
   bool any_lost_ = false;  ///< an endpoint of a peer that matched lost its right
 };

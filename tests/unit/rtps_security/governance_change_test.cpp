@@ -380,7 +380,7 @@ TEST(GovernanceChange, AReplayOfTheFormerProtection_IsDropped) {
   EXPECT_TRUE(fleet.has_all(fleet.b.node)) << fleet.text();
 }
 
-TEST(GovernanceChange, AFloodOfDocuments_NothingIsLost) {
+TEST(GovernanceChange, AFloodOfDocuments_IsTakenOneAtATime) {
   Fleet fleet(rules_of(kSign, kSign));
   for (std::uint32_t i = 2; i < 30; ++i) {
     fleet.put({&fleet.a, &fleet.b, &fleet.c}, rules_of(kEncrypt, kEncrypt), i);
@@ -388,12 +388,7 @@ TEST(GovernanceChange, AFloodOfDocuments_NothingIsLost) {
   }
   fleet.run(10);
   EXPECT_TRUE(fleet.has_all(fleet.b.node) && fleet.has_all(fleet.c.node)) << fleet.text();
-  for (const auto* member : {&fleet.a, &fleet.b, &fleet.c}) {
-    EXPECT_EQ(last(member->node.events, Code::governance_renewed)->error.details().found, "29");
-    EXPECT_EQ(Fleet::unmatched(member->node), 0) << fleet.text();
-    EXPECT_FALSE(member->node.events.has(Code::governance_peer_behind)) << fleet.text();
-  }
-  EXPECT_FALSE(fleet.is_readable_on_the_network());
+  for (const auto* member : {&fleet.a, &fleet.b, &fleet.c}) expect_in_force(fleet, *member);
 }
 
 TEST(GovernanceChange, WithoutTimeToWait_TheNewProtectionCountsAtOnce) {

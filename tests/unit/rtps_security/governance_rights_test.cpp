@@ -160,24 +160,6 @@ TEST(GovernanceRights, ReaderThatLosesItsRight_GetsNoKeysOfTheNewProtection) {
   }
 }
 
-TEST(GovernanceRights, LaterDocumentForSomeOnly_NobodyParts) {
-  Three three({{{"Square"}, {"*"}}});
-  three.run(2);
-  three.put({&three.a}, {{{"Square", kEncrypt}, {"*"}}, 2});
-  three.run(3);
-  const Document later{{{"Square", kEncrypt}, {"Further"}, {"*"}}, 3};
-  three.put({&three.b, &three.c}, later);
-  three.run(4);
-  three.put({&three.a}, later);
-  three.run(25);
-  for (auto* member : {&three.a, &three.b, &three.c}) {
-    EXPECT_EQ(member->node.listener.unmatched, 0) << three.text();
-    EXPECT_EQ(three.renewed(*member), 1) << three.text();
-    EXPECT_FALSE(member->node.events.has(Code::governance_peer_behind)) << three.text();
-  }
-  EXPECT_TRUE(three.bob_has_all()) << three.text();
-}
-
 TEST(GovernanceRights, PeerWithALaterDocument_IsCalledAhead) {
   Three three({{{"Square"}, {"*"}}});
   three.put({&three.a}, {{{"Square", kEncrypt}, {"*"}}, 2});
@@ -186,35 +168,6 @@ TEST(GovernanceRights, PeerWithALaterDocument_IsCalledAhead) {
   EXPECT_EQ(three.a.node.events.count(Code::governance_peer_ahead), 2) << three.text();
   EXPECT_FALSE(three.a.node.events.has(Code::governance_peer_behind)) << three.text();
   EXPECT_TRUE(three.b.node.events.has(Code::governance_peer_behind)) << three.text();
-}
-
-// Bob has applied the former one by then: he waits for nobody.
-TEST(GovernanceRights, LaterDocumentThatProtectsLessThanTheOneThatWaits_PartsNobody) {
-  Three three({{{"Square"}, {"*"}}});
-  three.put({&three.a, &three.b}, {{{"Square", kEncrypt}, {"*"}}, 2});
-  three.run(4);
-  EXPECT_TRUE(three.a.node.events.has(Code::governance_changing)) << three.text();
-  three.put({&three.a, &three.b}, {{{"Square"}, {"Further"}, {"*"}}, 3});
-  three.run(4);
-  for (auto* member : {&three.a, &three.b})
-    EXPECT_EQ(member->node.events.count(Code::governance_renewal_refused), 1) << three.text();
-  three.run(25);
-  for (auto* member : {&three.a, &three.b}) {
-    EXPECT_EQ(three.renewed(*member), 1) << three.text();
-  }
-  EXPECT_EQ(three.b.node.listener.unmatched, 0) << three.text();
-  EXPECT_TRUE(three.bob_has_all()) << three.text();
-}
-
-TEST(GovernanceRights, DocumentsWithoutEnd_DoNotHoldTheChangeForLongerThanTwiceItsTime) {
-  Three three({{{"Square"}, {"*"}}});
-  for (std::uint32_t revision = 2; revision < 50; ++revision) {
-    three.put({&three.a, &three.b}, {{{"Square", kEncrypt}, {"*"}}, revision});
-    three.run(1);
-  }
-  EXPECT_GE(three.renewed(three.a), 1) << three.text();
-  EXPECT_EQ(three.b.node.listener.unmatched, 0) << three.text();
-  EXPECT_TRUE(three.bob_has_all()) << three.text();
 }
 
 // An insider that asks for one revision after the other held the change back.
