@@ -17,6 +17,7 @@
 #include "cli/participant_places.hpp"
 #include "cli/revocation_lists.hpp"
 #include "cli/transaction.hpp"
+#include "governance/doctor/shell_word.hpp"
 #include "pki/source.hpp"
 
 namespace ddssec::cli {
@@ -321,33 +322,41 @@ Result<pki::Certificate> renewed_ca(const OpenCa& ca, pki::Validity life,
 
 // The steps in order. A document is verified with its signer's certificate, which it contains.
 // ddssec accepts every certificate of the file, stock products only the first (measured).
-std::string steps_for_permissions(const OpenCa& ca, const std::string& given) {
+std::string steps_for_permissions(const OpenCa& ca, const std::string& given, WallTime now) {
+  const auto end = ca.certificate().not_after();
+  const bool is_keystore = is_there(fs::path(given) / "public/permissions_ca.cert.pem");
   return fmt::format(
-      "The signed documents are still the old certificate's, which ends on {}. Before that day:\n"
+      "The signed documents are still the old certificate's, which {} on {}. {}:\n"
       "  with ddssec's plugins alone: put the new {} into every folder as permissions_ca.pem; then "
       "sign governance and permissions again\n"
       "  with stock Cyclone DDS or Fast DDS anywhere: they refuse documents of the old certificate "
       "as soon as the new file is in the folder, and new documents before. Sign all governance and "
       "permissions again, put them and the new file into all folders together, and start all "
-      "participants again. One command does that, with a new key: ddssec ca rotate {} --role "
+      "participants again. One command does that, with a new key: ddssec {} rotate {} --role "
       "permissions\n",
-      date(ca.certificate().not_after()), ca.paths.certificate.filename().string(), given);
+      end > now ? "ends" : "ended", date(end), end > now ? "Before that day" : "Now",
+      ca.paths.certificate.filename().string(), is_keystore ? "keystore" : "ca",
+      governance::doctor::shell_word(given));
 }
 
 Result<std::string> steps_after_renewal(const OpenCa& ca, const std::string& role,
-                                        const std::string& given) {
-  if (role == "permissions") return steps_for_permissions(ca, given);
+                                        const std::string& given, WallTime now) {
+  if (role == "permissions") return steps_for_permissions(ca, given, now);
   const auto end = ca.certificate().not_after();
-  auto out = fmt::format(
-      "Participants take the new and the old certificate. Put the new {} into every folder as "
-      "identity_ca.pem before {}.\n",
-      ca.paths.certificate.filename().string(), date(end));
+  std::string out = "Participants take the new and the old certificate. ";
+  out += is_there(fs::path(given) / "public/identity_ca.cert.pem")
+             ? "Enclaves of the keystore have a link to the new one.\n"
+             : fmt::format("Put the new {} into every folder as identity_ca.pem {}.\n",
+                           ca.paths.certificate.filename().string(),
+                           end > now ? "before " + date(end) : "now");
   DDSSEC_ASSIGN_OR_RETURN(const auto list, present_crl(ca.paths));
   if (list && list->next_update() && *list->next_update() <= end)
     out += fmt::format(
-        "The revocation list ends on {}; from then on no new peer is authenticated. Before that "
-        "day: ddssec crl new --ca {}, then ddssec crl distribute --ca {}\n",
-        date(*list->next_update()), given, given);
+        "The revocation list {} on {}; from then on no new peer is authenticated. {}: ddssec crl "
+        "new --ca {}, then ddssec crl distribute --ca {}\n",
+        *list->next_update() > now ? "ends" : "ended", date(*list->next_update()),
+        *list->next_update() > now ? "Before that day" : "Now",
+        governance::doctor::shell_word(given), governance::doctor::shell_word(given));
   return out;
 }
 
@@ -365,7 +374,8 @@ Result<Report> ca_renew(const Arguments& arguments, const Context& context) {
   report.result = describe(renewed);
   report.result["dir"] = arguments.text("DIR");
   report.result["folders"] = Json::array();
-  DDSSEC_ASSIGN_OR_RETURN(const auto steps, steps_after_renewal(ca, role, arguments.text("DIR")));
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto steps, steps_after_renewal(ca, role, arguments.text("DIR"), context.clock.now()));
   report.text = fmt::format("{}  renewed with the same key, expires {}\n", renewed.subject(),
                             date(renewed.not_after())) +
                 steps;

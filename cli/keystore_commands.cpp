@@ -29,6 +29,7 @@
 #include "cli/transaction.hpp"
 #include "cli/unfinished.hpp"
 #include "governance/doctor/domains.hpp"
+#include "governance/doctor/shell_word.hpp"
 #include "governance/profile.hpp"
 #include "governance/read.hpp"
 #include "governance/ros_node.hpp"
@@ -334,6 +335,24 @@ Result<Report> keystore_list(const Arguments& arguments, const Context&) {
   return report;
 }
 
+// This command has no option with which the user could name the participant.
+Status check_of_enclave(const pki::Certificate& certificate, const fs::path& folder,
+                        const fs::path& keystore, const std::string& name) {
+  auto issued = check_issued_for(certificate, folder, ca_paths(keystore, "identity"));
+  if (issued || (issued.error().code() != Code::certificate_of_another_folder &&
+                 issued.error().code() != Code::certificate_unlogged))
+    return issued;
+  auto details = issued.error().details();
+  details.hint = fmt::format(
+      "put the enclave's own certificate back, or issue the enclave again: ddssec keystore enclave "
+      "{} {} --replace, with its rights{}",
+      governance::doctor::shell_word(keystore.string()), name,
+      issued.error().code() == Code::certificate_unlogged
+          ? "; what sros2 issued, ddssec keystore import takes over"
+          : "");
+  return fail(issued.error().code(), std::move(details));
+}
+
 Result<Report> keystore_permission(const Arguments& arguments, const Context& context) {
   const fs::path keystore = arguments.text("KEYSTORE");
   const auto name = arguments.text("ENCLAVE");
@@ -346,8 +365,7 @@ Result<Report> keystore_permission(const Arguments& arguments, const Context& co
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(files.certificate));
   // The enclave's folder may have come back from its device, and the certificate in it decides
   // which subject gets the permissions, and until when.
-  DDSSEC_RETURN_IF_ERROR(
-      check_issued_for(certificate, files.folder, ca_paths(keystore, "identity")));
+  DDSSEC_RETURN_IF_ERROR(check_of_enclave(certificate, files.folder, keystore, name));
   ParticipantSpec spec{.name = name, .subject = {}, .life = {}};
   Report report;
   DDSSEC_RETURN_IF_ERROR(read_rights(spec, arguments, Rights::needed, report));

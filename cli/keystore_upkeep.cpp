@@ -338,8 +338,12 @@ Result<Report> keystore_import(const Arguments& arguments, const Context& contex
   for (const auto& name : enclaves.names) {
     auto added = import.add(keystore / enclave_folder(name), name, context.clock.now(), report);
     // The user must decide which of two enclaves has the other's certificate; nothing is logged.
-    if (!added && added.error().code() == Code::certificate_of_another_folder)
-      return std::unexpected(std::move(added).error());
+    if (!added && added.error().code() == Code::certificate_of_another_folder) {
+      auto details = added.error().details();
+      details.hint = fmt::format("ddssec keystore verify {} names the enclave that is the copy",
+                                 doctor::shell_word(keystore.string()));
+      return fail(Code::certificate_of_another_folder, std::move(details));
+    }
     if (!added) add_error(std::move(added).error(), report);
   }
   close_keys(keystore, enclaves, report);

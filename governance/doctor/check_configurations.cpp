@@ -372,8 +372,9 @@ void check_profile_of_working_directory(const LoadedFolder& folder, const Settin
                               "security of {}",
                               question.name, profile_places(version).variable, own.string()),
        .document = fs::absolute(file, ignored),
-       .hint = fmt::format("remove the file; or export {}=1 where the application starts",
-                           kSkipVariable)});
+       .hint = fmt::format(
+           "move the file to another folder; or export {}=1 where the application starts",
+           kSkipVariable)});
 }
 
 void check_configuration_in_force(const LoadedFolder& folder, const ConfigurationInForce& in_force,

@@ -187,6 +187,24 @@ class Ca(Transcript):
         self.assertRegex(told, r"identity_ca.pem before 2036-.*\nThe revocation list ends on 2036-.*ddssec crl new --ca demo, "
                                r"then ddssec crl distribute --ca demo\n")
 
+    def test_RenewingAnExpiredCa_SaysWhatToDoNow(self):
+        later = ("--now", "2040-01-01T00:00:00Z")
+        self.run_program("init", "demo", *NOW)
+        told = self.run_program("ca", "renew", "demo", "--role", "identity", *later).stdout
+        self.assertRegex(told, r"identity_ca.pem now\.\nThe revocation list ended on 2036-.* Now: ddssec crl new --ca demo, ")
+        told = self.run_program("ca", "renew", "demo", "--role", "permissions", *later).stdout
+        self.assertRegex(told, r"which ended on 2036-.*\. Now:\n")
+        self.run_program("ca", "rotate", "demo", "--role", "permissions", "--clock-is-right", *later)
+
+    def test_RenewingACaOfAKeystore_NamesTheCommandsOfKeystores(self):
+        self.run_program("keystore", "create", "a ks", "--no-passphrase", *NOW)
+        self.run_program("keystore", "enclave", "a ks", "/a", "--allow-all", *NOW)
+        told = self.run_program("ca", "renew", "a ks", "--role", "identity", *NOW).stdout
+        self.assertIn("Enclaves of the keystore have a link to the new one.\n", told)
+        told = self.run_program("ca", "renew", "a ks", "--role", "permissions", *NOW).stdout
+        self.assertIn("with a new key: ddssec keystore rotate 'a ks' --role permissions\n", told)
+        self.run_program("keystore", "rotate", "a ks", "--role", "permissions", *NOW)
+
     def test_the_former_certificate_may_end_behind_the_renewed_one(self):
         made, renewed, issued, now = (("--now", f"{day}T00:00:00Z")
                                       for day in ("2016-11-24", "2026-11-01", "2026-11-02", "2026-11-25"))

@@ -334,6 +334,9 @@ class Keystore(Transcript):
         (self.at / TALKER / "cert.pem").write_bytes(other.read_bytes())
         told = self.refused("certificate_of_another_folder", 1, "keystore", "import", "ks", *NOW)
         self.assertIn("which is also in ks/enclaves/talker_listener/listener", told["message"])
+        self.assertEqual(told["hint"], "ddssec keystore verify ks names the enclave that is the copy")
+        self.assertIn("enclave /talker_listener/talker has the key of enclave /talker_listener/listener",
+                      self.run_program("keystore", "verify", "ks", *NOW, exit=1).stderr)
         self.run_program("keystore", "create", "own", "--no-passphrase", *NOW)
         for name in ("/a", "/b"):
             self.run_program("keystore", "enclave", "own", name, "--allow-all", *NOW)
@@ -565,7 +568,9 @@ class Keystore(Transcript):
                      "/CN=\\/controller", "-days", "36500", "-keyout", "own.key.pem", "-out", "ks/enclaves/cam/cert.pem")
         self.refused("issuer_unknown", 1, *permission)
         shutil.copy(self.at / "ks/enclaves/controller/cert.pem", self.at / "ks/enclaves/cam/cert.pem")
-        self.refused("certificate_of_another_folder", 1, *permission)
+        told = self.refused("certificate_of_another_folder", 1, *permission)
+        self.assertIn("ddssec keystore enclave ks /cam --replace", told["hint"])
+        self.assertNotIn("--subject", told["hint"])
         (self.at / "ks/enclaves/cam/cert.pem").write_bytes(own)
         self.json(*permission)
         self.run_program("identity", "revoke", "ks/enclaves/cam", "--ca", "ks", *NOW)
