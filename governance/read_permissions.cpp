@@ -227,9 +227,9 @@ Result<Grant> read_grant(ReadContext& context, XmlElement element) {
 Result<Permissions> read_permissions(BytesView xml, int first_line) {
   constexpr ChildSpec kSpecs[] = {{"grant", Count::many}};
   DDSSEC_ASSIGN_OR_RETURN(const auto document, XmlDocument::parse(xml, first_line));
+  DDSSEC_ASSIGN_OR_RETURN(const auto body, document_body(document, "permissions"));
   if (document.revision() != 0)
     return fail(Code::xml_processing_instruction, {.line = first_line, .found = "<?"});
-  DDSSEC_ASSIGN_OR_RETURN(const auto body, document_body(document, "permissions"));
   DDSSEC_ASSIGN_OR_RETURN(const auto children, XmlChildren::of(body, kSpecs));
   Permissions permissions;
   ReadContext context(permissions.notes);
