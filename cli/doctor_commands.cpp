@@ -73,13 +73,25 @@ std::string row(std::string_view title, const doctor::Outcomes& outcomes,
   return out.substr(0, out.find_last_not_of(' ') + 1) + '\n';
 }
 
+bool is_good(const doctor::Outcomes& outcomes, const Products& products) {
+  return std::ranges::all_of(
+      products.vendors, [&](Vendor vendor) { return outcomes.of(vendor) == doctor::Outcome::ok; });
+}
+
 std::string table(const doctor::Diagnosis& diagnosis, std::string_view title,
                   const Products& products) {
   auto out = fmt::format("{:<{}} ", title, kTitleWidth);
   for (const auto vendor : products.vendors)
     out += fmt::format("{:<{}}", doctor::label(vendor, products.lineup), kColumnWidth);
   out = out.substr(0, out.find_last_not_of(' ') + 1) + '\n';
-  for (const auto& check : diagnosis.checks()) out += row(check.title, check.outcomes, products);
+  // The JSON has each check; here one line stands for all that are good for every product.
+  std::size_t good = 0;
+  for (const auto& check : diagnosis.checks())
+    if (is_good(check.outcomes, products))
+      ++good;
+    else
+      out += row(check.title, check.outcomes, products);
+  if (good > 0) out += row(counted(good, "check"), {}, products);
   return out + row("in all", diagnosis.outcomes(), products);
 }
 
@@ -90,12 +102,6 @@ std::vector<Finding> findings_for(const Products& products, const doctor::Diagno
     std::ranges::copy_if(check.findings, std::back_inserter(out),
                          [&](const Finding& finding) { return concerns(finding, products); });
   return out;
-}
-
-bool is_good(const doctor::Diagnosis& diagnosis, const Products& products) {
-  const auto outcomes = diagnosis.outcomes();
-  return std::ranges::all_of(
-      products.vendors, [&](Vendor vendor) { return outcomes.of(vendor) == doctor::Outcome::ok; });
 }
 
 Json ids(const Products& products) {
@@ -110,7 +116,7 @@ Json add_diagnosis(Report& report, const fs::path& folder, const doctor::Diagnos
   auto findings = findings_for(products, diagnosis);
   const auto count = counted(findings);
   add_findings(report, std::move(findings), folder);
-  if (!is_good(diagnosis, products)) report.exit = Exit::no;
+  if (!is_good(diagnosis.outcomes(), products)) report.exit = Exit::no;
   report.text +=
       table(diagnosis, fmt::format("{}, domain {}", folder.string(), settings.domain), products) +
       count + '\n';

@@ -57,6 +57,11 @@ class Elsewhere(Transcript):
             for checks in (result["checks"], result.get("peer", {}).get("checks", [])):
                 titles = [one["title"] for one in checks]
                 self.assertEqual(sorted(titles), sorted(set(titles)))
+        self.name_libraries()
+        for folder, exit, bad in (("demo/talker", 0, []), ("demo/listener", 1, ["configurations that the products start with"])):
+            rows = self.run_program("doctor", folder, *NOW, exit=exit).stdout.split("\nin all")[0].splitlines()[1:]
+            count = len(self.json("doctor", folder, *NOW, exit=exit)["result"]["checks"])
+            self.assertEqual([row.split("  ")[0] for row in rows], [*bad, f"{count - len(bad)} checks"])
 
     def test_a_shell_of_this_machine_names_the_configuration(self):
         self.name_libraries()
