@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "base/text.hpp"
+#include "base/tool_code.hpp"
 #include "cli/ca_overlap.hpp"
 #include "cli/documents.hpp"
 #include "cli/extended_permissions.hpp"
@@ -81,6 +82,21 @@ Status check_not_ended(const OldPermissions& old, const pki::ParticipantFolder& 
                        "anyway; without --permissions only the certificate is renewed"});
 }
 
+// The folder's owner may have put back a document that gives more. The agent asks the log the same.
+Status check_not_superseded(const pki::ParticipantFolder& files, const OpenCa& ca, WallTime now) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto proof, verified(files.permissions, ca.paths.certificate, now));
+  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_signing_log(ca.paths));
+  if (log.standing(proof.content(), proof.signer()) != pki::SigningLog::Standing::superseded)
+    return {};
+  return fail(
+      tool_code::document_superseded,
+      {.document = files.permissions,
+       .expected = "the last document that " + ca.paths.signed_log.string() + " has",
+       .hint = "put the later document into its place; if this one is meant after all, sign "
+               "its XML anew: ddssec permissions sign; without --permissions only the "
+               "certificate is renewed"});
+}
+
 /// One renewal: the files in the folder, and those that replace them.
 struct Renewal {
   const Arguments& arguments;
@@ -101,6 +117,7 @@ Result<governance::Permissions> put_extended(Replacement& out, const Renewal& jo
   const auto now = job.now();
   DDSSEC_RETURN_IF_ERROR(check_same_ca(files, ca));
   DDSSEC_RETURN_IF_ERROR(check_moved(ca.paths, files.permissions, now));
+  DDSSEC_RETURN_IF_ERROR(check_not_superseded(files, ca, now));
   DDSSEC_ASSIGN_OR_RETURN(const auto old,
                           permissions_in(files, ca.paths.certificate, renewed, now));
   DDSSEC_RETURN_IF_ERROR(check_not_ended(old, files, job.arguments));

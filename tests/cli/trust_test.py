@@ -340,6 +340,20 @@ class PermissionsRotation(Trust):
         self.assertEqual(told["file"], "demo/a/governance.p7s")
         self.assertEqual(self.told(self.rotate()), [("document_superseded", str(self.at / "demo/a/governance.p7s"))])
 
+    def test_Renew_OfPermissionsThatWerePutBack_DoesNotGiveThemAgain(self):
+        before = self.signed()
+        for text in ("y", "z"):
+            self.run_program("permissions", "new", "--cert", "demo/a", "--publish", text, "-o", "demo/a/permissions.xml",
+                             "--replace", "--sign", "--ca", "demo", *NOW)
+        last = (self.at / "demo/a/permissions.p7s").read_bytes()
+        (self.at / "demo/a/permissions.p7s").write_text(before)
+        renew = ("identity", "renew", "demo/a", "--ca", "demo", "--days", "700", *NOW)
+        told = self.refused("document_superseded", 1, *renew, "--permissions")
+        self.assertEqual(told["file"], "demo/a/permissions.p7s")
+        self.run_program(*renew)  # the certificate alone
+        (self.at / "demo/a/permissions.p7s").write_bytes(last)
+        self.assertIn("permissions extended to", self.run_program(*renew, "--permissions").stdout)
+
     def test_a_ca_that_was_renewed_still_knows_what_it_signed(self):
         self.run_program("ca", "renew", "demo", "--role", "permissions", "--days", "3000", *NOW)
         for folder in ("a", "admin"):
