@@ -195,6 +195,7 @@ class Interrupted(Transcript):
         self.run_program("init", "ks", "--layout", "sros2", *NOW)
         self.everywhere("keystore", "permission", "ks", "/talker", "--publish", "r*", "--subscribe", "r*",
                         after=[("keystore", "verify", "ks")])
+        self.everywhere("keystore", "enclave", "ks", "/talker", "--replace", after=[("keystore", "verify", "ks")])
 
     def test_what_takes_over_a_keystore_of_sros2(self):
         make_keystore(self.at / "ks")
