@@ -40,7 +40,8 @@ void ParticipantService::look_at_interfaces() {
   if (!watch_->drain()) return;
   caught_.run("changed network interfaces", [&] {
     auto chosen = choose_interfaces(wanted_interfaces_);
-    if (!chosen || *chosen == sockets_->interfaces()) return;
+    const bool were_gone = std::exchange(interfaces_are_gone_, !chosen);
+    if (!chosen || (*chosen == sockets_->interfaces() && !were_gone)) return;
     context_.serve([&] { change_interfaces(std::move(*chosen)); });
   });
 }

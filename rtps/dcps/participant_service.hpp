@@ -67,7 +67,8 @@ class ParticipantService final : private ParticipantContext::Server, private Ser
   CaughtExceptions caught_;
   std::optional<InterfaceWatch> watch_;
   std::vector<std::string> wanted_interfaces_;
-  bool started_ = false;  ///< protected by the lock
+  bool interfaces_are_gone_ = false;  ///< one of those that were named
+  bool started_ = false;              ///< protected by the lock
   std::thread thread_;
 };
 

@@ -275,14 +275,18 @@ void Discovery::on_message(const GuidPrefix& source, const SignsOfLife& signs) {
 // ---- participants that leave
 
 // Only a participant itself can report that it leaves; once authenticated, only by the secure
-// topic. Fast DDS and Cyclone DDS do not report it there. So their unprotected reports count if
-// they do not answer a query now.
+// topic. Fast DDS and Cyclone DDS do not report it there. So a report in the name of Fast DDS
+// counts if it does not answer a query now. Cyclone DDS would not come back if it was only out of
+// reach: it keeps its session. So its readers are doubted one by one, and it goes when its lease
+// ends.
 void Discovery::on_dispose(const GuidPrefix& prefix) {
   auto* remote = parts_.remotes.find(prefix);
   if (remote == nullptr) return;
   const bool proven = core_.is_authenticated(prefix);
-  if (proven && remote->data.vendor != kVendorDdssec)
+  if (proven && remote->data.vendor == kVendorFastDds)
     parts_.remotes.doubt(*remote);
+  else if (proven && remote->data.vendor == kVendorCyclone)
+    for (const auto& [id, endpoint] : remote->endpoints) parts_.matcher.doubt(*remote, id);
   else if (proven || (core_.security && core_.security->is_authenticating(prefix)))
     ++core_.counters.refused_discovery;
   else

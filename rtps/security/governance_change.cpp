@@ -79,7 +79,7 @@ void GovernanceChange::tick() {
 void GovernanceChange::look() {
   const auto next =
       core_.own->plugins().access_control.pending_governance(core_.own->permissions());
-  if (phase_ == Phase::accepting && !next) end();  // it was dropped
+  if (phase_ == Phase::accepting && next != target_) end();  // its CA has left; another may wait
   core_.governance_waits = next.has_value();
   if (!next) waits_since_.reset();
   if (phase_ == Phase::none && next && may_begin()) begin(*next);
@@ -115,7 +115,7 @@ void GovernanceChange::begin(const Version& next) {
 // The document may have been dropped since, because its CA has left.
 void GovernanceChange::change() {
   auto& access = core_.own->plugins().access_control;
-  if (!access.apply_pending_governance(core_.own->permissions(), *target_)) return;
+  if (!access.apply_pending_governance(core_.own->permissions(), *target_)) return end();
   report_behind();
   core_.sender.flush();
   core_.keyring.second().swap();

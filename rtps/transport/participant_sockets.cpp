@@ -52,17 +52,19 @@ std::vector<Error> ParticipantSockets::use(std::vector<NetworkInterface> interfa
   const auto note = [&](const Status& status, const NetworkInterface& interface) {
     if (!status) errors.push_back(status.error().in(to_string({&interface, 1})));
   };
+  // The same ones again: they were gone meanwhile, and the system has forgotten their memberships.
+  const bool are_back = interfaces == interfaces_;
   if (group_)
     for (const auto& former : interfaces_)
-      if (std::ranges::find(interfaces, former.address, &NetworkInterface::address) ==
-          interfaces.end())
+      if (are_back || std::ranges::find(interfaces, former.address, &NetworkInterface::address) ==
+                          interfaces.end())
         sockets_.back().leave(*group_, former.address);
   const auto former = std::exchange(interfaces_, std::move(interfaces));
   further_.clear();
   note(sockets_.front().use(interfaces_.front().address), interfaces_.front());
   for (const auto& interface : interfaces_) {
-    const bool is_new =
-        std::ranges::find(former, interface.address, &NetworkInterface::address) == former.end();
+    const bool is_new = are_back || std::ranges::find(former, interface.address,
+                                                      &NetworkInterface::address) == former.end();
     if (group_ && is_new) note(sockets_.back().join_also(*group_, interface.address), interface);
     if (group_ && &interface != &interfaces_.front()) note(send_by(interface), interface);
   }

@@ -45,7 +45,8 @@ class ParticipantSockets final : public Transport {
   Status join(const Locator& group, const NetworkInterface& interface);
   bool has_joined() const { return sockets_.size() > kWithoutGroup; }
   /// The interfaces of this machine have changed: from now on uses these, also for the group that
-  /// it joined. Returns an error for each interface that cannot be used for the group.
+  /// it joined. The same ones as before: they were gone and are back. Returns an error for each
+  /// interface that cannot be used for the group.
   std::vector<Error> use(std::vector<NetworkInterface> interfaces);
 
   /// From now on calls `f(socket)` whenever a socket is readable. Errors: those of

@@ -8,7 +8,7 @@ import threading
 
 
 def document(folder, kind="permissions", name="permissions.p7s", refused=None, until="2027-11-21T00:00:00Z"):
-    return {"kind": kind, "file": str(folder / name), "since": "2026-11-21T00:00:00Z", "more": 0, "refused": refused,
+    return {"kind": kind, "file": str(folder / name), "since": "2026-11-21T00:00:00Z", "more": 0, "waiting": None, "refused": refused,
             "in_force": [{"subject": "CN=talker", "number": "1A", "until": until, "sha256": "ab" * 32}]}
 
 

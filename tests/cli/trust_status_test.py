@@ -40,6 +40,16 @@ class TrustStatus(Transcript):
             self.assertEqual(self.shown("--pid", self.pid, exit=1),
                              [{"pid": self.pid, "participants": [participant(self.folder)]}])
 
+    def test_document_that_waits_is_shown(self):
+        waits = participant(self.folder)
+        waits["documents"][0]["waiting"] = {"subject": "revision 7", "number": "", "until": None, "sha256": "cd" * 32}
+        del waits["documents"][1]["waiting"]  # a process with ddssec 0.2.0 does not say it
+        with running_participant(self.status, self.folder, answer(waits)):
+            self.assertIn("    waits for peers, to come into force: no end  revision 7  sha256 cdcdcdcd",
+                          self.run_program(*ASK, "--pid", self.pid, exit=1).stdout)
+            documents = self.shown("--pid", self.pid, exit=1)[0]["participants"][0]["documents"]
+            self.assertEqual([document["waiting"] and document["waiting"]["subject"] for document in documents], ["revision 7", None])
+
     def test_exit_is_0_while_all_is_well(self):
         well = answer(participant(self.folder, certificate(self.folder),
                                   document(self.folder, refused=refusal(stands=False))))

@@ -20,7 +20,7 @@ from scenarios import EO, SROS2  # noqa: E402
 
 PASSING = 20   # readers
 PATIENCE = 25  # seconds
-SOON = 5       # seconds; a lease is ten
+SOON = 8       # seconds; a reader is asked for four, and a lease is ten
 STAYS = 3      # seconds in which nothing else may be heard
 GOVERNANCES = {"sros2": SROS2, "everything": EVERYTHING,
                "origin": Governance(discovery=EO, liveliness=EO, rtps=EO, metadata=EO, data="ENCRYPT"),

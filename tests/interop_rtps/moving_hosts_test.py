@@ -5,6 +5,7 @@ Usage: moving_hosts_test.py BUILD [FILTER]; exit 77: this system makes no such n
 
 import os
 import sys
+import time
 
 import two_hosts_test as two_hosts
 from documents import DOMAIN, TOPIC, Keys, Side
@@ -83,6 +84,21 @@ def the_network_comes_later(world):
     world.flows(subscriber, PATIENCE)
 
 
+def a_named_interface_comes_back_as_another_device(world):
+    here, there = world.net.hosts
+    heard = world.shapes.start("-S --interface net0", space=there)
+    world.shapes.start("-P -c RED", space=here)
+    heard.hears(5, PATIENCE)
+    world.does(SUBSCRIBER, "ip link del net0", "sleep 1")
+    here.run(f"ip link add net0 type veth peer name net0 netns {there.pid}")
+    for number, host in enumerate((PUBLISHER, SUBSCRIBER), 1):
+        world.does(host, f"ip addr add 10.90.0.{number}/24 dev net0", "ip link set net0 up")
+    world.shapes.start("-P -c GREEN", space=here)  # it is only found by multicast
+    end = time.monotonic() + PATIENCE
+    while "GREEN" not in {color for _, color, *_ in heard.hears(5, PATIENCE)}:
+        check("the new publisher is not heard", time.monotonic() < end)
+
+
 def two_on_a_host_that_loses_its_network(world):
     pair = world.pair((SUBSCRIBER, SUBSCRIBER))
     world.does(SUBSCRIBER, "ip addr flush dev net0", "ip link set net0 down")
@@ -102,7 +118,7 @@ def without_security(world):
 
 
 SCENARIOS = [the_host_of_the_subscriber_moves, the_host_of_the_publisher_moves, both_hosts_move, the_network_comes_later,
-             two_on_a_host_that_loses_its_network, without_security]
+             a_named_interface_comes_back_as_another_device, two_on_a_host_that_loses_its_network, without_security]
 
 if __name__ == "__main__":
     sys.exit(two_hosts.main(SCENARIOS, World))

@@ -54,11 +54,11 @@ FAULTS = [
      "{.payload = local->attributes.is_payload_protected(),",
      "{.payload = local->attributes.is_payload_protected() && !FAULT,"),
     ("permissions of remote writers", "rtps/security/admission.cpp",
-     "  const auto names = views_of(remote.partitions);",
-     "  if (FAULT && local.reads) return Permission{};\n  const auto names = views_of(remote.partitions);"),
+     "  if (local.reads) {\n    DDSSEC_RETURN_IF_ERROR(", "  if (FAULT && local.reads) return Permission{};\n"
+     "  if (local.reads) {\n    DDSSEC_RETURN_IF_ERROR("),
     ("permissions of remote readers", "rtps/security/admission.cpp",
-     "  const auto names = views_of(remote.partitions);",
-     "  if (FAULT && !local.reads) return Permission{};\n  const auto names = views_of(remote.partitions);"),
+     "  DDSSEC_ASSIGN_OR_RETURN(\n      const auto answer,", "  if (FAULT) return Permission{};\n"
+     "  DDSSEC_ASSIGN_OR_RETURN(\n      const auto answer,"),
     ("the domain in signed data", "rtps/security/admission.cpp",
      "if (is_of_domain(proven", "if (FAULT || is_of_domain(proven"),
     ("that protected topics are announced securely", "rtps/security/admission.cpp",
@@ -73,9 +73,9 @@ FAULTS = [
     ("that nothing clear unsays what was announced securely", "rtps/participant/discovery.cpp",
      "secure || known == remote->endpoints.end() ||", "FAULT || secure || known == remote->endpoints.end() ||"),
     ("that secure announcements replace clear ones", "rtps/participant/discovery.cpp",
-     "    core_.counters.refused_discovery += good ? 0 : 1;",
+     "    return secure || known == remote->endpoints.end() ||",
      "    if (FAULT && known != remote->endpoints.end() && known->second.data.by_secure_discovery != secure) return false;\n"
-     "    core_.counters.refused_discovery += good ? 0 : 1;"),
+     "    return secure || known == remote->endpoints.end() ||"),
     ("that old samples are not delivered", "rtps/reliability/stateful_reader.cpp",
      "data.sequence_number < proxy->next()) return false;\n  // DDS",
      "(data.sequence_number < proxy->next() && !FAULT)) return false;\n"

@@ -114,6 +114,14 @@ TEST_F(ParticipantSocketsTest, Use_AnotherAddress_JoinsTheGroupThere) {
     EXPECT_EQ(sockets->metatraffic().front().address, Locator::parse(address, 0)->address);
     EXPECT_TRUE(hears_the_group()) << address;
   }
+  // Another device with the same name and address, such as a USB adapter that is put in again.
+  ASSERT_TRUE(
+      run("ip link del here0 && ip link add here0 type veth peer name there0 && "
+          "ip link set there0 up && ip addr add 10.78.0.3/24 dev here0 && "
+          "ip link set here0 up"));
+  EXPECT_TRUE(watch->drain());
+  EXPECT_TRUE(sockets->use(*choose_interfaces({})).empty());
+  EXPECT_TRUE(hears_the_group());
   ASSERT_TRUE(run("ip link del here0"));
   EXPECT_TRUE(watch->drain());
   EXPECT_TRUE(sockets->use(*choose_interfaces({})).empty());

@@ -207,6 +207,8 @@ struct Served : ::testing::Test {
   std::unique_ptr<Side> a, b;
 
   void create(bool in_process = false, std::chrono::nanoseconds busy = {}) {
+    a.reset();  // former sides would count as matches of the new ones
+    b.reset();
     a = std::make_unique<Side>(environment, in_process, busy);
     b = std::make_unique<Side>(environment, in_process, busy);
     const auto all = [](AnyDataReader& reader) {

@@ -23,6 +23,7 @@ struct Document {
   std::vector<Topic> topics;
   std::uint32_t revision = 1;
   bool revises_keys = false;
+  const pki::Authority* ca = &Authorities::shared().permissions_ca;
 
   std::string text() const {
     const Rules rules{.rtps = kSign, .discovery = kSign, .revises_keys = revises_keys};
@@ -37,14 +38,25 @@ struct Document {
       rule.topic_rules.push_back(std::move(topic));
     }
     document.revision = revision;
-    return std::string(as_text(*Authorities::shared().permissions_ca.sign_document(
-        as_bytes(governance::to_xml(document)), pki::kNow, pki::test_random())));
+    return std::string(as_text(
+        *ca->sign_document(as_bytes(governance::to_xml(document)), pki::kNow, pki::test_random())));
   }
 };
 
 std::string permissions_of(const std::string& name, std::vector<std::string> topics) {
   const auto all = properties_of("CN=" + name + ",O=Example", {}, std::move(topics));
   return spi::find_property(all, spi::property::kPermissions)->substr(data_uri("").size());
+}
+
+const pki::Authority* first_ca() { return &Authorities::shared().permissions_ca; }
+const pki::Authority* second_ca() {
+  static const auto ca = pki::make_ca("CN=Second Permissions CA,O=Example");
+  return &ca;
+}
+std::string bundle(std::initializer_list<const pki::Authority*> cas) {
+  std::string out;
+  for (const auto* ca : cas) out += ca->certificate().pem();
+  return out;
 }
 
 struct Member {
@@ -56,6 +68,8 @@ struct Member {
     for (auto& one : out) {
       if (one.name == spi::property::kGovernance)
         one.value = "file:" + folder.write("governance.p7s", document.text());
+      if (one.name == spi::property::kPermissionsCa)
+        one.value = "file:" + folder.write("ca.pem", bundle({first_ca(), second_ca()}));
       if (one.name == spi::property::kPermissions)
         one.value =
             "file:" + folder.write("permissions.p7s", permissions_of(name, std::move(topics)));
@@ -158,6 +172,25 @@ TEST(GovernanceRights, ReaderThatLosesItsRight_GetsNoKeysOfTheNewProtection) {
     for (const auto& datagram : three.sent) thief.read(datagram);
     EXPECT_EQ(thief.groups.opened + thief.payloads.opened, 0) << revises_keys;
   }
+}
+
+// As one does when the key of a CA was stolen.
+TEST(GovernanceRights, CaLeavesAndAnotherDocumentComesAtOnce_TheOtherOneIsTaken) {
+  Three three({{{"Square"}, {"*"}}});
+  three.put({&three.a}, {{{"Square", kEncrypt}, {"*"}}, 5, false, second_ca()});
+  three.run(4);
+  EXPECT_TRUE(three.a.node.events.has(Code::governance_changing)) << three.text();
+  for (auto* member : {&three.a, &three.b, &three.c}) {
+    member->folder.replace("ca.pem", bundle({first_ca()}));
+    member->put({{{"Square", kEncrypt}, {"Further"}, {"*"}}, 9});
+  }
+  three.run(25);
+  for (auto* member : {&three.a, &three.b, &three.c}) {
+    EXPECT_EQ(three.renewed(*member), 1) << three.text();
+    EXPECT_EQ(member->node.listener.unmatched, 0) << three.text();
+    EXPECT_FALSE(member->node.events.has(Code::governance_peer_behind)) << three.text();
+  }
+  EXPECT_TRUE(three.bob_has_all()) << three.text();
 }
 
 TEST(GovernanceRights, PeerWithALaterDocument_IsCalledAhead) {
