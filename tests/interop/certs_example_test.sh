@@ -8,4 +8,4 @@ commands=$(sed -n 's/^    //p' certs-example/README.md | sed "s#\$PWD/../build/r
 [ -n "$commands" ] || { echo "certs-example/README.md has no commands"; exit 1; }
 printf '%s\n' "$commands"
 output=$(bash -c "set -e; $commands" 2>&1) || { printf '%s\n' "$output"; exit 1; }
-printf '%s\n' "$output" | grep -q '^received 10$' || { printf 'nothing arrived:\n%s\n' "$output"; exit 1; }
+grep -q '^received 10$' <<< "$output" || { printf 'nothing arrived:\n%s\n' "$output"; exit 1; }

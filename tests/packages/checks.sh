@@ -34,7 +34,8 @@ grep -q "^ddssec $(dpkg-query --show --showformat '${Version}' ddssec-tools | cu
 for program in ddssec-peer ddssec-shapes ddssec-keeper; do
   "$program" --help >/dev/null || die "$program does not run"
 done
-gzip -dc /usr/share/man/man1/ddssec.1.gz | grep -q '^\.TH' || die "no manual page"
+gzip -dc /usr/share/man/man1/ddssec.1.gz > manual || die "no manual page"
+grep -q '^\.TH' manual || die "the manual page is none"
 bash -n /usr/share/bash-completion/completions/ddssec || die "the completion of bash"
 for file in /usr/share/ddssec/ddssec-1.schema.json /usr/share/zsh/vendor-completions/_ddssec \
             /usr/share/fish/vendor_completions.d/ddssec.fish; do
