@@ -29,15 +29,6 @@ inline constexpr std::string_view kFilesPollInterval = "org.ddssec.files_poll_in
 /// while a document with more protection is introduced.
 inline constexpr std::string_view kGovernanceChangeTime = "org.ddssec.governance_change_time";
 
-/// Ours, of embedded participants: "on" lets large samples go to readers of other processes through
-/// shared memory (shared_memory.hpp).
-inline constexpr std::string_view kSharedMemory = "org.ddssec.shm";
-/// Ours: "true" lets payloads stand in shared memory unencrypted although messages or submessages
-/// are encrypted.
-inline constexpr std::string_view kTrustKernel = "org.ddssec.shm.trust_kernel";
-/// Ours: limit for the shared memory that a participant makes, in octets.
-inline constexpr std::string_view kMostSharedOctets = "org.ddssec.shm.most_octets";
-
 /// Ours: seconds for which a calendar that was set while participants run is not believed; 0: it
 /// counts at once.
 inline constexpr std::string_view kClockStepGrace = "org.ddssec.clock_step_grace";
@@ -94,9 +85,7 @@ inline constexpr std::string_view kOfParticipants[] = {kIdentityCa,        kIden
                                                        kPskCipher,         kKeyLifetime,
                                                        kMostBlocksPerKey,  kTrustTypeInformation,
                                                        kWarnBeforeEnd,     kOcsp,
-                                                       kOcspResponse,      kGovernanceChangeTime,
-                                                       kSharedMemory,      kTrustKernel,
-                                                       kMostSharedOctets};
+                                                       kOcspResponse,      kGovernanceChangeTime};
 
 }  // namespace ddssec::spi::property
 

@@ -12,15 +12,14 @@ void wipe_if_secret(Change& change) {
 
 }  // namespace
 
-Change received_change(const GuidPrefix& from, const Data& data, const std::optional<Time>& time,
-                       Payload payload) {
+Change received_change(const GuidPrefix& from, const Data& data, const std::optional<Time>& time) {
   Change out{{from, data.writer},
              data.sequence_number,
              data.inline_qos.status,
              data.inline_qos.key_hash,
              time,
              data.kind == PayloadKind::key,
-             std::move(payload),
+             Payload::copy_of(data.payload),
              data.inline_qos.coherence,
              data.inline_qos.original};
   wipe_if_secret(out);
