@@ -31,6 +31,8 @@ target_compile_options(ddssec_options INTERFACE
   $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor -Woverloaded-virtual>
   # GNU-unique symbols would bind to whichever plugin was loaded first.
   $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fno-gnu-unique>
+  # With its own values, g++ collects its garbage for an eighth of the time that it takes.
+  $<$<COMPILE_LANG_AND_ID:CXX,GNU>:--param=ggc-min-heapsize=1000000>
   -fstack-protector-strong
   # Only x86-64 has it. It takes effect where the C library's start files have it too: Debian 13, not 12.
   $<$<STREQUAL:${CMAKE_SYSTEM_PROCESSOR},x86_64>:-fcf-protection=full>
@@ -234,6 +236,18 @@ function(ddssec_batches out target)
   set(${out} ${result} PARENT_SCOPE)
 endfunction()
 
+# ddssec_precompile_test(TARGET): the first one precompiles GoogleTest's headers for all.
+function(ddssec_precompile_test target)
+  get_property(first GLOBAL PROPERTY ddssec_precompiled_test)
+  if(first)
+    target_precompile_headers(${target} REUSE_FROM ${first})
+  else()
+    target_precompile_headers(${target} PRIVATE ${ddssec_common_headers} <gmock/gmock.h> <gtest/gtest.h>)
+    set_property(GLOBAL PROPERTY ddssec_precompiled_test ${target})
+  endif()
+  target_compile_options(${target} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fpch-preprocess>)
+endfunction()
+
 # ddssec_test(NAME SOURCES ... LIBS ... [LABELS ...] [LONG filter])
 # A GoogleTest program test_NAME; each TEST becomes a ctest entry "NAME.Suite.Case". Those that fit the
 # filter of LONG get the label "long" too.
@@ -249,6 +263,9 @@ function(ddssec_test name)
                          $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-maybe-uninitialized>)
   target_link_libraries(test_${name} PRIVATE ${ARG_LIBS} ddssec_test_data GTest::gmock
                         GTest::gtest_main ddssec_options)
+  if(DDSSEC_PRECOMPILE AND NOT DDSSEC_SANITIZE)
+    ddssec_precompile_test(test_${name})
+  endif()
   if(ARG_LONG)
     ddssec_discover_tests(${name} "-${ARG_LONG}" unit ${ARG_LABELS})
     ddssec_discover_tests(${name} "${ARG_LONG}" unit ${ARG_LABELS} long)

@@ -28,5 +28,5 @@ cmake --preset release -DDDSSEC_WARNINGS_AS_ERRORS=$strict -DDDSSEC_BUILD_TESTS=
   die "cmake could not configure; see the message above"
 cmake --build --preset release || die "the release build failed"
 step "tests"
-# Four more than there are processors: some of the tests mostly wait (tests/CMakeLists.txt).
-tests/support/ctest_twice.sh build/release "${exclude[@]}" --parallel "$(($(nproc) + 4))" --progress
+# Six more than there are processors: some of the tests mostly wait (tests/CMakeLists.txt).
+tests/support/ctest_twice.sh build/release "${exclude[@]}" --parallel "$(($(nproc) + 6))" --progress
