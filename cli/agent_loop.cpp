@@ -27,7 +27,11 @@ constexpr seconds kLongestRest{600};   // a folder may be changed by hand, and a
 constexpr seconds kTimeForFiles{60};   // a token, or another command that has locked the folder
 constexpr seconds kTimeForOwnCa{120};  // other commands may use the CA; each waits for 20 s
 
-std::unexpected<Error> worker_ended(End end) {
+// After that, for an hour: otherwise one user could keep the agent from the other folders.
+constexpr seconds kTimeForSlowOwner{3};
+constexpr seconds kSlowFor{3600};
+
+std::unexpected<Error> no_answer(End end) {
   if (end == End::stopped) return fail(Code::interrupted);
   return fail(Code::internal, {.field = "a process of the agent",
                                .note = end == End::too_slow ? "it took too long" : "it has ended"});
@@ -167,6 +171,7 @@ void Agent::look_at_all_now() {
   }
   ca_refusal_.reset();
   owners_with_wrong_pin_.clear();
+  slow_owners_.clear();
   silent_responders_.clear();
 }
 
@@ -199,9 +204,23 @@ Result<Json> Agent::try_to_tend(Folder& folder) {
   const auto order =
       order_line(folder.task, folder.lock ? &folder.lock->folder() : nullptr,
                  arguments_.has("--now") ? std::optional(context_.clock.now()) : std::nullopt);
-  const auto sent = worker.write(order, steady_clock::now() + kTimeForFiles);
-  if (sent != End::done) return worker_ended(sent);
+  const auto sent = worker.write(order, time_for(folder));
+  if (sent != End::done) return worker_ended(folder, sent);
   return converse(folder, worker);
+}
+
+steady_clock::time_point Agent::time_for(const Folder& folder) const {
+  const auto slow = folder.lock ? slow_owners_.find(folder.lock->owner().user) : slow_owners_.end();
+  const bool is_slow = slow != slow_owners_.end() && context_.clock.since_boot() < slow->second;
+  return steady_clock::now() + (is_slow ? kTimeForSlowOwner : kTimeForFiles);
+}
+
+// The owner of a folder can stop its process.
+std::unexpected<Error> Agent::worker_ended(const Folder& folder, End end) {
+  if (end == End::too_slow && folder.lock)
+    slow_owners_.insert_or_assign(folder.lock->owner().user,
+                                  context_.clock.since_boot() + kSlowFor);
+  return no_answer(end);
 }
 
 // The agent's own user could ask any responder anyway.
@@ -233,25 +252,25 @@ std::vector<std::string> Agent::secret_variables() const {
 // it has written nothing yet.
 Result<Json> Agent::converse(Folder& folder, ChildProcess& worker) {
   std::string line;
-  const auto read = [&] {
-    return worker.read_line(line, kMaxAgentLine, steady_clock::now() + kTimeForFiles);
-  };
-  if (const auto end = read(); end != End::done) return worker_ended(end);
+  const auto read = [&] { return worker.read_line(line, kMaxAgentLine, time_for(folder)); };
+  if (const auto end = read(); end != End::done) return worker_ended(folder, end);
   DDSSEC_ASSIGN_OR_RETURN(const auto json, json_from(line));
   if (!json.contains("request")) return event_from(json);
   DDSSEC_ASSIGN_OR_RETURN(const auto request, request_from(json));
-  folder.lifetime = std::max(seconds(1), request.lifetime);
+  const bool is_own = folder.lock && folder.lock->owner().user == ::geteuid();
+  const auto asked_lifetime = std::max(seconds(1), request.lifetime);
+  if (is_own) folder.lifetime = asked_lifetime;
   DDSSEC_ASSIGN_OR_RETURN(const auto answer, ask_ca(folder, request));
-  const auto sent =
-      worker.write(to_line(to_json(answer)) + '\n', steady_clock::now() + kTimeForFiles);
-  if (sent != End::done) return worker_ended(sent);
-  if (const auto end = read(); end != End::done) return worker_ended(end);
+  folder.lifetime = asked_lifetime;  // the CA knows the certificate
+  const auto sent = worker.write(to_line(to_json(answer)) + '\n', time_for(folder));
+  if (sent != End::done) return worker_ended(folder, sent);
+  if (const auto end = read(); end != End::done) return worker_ended(folder, end);
   DDSSEC_ASSIGN_OR_RETURN(auto json_value, json_from(line));
   return event_from(std::move(json_value));
 }
 
 Result<RenewalAnswer> Agent::ask_ca(const Folder& folder, const RenewalRequest& request) {
-  if (!folder.lock) return worker_ended(End::closed);  // with --dry-run nothing is asked
+  if (!folder.lock) return no_answer(End::closed);  // with --dry-run nothing is asked
   DDSSEC_RETURN_IF_ERROR(check_owner(folder.lock->owner(), arguments_, folder.task.folder));
   if (!hook_) return ask_own_ca(folder, request);
   DDSSEC_RETURN_IF_ERROR(check_request(request));
@@ -272,7 +291,7 @@ Result<Json> Agent::from_process(const std::function<Result<Json>()>& work) {
                           }));
   std::string line;
   const auto end = process.read_line(line, kMaxAgentLine, steady_clock::now() + kTimeForOwnCa);
-  if (end != End::done) return worker_ended(end);
+  if (end != End::done) return no_answer(end);
   DDSSEC_ASSIGN_OR_RETURN(auto json, json_from(line));
   if (json.contains("error")) return std::unexpected(error_from(json["error"]));
   return json;

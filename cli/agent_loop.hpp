@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -38,7 +39,9 @@ class Agent {
     std::optional<FolderLock> lock = {};
     Moment next{0};
     unsigned failures = 0;
-    std::chrono::seconds lifetime{std::chrono::days(1)};  ///< of its certificate
+    /// Of its certificate. How often the CA is asked follows from it, so of another user's folder
+    /// only what the CA has accepted counts.
+    std::chrono::seconds lifetime{std::chrono::days(1)};
     std::string told = {};  ///< the certificate that was reported as current
     bool is_paused = false;
   };
@@ -46,6 +49,9 @@ class Agent {
   void tend(Folder& folder);
   Result<Json> try_to_tend(Folder& folder);
   RespondersAsked responders_for(const Folder& folder) const;
+  /// Until when the process for a folder must have answered.
+  std::chrono::steady_clock::time_point time_for(const Folder& folder) const;
+  std::unexpected<Error> worker_ended(const Folder& folder, ChildProcess::End end);
   Result<Json> converse(Folder& folder, ChildProcess& worker);
   Result<RenewalAnswer> ask_ca(const Folder& folder, const RenewalRequest& request);
   Result<RenewalAnswer> ask_own_ca(const Folder& folder, const RenewalRequest& request);
@@ -66,6 +72,7 @@ class Agent {
   std::vector<Folder> folders_;
   std::optional<Error> ca_refusal_ = {};        ///< the CA's key did not take its PIN or passphrase
   std::set<uid_t> owners_with_wrong_pin_ = {};  ///< so said a token that a folder of theirs names
+  std::map<uid_t, Moment> slow_owners_ = {};    ///< whose processes took too long; until then
   SilentResponders silent_responders_ = {};
   std::vector<Error> errors_ = {};
   std::vector<WrittenFile> written_ = {};

@@ -65,8 +65,7 @@ const IssuedCertificate* issued_for(const fs::path& folder, const pki::IssueLog&
 }
 
 bool lies_in(const fs::path& folder, const pki::Certificate& certificate) {
-  if (!is_there(folder / "cert.pem")) return false;
-  const auto found = read_certificate(folder / "cert.pem");
+  const auto found = certificate_of_others(folder);
   return found && *found == certificate;
 }
 

@@ -1,10 +1,13 @@
 #include "cli/participant_places.hpp"
 
 #include <algorithm>
+#include <fcntl.h>
 #include <set>
+#include <sys/stat.h>
 
 #include <fmt/format.h>
 
+#include "base/guarded_path.hpp"
 #include "cli/ca_overlap.hpp"
 #include "cli/keystore.hpp"
 #include "cli/logged_certificate.hpp"
@@ -93,9 +96,19 @@ LoggedFolders::LoggedFolders(const CaPaths& ca, const pki::IssueLog& log) : ca_(
 
 bool LoggedFolders::is_inside(const fs::path& folder) const { return is_below(folder, root_); }
 
+std::optional<pki::Certificate> certificate_of_others(const fs::path& folder) {
+  const auto opened = open_guarded(folder, O_PATH);
+  if (!opened || !*opened) return std::nullopt;
+  const Descriptor file(::openat(opened->number(), "cert.pem", O_PATH | O_NOFOLLOW | O_CLOEXEC));
+  struct stat status {};
+  if (!file || ::fstat(file.number(), &status) != 0 || !S_ISREG(status.st_mode))
+    return std::nullopt;
+  auto out = read_certificate(fmt::format("/proc/self/fd/{}", file.number()));
+  return out ? std::optional(*std::move(out)) : std::nullopt;
+}
+
 bool LoggedFolders::holds_logged(const fs::path& folder, const std::string& logged) const {
-  if (!is_there(folder / "cert.pem")) return false;
-  const auto certificate = read_certificate(folder / "cert.pem");
+  const auto certificate = certificate_of_others(folder);
   if (!certificate) return false;
   const auto* issued = log_.find(certificate->serial());
   return issued != nullptr && issued->folder == logged;

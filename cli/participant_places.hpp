@@ -12,6 +12,11 @@
 
 namespace ddssec::cli {
 
+/// The certificate in a participant's folder, to compare it. Another user may own the folder, so
+/// nothing but a file is opened, and no link that this user can change is followed. Nullopt if
+/// there is none, or none that can be read.
+std::optional<pki::Certificate> certificate_of_others(const std::filesystem::path& folder);
+
 /// Translates paths of the log to present paths.
 class LoggedFolders {
  public:

@@ -4,9 +4,10 @@
 import json
 import os
 import shutil
+import threading
 import unittest
 
-from agent_folders import AgentTest
+from agent_folders import AgentTest, Running, ShortLived
 from transcript import Transcript, main
 
 ALICE, BOB = 65533, 65534
@@ -65,6 +66,37 @@ class ForeignLinks(TwoHomes):
         self.exchange()
         self.refused("link_untrusted", "--hook", self.signing_hook(), *LATER, folder=self.alice, exit=4)
         self.refused("link_untrusted", "--ca", "demo", "--dry-run", *LATER, folder=self.alice, exit=4)
+
+    def test_agent_link_in_the_place_of_another_certificate_not_opened(self):
+        """Alice has a second folder with the first one's certificate, and a link to what only root may open."""
+        second = self.home / "alice/second"
+        shutil.copytree(self.home / "alice/dds/talker", second)
+        give(second, ALICE)
+        fifo = self.at / "fifo"
+        os.mkfifo(fifo, 0o600)
+        certificate = self.home / "alice/dds/talker/cert.pem"
+        certificate.unlink()
+        certificate.symlink_to(fifo)
+        os.chown(certificate, ALICE, ALICE, follow_symlinks=False)
+        opened = threading.Event()
+        writer = threading.Thread(target=lambda: (os.close(os.open(fifo, os.O_WRONLY)), opened.set()))
+        writer.start()
+        try:
+            self.once("--ca", "demo", *LATER, folder=str(second), exit=1)
+            self.assertFalse(opened.is_set(), "the agent opened the file that the link leads to")
+        finally:
+            os.close(os.open(fifo, os.O_RDONLY | os.O_NONBLOCK))
+            writer.join()
+
+    def test_agent_certificate_of_an_own_ca_does_not_set_how_often_the_ca_is_asked(self):
+        self.run_program("ca", "create", "other", "--role", "identity", "--no-passphrase")
+        ShortLived(self.at, self.at / "other").put_into(self.at / self.alice, 1)
+        give(self.home / "alice", ALICE)
+        agent = Running(self.at, self.alice, "--ca", "demo")
+        try:
+            self.assertGreaterEqual(agent.wait_for("failed")["again_in"], 60)
+        finally:
+            agent.end()
 
     def test_commands_of_root_link_above_the_folder_refused(self):
         self.exchange()
