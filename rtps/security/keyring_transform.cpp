@@ -14,10 +14,14 @@ bool is_expected(Code code) {
          code == Code::message_from_before || code == Code::message_repeated;
 }
 
-// The two volatile endpoints of a participant share one key.
+// The two volatile endpoints of a participant share one key, which only this pair has. Its other
+// keys are given to many: with one of them, an insider could send key tokens in its name.
 bool lacks_submessage_key(const LocalKeys& local, const Guid& remote, const Shield& shield) {
+  const auto& [prefix, entity] = shield.submessage;
   const bool by_remote =
-      local.is_volatile ? shield.submessage.prefix == remote.prefix : shield.submessage == remote;
+      local.is_volatile ? prefix == remote.prefix &&
+                              (entity == kVolatileMessageWriter || entity == kVolatileMessageReader)
+                        : shield.submessage == remote;
   return local.attributes.is_submessage_protected() && !by_remote;
 }
 

@@ -119,8 +119,8 @@ FAULTS = [
      "  if (peer.state.association() == nullptr) return request_resend(peer);\n"
      "  if (FAULT) return core_.host.on_ended(GuidPrefix(peer.prefix()));\n"),
     ("that key exchange is protected", "rtps/security/keyring_transform.cpp",
-     "      local.is_volatile ? shield.submessage.prefix == remote.prefix : ",
-     "      local.is_volatile ? FAULT || shield.submessage.prefix == remote.prefix : "),
+     "      local.is_volatile ? prefix == remote.prefix &&\n",
+     "      local.is_volatile ? FAULT || prefix == remote.prefix &&\n"),
     ("that announcements need the pre-shared key", "rtps/security/keyring_messages.cpp",
      "if (pre_shared_.are_due())", "if (pre_shared_.are_due() && !FAULT)"),
     ("the tag of encrypted messages", "plugins/cryptography/transform_decode.cpp",
