@@ -7,11 +7,9 @@
 namespace ddssec::rtps {
 
 void LocalDelivery::feed(ReaderProxy& proxy) {
-  auto number = std::max(proxy.acknowledged().next(), history_.first());
-  for (; number <= history_.last(); number = number.next()) {
-    const auto* change = history_.find(number);
-    if (change != nullptr && !proxy.ends_before(number) && !proxy.local->offer(*change)) break;
-  }
+  auto number = history_.next_held(proxy.acknowledged().next());
+  for (; number <= history_.last(); number = history_.next_held(number.next()))
+    if (!proxy.ends_before(number) && !proxy.local->offer(*history_.find(number))) break;
   readers_.acknowledge(proxy, number.previous());
   proxy.local->skip(writer_, number);
   if (group_ != nullptr && number > history_.last()) proxy.local->pass(writer_, group_->current);

@@ -4,26 +4,76 @@
 
 namespace ddssec::rtps {
 
+/// The answer to one request, number by number in ascending order.
+class Retransmissions::Answer {
+ public:
+  Answer(Retransmissions& from, ReaderProxy& proxy, const Receiver& receiver, MonotonicTime now)
+      : from_(from),
+        proxy_(proxy),
+        receiver_(receiver),
+        lowest_(from.lowest_for(proxy)),
+        left_(std::min(proxy.allowance.renewed(now), kMaxOctetsPerAnswer)),
+        evaluations_(from.evaluations_.renewed(now)) {}
+
+  void add(SequenceNumber number) {
+    if (left_ == 0 || number > from_.history_.last() || !is_valid(number) || number < gap_end_)
+      return;
+    if (number < lowest_) return skip(number, lowest_);
+    const auto* change = from_.history_.find(number);
+    if (change == nullptr) return skip(number, from_.history_.next_held(number));
+    if (!may_judge()) {
+      left_ = 0;  // the reader asks again for the rest
+    } else if (!proxy_.accepts(*change)) {
+      skip(number, number.next());
+    } else {
+      end_gap();
+      from_.messages_.change(receiver_, *change, {}, FragmentRepair::kFragmentsPerPortion);
+      spend(std::max(change->payload.size(), kMinOctets));
+    }
+  }
+  /// Call it last.
+  void end_gap() {
+    if (gap_begin_ == gap_end_) return;
+    from_.messages_.gap(receiver_, gap_begin_, gap_end_);
+    gap_begin_ = gap_end_;
+    spend(kMinOctets);
+  }
+
+ private:
+  bool may_judge() {
+    if (!proxy_.reader().filter) return true;
+    if (evaluations_ == 0) return false;
+    --evaluations_;
+    from_.evaluations_.spend(1);
+    return true;
+  }
+  void skip(SequenceNumber first, SequenceNumber end) {
+    if (first != gap_end_) {
+      end_gap();
+      gap_begin_ = first;
+    }
+    gap_end_ = end;
+  }
+  void spend(std::size_t octets) {
+    proxy_.allowance.spend(octets);
+    left_ -= std::min(left_, octets);
+  }
+
+  Retransmissions& from_;
+  ReaderProxy& proxy_;
+  const Receiver& receiver_;
+  const SequenceNumber lowest_;
+  std::size_t left_;                          ///< octets
+  std::size_t evaluations_;                   ///< of filters
+  SequenceNumber gap_begin_{1}, gap_end_{1};  ///< not sent yet; empty if they are equal
+};
+
 bool Retransmissions::answer(ReaderProxy& proxy, const Receiver& receiver,
                              const SequenceNumberSet& missing, MonotonicTime now) {
   if (proxy.was_just_answered(missing.base(), now)) return false;
-  const auto lowest = lowest_for(proxy);
-  std::size_t octets = 0;
-  const auto most = std::min(proxy.allowance.renewed(now), kMaxOctetsPerAnswer);
-  bool gap_below_sent = false;
-  missing.for_each([&](SequenceNumber number) {
-    if (number > history_.last() || !is_valid(number) || octets >= most) return;
-    if (number < lowest) {
-      if (!gap_below_sent) messages_.gap(receiver, number, lowest);
-      gap_below_sent = true;
-    } else if (const auto* change = history_.find(number); change && proxy.accepts(*change)) {
-      messages_.change(receiver, *change, {}, FragmentRepair::kFragmentsPerPortion);
-      octets += std::max(change->payload.size(), kMinOctets);
-    } else {
-      messages_.gap(receiver, number, number.next());
-    }
-  });
-  proxy.allowance.spend(octets);
+  Answer answer(*this, proxy, receiver, now);
+  missing.for_each([&](SequenceNumber number) { answer.add(number); });
+  answer.end_gap();
   return true;
 }
 

@@ -14,16 +14,17 @@ class Retransmissions {
   /// What a repeated sample counts at least, including its header.
   static constexpr std::size_t kMinOctets = 64;
 
-  /// Both must outlive this object.
-  Retransmissions(const WriterHistory& history, WriterMessages& messages)
-      : history_(history), messages_(messages) {}
+  /// All must outlive this object.
+  Retransmissions(const WriterHistory& history, WriterMessages& messages,
+                  EvaluationAllowance& evaluations)
+      : history_(history), messages_(messages), evaluations_(evaluations) {}
 
   /// The lowest change that the reader may get.
   SequenceNumber lowest_for(const ReaderProxy& proxy) const {
     return std::max(history_.first(), proxy.first_relevant());
   }
-  /// Sends what an ACKNACK requests, or a GAP for what the reader does not get. Returns false if
-  /// the request was just answered.
+  /// Sends what an ACKNACK requests, or GAPs for what the reader does not get: one for each range,
+  /// also if it goes beyond the request. Returns false if the request was just answered.
   bool answer(ReaderProxy& proxy, const Receiver& receiver, const SequenceNumberSet& missing,
               MonotonicTime now);
   /// Accepts the request of a NACK_FRAG, which is answered in portions. Returns false if the
@@ -33,8 +34,11 @@ class Retransmissions {
   bool send_portion(ReaderProxy& proxy, const Receiver& receiver, MonotonicTime now);
 
  private:
+  class Answer;
+
   const WriterHistory& history_;
   WriterMessages& messages_;
+  EvaluationAllowance& evaluations_;
 };
 
 }  // namespace ddssec::rtps

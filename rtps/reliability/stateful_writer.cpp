@@ -24,7 +24,7 @@ StatefulWriter::StatefulWriter(const Guid& guid, const Qos& qos, MessageSender& 
       messages_(guid.entity, qos.durability, sender, history_),
       readers_(guid.entity, qos.is_reliable()),
       filtered_(readers_, messages_),
-      retransmissions_(history_, messages_),
+      retransmissions_(history_, messages_, evaluations_),
       local_(guid, history_, readers_),
       piggyback_(qos) {
   hurry_as(qos);
@@ -71,10 +71,17 @@ void StatefulWriter::send_history(const ReaderProxy& proxy, MonotonicTime now) {
   const auto allowed = history_allowance_.renewed(now);
   std::vector<const Change*> changes;  // latest first
   std::size_t octets = 0;
-  for (auto number = history_.last(); number >= proxy.first_relevant();
-       number = number.previous()) {
+  auto evaluations = evaluations_.renewed(now);
+  for (auto number = history_.previous_held(history_.last().next());
+       number.value > 0 && number >= proxy.first_relevant();
+       number = history_.previous_held(number)) {
+    if (proxy.reader().filter) {
+      if (evaluations == 0) break;
+      --evaluations;
+      evaluations_.spend(1);
+    }
     const auto* change = history_.find(number);
-    if (change == nullptr || !proxy.accepts(*change)) continue;
+    if (!proxy.accepts(*change)) continue;
     octets += change->payload.size() + kChangeOctets;
     if (octets > allowed) break;
     history_allowance_.spend(change->payload.size() + kChangeOctets);
@@ -189,10 +196,9 @@ void StatefulWriter::hold_back(bool held_back, MonotonicTime now) {
   }
   local_.feed_all();
   if (readers_.any_remote() && held_from_ <= history_.last()) {
-    for (auto number = std::max(held_from_, history_.first()); number <= history_.last();
-         number = number.next())
-      if (const auto* change = history_.find(number))
-        messages_.change(readers_.everybody(), *change);
+    for (auto number = history_.next_held(held_from_); number <= history_.last();
+         number = history_.next_held(number.next()))
+      messages_.change(readers_.everybody(), *history_.find(number));
     if (qos_.is_reliable()) {
       send_question(readers_.everybody(), history_.first());
       schedule_.note_written(now);

@@ -116,6 +116,7 @@ class StatefulWriter final : private Timed {
   WriterMessages messages_;
   MatchedReaders readers_;
   FilteredWriting filtered_;
+  EvaluationAllowance evaluations_;
   Retransmissions retransmissions_;
   LocalDelivery local_;
   HistoryAllowance history_allowance_;

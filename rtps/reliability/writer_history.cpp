@@ -138,8 +138,9 @@ void WriterHistory::discard(SequenceNumber number) {
 
 /// The latest changes have consecutive numbers, so their index is computed; the others are searched
 /// for.
-std::optional<std::size_t> WriterHistory::place_of(SequenceNumber number) const {
-  if (number >= next_ || number < first()) return std::nullopt;
+std::size_t WriterHistory::place_from(SequenceNumber number) const {
+  if (number >= next_) return changes_.size();
+  if (number <= first()) return 0;
   const auto back = static_cast<std::size_t>(last().value - number.value);
   if (back < changes_.size() && changes_[changes_.size() - 1 - back].number == number)
     return changes_.size() - 1 - back;
@@ -151,8 +152,25 @@ std::optional<std::size_t> WriterHistory::place_of(SequenceNumber number) const 
     else
       end = middle;
   }
-  return begin < changes_.size() && changes_[begin].number == number ? std::optional(begin)
-                                                                     : std::nullopt;
+  return begin;
+}
+
+std::optional<std::size_t> WriterHistory::place_of(SequenceNumber number) const {
+  const auto place = place_from(number);
+  const bool is_here = place < changes_.size() && changes_[place].number == number;
+  return is_here ? std::optional(place) : std::nullopt;
+}
+
+SequenceNumber WriterHistory::next_held(SequenceNumber number) const {
+  for (auto place = place_from(number); place < changes_.size(); ++place)
+    if (changes_[place].change) return changes_[place].number;
+  return next_;
+}
+
+SequenceNumber WriterHistory::previous_held(SequenceNumber number) const {
+  for (auto place = place_from(number); place-- > 0;)
+    if (changes_[place].change) return changes_[place].number;
+  return {0};
 }
 
 const Change* WriterHistory::find(SequenceNumber number) const {

@@ -33,6 +33,11 @@ class WriterHistory {
 
   /// Returns nullptr if the change was dropped, or is not yet written.
   const Change* find(SequenceNumber number) const;
+  /// The first number from `number` on that is held; one after the last if there is none. The cost
+  /// does not depend on how many numbers were used up in between; nor does that of previous_held.
+  SequenceNumber next_held(SequenceNumber number) const;
+  /// The last number below `number` that is held; 0 if there is none.
+  SequenceNumber previous_held(SequenceNumber number) const;
   /// The lowest number that is held, or next_ if there is none.
   SequenceNumber first() const;
   /// The last number that was written; 0 if there is none.
@@ -58,6 +63,9 @@ class WriterHistory {
   };
   using Instances = std::map<KeyHash, Instance>;
 
+  /// The index of the first change from `number` on that is held, or was dropped and is not
+  /// forgotten yet.
+  std::size_t place_from(SequenceNumber number) const;
   /// The index of a change that is held, or was dropped and is not forgotten yet.
   std::optional<std::size_t> place_of(SequenceNumber number) const;
   Slot& slot(SequenceNumber number) { return changes_[*place_of(number)]; }

@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 
 #include "rtps/reliability/filtered_writing.hpp"
+#include "rtps/reliability/stateful_writer.hpp"
+#include "tests/support/slowdown.hpp"
 #include "tests/unit/rtps/wire_helpers.hpp"
 #include "wire/data_frag.hpp"
 
@@ -59,7 +61,8 @@ struct WriterParts : ::testing::Test {
   WriterHistory history{keep_all()};
   WriterMessages messages{testing::kWriter, DurabilityKind::volatile_, sender, history};
   MatchedReaders readers{testing::kWriter, true};
-  Retransmissions retransmissions{history, messages};
+  EvaluationAllowance evaluations;
+  Retransmissions retransmissions{history, messages, evaluations};
   FilteredWriting filtered{readers, messages};
   MonotonicTime now = milliseconds(1000);
 
@@ -98,6 +101,84 @@ TEST_F(WriterParts, ARequest_IsAnsweredWithWhatIsHeld) {
       << "what was not written yet is not answered";
   EXPECT_FALSE(request(proxy, {1, 2})) << "it crossed the answer";
   EXPECT_THAT(said(), IsEmpty());
+}
+
+// Before: one GAP for each number, so a late joiner of a writer that runs for days asked for hours.
+TEST(SparseHistory, NumbersThatWereUsedUp_AreOneGap) {
+  Words words;
+  MessageSender sender{words, kA};
+  Qos qos;
+  qos.history = {HistoryKind::keep_last, 1};
+  WriterHistory history{qos};
+  WriterMessages messages{testing::kWriter, DurabilityKind::transient_local, sender, history};
+  MatchedReaders readers{testing::kWriter, true};
+  EvaluationAllowance evaluations;
+  Retransmissions retransmissions{history, messages, evaluations};
+  for (int i = 0; i < 100'000; ++i) {
+    Change change;
+    change.key_hash = KeyHash{static_cast<std::uint8_t>(i == 0)};
+    change.payload = Payload::copy_of(Bytes(8));
+    history.add(std::move(change));
+  }
+  auto& proxy = readers.add({guid(1), true, true, {kHere}}, {{1}});
+  SequenceNumberSet missing({1});
+  for (std::int64_t number = 1; number <= 256; ++number) missing.insert({number});
+  EXPECT_TRUE(retransmissions.answer(proxy, readers.one(proxy), missing, milliseconds(1000)));
+  sender.flush();
+  EXPECT_THAT(words.said, ElementsAre("data 1", "gap 2-100000"));
+}
+
+/// Counts the changes that it gets.
+struct CountingTransport final : Transport {
+  std::size_t messages = 0;
+  void send(BytesView, std::span<const Locator>) override { ++messages; }
+};
+
+// Before: one step for each number, 4.8 s for a hundred million.
+TEST(SparseHistory, LateJoiner_CostsWhatIsHeld) {
+  CountingTransport transport;
+  MessageSender sender{transport, kA};
+  auto qos = default_writer_qos();
+  qos.durability = DurabilityKind::transient_local;
+  qos.history = {HistoryKind::keep_last, 1};
+  StatefulWriter writer({kA, testing::kWriter}, qos, sender);
+  for (int i = 0; i < 1'000'000; ++i) {
+    Change change;
+    change.key_hash = KeyHash{static_cast<std::uint8_t>(i == 0)};
+    writer.write(std::move(change), milliseconds(1));
+  }
+  const auto begin = std::chrono::steady_clock::now();
+  for (std::uint8_t n = 1; n <= 200; ++n)
+    writer.match({guid(n), false, true, {kHere}}, milliseconds(1));
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(2) * test::kSlowdown)
+      << "a step for each number takes 9 s";
+  EXPECT_GT(transport.messages, 0u);
+}
+
+/// Passes nothing, and counts how often it is asked.
+struct CountingFilter final : ChangeFilter {
+  std::optional<bool> passes(const Change&) override {
+    ++asked;
+    return false;
+  }
+  std::size_t asked = 0;
+};
+
+TEST_F(WriterParts, RequestsOfAFilteredReader_CostFewGapsAndEvaluations) {
+  constexpr std::int64_t kHeld = 600;
+  for (std::int64_t i = 0; i < kHeld; ++i) add();
+  const auto filter = std::make_shared<CountingFilter>();
+  auto& proxy = readers.add({guid(1), true, true, {kHere}}, {{1}});
+  readers.set_filter(proxy, filter);
+  std::size_t gaps = 0;
+  for (std::int64_t base = 1; base <= 300; ++base) {
+    SequenceNumberSet missing({base});
+    for (std::int64_t number = base; number < base + 256; ++number) missing.insert({number});
+    retransmissions.answer(proxy, readers.one(proxy), missing, now);
+    gaps += said().size();
+  }
+  EXPECT_LE(gaps, 300u);
+  EXPECT_EQ(filter->asked, EvaluationAllowance::kMaxOctets);
 }
 
 TEST_F(WriterParts, AnAnswerIsBounded) {

@@ -75,6 +75,14 @@ TEST(WriterHistory, HoldsTheLastOfEachInstanceWhateverIsDropped) {
     std::set<std::int64_t> expected;
     for (const auto& [key, number] : last) expected.insert(number);
     ASSERT_THAT(held(history), ::testing::ElementsAreArray(expected));
+    for (int n = 0; n < 20; ++n) {
+      const SequenceNumber number{1 + draw(static_cast<std::uint32_t>(history.last().value) + 1)};
+      const auto from = expected.lower_bound(number.value);
+      ASSERT_EQ(history.next_held(number).value,
+                from == expected.end() ? history.last().value + 1 : *from);
+      ASSERT_EQ(history.previous_held(number).value,
+                from == expected.begin() ? 0 : *std::prev(from));
+    }
   }
 }
 
