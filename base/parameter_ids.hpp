@@ -78,6 +78,8 @@ inline constexpr Id kEndpointCiphers = 0x1013;
 
 /// A reader that does not know an id with this bit must not use the sample (RTPS 9.6.3.1).
 inline constexpr Id kMustUnderstand = 0x4000;
+/// A participant that does not know the tag ignores one with a tag (RTPS 9.6.2.2).
+inline constexpr Id kDomainTag = kMustUnderstand | 0x0014;
 inline constexpr Id kVendorSpecific = 0x8000;
 
 // Specific to Cyclone DDS:

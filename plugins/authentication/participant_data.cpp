@@ -4,6 +4,8 @@
 #include <array>
 #include <optional>
 
+#include <fmt/format.h>
+
 #include "base/parameter_ids.hpp"
 #include "base/reader.hpp"
 #include "plugins/authentication/identity_token.hpp"
@@ -50,6 +52,15 @@ std::optional<spi::UdpAddress> unicast_address(BytesView locator) {
       out.address == std::array<std::uint8_t, 16>{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1};
   if (!is_unicast && !is_loopback_v6) return std::nullopt;
   return out;
+}
+
+/// A CDR string; empty if it is malformed.
+std::string text_in(BytesView value) {
+  Reader reader(value, Endian::big);
+  const auto size = reader.read<std::uint32_t>();
+  const auto octets = size ? reader.read_bytes(*size) : Result<BytesView>(BytesView());
+  if (!octets || octets->empty()) return {};
+  return std::string(as_text(octets->back() == 0 ? octets->first(octets->size() - 1) : *octets));
 }
 
 Guid guid_from(BytesView octets) {
@@ -117,6 +128,41 @@ bool is_of_fast_dds(BytesView participant_data) {
     found = std::ranges::equal(value.first(kFastDds.size()), kFastDds);
   }
   return found.value_or(false);
+}
+
+SignedDomain domain_in_participant_data(BytesView participant_data) {
+  constexpr std::array<std::uint8_t, 2> kCyclone = {0x01, 0x10}, kOurs = {0x01, 0xd5};
+  Reader reader(participant_data, Endian::big);
+  SignedDomain out{.id = {}, .tag = {}, .may_lack_tag = true};
+  for (;;) {
+    const auto parameter = next_parameter(reader);
+    if (!parameter || !*parameter) break;
+    const auto& [id, value] = **parameter;
+    if (id == pid::kVendorId && value.size() >= 2) {
+      const auto vendor = value.first(2);
+      out.may_lack_tag =
+          !std::ranges::equal(vendor, kCyclone) && !std::ranges::equal(vendor, kOurs);
+    } else if (id == pid::kDomainId) {
+      const auto number = Reader(value, Endian::big).read<std::uint32_t>();
+      if (number) out.id = *number;
+    } else if (id == pid::kDomainTag) {
+      out.tag = text_in(value);
+    }
+  }
+  return out;
+}
+
+Status check_same_domain(const SignedDomain& peer, const SignedDomain& own) {
+  const bool is_same_id = !peer.id || !own.id || *peer.id == *own.id;
+  const bool is_same_tag = peer.tag == own.tag || (peer.tag.empty() && peer.may_lack_tag);
+  if (is_same_id && is_same_tag) return {};
+  const auto text = [&](const SignedDomain& one) {
+    return fmt::format("domain {}, tag \"{}\"", one.id.value_or(own.id.value_or(0)), one.tag);
+  };
+  return fail(Code::rtps_domain_differs, {.document = "what the peer signed",
+                                          .field = "DOMAIN_ID and DOMAIN_TAG of c.pdata",
+                                          .expected = text(own),
+                                          .found = text(peer)});
 }
 
 std::vector<spi::UdpAddress> addresses_in_participant_data(BytesView participant_data) {

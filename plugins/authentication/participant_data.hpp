@@ -2,6 +2,9 @@
 // addresses.
 #pragma once
 
+#include <cstdint>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "base/bytes.hpp"
@@ -30,6 +33,18 @@ std::uint32_t builtin_endpoints_in_participant_data(BytesView participant_data);
 
 /// True if PID_VENDORID of such a list is that of Fast DDS, once.
 bool is_of_fast_dds(BytesView participant_data);
+
+/// The domain in which a participant is. Announcements are not signed, but c.pdata is: otherwise
+/// anyone could copy the announcement of a participant into another domain.
+struct SignedDomain {
+  std::optional<std::uint32_t> id;  ///< PID_DOMAIN_ID; empty if it is missing or unreadable
+  std::string tag;                  ///< PID_DOMAIN_TAG; empty if it is missing or unreadable
+  bool may_lack_tag;                ///< the vendor leaves a tag out
+};
+SignedDomain domain_in_participant_data(BytesView participant_data);
+/// Success unless the peer's c.pdata names another domain than one's own. Error:
+/// rtps_domain_differs.
+Status check_same_domain(const SignedDomain& peer, const SignedDomain& own);
 
 /// PID_METATRAFFIC_UNICAST_LOCATORs over UDP of such a list: at most `kMostAddresses`, without
 /// duplicates. Locators that are unreadable or not unicast are left out.

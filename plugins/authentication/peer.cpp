@@ -2,7 +2,6 @@
 
 #include "plugins/authentication/adjusted_guid.hpp"
 #include "plugins/authentication/algorithms.hpp"
-#include "plugins/authentication/participant_data.hpp"
 
 namespace ddssec::authentication {
 namespace {
@@ -83,7 +82,8 @@ JudgedPeer::JudgedPeer(pki::ChainValid chain, const Credentials& credentials)
       ciphers_(ciphers_in_participant_data(credentials.participant_data)),
       builtin_endpoints_(builtin_endpoints_in_participant_data(credentials.participant_data)),
       keeps_session_(is_of_fast_dds(credentials.participant_data)),
-      addresses_(addresses_in_participant_data(credentials.participant_data)) {
+      addresses_(addresses_in_participant_data(credentials.participant_data)),
+      domain_(domain_in_participant_data(credentials.participant_data)) {
   set_credential(credentials.permissions.value_or(BytesView()));
 }
 

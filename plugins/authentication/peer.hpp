@@ -8,6 +8,7 @@
 #include "pki/chain.hpp"
 #include "plugins/authentication/credentials.hpp"
 #include "plugins/authentication/ocsp_status.hpp"
+#include "plugins/authentication/participant_data.hpp"
 #include "plugins/authentication/trust_store.hpp"
 
 namespace ddssec::authentication {
@@ -45,7 +46,7 @@ class JudgedPeer {
   void drop_credential() { credential_.reset(); }
 
   /// The ciphers that the peer's participant data announces. Proven once a signature has been
-  /// verified; the same is true of the next three.
+  /// verified; the same is true of the next four.
   spi::CipherMask ciphers() const { return ciphers_; }
   std::uint32_t builtin_endpoints() const { return builtin_endpoints_; }
   /// True if the peer's product judges documents only during the handshake: Fast DDS (measured with
@@ -53,6 +54,7 @@ class JudgedPeer {
   bool keeps_session() const { return keeps_session_; }
   /// The addresses at which the peer receives discovery traffic.
   const std::vector<spi::UdpAddress>& addresses() const { return addresses_; }
+  const SignedDomain& domain() const { return domain_; }
 
  private:
   JudgedPeer(pki::ChainValid chain, const Credentials& credentials);
@@ -65,6 +67,7 @@ class JudgedPeer {
   std::uint32_t builtin_endpoints_;
   bool keeps_session_;
   std::vector<spi::UdpAddress> addresses_;
+  SignedDomain domain_;
   std::optional<Error> ocsp_unused_;
 };
 

@@ -230,8 +230,11 @@ Result<PkiDh::HandshakeStep> PkiDh::step(HandshakeHandle handle, const Token& me
   DDSSEC_ASSIGN_OR_RETURN(const auto what, context(*pair));
   DDSSEC_ASSIGN_OR_RETURN(auto outcome, process(handshake->state, what, message));
   if (outcome.next) {
-    if (const auto* done = std::get_if<Established>(&*outcome.next))
+    if (const auto* done = std::get_if<Established>(&*outcome.next)) {
+      DDSSEC_RETURN_IF_ERROR(check_same_domain(
+          done->peer.domain(), domain_in_participant_data(handshake->participant_data)));
       DDSSEC_RETURN_IF_ERROR(note_authenticated(*pair, *done));
+    }
     static_assert(std::is_nothrow_move_assignable_v<HandshakeState>);
     handshake->state = std::move(*outcome.next);
     if (!is_pending(*handshake)) handshake->unproven = {};

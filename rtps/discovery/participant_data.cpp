@@ -97,14 +97,14 @@ constexpr ParticipantRow kParticipantTable[] = {
        const ParameterScope scope(w, pid::kDomainId);
        w.write(*d.domain_id);
      }},
-    {0x4014,
+    {pid::kDomainTag,
      [](Reader& r, ParticipantData& d) -> Status {
        DDSSEC_ASSIGN_OR_RETURN(d.domain_tag, read_bounded_string(r, kMostNameLength));
        return {};
      },
      [](SpanWriter& w, const ParticipantData& d) {
        if (d.domain_tag.empty()) return;
-       const ParameterScope scope(w, 0x4014);
+       const ParameterScope scope(w, pid::kDomainTag);
        write_text(w, d.domain_tag);
      }},
     {pid::kBuiltinEndpointSet,

@@ -27,6 +27,8 @@ Usage: stranger.py request                an empty request to the participant th
        stranger.py crowding               to the one that answers, clear announcements of 650 readers in the name of the other
        stranger.py asking                 to each of two that talk, in the other's name and in the clear, a request for a type
                                           that is nested so deeply that its reader's stack ends
+       stranger.py joining [TAG TAG]      the announcement of each participant to those of another domain (or of the other tag, of
+                                          the same length), with their domain in it, until it is ended
 It says "forged N" when it is done.
 """
 
@@ -40,7 +42,7 @@ import time
 
 STATELESS_WRITER, STATELESS_READER = bytes.fromhex("000201c3"), bytes.fromhex("000201c4")
 SPDP_WRITER, PARTICIPANT = bytes.fromhex("000100c2"), bytes.fromhex("000001c1")
-METATRAFFIC_UNICAST, SENTINEL, ENDPOINT_SET, VERSION_INFO, UNKNOWN = 0x32, 0x01, 0x58, 0x8007, 0x8f01
+DOMAIN_ID, METATRAFFIC_UNICAST, SENTINEL, ENDPOINT_SET, VERSION_INFO, UNKNOWN = 0x0f, 0x32, 0x01, 0x58, 0x8007, 0x8f01
 OTHERS_DEPEND_ON_IT = 0x10  # a flag of Cyclone's VERSION_INFO
 SECURE_DISCOVERY = 0x000f0000  # of publications and subscriptions, in ENDPOINT_SET
 TYPE_REQUESTS = bytes.fromhex("000300c3")
@@ -262,6 +264,29 @@ def redirect(network, speaker):
     network.replay(forged, POURED)
 
 
+def domain_at(announcement, tags):
+    """Where its domain id or tag stands, and how long that is."""
+    if tags:
+        return next(announcement.index(tag) for tag in tags if tag in announcement), len(tags[0])
+    return announcement.index(struct.pack("<HH", DOMAIN_ID, 4)) + 4, 4
+
+
+def join(network, tags):
+    domains, heard = {}, set()
+    while True:
+        for _, message in network.heard(0.1):
+            if message[8:20] in heard or not (port := unicast_port(message)):
+                continue
+            at, size = domain_at(message, tags)
+            heard.add(message[8:20])  # what comes later in its name may be forged
+            network.ports[message[8:20]] = port
+            domains[message[8:20]] = message[at:at + size], message[:at], message[at + size:]
+        for own, begin, end in domains.values():
+            for other, (domain, _, _) in domains.items():
+                if domain != own and network.sent < 400:
+                    network.send(other, begin + domain + end)
+
+
 FORGERIES = {"announced": lambda true: true.replace(b"PKI-DH:1.0", b"PKI-DH:9.0"), "fewer": fewer}
 
 
@@ -352,6 +377,8 @@ def main():
     if mode == "redirecting":
         redirect(network, bytes.fromhex(sys.argv[2]))
         return print(f"forged {network.sent}", flush=True)
+    if mode == "joining":
+        join(network, [tag.encode() for tag in sys.argv[2:]])
     begins, answers = network.hear(2)
     if mode == "request":
         message = handshake(answers, begins, 1000, "Req")
