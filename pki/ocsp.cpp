@@ -11,6 +11,8 @@
 #include "pki/openssl.hpp"
 
 namespace ddssec::pki {
+using ddssec::to_string;
+
 namespace {
 
 using ResponsePtr = std::unique_ptr<OCSP_RESPONSE, Deleter<OCSP_RESPONSE_free>>;

@@ -5,16 +5,15 @@ import pathlib
 import re
 import shutil
 import subprocess
-import tempfile
 
 import golden_folders
+from doctor_folders import VENDORS, DoctorTest
 from forecast import Table
-from transcript import PROGRAM, WithoutLists, library_path, main, shared_library
+from transcript import PROGRAM, main
 from workshop import GOVERNANCE, Folder, Workshop, openssl
 
 HERE = pathlib.Path(__file__).resolve().parent
 MEASURED = Table(HERE.parent.parent)
-VENDORS = ["cyclonedds@0.10.2", "fastdds@2.9.1", "ours"]
 
 
 def table():
@@ -95,16 +94,7 @@ def exit_of(name):
     return 0 if table()[name][0] == ["ok"] * 3 and name not in CONTRADICTIONS else 1
 
 
-class Golden(WithoutLists):
-    @classmethod
-    def setUpClass(cls):
-        cls.made = tempfile.TemporaryDirectory(prefix="ddssec-golden-")
-        cls.addClassCleanup(cls.made.cleanup)
-        cls.paths = golden_folders.make_all(cls.made.name)
-
-    def doctor(self, name, *words, exit):
-        return self.json("doctor", self.paths[name], *words, exit=exit)
-
+class Golden(DoctorTest):
     def test_explain_knows_every_rule(self):
         for rule, *_ in {values[:1]: None for values in SENTENCES.values()}:
             self.assertEqual(self.json("explain", rule)["result"]["name"], rule)
@@ -330,228 +320,6 @@ class Golden(WithoutLists):
         done = self.run_program("doctor", self.paths["correct"])
         self.assertEqual(sorted(p.name for p in self.paths["correct"].iterdir()), before)
         self.assertIsNone(re.search("PRIVATE KEY|MHc|MIG", done.stdout + done.stderr))
-
-    def ros(self, *words, exit, **variables):
-        keystore = self.paths["sros2-keystore"].parent / "keystore"
-        out = self.json("doctor", *(words or [self.paths["sros2-keystore"]]), "--ros", exit=exit,
-                        environment={**self.environment(), "ROS_SECURITY_KEYSTORE": str(keystore), **variables})
-        return {d["id"]: d["message"] for d in out["diagnostics"]}
-
-    def environment(self):
-        """As a node needs it; the libraries are read, not loaded."""
-        self.make_dropin()
-        return self.environment_without_files()
-
-    def make_dropin(self):
-        (self.at / "dropin").mkdir(exist_ok=True)
-        for name in ("auth", "ac", "crypto"):
-            library = self.at / f"dropin/libdds_security_{name}.so"
-            library.write_bytes(shared_library(b"\0ddssec_authentication_version\0"))
-
-    def environment_without_files(self):
-        return {"ROS_SECURITY_ENABLE": "true", "ROS_SECURITY_STRATEGY": "Enforce", "ROS_DOMAIN_ID": "",
-                "RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp", "LD_LIBRARY_PATH": f"/nowhere:{self.at}/dropin"}
-
-    def test_the_plugins_that_a_node_would_run(self):
-        for rmw, words in (("", "is not set"), ("rmw_fastrtps_cpp", '"rmw_fastrtps_cpp"')):
-            told = self.ros(exit=1, RMW_IMPLEMENTATION=rmw)
-            self.assertEqual(list(told), ["DOC067"])
-            self.assertIn(words, told["DOC067"])
-        self.ros(self.paths["sros2-keystore"], "--vendor", "fastdds", exit=0, RMW_IMPLEMENTATION="rmw_fastrtps_cpp")
-        for path in ("", "/nonexistent", ":"):
-            told = self.ros(exit=1, LD_LIBRARY_PATH=path)
-            self.assertEqual(list(told), ["DOC068"])
-            self.assertIn(f'no folder of LD_LIBRARY_PATH ("{path}") holds libdds_security_auth.so', told["DOC068"])
-        self.make_dropin()
-        for name in ("auth", "ac", "crypto"):  # as cp -a of a drop-in leaves it
-            library = self.at / f"dropin/libdds_security_{name}.so"
-            octets = library.read_bytes()
-            library.unlink()
-            library.symlink_to("../lib/gone.so")
-            self.assertIn(library.name, self.run_ros_with_dropin(exit=1)["DOC068"])
-            library.unlink()
-            library.write_bytes(shared_library(b"stock"))
-            self.assertIn("is not of ddssec", self.run_ros_with_dropin(exit=1)["DOC068"])
-            library.write_bytes(octets)
-        self.assertEqual(self.run_ros_with_dropin(exit=0), {})
-
-    def run_ros_with_dropin(self, exit):
-        made = {**self.environment_without_files(), "ROS_SECURITY_KEYSTORE":
-                str(self.paths["sros2-keystore"].parent / "keystore")}
-        out = self.json("doctor", self.paths["sros2-keystore"], "--ros", exit=exit, environment=made)
-        return {d["id"]: d["message"] for d in out["diagnostics"]}
-
-    def test_the_environment_of_ros(self):
-        self.assertEqual(self.ros(exit=0), {})
-        self.assertEqual(self.ros(exit=0, ROS_SECURITY_ENCLAVE_OVERRIDE="/talker_listener/talker"), {})
-        told = self.ros(exit=1, ROS_SECURITY_ENABLE="True", ROS_SECURITY_STRATEGY="enforce")
-        self.assertEqual(list(told), ["DOC060", "DOC061"])
-        self.assertIn('is "True"; it must be exactly "true"', told["DOC060"])
-        self.assertIn('is "enforce"; it must be exactly "Enforce"', told["DOC061"])
-        told = self.ros(exit=1, ROS_SECURITY_ENCLAVE_OVERRIDE="/talker_listener/listener")
-        self.assertIn('this is the enclave "/talker_listener/talker"', told["DOC062"])
-        # Measured with a node of ROS 2 Humble: rcl leaves out the first character, and the node aborts.
-        told = self.ros(exit=1, ROS_SECURITY_ENCLAVE_OVERRIDE="talker_listener/talker")
-        self.assertIn('begins with "/"', told["DOC062"])
-        self.assertIn("is not below", self.ros(exit=1, ROS_SECURITY_KEYSTORE="/nowhere")["DOC062"])
-        self.assertIn("not set", self.ros(exit=1, ROS_SECURITY_KEYSTORE="")["DOC062"])
-        told = self.ros(exit=1, ROS_DOMAIN_ID="5")
-        self.assertEqual(list(told), ["DOC096"])  # and not once more for each piece of the documents
-        self.assertEqual(told["DOC096"], 'ROS_DOMAIN_ID is "5", so a node runs in domain 5; the documents are for 0')
-
-    def test_a_node_runs_in_the_domain_of_its_environment(self):
-        self.run_program("init", "ks", "--layout", "sros2", "--domain", "7")
-        own = {"ROS_SECURITY_KEYSTORE": str(self.at / "ks")}
-        told = self.ros("ks/enclaves/talker", exit=1, **own)
-        self.assertEqual(told["DOC096"],
-                         "ROS_DOMAIN_ID is not set, so a node runs in domain 0; the documents are for 7")
-        self.assertEqual(self.ros("ks/enclaves/talker", exit=0, ROS_DOMAIN_ID="7", **own), {})
-        out = self.json("doctor", "ks/enclaves/talker", "--ros", exit=1,
-                        environment={**self.environment(), **own})
-        hint = next(d["hint"] for d in out["diagnostics"] if d["id"] == "DOC096")
-        self.assertIn("export ROS_DOMAIN_ID=7", hint)
-
-    # Measured with a node of ROS 2 Humble, by its ports: rcl reads the variable as strtoul(value, &end, 0) does.
-    def test_the_domain_is_read_as_a_node_reads_it(self):
-        for value, domain in (("010", 8), ("0x10", 16), (" 7", 7), ("+5", 5), ("5abc", 5), ("7 ", 7)):
-            self.assertEqual(self.ros(exit=1, ROS_DOMAIN_ID=value)["DOC096"],
-                             f'ROS_DOMAIN_ID is "{value}", so a node runs in domain {domain}; the documents are for 0')
-
-    def test_names_that_ros_needs(self):
-        told = self.ros(self.paths["correct"], exit=1)
-        self.assertEqual(list(told), ["DOC062", "DOC063", "DOC064", "DOC065", "PERM040"])
-        self.assertIn("identity_ca.pem", told["DOC063"])
-        self.assertIn("ros_discovery_info", told["DOC064"])
-        self.assertIn('is "rt/Square"', told["DOC065"])
-        shop = golden_folders.Workshop(self.at / "shop")
-        made = golden_folders.Folder(shop, self.at / "node")
-        rules = golden_folders.allow("rt/robot1/rosout") + golden_folders.allow("ros_discovery_info")
-        made.sign("permissions", golden_folders.permissions(golden_folders.grant("CN=talker", rules)))
-        self.assertIn("rt/robot1/rosout", self.ros("node", exit=1)["DOC066"])
-
-    def test_hardware_keys_are_not_for_cyclone_dds(self):
-        folder = self.at / "keystore"
-        shutil.copytree(self.paths["sros2-keystore"].parent / "keystore", folder, symlinks=True)
-        enclave = folder / "enclaves/talker_listener/talker"
-        (enclave / "key.p11").write_text("pkcs11:object=talker")
-        variables = {"ROS_SECURITY_KEYSTORE": str(folder), "RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}
-        self.assertIn("key.p11", self.ros(enclave, exit=1, **variables)["DOC063"])
-        variables["RMW_IMPLEMENTATION"] = "rmw_fastrtps_cpp"
-        self.assertNotIn("DOC063", self.ros(enclave, exit=1, **variables))
-
-    def test_shared_memory_that_cyclone_dds_would_use(self):
-        def told(configuration, exit):
-            return self.json("doctor", self.paths["correct"], exit=exit,
-                             environment={"CYCLONEDDS_URI": configuration})
-        out = told("<SharedMemory><Enable>true</Enable></SharedMemory>", 1)
-        self.assertEqual([d["id"] for d in out["diagnostics"]], ["DOC100"])
-        self.assertEqual(out["result"]["verdicts"], dict(zip(VENDORS, ["unsafe", "ok", "late"])))
-        for part in ("<SharedMemory><Enable>true", "CYCLONEDDS_URI", "governance.p7s"):
-            self.assertIn(part, out["diagnostics"][0]["message"])
-        self.assertEqual(told("<General/>", 0)["diagnostics"], [])
-
-    def libraries(self, folder, octets, names=("auth", "ac", "crypto")):
-        (self.at / folder).mkdir(exist_ok=True)
-        for name in names:
-            (self.at / folder / f"libdds_security_{name}.so").write_bytes(shared_library(octets))
-        return str(self.at / folder)
-
-    def test_libraries_with_whole_paths_are_no_question_of_the_shell(self):
-        ours = self.libraries("ours", b"ddssec_\0ddssec plugin version 1.2.3\0")
-        self.run_program("init", "demo", "--dropin", "ours")
-        out = self.json("doctor", "demo/talker", environment={"LD_LIBRARY_PATH": library_path()})
-        self.assertEqual([p["file"] for p in out["result"]["plugins"]],
-                         [f"{ours}/libdds_security_{name}.so" for name in ("auth", "ac", "crypto")])
-        self.assertEqual([d["id"] for d in out["diagnostics"]], ["DOC101"])  # CYCLONEDDS_URI is not set
-        shutil.rmtree(ours)
-        environment = {"LD_LIBRARY_PATH": self.libraries("others", b"ddssec_") + ":" + library_path()}
-        out = self.json("doctor", "demo/talker", exit=1, environment=environment)
-        told = [d for d in out["diagnostics"] if d["id"] != "DOC101"]
-        self.assertEqual([d["id"] for d in told], ["DOC102"])
-        self.assertIn(f"names the library {ours}/libdds_security_auth.so in <Authentication>, which is not on this "
-                      "machine: Cyclone DDS does not start", told[0]["message"])
-        self.assertIn("--dropin DROPIN", told[0]["hint"])
-        self.assertEqual(out["result"]["verdicts"], dict(zip(VENDORS, ["fail", "ok", "fail"])))
-        text = self.run_program("doctor", "demo/talker", exit=1, environment=environment).stdout
-        self.assertIn("  authentication  not found\n", text)
-        self.libraries("ours", b"ddssec_")
-        file = self.at / "demo/talker/cyclonedds.xml"
-        file.write_text(file.read_text().replace("init_crypto", "init_cryptography"))
-        told = self.json("doctor", "demo/talker", exit=1)["diagnostics"]
-        self.assertIn('initFunction="init_cryptography"', [d["message"] for d in told if d["id"] == "DOC102"][0])
-
-    def test_the_plugins_that_cyclone_dds_would_load_are_named(self):
-        ours = self.libraries("ours", b"ddssec_\0ddssec plugin version 1.2.3\0")
-        self.run_program("init", "demo")
-        def plugins(path, exit, folder="demo/talker", **more):
-            out = self.json("doctor", folder, exit=exit, environment={"LD_LIBRARY_PATH": path, **more})
-            return ([(p["role"], p["maker"], p["version"], p["file"]) for p in out["result"]["plugins"]],
-                    [d for d in out["diagnostics"] if d["id"] == "DOC068"])
-        found, told = plugins(ours, 0)
-        self.assertEqual(told, [])
-        self.assertEqual(found[1], ("access control", "ddssec", "1.2.3", f"{ours}/libdds_security_ac.so"))
-        text = self.run_program("doctor", "demo/talker", environment={"LD_LIBRARY_PATH": ours}).stdout
-        self.assertIn("with this LD_LIBRARY_PATH, and CYCLONEDDS_URI set to the folder's cyclonedds.xml, Cyclone DDS would load\n"
-                      f"  authentication  ddssec 1.2.3: {ours}/libdds_security_auth.so\n", text)
-        stock = self.libraries("stock", b"init_crypto")
-        found, told = plugins(stock, 0)
-        self.assertEqual([p[1] for p in found], ["other"] * 3)
-        self.assertIn("runs the stock plugins, not ddssec's: authentication: stock", told[0]["message"])
-        self.assertIn("export LD_LIBRARY_PATH=", told[0]["hint"])
-        text = self.run_program("doctor", "demo/talker", environment={"LD_LIBRARY_PATH": stock}).stdout
-        self.assertNotIn("nothing found", text)
-        named = f"file://{self.at}/demo/talker/cyclonedds.xml"
-        self.assertEqual(plugins(stock, 0, self.paths["correct"], CYCLONEDDS_URI=named)[1], [])
-        told = plugins(f"{stock}:{ours}", 1)[1]
-        self.assertIn("ours/libdds_security_auth.so is ddssec's, and", told[0]["message"])
-        mixed = self.libraries("mixed", b"ddssec_", ["crypto"])
-        told = plugins(f"{mixed}:{stock}", 1)[1]
-        self.assertEqual(told[0]["severity"], "warning")
-        self.assertIn("of two products: authentication: stock, not ddssec's", told[0]["message"])
-        self.assertIn("export LD_LIBRARY_PATH=", told[0]["hint"])
-        # Without a configuration nobody knows the names; CYCLONEDDS_URI comes first.
-        self.assertEqual(plugins(ours, 0, self.paths["correct"]), ([], []))
-        named = f"file://{self.at}/demo/talker/cyclonedds.xml"
-        self.assertEqual(len(plugins(ours, 0, self.paths["correct"], CYCLONEDDS_URI=named)[0]), 3)
-        self.assertEqual(plugins(ours, 0, CYCLONEDDS_URI="<General/>"), ([], []))
-
-    def test_plugin_libraries_are_loaded_apart(self):
-        plugins = self.at / "plugins"
-        plugins.mkdir()
-        (plugins / "libdds_security_auth.so").write_text("not a library")
-        out = self.json("doctor", self.paths["correct"], "--plugins", "plugins", exit=1)
-        self.assertEqual([d["id"] for d in out["diagnostics"]], ["DOC070"] * 3)
-        self.assertEqual(out["result"]["verdicts"], dict(zip(VENDORS, ["ok", "ok", "fail"])))
-        self.assertIn("libdds_security_ac.so (access_control)", out["diagnostics"][1]["message"])
-        system = next(path for path in ("/lib/x86_64-linux-gnu/libm.so.6", "/lib64/libm.so.6",
-                                        "/lib/aarch64-linux-gnu/libm.so.6") if pathlib.Path(path).exists())
-        for name in ("auth", "ac", "crypto"):
-            (plugins / f"libdds_security_{name}.so").unlink(missing_ok=True)
-            (plugins / f"libdds_security_{name}.so").symlink_to(system)
-        out = self.json("doctor", self.paths["correct"], "--plugins", "plugins", exit=1)
-        self.assertEqual([d["id"] for d in out["diagnostics"]], ["DOC071"] * 3)
-        self.assertIn("init_authentication", out["diagnostics"][0]["message"])
-
-    def test_configurations_of_a_folder_that_was_moved(self):
-        self.run_program("init", "demo")
-        self.json("doctor", "demo/talker")
-        (self.at / "demo").rename(self.at / "moved & kept")
-        told = self.json("doctor", "moved & kept/talker", exit=1)["diagnostics"]  # no product finds its files
-        self.assertEqual([(d["id"], d["severity"], pathlib.Path(d["file"]).name) for d in told if d["id"] == "DOC007"],
-                         [("DOC007", "warning", "cyclonedds.xml"), ("DOC007", "warning", "fastdds.xml")])
-        message = next(d["message"] for d in told if d["id"] == "DOC007")
-        self.assertEqual(message, f"cyclonedds.xml names files in {self.at}/demo/talker, and the participant's are in "
-                                  f"{self.at}/moved & kept/talker")
-        # As the hint says.
-        for name in ("cyclonedds.xml", "fastdds.xml"):
-            (self.at / "moved & kept/talker" / name).unlink()
-        self.run_program("identity", "issue", "talker", "--ca", "moved & kept", "-o", "moved & kept/talker")
-        told = self.json("doctor", "moved & kept/talker")["diagnostics"]
-        self.assertNotIn("DOC007", [d["id"] for d in told])
-        # By another path, the folder is the same.
-        (self.at / "link").symlink_to("moved & kept")
-        told = self.json("doctor", "link/talker")["diagnostics"]
-        self.assertNotIn("DOC007", [d["id"] for d in told])
 
     def test_wrong_command_lines(self):
         self.refused("file_not_found", 3, "doctor", "nowhere")

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Finds what the house style forbids and a machine can see. Exit 1 and a line each otherwise."""
+"""Finds what the house style forbids and a machine can see. Exit 1 and a line each otherwise.
+Tests have the same limit of lines, and nothing else of this list."""
 
 import pathlib
 import re
@@ -7,6 +8,7 @@ import sys
 
 SOURCES = ["base", "idl", "pki", "governance", "plugins", "rtps", "secured", "cli", "programs",
            "examples"]
+TEST_SUFFIXES = (".cpp", ".hpp", ".c", ".h", ".py", ".sh")
 MOST_LINES = 500
 
 RULES = [
@@ -37,22 +39,36 @@ def code_only(line):
     return re.sub(r'"(\\.|[^"\\])*"', '""', line).split("//")[0]
 
 
+def too_long(name, lines):
+    return [f"{name}: {len(lines)} lines; is it one thing?"] if len(lines) > MOST_LINES else []
+
+
+def lines_of(file):
+    return file.read_text(encoding="utf-8").splitlines()
+
+
+def long_tests(root):
+    """The number of files, and a line for each that is too long. What others wrote is below tests/data."""
+    tests, data = root / "tests", root / "tests" / "data"
+    files = [p for p in sorted(tests.rglob("*")) if p.suffix in TEST_SUFFIXES and data not in p.parents]
+    return len(files), [line for p in files for line in too_long(p.relative_to(root).as_posix(), lines_of(p))]
+
+
 def main():
     root = pathlib.Path(sys.argv[1]).resolve()
     files = [p for folder in SOURCES for p in sorted((root / folder).rglob("*"))
              if p.suffix in (".cpp", ".hpp", ".c", ".h")]
-    found = []
+    tests, found = long_tests(root)
     for file in files:
         name = file.relative_to(root).as_posix()
-        lines = file.read_text(encoding="utf-8").splitlines()
-        if len(lines) > MOST_LINES:
-            found.append(f"{name}: {len(lines)} lines; is it one thing?")
+        lines = lines_of(file)
+        found += too_long(name, lines)
         for number, line in enumerate(lines, 1):
             for pattern, why, applies in RULES:
                 if applies(name) and pattern.search(code_only(line)):
                     found.append(f"{name}:{number}: {why}")
-    print("\n".join(found) if found else f"{len(files)} files have the shape they should")
-    return 1 if found or not files else 0
+    print("\n".join(found) if found else f"{len(files)} files and {tests} tests have the shape they should")
+    return 1 if found or not files or not tests else 0
 
 
 if __name__ == "__main__":

@@ -169,6 +169,15 @@ inline Token without(Token token, std::string_view name) {
   std::erase_if(token.binary_properties, [&](const auto& p) { return p.name == name; });
   return token;
 }
+/// A request that an attacker can send after seeing an honest one.
+inline Token forged(const Token& request, std::uint8_t number) {
+  return without(with(request, "challenge1", Bytes(32, number)), "hash_c1");
+}
+/// An AuthRequestMessageToken.
+inline Token sample() {
+  return {.class_id = "DDS:Auth:PKI-DH:1.0+AuthReq",
+          .binary_properties = {{"future_challenge", Bytes(32)}}};
+}
 inline Bytes flipped(Bytes octets, std::size_t at) {
   octets.at(at) ^= 1;
   return octets;

@@ -5,92 +5,19 @@
 #include <csignal>
 #include <fcntl.h>
 #include <filesystem>
-#include <poll.h>
 #include <sys/resource.h>
-#include <sys/socket.h>
 #include <sys/stat.h>
-#include <sys/un.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <gmock/gmock.h>
 
-#include "base/status_service.hpp"
 #include "tests/support/expect_code.hpp"
-#include "tests/support/temporary_folder.hpp"
+#include "tests/unit/base/status_socket.hpp"
 
 namespace ddssec {
 namespace {
 
-using namespace std::chrono_literals;
 using std::chrono::steady_clock;
 using testing::HasSubstr;
-namespace fs = std::filesystem;
-
-class Log final : public EventSink {
- public:
-  void raise(const Event& event) override { events.push_back(event); }
-  std::vector<Event> events;
-};
-
-sockaddr_un address_of(const std::string& path) {
-  sockaddr_un out{};
-  out.sun_family = AF_UNIX;
-  path.copy(out.sun_path, sizeof out.sun_path - 1);
-  return out;
-}
-
-Descriptor connected(const std::string& path) {
-  Descriptor out(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
-  const auto address = address_of(path);
-  const auto* const generic = reinterpret_cast<const sockaddr*>(&address);
-  if (::connect(out.number(), generic, sizeof address) != 0) return Descriptor();
-  return out;
-}
-
-/// Empty: nothing came within the time, or nothing at all.
-std::string read_all(const Descriptor& socket, std::chrono::milliseconds within = 30s) {
-  std::string out;
-  char piece[4096];
-  while (true) {
-    pollfd polled{socket.number(), POLLIN, 0};
-    if (::poll(&polled, 1, static_cast<int>(within.count())) != 1) return {};
-    const auto count = ::read(socket.number(), piece, sizeof piece);
-    if (count <= 0) return out;
-    out.append(piece, static_cast<std::size_t>(count));
-  }
-}
-
-std::string answer_at(const std::string& path) { return read_all(connected(path)); }
-
-class Server : public testing::Test {
- protected:
-  Result<std::unique_ptr<StatusServer>> start(StatusServer::Answer answer = [] {
-    return std::string("hello");
-  }) const {
-    return StatusServer::start(folder_.path(), std::move(answer));
-  }
-  std::string path(const std::string& more = "") const {
-    return folder_.path() + "/ddssec-" + std::to_string(pid_) + more + ".sock";
-  }
-  bool has_sockets() const { return !fs::is_empty(folder_.path()); }
-  /// The result of `f` in a child.
-  template <class F>
-  static int in_child(F&& f) {
-    const auto child = ::fork();
-    if (child == 0) ::_exit(f() ? 0 : 1);
-    int status = -1;
-    ::waitpid(child, &status, 0);
-    return status;
-  }
-  template <class F>
-  static int as_another_user(F&& f) {
-    return in_child([&] { return ::setgid(65534) == 0 && ::setuid(65534) == 0 && f(); });
-  }
-
-  const pid_t pid_ = ::getpid();
-  const test::TemporaryFolder folder_;
-};
 
 TEST_F(Server, Client_GetsTheAnswerOfItsMoment) {
   int asked = 0;
@@ -273,50 +200,6 @@ TEST_F(Server, Thread_BlocksSignalsOfTheProcess) {
   answer_at(path());
   EXPECT_EQ(sigismember(&mask, SIGTERM), 1);
   EXPECT_EQ(sigismember(&mask, SIGINT), 1);
-}
-
-// ---- asked for by the environment
-
-class Service : public Server {
- protected:
-  ~Service() override { ::unsetenv("DDSSEC_STATUS_DIR"); }
-  Log log_;
-};
-
-TEST_F(Service, WithoutTheVariable_NoSocketIsOpened) {
-  ::unsetenv("DDSSEC_STATUS_DIR");
-  EXPECT_EQ(documents_shown(&log_), nullptr);
-  ::setenv("DDSSEC_STATUS_DIR", "", 1);
-  EXPECT_EQ(documents_shown(&log_), nullptr);
-  EXPECT_TRUE(log_.events.empty());
-}
-
-TEST_F(Service, AllUsersOfAProcess_ShareOneRecordUntilTheLastLeaves) {
-  ::setenv("DDSSEC_STATUS_DIR", folder_.path().c_str(), 1);
-  auto first = documents_shown(&log_);
-  auto second = documents_shown(&log_);
-  ASSERT_NE(first, nullptr);
-  EXPECT_EQ(first, second);
-  EXPECT_THAT(answer_at(path()), HasSubstr("ddssec-status/1"));
-  first.reset();
-  EXPECT_TRUE(has_sockets());
-  second.reset();
-  EXPECT_FALSE(has_sockets());
-}
-
-TEST_F(Service, ChildOfAProcessThatShows_ShowsNothing) {
-  ::setenv("DDSSEC_STATUS_DIR", folder_.path().c_str(), 1);
-  const auto record = documents_shown(&log_);
-  EXPECT_EQ(in_child([&] { return documents_shown(&log_) == nullptr; }), 0);
-}
-
-TEST_F(Service, FolderThatCannotServe_IsReportedOnce) {
-  ::setenv("DDSSEC_STATUS_DIR", "/nowhere/at/all", 1);
-  EXPECT_EQ(documents_shown(&log_), nullptr);
-  EXPECT_EQ(documents_shown(&log_), nullptr);
-  ASSERT_EQ(log_.events.size(), 1u);
-  EXPECT_EQ(log_.events[0].error.code(), Code::status_not_served);
-  EXPECT_EQ(log_.events[0].proof, PeerProof::not_a_peer);
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
-// Each refusal of handles, tokens and key material, with its own code.
+// Each refusal of handles, tokens and properties, with its own code.
 #include <gtest/gtest.h>
 
-#include "plugins/cryptography/key_material.hpp"
+#include "tests/unit/cryptography/sample_key_material.hpp"
 #include "tests/unit/cryptography/two_sides.hpp"
 
 namespace ddssec::cryptography::testing {
@@ -11,18 +11,6 @@ constexpr auto kEncrypt = ProtectionKind::encrypt;
 constexpr auto kSign = ProtectionKind::sign;
 constexpr auto kNone = ProtectionKind::none;
 constexpr auto kEncryptOrigin = ProtectionKind::encrypt_with_origin_authentication;
-
-KeyMaterial material(TransformKind kind, std::uint8_t id = 1, bool receiver = false) {
-  const auto size = traits_of(kind)->key_size();
-  KeyMaterial out{.kind = kind};
-  out.salt = MasterSalt::copy_of(Bytes(size, 1)).value();
-  out.sender_key_id = KeyId{{0, 0, 0, id}};
-  out.sender_key = MasterKey::copy_of(Bytes(size, 2)).value();
-  if (!receiver) return out;
-  out.receiver_key_id = KeyId{{0, 0, 1, id}};
-  out.receiver_key = MasterReceiverKey::copy_of(Bytes(size, 3)).value();
-  return out;
-}
 
 // Handles
 
@@ -244,67 +232,6 @@ TEST(CryptoTokens, VolatileAndUnprotectedEndpointsHaveNone) {
   EXPECT_EQ(set_writer(two, e, {token}), Code::crypto_tokens_not_expected);
   const auto open = two.endpoints(endpoint_attributes(kNone, kNone));
   EXPECT_EQ(set_writer(two, open, {token}), Code::crypto_tokens_not_expected);
-}
-
-// Key material
-
-TEST(KeyMaterialOctets, TruncatedAnywhereIsRefused) {
-  for (const auto kind : {kAes128Gmac, kAes256Gcm, kChachaPoly1305Mac, kChachaPoly1305})
-    for (const bool receiver : {false, true}) {
-      auto octets = serialize_key_material(material(kind, 1, receiver));
-      for (std::size_t size = 0; size < octets.size(); ++size)
-        EXPECT_EQ(code_of(parse_key_material(BytesView(octets).first(size))),
-                  Code::key_material_length)
-            << size;
-      EXPECT_TRUE(parse_key_material(octets));
-      octets.push_back(0);
-      EXPECT_EQ(code_of(parse_key_material(octets)), Code::key_material_length);
-    }
-}
-
-TEST(KeyMaterialOctets, NoneIsReadInBothSizesOfThePeers) {
-  for (const std::size_t size : {24u, 44u, 128u})
-    EXPECT_TRUE(parse_key_material(Bytes(size)).value().is_none());
-  for (const std::size_t size : {4u, 23u, 129u, 100000u})
-    EXPECT_EQ(code_of(parse_key_material(Bytes(size))), Code::key_material_length);
-  Bytes octets(44);
-  octets[40] = 1;
-  EXPECT_EQ(code_of(parse_key_material(octets)), Code::key_material_length);
-}
-
-TEST(KeyMaterialOctets, UnknownKindsAreRefused) {
-  auto octets = serialize_key_material(material(kAes256Gcm));
-  for (const TransformKind kind : {TransformKind{{0, 0, 0, 5}}, TransformKind{{0, 0, 0, 0x80}},
-                                   TransformKind{{0x56, 0, 0, 0x80}}, TransformKind{{0, 0, 1, 0}},
-                                   TransformKind{{1, 0, 0, 5}}}) {
-    std::ranges::copy(kind.octets, octets.begin());
-    EXPECT_EQ(code_of(parse_key_material(octets)), Code::key_material_kind_unknown);
-  }
-}
-
-TEST(KeyMaterialOctets, LyingLengthsAreRefused) {
-  const auto good = serialize_key_material(material(kAes256Gcm, 1, true));
-  for (const std::size_t length_at : {4u, 44u, 84u})
-    for (std::size_t octet = 0; octet < 4; ++octet)
-      for (const std::uint8_t value : {1, 16, 33, 255}) {
-        auto bad = good;
-        bad[length_at + octet] = value;
-        EXPECT_EQ(code_of(parse_key_material(bad)), Code::key_material_length);
-      }
-}
-
-TEST(KeyMaterialOctets, ZeroKeysAndIdsAreRefused) {
-  const auto good = serialize_key_material(material(kAes256Gcm, 1, true));
-  const auto zeroed = [&](std::size_t at, std::size_t count) {
-    auto bad = good;
-    std::fill_n(bad.begin() + static_cast<std::ptrdiff_t>(at), count, std::uint8_t{0});
-    return code_of(parse_key_material(bad));
-  };
-  EXPECT_EQ(zeroed(8, 32), Code::key_material_all_zero);
-  EXPECT_EQ(zeroed(48, 32), Code::key_material_all_zero);
-  EXPECT_EQ(zeroed(88, 32), Code::key_material_all_zero);
-  EXPECT_EQ(zeroed(40, 4), Code::key_material_key_id) << "0 is the key exchange's";
-  EXPECT_EQ(zeroed(80, 4), Code::key_material_length) << "a receiver key without id";
 }
 
 // Properties

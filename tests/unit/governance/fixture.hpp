@@ -76,4 +76,13 @@ inline Result<Permissions> permissions_from(std::string_view xml) {
   return read_permissions(as_bytes(xml));
 }
 
+/// A change to a good document, and why it is refused then.
+struct Refusal {
+  const char* name;
+  std::string from, to;
+  Code code;
+  int line;
+};
+inline void PrintTo(const Refusal& refusal, std::ostream* out) { *out << refusal.name; }
+
 }  // namespace ddssec::governance

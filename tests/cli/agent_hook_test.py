@@ -1,0 +1,121 @@
+#!/usr/bin/env python3
+"""ddssec agent --hook: what the program that signs gets, and what of its answer is taken."""
+
+import pathlib
+import time
+
+from agent_folders import SIGN, AgentTest
+from transcript import main
+
+
+class Hooks(AgentTest):
+    def test_a_hook_signs_the_request(self):
+        key = self.public_key()
+        event, = self.once("--hook", self.signing_hook(), *self.LATER)
+        self.assertEqual(event["event"], "renewed")
+        self.assertEqual(self.public_key(), key)
+        self.run_program("doctor", "demo/talker", "--now", "+301d")
+
+    def test_its_answer_may_have_a_chain(self):
+        self.once("--hook", self.hook(SIGN.format(ca=self.ca) + f" -days 400\ncat {self.ca}/ca.pem"), *self.LATER)
+        self.assertEqual((self.talker / "cert.pem").read_text().count("BEGIN"), 1)
+
+    def test_a_new_key_for_a_hook(self):
+        key = self.public_key()
+        self.once("--hook", self.signing_hook(), "--rekey", *self.LATER)
+        self.assertNotEqual(self.public_key(), key)
+        self.run_program("doctor", "demo/talker", "--now", "+301d")
+
+    def test_it_gets_words_and_few_variables(self):
+        hook = self.signing_hook(before=f'env >{self.at}/env; echo "$@" >{self.at}/words; pwd >{self.at}/pwd; '
+                                 f'ls /proc/self/fd >{self.at}/fds')
+        self.once("--hook", hook + " plant  7", "--hook-env", "COLOUR", *self.LATER,
+                  environment={"COLOUR": "blue green", "SECRET": "x"})
+        names = {line.split("=")[0] for line in (self.at / "env").read_text().splitlines()}
+        self.assertEqual(names - {"PWD", "_", "SHLVL", "OLDPWD"},
+                         {"PATH", "LC_ALL", "DDSSEC_FOLDER", "DDSSEC_SUBJECT", "COLOUR"})
+        self.assertIn("COLOUR=blue green\n", (self.at / "env").read_text())
+        self.assertEqual(((self.at / "words").read_text(), (self.at / "pwd").read_text()), ("plant 7\n", "/\n"))
+        self.assertLessEqual(len((self.at / "fds").read_text().split()), 4)  # and the one that ls opens
+
+    def test_no_shell_reads_it(self):
+        for hook in ("true", "/bin/sh -c 'x'", "/bin/echo $HOME", "/bin/a;/bin/b", "/bin/a|b", ""):
+            done = self.run_program("agent", "demo/talker", "--once", "--hook=" + hook, exit=2)
+            self.assertEqual(done.stdout, "")
+
+    def test_a_program_that_others_can_change(self):
+        self.refused("hook_unsafe", "--hook", self.hook("true", 0o777), *self.LATER, exit=4)
+
+    def test_one_that_fails(self):
+        event = self.refused("hook_failed", "--hook", self.hook("echo secret; exit 3"), *self.LATER)
+        self.assertIn("exit code 3", event["message"])
+        self.assertNotIn("secret", str(event))
+        self.refused("hook_failed", "--hook", "/no/such/program", *self.LATER)
+        self.refused("hook_failed", "--hook", self.hook("kill -9 $$"), *self.LATER)
+
+    def test_one_that_hangs_is_ended_with_all_that_it_started(self):
+        hook = self.hook(f"sleep 300 & echo $! >{self.at}/pid; sleep 300")
+        begin = time.monotonic()
+        self.refused("hook_too_slow", "--hook", hook, "--hook-timeout", "1", *self.LATER)
+        self.assertLess(time.monotonic() - begin, 20)
+        pid = int((self.at / "pid").read_text())
+        status = pathlib.Path(f"/proc/{pid}/stat")
+        while status.exists() and ") Z" not in status.read_text() and time.monotonic() - begin < 40:
+            time.sleep(0.05)  # a killed process needs a moment to end
+        self.assertRegex(status.read_text() if status.exists() else ") Z", r"\) Z")
+
+    def test_one_that_writes_without_end(self):
+        self.refused("hook_too_long", "--hook", self.hook("exec yes"), *self.LATER)
+
+    def test_answers_that_are_none(self):
+        self.refused("certificate_malformed", "--hook", self.hook("echo hello"), *self.LATER, exit=3)
+        self.refused("certificate_malformed", "--hook", self.hook("true"), *self.LATER, exit=3)
+
+    def test_another_subject(self):
+        event = self.refused("renewal_unfit", "--hook", self.signing_hook("-days", "400", "-subj",
+                                                                         "/CN=admin"), *self.LATER)
+        self.assertIn("CN=admin", event["message"])
+
+    def test_the_same_subject_in_another_encoding(self):
+        request = self.at / "other.csr"
+        (self.at / "cnf").write_text("[req]\nprompt=no\nstring_mask=pkix\ndistinguished_name=dn\n[dn]\nCN=talker\n")
+        self.openssl("req", "-new", "-config", "cnf", "-key", self.talker / "key.pem", "-out", request)
+        event = self.refused("renewal_unfit", "--hook", self.signing_hook("-days", "400", "-in", str(request)), *self.LATER)
+        self.assertIn("encoding", event["message"])
+
+    def test_another_key(self):
+        request = self.at / "other.csr"
+        self.openssl("req", "-new", "-key", self.at / "demo/listener/key.pem", "-subj", "/CN=talker", "-out", request)
+        self.refused("key_mismatch", "--hook", self.signing_hook("-days", "400", "-in", str(request)), *self.LATER)
+
+    def test_a_certificate_of_a_ca(self):
+        (self.at / "ext").write_text("basicConstraints=critical,CA:TRUE\n")
+        self.refused("renewal_unfit", "--hook", self.signing_hook("-days", "400", "-extfile", f"{self.at}/ext"), *self.LATER)
+
+    def test_another_issuer(self):
+        self.run_program("ca", "create", "other", "--role", "identity", "--no-passphrase")
+        self.ca = self.at / "other"
+        self.refused("issuer_unknown", "--hook", self.signing_hook(), *self.LATER)
+
+    def test_a_revoked_one(self):
+        """By a list that has expired, too."""
+        hook = self.signing_hook("-days", "400")
+        text = (self.at / "hook").read_text().replace("$(openssl rand -hex 16)", "77")
+        (self.at / "hook").write_text(text)
+        (self.at / "one.csr").write_text(self.openssl("req", "-new", "-key", self.talker / "key.pem", "-subj", "/CN=talker"))
+        (self.at / "bad.pem").write_text(self.openssl("x509", "-req", "-in", "one.csr", "-CA", self.ca / "ca.pem", "-CAkey",
+                                                      self.ca / "ca.key.pem", "-set_serial", "0x77", "-days", "400"))
+        self.run_program("identity", "revoke", "bad.pem", "--ca", "demo", "--subject", "CN=talker")
+        (self.talker / "crl.pem").write_bytes((self.ca / "crl.pem").read_bytes())  # ends before self.LATER
+        self.refused("certificate_revoked", "--hook", hook, *self.LATER)
+
+    def test_one_that_ends_no_later(self):
+        self.refused("renewal_goes_back", "--hook", self.signing_hook("-days", "320"), *self.LATER)
+        self.refused("renewal_goes_back", "--hook", self.hook(f"cat {self.talker}/cert.pem"), *self.LATER)
+
+    def test_one_that_is_not_valid_now(self):
+        self.refused("certificate_expired", "--hook", self.signing_hook("-days", "30"), *self.LATER)
+
+
+if __name__ == "__main__":
+    main()

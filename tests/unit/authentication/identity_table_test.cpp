@@ -1,0 +1,100 @@
+// Handles that were returned or never given out, and how many identities and handshakes there are.
+#include "tests/unit/authentication/fixture.hpp"
+
+namespace ddssec::authentication {
+namespace {
+
+TEST(Handles, ThatWereNeverGivenOutOrReturnedAreRefused) {
+  Pairing pairing;
+  auto& two = pairing.two;
+  auto& engine = *two.low.engine;
+  const HandshakeHandle nobody{99};
+  EXPECT_CODE(engine->process_handshake(nobody, {}), unknown_handshake);
+  EXPECT_CODE(engine->shared_secret(nobody), unknown_handshake);
+  EXPECT_CODE(engine->authenticated_peer_credential_token(nobody), unknown_handshake);
+  EXPECT_CODE(engine->return_handshake_handle(nobody), unknown_handshake);
+  EXPECT_CODE(engine->return_identity_handle({99}), unknown_identity);
+  EXPECT_CODE(engine->identity_token({99}), unknown_identity);
+  EXPECT_CODE(engine->identity_status_token({}), unknown_identity);
+  EXPECT_CODE(engine->begin_handshake_request(two.low.handle, {99}, two.low.data),
+              unknown_identity);
+  EXPECT_CODE(engine->begin_handshake_request({99}, two.high_at_low, two.low.data),
+              unknown_identity);
+  // A local handle is no remote one.
+  EXPECT_CODE(engine->begin_handshake_request(two.low.handle, two.low.handle, two.low.data),
+              unknown_identity);
+}
+
+TEST(Handles, ReturningTheRemoteDropsItsHandshakes) {
+  Pairing pairing;
+  auto& two = pairing.two;
+  auto& engine = *two.low.engine;
+  const auto req = two.request();
+  ASSERT_OK(req);
+  ASSERT_OK(engine->return_identity_handle(two.high_at_low));
+  EXPECT_CODE(two.at_low(req->handle, {}), unknown_handshake);
+  EXPECT_CODE(engine->return_identity_handle(two.high_at_low), unknown_identity);
+  EXPECT_CODE(two.request(), unknown_identity);
+}
+
+TEST(Handles, ReturningTheLocalDropsItsHandshakes) {
+  Pairing pairing;
+  auto& two = pairing.two;
+  auto& engine = *two.low.engine;
+  const auto req = two.request();
+  ASSERT_OK(req);
+  ASSERT_OK(engine->return_identity_handle(two.low.handle));
+  EXPECT_CODE(two.at_low(req->handle, {}), unknown_handshake);
+  EXPECT_FALSE(engine->next_expiry());
+}
+
+TEST(Handles, ARemoteThatWasNotValidatedForThisLocalIsUnknown) {
+  Pairing pairing;
+  Participant second(*pairing.two.low.engine, make_identity(test_ca(), "CN=second"), 5);
+  EXPECT_CODE((*pairing.two.low.engine)
+                  ->begin_handshake_request(second.handle, pairing.two.high_at_low, second.data),
+              unknown_identity);
+}
+
+// ---- bounds
+
+TEST(Bounds, LocalIdentities) {
+  Engine engine(1, {.most_local_identities = 1});
+  const auto identity = make_identity(test_ca(), "CN=ours");
+  Participant us(engine, identity, 1);
+  EXPECT_CODE(engine->validate_local_identity(0, identity.properties, candidate(2)),
+              too_many_local_identities);
+}
+
+TEST(Bounds, PendingRepliesGiveWayToTheHonestOneInTime) {
+  Pairing pairing;
+  auto& two = pairing.two;
+  const auto req = two.request();
+  for (std::uint8_t i = 0; i < kMostPendingPerPair; ++i)
+    ASSERT_OK(two.reply(forged(*req->message, i)));
+  EXPECT_CODE(two.reply(*req->message), too_many_handshakes);
+  two.high.engine->clock.advance(kPendingAge);
+  const auto rep = two.reply(*req->message);
+  ASSERT_OK(rep);
+  pairing.expect_finish(*req, *rep);
+}
+
+TEST(Bounds, FinishedHandshakesOfAPairAreFew) {
+  Pairing pairing;
+  std::vector<HandshakeHandle> handles;
+  for (int i = 0; i < 10; ++i) {
+    const auto req = pairing.two.request();
+    const auto rep = pairing.two.reply(*req->message);
+    ASSERT_OK(rep);
+    pairing.expect_finish(*req, *rep);
+    handles.push_back(req->handle);
+  }
+  std::size_t known = 0;
+  for (const auto handle : handles)
+    known += (*pairing.two.low.engine)->shared_secret(handle).has_value();
+  EXPECT_LE(known, 5u);
+  EXPECT_TRUE((*pairing.two.low.engine)->shared_secret(handles.back()));
+}
+
+}  // namespace
+}  // namespace ddssec::authentication

@@ -1,0 +1,133 @@
+// How many remote identities there may be, in total and of one certificate.
+#include "tests/unit/authentication/fixture.hpp"
+
+namespace ddssec::authentication {
+namespace {
+
+TEST(Bounds, RemoteIdentities) {
+  Engine engine(1, {.most_remote_identities = 3});
+  Participant us(engine, make_identity(test_ca(), "CN=ours"), 1);
+  const Token token{"DDS:Auth:PKI-DH:1.0"};
+  for (std::uint8_t i = 0; i < 3; ++i)
+    ASSERT_OK(engine->validate_remote_identity(us.handle, {}, token, candidate(0x80 + i)));
+  EXPECT_CODE(engine->validate_remote_identity(us.handle, {}, token, candidate(0x90)),
+              too_many_remote_identities);
+  // Those that are known are not affected, and one that leaves makes room.
+  const auto known = engine->validate_remote_identity(us.handle, {}, token, candidate(0x80));
+  ASSERT_OK(known);
+  ASSERT_OK(engine->return_identity_handle(known->handle));
+  EXPECT_TRUE(engine->validate_remote_identity(us.handle, {}, token, candidate(0x90)));
+}
+
+/// A process whose participants share one certificate.
+struct Fleet {
+  explicit Fleet(const std::string& subject, std::uint64_t seed)
+      : engine(seed), identity(make_identity(test_ca(), subject, {}, kYear, 1)) {}
+  /// One more authenticates with `us`; the error of the call in which `us` refuses it.
+  Result<IdentityHandle> join(Participant& us) {
+    members.push_back(std::make_unique<Participant>(engine, identity,
+                                                    static_cast<std::uint8_t>(members.size() + 1)));
+    auto& member = *members.back();
+    if (auto known = us.discover(member); !known) return std::unexpected(known.error());
+    Two two(us, member);
+    const bool we_begin = &two.low == &us;
+    const auto request = two.request();
+    const auto reply = two.reply(*request->message);
+    const auto final = two.at_low(request->handle, *reply->message);
+    if (!final) return std::unexpected(final.error());
+    if (const auto end = two.at_high(reply->handle, *final->message); !end)
+      return std::unexpected(end.error());
+    return we_begin ? two.high_at_low : two.low_at_high;
+  }
+  Engine engine;
+  Identity identity;
+  std::vector<std::unique_ptr<Participant>> members;
+};
+
+TEST(Bounds, ACertificateThatFillsItsShareLeavesRoomForAnother) {
+  Engine engine(1, {.most_remote_identities = 8, .most_identities_of_a_subject = 3});
+  Participant us(engine, make_identity(test_ca(), "CN=ours"), 1);
+  Fleet greedy("CN=greedy", 2), honest("CN=honest", 3);
+  IdentityHandle last;
+  for (int i = 0; i < 3; ++i) {
+    const auto joined = greedy.join(us);
+    ASSERT_OK(joined);
+    last = *joined;
+  }
+  const auto refused = greedy.join(us);
+  EXPECT_CODE(refused, too_many_identities_of_subject);
+  EXPECT_TRUE(spi::refusal_passes(refused.error().code()));
+  const auto& told = engine.events.events.back().error;
+  EXPECT_NE(told.to_sentence().find("CN=greedy"), std::string::npos);
+  EXPECT_NE(told.to_sentence().find("at most 3 participants"), std::string::npos);
+  EXPECT_TRUE(honest.join(us));
+  // One that leaves makes room.
+  ASSERT_OK(engine->return_identity_handle(last));
+  EXPECT_TRUE(greedy.join(us));
+}
+
+TEST(Bounds, NoSubjectTakesTheLastPlaces) {
+  Engine engine(1, {.most_remote_identities = 8});
+  Participant us(engine, make_identity(test_ca(), "CN=ours"), 1);
+  std::vector<int> joined;
+  for (std::uint64_t number = 2; number < 8; ++number) {
+    Fleet fleet("CN=fleet " + std::to_string(number), number);
+    joined.push_back(0);
+    while (fleet.join(us)) ++joined.back();
+  }
+  EXPECT_EQ(joined, (std::vector{4, 2, 1, 1, 0, 0}));
+  EXPECT_CODE(us.discover(Participant(engine, make_identity(test_ca(), "CN=one more"), 9)),
+              too_many_remote_identities);
+}
+
+TEST(Bounds, InventedParticipantsAreCountedApart) {
+  Engine engine(1, {.most_remote_identities = 4, .most_identities_of_a_subject = 4});
+  Participant us(engine, make_identity(test_ca(), "CN=ours"), 1);
+  Fleet fleet("CN=fleet", 2);
+  std::vector<IdentityHandle> invented;
+  const auto invent = [&](std::uint8_t number) -> Status {
+    const auto known = engine->validate_remote_identity(us.handle, {}, {"DDS:Auth:PKI-DH:1.0"},
+                                                        candidate(0x80 + number));
+    if (!known) return std::unexpected(known.error());
+    invented.push_back(known->handle);
+    return {};
+  };
+  for (std::uint8_t i = 0; i < 3; ++i) ASSERT_OK(invent(i));
+  // They leave no room but for one claim at a time; who proves one frees it.
+  EXPECT_TRUE(fleet.join(us));
+  EXPECT_TRUE(fleet.join(us));
+  ASSERT_OK(invent(3));
+  const auto refused = fleet.join(us);
+  EXPECT_CODE(refused, too_many_remote_identities);
+  EXPECT_TRUE(spi::refusal_passes(refused.error().code()));
+  ASSERT_OK(engine->return_identity_handle(invented.back()));
+  EXPECT_FALSE(fleet.join(us));  // two of four: no more than are free
+  EXPECT_TRUE(Fleet("CN=another", 3).join(us));
+}
+
+TEST(Bounds, AShareIsCheckedAgainWhenAClaimIsProven) {
+  Engine engine(1, {.most_identities_of_a_subject = 1});
+  Participant us(engine, make_identity(test_ca(), "CN=ours"), 1);
+  Fleet fleet("CN=fleet", 2);
+  Participant first(fleet.engine, fleet.identity, 1), second(fleet.engine, fleet.identity, 2);
+  Two with_first(us, first), with_second(us, second);
+  const auto shake = [](Two& two) -> Status {
+    const auto request = two.request();
+    const auto reply = two.reply(*request->message);
+    const auto final = two.at_low(request->handle, *reply->message);
+    if (!final) return std::unexpected(final.error());
+    const auto end = two.at_high(reply->handle, *final->message);
+    return end ? Status() : std::unexpected(end.error());
+  };
+  ASSERT_OK(shake(with_first));
+  EXPECT_CODE(shake(with_second), too_many_identities_of_subject);
+  // Who is counted may authenticate again; and what is counted is forgotten with it.
+  EXPECT_TRUE(shake(with_first));
+  const bool we_begin = &with_first.low == &us;
+  ASSERT_OK(
+      engine->return_identity_handle(we_begin ? with_first.high_at_low : with_first.low_at_high));
+  EXPECT_TRUE(shake(with_second));
+}
+
+}  // namespace
+}  // namespace ddssec::authentication

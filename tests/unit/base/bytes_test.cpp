@@ -1,0 +1,27 @@
+#include "base/bytes.hpp"
+
+#include <gtest/gtest.h>
+
+namespace ddssec {
+namespace {
+
+TEST(Hex, RefusesWhatIsNotHexadecimal) {
+  EXPECT_EQ(from_hex("0g"), std::nullopt);
+  EXPECT_EQ(from_hex("abc"), std::nullopt);
+  EXPECT_EQ(from_hex("aBcD"), (Bytes{0xab, 0xcd}));
+}
+
+TEST(Hex, IsLowerCaseWithBothDigits) {
+  EXPECT_EQ(to_hex(Bytes{0x00, 0x0f, 0xa0, 0xff}), "000fa0ff");
+  EXPECT_EQ(to_hex({}), "");
+  EXPECT_EQ(from_hex(""), Bytes());
+}
+
+TEST(Text, ViewsHoldEveryOctet) {
+  const std::string_view text("a\0\xff", 3);
+  EXPECT_EQ(to_bytes(as_bytes(text)), (Bytes{'a', 0, 0xff}));
+  EXPECT_EQ(as_text(as_bytes(text)), text);
+}
+
+}  // namespace
+}  // namespace ddssec

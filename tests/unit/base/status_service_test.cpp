@@ -1,0 +1,64 @@
+// The record and its socket, if the environment asks for them.
+#include "base/status_service.hpp"
+
+#include <cstdlib>
+
+#include <gmock/gmock.h>
+
+#include "tests/unit/base/status_socket.hpp"
+
+namespace ddssec {
+namespace {
+
+using testing::HasSubstr;
+
+class Log final : public EventSink {
+ public:
+  void raise(const Event& event) override { events.push_back(event); }
+  std::vector<Event> events;
+};
+
+class Service : public Server {
+ protected:
+  ~Service() override { ::unsetenv("DDSSEC_STATUS_DIR"); }
+  Log log_;
+};
+
+TEST_F(Service, WithoutTheVariable_NoSocketIsOpened) {
+  ::unsetenv("DDSSEC_STATUS_DIR");
+  EXPECT_EQ(documents_shown(&log_), nullptr);
+  ::setenv("DDSSEC_STATUS_DIR", "", 1);
+  EXPECT_EQ(documents_shown(&log_), nullptr);
+  EXPECT_TRUE(log_.events.empty());
+}
+
+TEST_F(Service, AllUsersOfAProcess_ShareOneRecordUntilTheLastLeaves) {
+  ::setenv("DDSSEC_STATUS_DIR", folder_.path().c_str(), 1);
+  auto first = documents_shown(&log_);
+  auto second = documents_shown(&log_);
+  ASSERT_NE(first, nullptr);
+  EXPECT_EQ(first, second);
+  EXPECT_THAT(answer_at(path()), HasSubstr("ddssec-status/1"));
+  first.reset();
+  EXPECT_TRUE(has_sockets());
+  second.reset();
+  EXPECT_FALSE(has_sockets());
+}
+
+TEST_F(Service, ChildOfAProcessThatShows_ShowsNothing) {
+  ::setenv("DDSSEC_STATUS_DIR", folder_.path().c_str(), 1);
+  const auto record = documents_shown(&log_);
+  EXPECT_EQ(in_child([&] { return documents_shown(&log_) == nullptr; }), 0);
+}
+
+TEST_F(Service, FolderThatCannotServe_IsReportedOnce) {
+  ::setenv("DDSSEC_STATUS_DIR", "/nowhere/at/all", 1);
+  EXPECT_EQ(documents_shown(&log_), nullptr);
+  EXPECT_EQ(documents_shown(&log_), nullptr);
+  ASSERT_EQ(log_.events.size(), 1u);
+  EXPECT_EQ(log_.events[0].error.code(), Code::status_not_served);
+  EXPECT_EQ(log_.events[0].proof, PeerProof::not_a_peer);
+}
+
+}  // namespace
+}  // namespace ddssec

@@ -1,0 +1,118 @@
+// Rules, and parts of rules, that can never apply (PERM012).
+#include <algorithm>
+#include <ctime>
+
+#include "tests/unit/governance/permissions_lint.hpp"
+
+namespace ddssec::governance {
+namespace {
+
+TEST(LintPermissions, ADenyRuleBehindWhatItDeniesIsAnError) {
+  const auto found = only(with_rules({rule(true, {"rt*"}), rule(false, {"rtb", "rta*"})}));
+  EXPECT_EQ(found.rule, ddssec::Rule::PERM012);
+  EXPECT_EQ(found.severity, Severity::error);
+  EXPECT_EQ(found.message,
+            "deny_rule 2 can never apply: to publish \"rtb\", \"rt*\" (allow_rule 1, line 16) "
+            "already decides for every name it matches");
+  EXPECT_EQ(found.path, "/dds/permissions/grant[1]/deny_rule[1]");
+}
+
+TEST(LintPermissions, DeadPartsOfARuleAreNamedOneByOne) {
+  const auto found = only(with_rules({rule(false, {"a*"}), rule(true, {"b", "ab"})}));
+  EXPECT_EQ(found.rule, ddssec::Rule::PERM012);
+  EXPECT_EQ(found.severity, Severity::warning);
+  EXPECT_TRUE(found.message.starts_with("to publish \"ab\" can never apply in allow_rule 2"));
+  EXPECT_EQ(only(with(rights({"a*", "ab"}))).severity, Severity::informational);
+}
+
+// What another domain, partition or data tag needs is not dead.
+TEST(LintPermissions, DeadNeedsTheSameCircumstances) {
+  auto first = rule(true, {"*"}), second = rule(true, {"a"});
+  second.domains.ranges = {{0, 1}};
+  EXPECT_TRUE(lint_but_joining(with_rules({first, second})).empty());
+  first.domains.ranges = {{0, 0}, {1, 5}};
+  EXPECT_EQ(only(with_rules({first, second})).rule, ddssec::Rule::PERM012);
+  second.publish[0].data_tags = std::vector<DataTag>{{"x", "y"}};
+  for (const auto& finding : lint_but_joining(with_rules({first, second})))
+    EXPECT_EQ(finding.rule, ddssec::Rule::PERM014);
+}
+
+TEST(LintPermissions, PartitionsOfDeadRules) {
+  const auto dead = [](std::vector<std::string> earlier, bool earlier_allows,
+                       std::vector<std::string> later, bool later_allows) {
+    auto a = rule(earlier_allows, {"*"}), b = rule(later_allows, {"a"});
+    const auto set = [](Rule& r, const auto& names) {
+      if (names.empty()) return;
+      r.publish[0].partitions.emplace();
+      for (const auto& name : names) r.publish[0].partitions->push_back({name, 0});
+    };
+    set(a, earlier), set(b, later);
+    const auto found = lint_but_joining(with_rules({a, b}));
+    return std::ranges::any_of(found,
+                               [](const Finding& f) { return f.rule == ddssec::Rule::PERM012; });
+  };
+  EXPECT_TRUE(dead({}, false, {"x"}, true));
+  EXPECT_TRUE(dead({}, false, {"x"}, false));
+  EXPECT_FALSE(dead({}, true, {"x"}, true));
+  EXPECT_TRUE(dead({}, true, {}, false));  // who has partitions is denied by default
+  EXPECT_TRUE(dead({}, true, {"x"}, false));
+  EXPECT_TRUE(dead({"x*"}, true, {"xy", "xz"}, true));
+  EXPECT_FALSE(dead({"x*"}, true, {"xy", "z"}, true));
+  EXPECT_FALSE(dead({"x*"}, true, {"xy"}, false));
+  EXPECT_TRUE(dead({"x*"}, false, {"xy"}, true));
+  EXPECT_TRUE(dead({"x*"}, false, {"xy"}, false));
+  EXPECT_FALSE(dead({"x*"}, false, {}, true));
+  EXPECT_FALSE(dead({"x*"}, false, {}, false));
+}
+
+TEST(LintPermissions, ExpressionsThatMatchNoName) {
+  const auto dead = [](const Permissions& document) {
+    auto found = lint(document);
+    std::erase_if(found, [](const Finding& f) { return f.rule != ddssec::Rule::PERM012; });
+    return found;
+  };
+  auto found = dead(with_rules({rule(true, {"[z-a]", "b"})}));
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].severity, Severity::warning);
+  EXPECT_EQ(found[0].message,
+            "to publish \"[z-a]\" can never apply in allow_rule 1: no name matches "
+            "\"[z-a]\"");
+  EXPECT_EQ(found[0].hint, "write what the expression is meant to match, or delete it");
+  found = dead(with_rules({rule(true, {}), rule(false, {"[z-a]"}), rule(true, {"*"})}));
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].severity, Severity::error) << "nothing is denied";
+  auto partitioned = rule(false, {"a"});
+  partitioned.publish[0].partitions = {{"p\\", 0}};
+  found = dead(with_rules({rule(true, {}), partitioned, rule(true, {"*"})}));
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].message, "a <partition> can never apply: no name matches \"p\\\"");
+  EXPECT_EQ(found[0].severity, Severity::error);
+  const auto subject = [](const char* text) {
+    return changed([&](Grant& g) {
+      g.subject_is_expression = true;
+      g.subject_name = text;
+    });
+  };
+  found = dead(subject("CN=[/a]"));
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].message, "the grant can never apply: no name matches \"CN=[/a]\"");
+  EXPECT_TRUE(dead(subject("CN=[\\\\a]*")).empty());
+}
+
+// A newcomer's list of denials must not take minutes, and what was not looked at is said.
+TEST(LintPermissions, RulesThatTakeTooLongToCompareAreTold) {
+  std::vector<Rule> rules;
+  for (int i = 0; i < 400; ++i)
+    rules.push_back(rule(false, {(i % 2 ? "*a" : "*b") + std::string(i % 40, '?')}));
+  rules.push_back(rule(true, {"*"}));
+  const auto begin = std::clock();
+  const auto found = lint_but_joining(with_rules(std::move(rules)));
+  EXPECT_LT(std::clock() - begin,
+            10 * CLOCKS_PER_SEC);  // of a processor; 1 s, without the bound 10 s
+  EXPECT_TRUE(std::ranges::any_of(found, [](const Finding& f) {
+    return f.rule == ddssec::Rule::PERM012 && f.message.contains("take too long to compare");
+  }));
+}
+
+}  // namespace
+}  // namespace ddssec::governance

@@ -1,0 +1,92 @@
+// A CA file that is replaced while a participant runs.
+#include "pki/authority_watch.hpp"
+
+#include "tests/support/temporary_folder.hpp"
+#include "tests/unit/pki/fixture.hpp"
+
+namespace ddssec::pki {
+namespace {
+
+class AuthorityWatchTest : public testing::Test {
+ protected:
+  using Authorities = AuthorityWatch::Authorities;
+  static std::string pem(const Authorities& all) {
+    std::string out;
+    for (const auto& one : all) out += one.pem();
+    return out;
+  }
+  void put(const Authorities& all) { folder_.replace("ca.pem", pem(all)); }
+  Result<bool> look(Status answer = {}) {
+    now_ += 5s;
+    const auto former = in_force_;
+    return watch_.look(now_, former, [&](const Authorities& next) -> Status {
+      ++judged_;
+      if (answer) in_force_ = next;
+      return answer;
+    });
+  }
+
+  const Certificate one_ = make_ca("CN=One").certificate(), two_ = make_ca("CN=Two").certificate();
+  Authorities in_force_ = {one_, two_};
+  const test::TemporaryFolder folder_;
+  AuthorityWatch watch_{{.uri = "file:" + folder_.write("ca.pem", pem(in_force_)),
+                         .name = "the.property",
+                         .most = 0,
+                         .refused = Code::identity_renewal_refused,
+                         .stays = "the former CAs stay"},
+                        5s};
+  std::chrono::nanoseconds now_{0};
+  int judged_ = 0;
+};
+
+TEST_F(AuthorityWatchTest, SameAuthoritiesInAnotherOrder_AreNoChange) {
+  EXPECT_EQ(look(), false);
+  put({two_, one_});
+  EXPECT_EQ(look(), false);
+  put({two_, one_, one_});
+  EXPECT_EQ(look(), false);
+  EXPECT_EQ(judged_, 0);
+}
+
+TEST_F(AuthorityWatchTest, AddedAndRemovedAuthorities_AreTaken) {
+  const auto three = make_ca("CN=Three").certificate();
+  put({one_, two_, three});
+  EXPECT_EQ(look(), true);
+  put({three});
+  EXPECT_EQ(look(), true);
+  EXPECT_EQ(in_force_, Authorities{three});
+  EXPECT_EQ(judged_, 2);
+}
+
+TEST_F(AuthorityWatchTest, RemovedAuthority_DoesNotComeBack) {
+  put({two_});
+  EXPECT_EQ(look(), true);
+  put({one_, two_});
+  EXPECT_EQ(look(), false);
+  const auto refused = look();
+  EXPECT_CODE(refused, identity_renewal_refused);
+  EXPECT_NE(refused.error().details().note.find(info(Code::ca_put_back).summary),
+            std::string::npos);
+  EXPECT_EQ(in_force_, Authorities{two_});
+  EXPECT_EQ(judged_, 1);
+  ASSERT_TRUE(watch_.refused());
+}
+
+TEST_F(AuthorityWatchTest, RefusedAuthorities_AreNotWithdrawnAndReported) {
+  put({two_});
+  EXPECT_EQ(look(fail(Code::malformed)), false);
+  EXPECT_CODE(look(fail(Code::malformed)), identity_renewal_refused);
+  put({one_, two_});
+  EXPECT_EQ(look(), false);
+  EXPECT_FALSE(watch_.refused());
+}
+
+TEST_F(AuthorityWatchTest, FileWithoutACertificate_IsReported) {
+  folder_.replace("ca.pem", "nonsense");
+  EXPECT_EQ(look(), false);
+  EXPECT_CODE(look(), identity_renewal_refused);
+  EXPECT_EQ(judged_, 0);
+}
+
+}  // namespace
+}  // namespace ddssec::pki
