@@ -118,12 +118,22 @@ bool is_news(Code code) {
   }
 }
 
+namespace {
+
+/// The same for all participants of one certificate: the first six octets of an authenticated
+/// participant's GUID follow from the subject (DDS-Security 1.2, clause 10.3.3).
+std::string certificate_of(const Event& event) {
+  constexpr std::size_t kDigits = 12;
+  return event.peer_subject.empty() ? event.guid.substr(0, kDigits) : event.peer_subject;
+}
+
+}  // namespace
+
 void RateLimitedSink::raise(const Event& event) {
   const auto& d = event.error.details();
   const auto code = std::to_string(static_cast<int>(event.error.code()));
   const bool is_claimed = names_an_unproven_peer(event);
   const bool is_proven = event.proof == PeerProof::authenticated;
-  const auto& peer = event.peer_subject.empty() ? event.guid : event.peer_subject;
   auto reason = fmt::format("{}\n{}\n{}", code, event.guid, d.document);
   if (!is_claimed) reason += fmt::format("\n{}\n{}\n{}", event.peer_subject, d.field, d.expected);
   // In a notice about the local participant no peer chooses the text, and each change of state is
@@ -135,7 +145,9 @@ void RateLimitedSink::raise(const Event& event) {
 
   const std::lock_guard lock(mutex_);
   const auto now = clock_.monotonic();
-  auto& share = is_claimed ? claimed_ : is_proven ? share_of(code + "\n" + peer, now) : ours_;
+  auto& share = is_claimed  ? claimed_
+                : is_proven ? share_of(code + "\n" + certificate_of(event), now)
+                            : ours_;
   const auto most = is_claimed ? kMostClaimed : is_proven ? kMostOfAPeer : kMostRemembered;
   const bool passes = has_room(share, most, reason, now)
                           ? may_pass(share, reason, now)

@@ -84,6 +84,7 @@ inline constexpr Id kVendorSpecific = 0x8000;
 
 // Specific to Cyclone DDS:
 inline constexpr Id kAdlinkParticipantVersionInfo = 0x8007;
+inline constexpr Id kAdlinkSubscriptionKeys = 0x800f;
 inline constexpr Id kCycloneTopicGuid = 0x801b;
 
 // Specific to ddssec:

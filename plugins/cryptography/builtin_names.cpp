@@ -178,7 +178,7 @@ Status ParameterWalk::begin_parameter(const BuiltinTopic& topic) {
   if (id_ == pid::kTypeInformation) DDSSEC_RETURN_IF_ERROR(note_type_information(topic));
   if (id_ == pid::kPartition) return begin_partitions(topic);
   DDSSEC_RETURN_IF_ERROR(count_locator(topic));
-  if (id_ == pid::kPropertyList) properties_ += length_;
+  if (id_ == pid::kPropertyList || id_ == pid::kAdlinkSubscriptionKeys) properties_ += length_;
   if (begin_security_info()) return {};
   if (!name_of(topic, id_)) {
     to_skip_ = length_;

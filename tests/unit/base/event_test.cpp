@@ -136,6 +136,21 @@ TEST(RateLimitedSink, OfACrowdOfAuthenticatedPeersEachCodeIsStillTold) {
   EXPECT_EQ(recorder.events[0].error.code(), Code::usage);
 }
 
+// Some events name a peer by its GUID alone.
+TEST(RateLimitedSink, ParticipantsOfOneCertificate_HaveOneShare) {
+  Recorder recorder;
+  ManualClock clock(kStart);
+  RateLimitedSink sink(recorder, clock);
+  const auto of_guid = [](std::string guid) {
+    return Event(Error(Code::malformed), "", std::move(guid), PeerProof::authenticated);
+  };
+  for (int i = 1000; i < 6'000; ++i) sink.raise(of_guid("8123456789ab" + std::to_string(i)));
+  EXPECT_LE(recorder.events.size(), RateLimitedSink::kMostOfAPeer + 1);
+  recorder.events.clear();
+  for (int i = 0; i < 3; ++i) sink.raise(of_guid("8123456789a" + std::to_string(i) + "0001"));
+  EXPECT_EQ(recorder.events.size(), 3u);
+}
+
 TEST(RateLimitedSink, AFloodOfDifferentEventsIsBounded) {
   Recorder recorder;
   ManualClock clock(kStart);

@@ -211,12 +211,15 @@ TEST(CostlyLocators, ThoseBeyondFourCountAsFourKibibytesEach) {
   EXPECT_EQ(cost(16), 1000u + (3 * 16 + 3 * 4 - 4) * 4096);
 }
 
+// Properties, and the subscription keys of Cyclone DDS.
 TEST(CostlyProperties, EachOctetCountsSixTimes) {
-  List list;
-  list.add(0x59, Bytes(160));
-  ParameterWalk walk;
-  EXPECT_TRUE(walk.read(*builtin_topic_of(kPublications), kPeer, list.ended()));
-  EXPECT_EQ(walk.cost(1000), 1000u + 5 * 160);
+  for (const int id : {0x59, 0x800f}) {
+    List list;
+    list.add(id, Bytes(160));
+    ParameterWalk walk;
+    EXPECT_TRUE(walk.read(*builtin_topic_of(kPublications), kPeer, list.ended()));
+    EXPECT_EQ(walk.cost(1000), 1000u + 5 * 160) << id;
+  }
 }
 
 TEST(CostlyPartitions, EachName_Counts48Octets) {
