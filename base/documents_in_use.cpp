@@ -45,6 +45,8 @@ std::string_view to_string(DocumentKind kind) {
       return "identity CA";
     case DocumentKind::revocation_list:
       return "revocation list";
+    case DocumentKind::renewal_list:
+      return "renewal list";
     case DocumentKind::ocsp_response:
       return "OCSP response";
     case DocumentKind::permissions_ca:

@@ -24,6 +24,7 @@ enum class DocumentKind : std::uint8_t {
   identity_certificate,
   identity_ca,
   revocation_list,
+  renewal_list,
   ocsp_response,
   permissions_ca,
   permissions,

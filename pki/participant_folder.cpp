@@ -32,6 +32,7 @@ ParticipantFolder participant_folder(const fs::path& folder, FolderLayout layout
           .governance = folder / "governance.p7s",
           .permissions = folder / "permissions.p7s",
           .crl = folder / "crl.pem",
+          .renewals = folder / "renewed.pem",
           .properties = folder / "security.properties"};
 }
 

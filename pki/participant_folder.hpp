@@ -25,6 +25,7 @@ struct ParticipantFolder {
   std::filesystem::path governance;
   std::filesystem::path permissions;
   std::filesystem::path crl;         ///< optional in both layouts
+  std::filesystem::path renewals;    ///< renewed.pem, a pki::RenewalList; optional in both layouts
   std::filesystem::path properties;  ///< security.properties; optional, used by ddssec only
 };
 

@@ -221,6 +221,7 @@ class Plugin final : public spi::AccessControl {
   std::vector<PermissionsHandle> peers_of_only(const Participants& gone, const Entries& all,
                                                WallTime now);
   void renew_documents(const Entries& all, PermissionsHandle local);
+  void follow_renewal_lists(const Entries& all, PermissionsHandle local);
   void note_documents(PermissionsHandle local) noexcept;
   void note_end(const PermissionsHolder& local, const Error& why, WallTime now);
   void forget_documents(const PermissionsHolder& gone);
@@ -262,9 +263,11 @@ Result<PermissionsHandle> Plugin::validate_remote_permissions(spi::IdentityHandl
                                                     std::move(subject), name, std::move(document));
   // A peer that keeps the session may go on after the end of what it has seen of us.
   const auto facts = spi::session_facts_in(credential);
-  if (!facts.peer_keeps_session) holder->note_seen(local, facts.presented_permissions);
+  if (!facts.peer_keeps_session) holder->note_seen(local, facts);
   // So that next_expiry knows its end before the first check; an error will come again there.
   if (holder->has_document()) static_cast<void>(judgement_.grant_now(*holder));
+  if (const auto listed = holder->follow_list(environment_.clock.now(), true))
+    environment_.events.raise(event_about(holder->peer_subject(), *listed));
   return add(std::move(holder));
 }
 
@@ -295,7 +298,7 @@ Status Plugin::note_presented(PermissionsHandle remote, const spi::SessionFacts&
   DDSSEC_ASSIGN_OR_RETURN(const Holder holder, known(remote));
   const Holder local = handles_.find_local(holder->participant()->identity);
   if (!local) return refuse(Error(Code::unknown_local_identity));
-  if (!facts.peer_keeps_session) holder->note_seen(local, facts.presented_permissions);
+  if (!facts.peer_keeps_session) holder->note_seen(local, facts);
   return {};
 }
 
@@ -401,6 +404,34 @@ void Plugin::renew_documents(const Entries& all, PermissionsHandle which) {
   renew();
 }
 
+/// Peers are judged by the later permissions of the lists. Before one of them ends, the lists are
+/// read once more. `local`: of this participant alone, as expire has it.
+void Plugin::follow_renewal_lists(const Entries& all, PermissionsHandle local) {
+  const Holder only = handles_.find(local);
+  const WallTime now = environment_.clock.now();
+  std::vector<PermissionsHolder*> own, peers;
+  for (const auto& [handle, holder] : all) {
+    if (local && (!only || only->participant() != holder->participant())) continue;
+    (holder->remote() ? peers : own).push_back(holder.get());
+  }
+  const auto follow = [&] {
+    bool one_ends = false;
+    for (auto* const peer : peers) {
+      if (const auto listed = peer->follow_list(now))
+        environment_.events.raise(event_about(peer->peer_subject(), *listed));
+      one_ends = one_ends || peer->newly_ended(now).has_value();
+    }
+    return one_ends;
+  };
+  if (!follow()) return;
+  for (auto* const one : own) {
+    one->look_at_list_now();
+    for (const auto& event : one->renew(documents_, environment_.clock))
+      environment_.events.raise(event_about({}, event));
+  }
+  follow();
+}
+
 /// For a person who asks, if there is a record.
 void Plugin::note_documents(PermissionsHandle local) noexcept {
   if (environment_.documents == nullptr) return;
@@ -433,6 +464,7 @@ std::vector<PermissionsHandle> Plugin::expire(PermissionsHandle local) {
   const auto all = handles_.all();
   const Holder own = handles_.find(local);
   renew_documents(all, local);
+  follow_renewal_lists(all, local);
   for (const auto& [handle, holder] : all)
     if (!local || handle == local) note_documents(handle);
   const WallTime now = environment_.clock.now();

@@ -51,6 +51,12 @@ Status PermissionsDocument::check_signer(WallTime now) const {
                .note = "permissions CA " + signer_.subject()});
 }
 
+bool PermissionsDocument::has_grant_for(const pki::SubjectName& subject) const {
+  return std::ranges::any_of(permissions_->grants, [&](const auto& grant) {
+    return governance::is_for(grant, subject);
+  });
+}
+
 Result<Grant> PermissionsDocument::grant_for(const pki::SubjectName& subject,
                                              std::string_view shown, DomainId domain,
                                              const std::string& tag, WallTime now) {

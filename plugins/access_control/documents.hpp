@@ -54,6 +54,8 @@ class PermissionsDocument {
   /// certificate_not_yet_valid for the CA certificate that signed.
   Result<Grant> grant_for(const pki::SubjectName& subject, std::string_view shown, DomainId domain,
                           const std::string& tag, WallTime now);
+  /// True if it has a grant for the subject, whatever its validity.
+  bool has_grant_for(const pki::SubjectName& subject) const;
   /// Success while the signer's certificate is valid. Errors: certificate_expired,
   /// certificate_not_yet_valid.
   Status check_signer(WallTime now) const;

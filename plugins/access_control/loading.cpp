@@ -11,6 +11,7 @@
 #include "plugins/access_control/protection.hpp"
 #include "plugins/spi/files_poll_interval.hpp"
 #include "plugins/spi/property_names.hpp"
+#include "plugins/spi/renewal_list_places.hpp"
 
 namespace ddssec::access_control {
 namespace {
@@ -45,11 +46,13 @@ Result<DocumentPlaces> places_of(const spi::PropertyList& properties) {
   if (!missing.empty()) {
     return fail(Code::access_document_missing, {.expected = missing, .found = "empty or not set"});
   }
+  DDSSEC_ASSIGN_OR_RETURN(auto renewal_list, spi::renewal_list_places(properties));
   return DocumentPlaces{
       .permissions_ca = values[0],
       .governance = values[1],
       .permissions = values[2],
       .identity_ca = std::string(spi::property_value(properties, spi::property::kIdentityCa)),
+      .renewal_list = std::move(renewal_list),
       .permissions_ca_name = document_name(kNames[0], values[0]),
       .governance_name = document_name(kNames[1], values[1]),
       .permissions_name = document_name(kNames[2], values[2])};

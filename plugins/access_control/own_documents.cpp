@@ -77,7 +77,8 @@ OwnDocuments::OwnDocuments(const DocumentPlaces& places, const Options& options,
           permissions_stay_ ? std::chrono::seconds(0) : interval),
       identity_authorities_(what(places.identity_ca, places.identity_ca, pki::kMostBundleOctets,
                                  Code::identity_ca_renewal_refused, ""),
-                            interval) {}
+                            interval),
+      renewal_list_(places.renewal_list, interval, Code::renewal_list_permissions_refused) {}
 
 void OwnDocuments::note_read(Bytes governance, BytesView permissions) {
   governance_.note_read(governance);
@@ -90,6 +91,7 @@ void OwnDocuments::look_now() {
   governance_.look_now();
   permissions_.look_now();
   identity_authorities_.look_now();
+  renewal_list_.look_now();
 }
 
 std::vector<DocumentState> OwnDocuments::states(const Participant& participant,
@@ -130,6 +132,7 @@ std::vector<Error> OwnDocuments::renew(PermissionsHolder& holder, Participant& p
   renew_authorities(now, events);
   renew_governance(now, events);
   renew_permissions(now, events);
+  renew_list(now, events);
   if (holder.renewals() == renewals) return events;
   const auto end = holder.ends();
   events.emplace_back(Code::permissions_renewed,
@@ -148,6 +151,7 @@ void OwnDocuments::renew_authorities(const Renewal& now, std::vector<Error>& eve
       [&](const std::vector<pki::Certificate>& next) { return take_authorities(now, next); });
   if (!taken) events.push_back(taken.error());
   if (!taken || !*taken) return;
+  renewal_list_.judge_again();
   const auto ca = now.participant.basis()->ca;
   events.emplace_back(Code::permissions_ca_renewed,
                       ErrorDetails{.document = authorities_.name(),
@@ -291,6 +295,42 @@ void OwnDocuments::renew_permissions(const Renewal& now, std::vector<Error>& eve
     return now.holder.take(std::move(document), file, time);
   });
   if (!looked) events.push_back(looked.error());
+}
+
+// ---- the renewal list
+
+/// An entry that ended, or that no CA of the file signed, does not count.
+Status OwnDocuments::take_list(const Renewal& now, const pki::RenewalList& list) {
+  const auto ca = now.participant.basis()->ca;
+  std::vector<ListedPermissions::Entry> next;
+  std::optional<Error> first;
+  for (const auto& file : list.permissions) {
+    auto document = now.documents.permissions(*ca, file, now.clock.now());
+    if (document)
+      next.push_back({digest_of_file(as_text(file)), *std::move(document)});
+    else if (!first)
+      first = std::move(document).error();
+  }
+  if (next.empty() && first) return std::unexpected(*first);
+  for (const auto& former : listed_) {
+    const bool is_there = std::ranges::find(next, former.file, &ListedPermissions::Entry::file) !=
+                          next.end();
+    if (!is_there && next.size() < pki::kMostRenewals && ca->holds(former.document->signer()))
+      next.push_back(former);
+  }
+  listed_ = std::move(next);
+  now.participant.set_listed(std::make_shared<const ListedPermissions>(listed_));
+  return {};
+}
+
+void OwnDocuments::renew_list(const Renewal& now, std::vector<Error>& events) {
+  bool was_read = false;
+  const auto taken =
+      renewal_list_.look(now.clock.monotonic(), [&](const pki::RenewalList& list) {
+        was_read = true;
+        return take_list(now, list);
+      });
+  if (!taken && was_read) events.push_back(taken.error());
 }
 
 }  // namespace ddssec::access_control

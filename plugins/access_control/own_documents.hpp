@@ -10,7 +10,9 @@
 #include "base/document_watch.hpp"
 #include "base/documents_in_use.hpp"
 #include "pki/authority_watch.hpp"
+#include "pki/renewal_list_watch.hpp"
 #include "plugins/access_control/access_control.hpp"
+#include "plugins/access_control/listed_permissions.hpp"
 #include "plugins/access_control/participant.hpp"
 
 namespace ddssec::access_control {
@@ -20,6 +22,7 @@ class PermissionsHolder;
 /// Where they are.
 struct DocumentPlaces {
   std::string permissions_ca, governance, permissions, identity_ca;  ///< URIs
+  std::vector<std::string> renewal_list;                            ///< the same
   std::string permissions_ca_name, governance_name, permissions_name;
 };
 
@@ -31,6 +34,9 @@ class OwnDocuments {
 
   /// The next renew() reads the files, whatever the interval is.
   void look_now();
+
+  /// The next renew() reads the renewal list.
+  void look_at_list_now() { renewal_list_.look_now(); }
 
   /// These octets are in force.
   void note_read(Bytes governance, BytesView permissions);
@@ -49,6 +55,9 @@ class OwnDocuments {
   ///   them.
   /// - Further identity CAs, where the governance restricts algorithms. Authentication decides
   ///   which of them are trusted, and reports a file that cannot be used.
+  /// - Permissions of peers in the renewal list, as Participant::listed has them. Those that were
+  ///   there before stay, so that a former list does not bring back former rights. Authentication
+  ///   reports a list that cannot be read.
   /// Returns events: what was taken, and what cannot be used (once as long as the file stays the
   /// same). What cannot be used changes nothing.
   std::vector<Error> renew(PermissionsHolder& holder, Participant& participant,
@@ -61,6 +70,8 @@ class OwnDocuments {
   void renew_governance(const Renewal& now, std::vector<Error>& events);
   void renew_permissions(const Renewal& now, std::vector<Error>& events);
   void renew_identity_authorities(const Renewal& now);
+  void renew_list(const Renewal& now, std::vector<Error>& events);
+  Status take_list(const Renewal& now, const pki::RenewalList& list);
   Status take_authorities(const Renewal& now, const std::vector<pki::Certificate>& next);
   /// A governance document that may take the place of the one in force.
   struct Judged {
@@ -80,6 +91,8 @@ class OwnDocuments {
   DocumentWatch governance_;
   DocumentWatch permissions_;
   DocumentWatch identity_authorities_;
+  pki::RenewalListWatch renewal_list_;
+  std::vector<ListedPermissions::Entry> listed_;  ///< newest first
   Bytes governance_in_force_;
   std::optional<Bytes> governance_waiting_;
 };

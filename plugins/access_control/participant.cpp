@@ -69,6 +69,16 @@ std::shared_ptr<const Basis> Participant::basis() const {
   return basis_;
 }
 
+std::shared_ptr<const ListedPermissions> Participant::listed() const {
+  const std::lock_guard lock(mutex_);
+  return listed_;
+}
+
+void Participant::set_listed(std::shared_ptr<const ListedPermissions> listed) {
+  const std::lock_guard lock(mutex_);
+  listed_ = std::move(listed);
+}
+
 Result<std::shared_ptr<const Basis>> Participant::basis_for(std::string_view topic) const {
   const std::lock_guard lock(mutex_);
   if (topics_in_use_.contains(topic)) return basis_;

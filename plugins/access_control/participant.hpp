@@ -14,6 +14,8 @@
 
 namespace ddssec::access_control {
 
+class ListedPermissions;
+
 /// By what a local participant judges itself and its peers. Replaced as a whole.
 struct Basis {
   std::shared_ptr<const PermissionsCa> ca;
@@ -58,6 +60,10 @@ class Participant {
   /// Error: that of check_governance, for another one than before; it must be taken at once.
   Status set_basis(Basis basis);
 
+  /// The permissions in the renewal list; null: there are none.
+  std::shared_ptr<const ListedPermissions> listed() const;
+  void set_listed(std::shared_ptr<const ListedPermissions> listed);
+
   /// A governance document that waits until the host has changed the protection of its endpoints.
   struct Pending {
     std::shared_ptr<const governance::CompiledGovernance> governance;
@@ -80,6 +86,7 @@ class Participant {
   mutable std::mutex mutex_;
   std::shared_ptr<const Basis> basis_;
   std::shared_ptr<const Pending> pending_;
+  std::shared_ptr<const ListedPermissions> listed_;
   std::shared_ptr<const governance::CompiledGovernance> former_;
   mutable std::set<std::string, std::less<>> topics_in_use_;
   mutable bool has_more_topics_ = false;

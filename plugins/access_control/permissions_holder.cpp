@@ -3,49 +3,21 @@
 #include <algorithm>
 
 #include "governance/grant.hpp"
+#include "plugins/access_control/listed_permissions.hpp"
 
 namespace ddssec::access_control {
-namespace {
-
-bool say_the_same(const governance::Criteria& a, const governance::Criteria& b) {
-  return a.topics == b.topics && a.partitions == b.partitions && a.data_tags == b.data_tags;
-}
-
-bool say_the_same(const governance::Rule& a, const governance::Rule& b) {
-  const auto equal = [](const auto& of_a, const auto& of_b) {
-    return std::ranges::equal(of_a, of_b,
-                              [](const auto& x, const auto& y) { return say_the_same(x, y); });
-  };
-  return a.allow == b.allow && a.domains == b.domains && equal(a.publish, b.publish) &&
-         equal(a.subscribe, b.subscribe) && equal(a.relay, b.relay);
-}
-
-bool give_the_same(const governance::Grant& a, const governance::Grant& b) {
-  return a.default_allow == b.default_allow &&
-         std::ranges::equal(a.rules, b.rules,
-                            [](const auto& x, const auto& y) { return say_the_same(x, y); });
-}
-
-/// What a handshake presents of a file, as authentication has it (session_facts.hpp).
-Sha256Digest digest_of(std::string_view text) {
-  constexpr std::string_view kNone("", 1);
-  if (text.ends_with('\0')) text.remove_suffix(1);
-  return sha256(as_bytes(text.empty() ? kNone : text));
-}
-
-}  // namespace
-
 void PermissionsHolder::set_own(std::string text, std::unique_ptr<OwnDocuments> documents) {
   text_ = std::move(text);
-  digest_ = digest_of(text_);
+  digest_ = digest_of_file(text_);
   own_documents_ = std::move(documents);
 }
 
 void PermissionsHolder::note_seen(std::shared_ptr<const PermissionsHolder> own,
-                                  const std::optional<Sha256Digest>& presented) {
-  auto seen = own->presented(presented);
+                                  const spi::SessionFacts& facts) {
+  auto seen = own->presented(facts.presented_permissions);
   const std::lock_guard lock(mutex_);
   seen_ = std::move(seen);
+  reads_lists_ = facts.peer_reads_lists;
   own_ = std::move(own);
 }
 
@@ -90,6 +62,7 @@ Status PermissionsHolder::check_signer() {
 Result<Grant> PermissionsHolder::grant(WallTime now) {
   const std::lock_guard lock(mutex_);
   if (!document_) return fail(Code::peer_has_no_permissions);
+  if (replaced_) return std::unexpected(*replaced_);
   DDSSEC_RETURN_IF_ERROR(check_signer());
   if (grant_ && !is_over(now)) return grant_;
   auto found = grant_in(*document_, now);
@@ -166,6 +139,11 @@ void PermissionsHolder::look_now() {
   if (own_documents_) own_documents_->look_now();
 }
 
+void PermissionsHolder::look_at_list_now() {
+  const std::lock_guard lock(renewal_mutex_);
+  if (own_documents_) own_documents_->look_at_list_now();
+}
+
 /// The lock is held.
 Status PermissionsHolder::check_follows(const Grant& renewed) const {
   // The host has cut the participant off, and keeps to that.
@@ -203,24 +181,74 @@ Status PermissionsHolder::take(std::shared_ptr<PermissionsDocument> document, By
   former_.push_back({digest_, std::move(document_)});
   document_ = std::move(document);
   grant_ = std::move(renewed);
-  digest_ = digest_of(text);
+  digest_ = digest_of_file(text);
   text_ = std::move(text);
   ++renewals_;
   return {};
 }
 
-std::optional<Error> PermissionsHolder::outlived(WallTime now) const {
+// ---- permissions of the renewal list
+
+std::shared_ptr<PermissionsDocument> PermissionsHolder::listed_after(const Grant& former,
+                                                                     WallTime now) const {
+  const auto listed = participant_->listed();
+  if (!listed) return nullptr;
+  const auto found = listed->latest(
+      {subject_.name, subject_.shown, participant_->domain, participant_->domain_tag, now});
+  if (!found || !is_later(found->grant, former)) return nullptr;
+  return participant_->basis()->ca->holds(found->document->signer()) ? found->document : nullptr;
+}
+
+std::optional<Error> PermissionsHolder::follow_list(WallTime now, bool is_new) {
+  const std::lock_guard lock(mutex_);
+  if (!remote_ || !grant_ || reported_ || replaced_) return std::nullopt;
+  auto document = listed_after(grant_, now);
+  if (!document || document == document_) return std::nullopt;
+  auto grant = grant_in(*document, now);
+  if (!grant) return std::nullopt;
+  ErrorDetails details{.document = document_name_,
+                       .field = "not_before",
+                       .expected = to_string(grant_->grant().validity.not_before),
+                       .found = to_string((*grant)->grant().validity.not_before)};
+  if (!is_new && !give_the_same(grant_->grant(), (*grant)->grant())) {
+    replaced_ = Error(Code::peer_permissions_replaced, std::move(details));
+    return std::nullopt;
+  }
+  document_ = std::move(document);
+  grant_ = *std::move(grant);
+  accepted_by_.reset();
+  return Error(Code::peer_permissions_listed, {.document = document_name_,
+                                               .field = "not_after",
+                                               .found = to_string(grant_->grant().validity.not_after)});
+}
+
+bool PermissionsHolder::is_listed() const {
+  const auto listed = participant_->listed();
+  const std::lock_guard lock(mutex_);
+  return listed && listed->holds(digest_);
+}
+
+std::optional<Error> PermissionsHolder::outlived(WallTime now) {
   std::shared_ptr<const PermissionsHolder> own;
   std::shared_ptr<PermissionsDocument> seen;
+  bool reads_lists = false;
   {
     const std::lock_guard lock(mutex_);
     if (reported_) return std::nullopt;
     own = own_;
     seen = seen_;
+    reads_lists = reads_lists_;
   }
   if (!own || !seen || own->document() == seen) return std::nullopt;
   const auto still = own->grant_in(*seen, now);
   if (still) return std::nullopt;
+  // If the peer has no such list, it ends the session, and we follow.
+  if (reads_lists && own->is_listed()) {
+    auto present = own->document();
+    const std::lock_guard lock(mutex_);
+    seen_ = std::move(present);
+    return std::nullopt;
+  }
   auto details = still.error().details();
   details.document = own->document_name_;
   details.hint.clear();

@@ -12,6 +12,7 @@
 #include "plugins/access_control/documents.hpp"
 #include "plugins/access_control/own_documents.hpp"
 #include "plugins/access_control/participant.hpp"
+#include "plugins/spi/session_facts.hpp"
 
 namespace ddssec::access_control {
 
@@ -54,6 +55,7 @@ class PermissionsHolder {
   const std::string& subject() const { return subject_.shown; }
   /// Of a local participant: the next renew() reads the files, whatever the poll interval is.
   void look_now();
+  void look_at_list_now();  ///< the same for the renewal list alone
   /// Renewed permissions, with the file, come into force if they have a grant for the subject that
   /// is valid now and does not begin earlier than the one in force: an older document that was put
   /// back would give again what was taken away. They may give less, and end earlier. Error:
@@ -62,13 +64,20 @@ class PermissionsHolder {
   /// Of a peer: the same for permissions that it has shown within its session. True: they are
   /// others than those in force.
   Result<bool> take_shown(std::shared_ptr<PermissionsDocument> document, WallTime now);
+  /// Of a peer: permissions of the participant's renewal list come into force, if they are later and
+  /// give the same; an event says so. If they give something else, the peer ends, because hosts do
+  /// not judge again what they have matched: newly_ended says peer_permissions_replaced, and it is
+  /// judged by them when it comes again. `is_new`: nothing is matched yet.
+  std::optional<Error> follow_list(WallTime now, bool is_new = false);
+  /// The permissions of the participant's renewal list, if they are later than `former`.
+  std::shared_ptr<PermissionsDocument> listed_after(const Grant& former, WallTime now) const;
   /// How often it has taken permissions.
   std::uint64_t renewals() const;
 
-  /// Of a peer: it has seen the document of `own` with that digest. Empty: the first one, which
-  /// another vendor's authentication goes on presenting.
+  /// Of a peer: it has seen the document of `own` with the digest in `facts`. Without one: the first
+  /// document, which another vendor's authentication goes on presenting.
   void note_seen(std::shared_ptr<const PermissionsHolder> own,
-                 const std::optional<Sha256Digest>& presented);
+                 const spi::SessionFacts& facts);
   /// Of a peer.
   AnnouncedEndpoints& announced() { return announced_; }
   const std::string& document_name() const { return document_name_; }
@@ -106,7 +115,8 @@ class PermissionsHolder {
   std::shared_ptr<PermissionsDocument> presented(const std::optional<Sha256Digest>& digest) const;
   Result<Grant> grant_in(PermissionsDocument& document, WallTime now) const;
   Status check_follows(const Grant& renewed) const;
-  std::optional<Error> outlived(WallTime now) const;
+  std::optional<Error> outlived(WallTime now);
+  bool is_listed() const;
 
   DocumentPart permissions_part() const;
 
@@ -115,6 +125,8 @@ class PermissionsHolder {
   mutable std::mutex mutex_;
   std::shared_ptr<const PermissionsHolder> own_;  ///< of a peer: what we are to it
   std::shared_ptr<PermissionsDocument> seen_;     ///< and what it has seen of that
+  bool reads_lists_ = false;                      ///< as SessionFacts has it
+  std::optional<Error> replaced_;                 ///< the list has other rights of the peer
   std::shared_ptr<PermissionsDocument> document_;
   std::string text_;
   Sha256Digest digest_ = {};  ///< of text_, as session_facts.hpp counts it

@@ -6,6 +6,7 @@
 #include "plugins/authentication/adjusted_guid.hpp"
 #include "plugins/authentication/auth_request.hpp"
 #include "plugins/authentication/identity_token.hpp"
+#include "plugins/authentication/listed_peers.hpp"
 #include "plugins/authentication/pki_dh.hpp"
 #include "plugins/authentication/renewal.hpp"
 #include "plugins/authentication/revocation.hpp"
@@ -26,6 +27,7 @@ Event event_of_end(const IdentityTable::Ended& ended, WallTime now) {
                          .field = "notAfter",
                          .expected = "a time before " + to_string(ended.end),
                          .found = to_string(now),
+                         .note = ended.note,
                          .hint = is_own ? kStartAgain : ""}));
   if (!is_own) out.severity = std::min(out.severity, Severity::warning);
   return out;
@@ -165,7 +167,8 @@ std::vector<IdentityHandle> PkiDh::expire(IdentityHandle local) {
   const auto revocations = look_at_files(local);
   note_documents_in_use(local);
   const auto now = environment_.clock.now();
-  const auto all = table_.ended_by(now, local);
+  auto all = table_.ended_by(now, local);
+  follow_renewal_lists(table_, all, environment_);
   // Without the memory to tell, none is marked: the next call finds them again.
   std::vector<IdentityHandle> handles;
   std::set<IdentityHandle> told;

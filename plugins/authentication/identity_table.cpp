@@ -181,13 +181,24 @@ void IdentityTable::note_verified_again(spi::IdentityHandle handle, const Proofs
   if (found == remotes_.end() || found->second.has_ended) return;
   auto& remote = found->second;
   // The peer may have authenticated anew meanwhile, with another certificate.
-  if (remote.authenticated == proofs.peer.certificate() &&
-      remote.own_seen == proofs.own.certificate())
+  if (remote.latest() == proofs.peer.certificate() && remote.own_seen == proofs.own.certificate())
     set_end_of(handle.value, remote, proofs);
 }
 
+void IdentityTable::note_followed(spi::IdentityHandle handle, const Proofs& proofs) {
+  auto peer = proofs.peer.certificate();
+  auto own = proofs.own.certificate();
+  const std::unique_lock lock(mutex_);
+  const auto found = remotes_.find(handle.value);
+  if (found == remotes_.end() || found->second.has_ended || !found->second.authenticated) return;
+  auto& remote = found->second;
+  set_end_of(handle.value, remote, proofs);
+  if (remote.latest() != peer) remote.listed = std::move(peer);
+  remote.own_seen = std::move(own);
+}
+
 Status IdentityTable::note_authenticated(spi::IdentityHandle handle, const Proofs& proofs) {
-  const auto& [chain, own, peer_keeps_session] = proofs;
+  const auto& [chain, own, peer_keeps_session, peer_reads_lists] = proofs;
   const std::unique_lock lock(mutex_);
   const auto found = remotes_.find(handle.value);
   if (found == remotes_.end()) return {};
@@ -198,9 +209,11 @@ Status IdentityTable::note_authenticated(spi::IdentityHandle handle, const Proof
   auto subject = chain.certificate().subject();
   auto certificate = chain.certificate();
   remote.keeps_session = peer_keeps_session;
+  remote.reads_lists = peer_reads_lists;
   set_end_of(handle.value, remote, proofs);
   if (!remote.authenticated) counts.authenticate(remote.pair->remote_guid, subject);
   remote.authenticated = std::move(certificate);
+  remote.listed.reset();
   remote.own_seen = own.certificate();
   remote.claim.subject = std::move(subject);
   return {};
@@ -304,8 +317,21 @@ std::vector<IdentityTable::Authenticated> IdentityTable::authenticated_with(
   if (local == locals_.end()) return peers;
   for (const auto& [guid, value] : local->second.remotes)
     if (const auto& remote = remotes_.at(value); remote.authenticated && !remote.has_ended)
-      peers.push_back({{value}, remote.name(), *remote.authenticated, *remote.own_seen});
+      peers.push_back(remote.as_authenticated(value));
   return peers;
+}
+
+IdentityTable::Authenticated IdentityTable::Remote::as_authenticated(std::int64_t handle) const {
+  return {{handle}, name(), *authenticated, listed, *own_seen, reads_lists};
+}
+
+std::optional<IdentityTable::Authenticated> IdentityTable::authenticated(
+    spi::IdentityHandle handle) const {
+  const std::shared_lock lock(mutex_);
+  const auto remote = remotes_.find(handle.value);
+  if (remote == remotes_.end() || !remote->second.authenticated || remote->second.has_ended)
+    return std::nullopt;
+  return remote->second.as_authenticated(handle.value);
 }
 
 void IdentityTable::mark_revoked(std::span<const Revoked> revoked) {

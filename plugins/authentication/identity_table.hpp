@@ -104,6 +104,7 @@ class IdentityTable {
     const pki::ChainValid& peer;
     const pki::ChainValid& own;       ///< of the certificate that the peer has seen
     bool peer_keeps_session = false;  ///< after the end of that certificate
+    bool peer_reads_lists = false;    ///< as JudgedPeer::reads_lists
   };
   /// The remote identity has authenticated: from now on it expires with the certificate that ends
   /// first. With ours, because then the peer ends the session, unless it keeps it. Also success if
@@ -111,6 +112,10 @@ class IdentityTable {
   Status note_authenticated(spi::IdentityHandle remote, const Proofs& proofs);
   /// The same certificates have been verified by other CAs, which may end earlier or later.
   void note_verified_again(spi::IdentityHandle remote, const Proofs& proofs);
+  /// The session goes on with certificates that are later than those of its handshake: of the peer,
+  /// by the renewal list, or ours, or both. Nothing if it has ended. The last two of `proofs` are
+  /// not used.
+  void note_followed(spi::IdentityHandle remote, const Proofs& proofs);
 
   /// Removes an identity; a local one with its remote ones. False if there is no such identity.
   bool remove(spi::IdentityHandle handle);
@@ -124,6 +129,7 @@ class IdentityTable {
     std::string whose;  ///< subject whose certificate ended
     WallTime end;
     bool with_ours = false;  ///< a remote one whose session our certificate ended
+    std::string note = {};   ///< why the renewal list does not help
   };
   /// Identities that expired at `now` or earlier and are not marked yet: of one local identity and
   /// its remote ones, or of all (nil).
@@ -142,11 +148,17 @@ class IdentityTable {
   struct Authenticated {
     spi::IdentityHandle handle;
     PeerName name;
-    pki::Certificate certificate;
-    pki::Certificate own;  ///< that the peer has seen
+    pki::Certificate certificate;                   ///< of its handshake
+    std::optional<pki::Certificate> listed;         ///< the later one that it is followed by
+    pki::Certificate own;                           ///< that the peer has seen
+    bool reads_lists;                               ///< as JudgedPeer::reads_lists
+    /// The one that the session ends with.
+    const pki::Certificate& latest() const { return listed ? *listed : certificate; }
   };
   /// The remote identities of a local one that have authenticated and have not expired.
   std::vector<Authenticated> authenticated_with(spi::IdentityHandle local) const;
+  /// One that has authenticated; empty if it has not, or has expired.
+  std::optional<Authenticated> authenticated(spi::IdentityHandle remote) const;
 
   struct Revoked {
     spi::IdentityHandle handle;
@@ -178,11 +190,15 @@ class IdentityTable {
     RemoteClaim claim;
     /// The certificate with which it authenticated.
     std::optional<pki::Certificate> authenticated = {};
+    std::optional<pki::Certificate> listed = {};    ///< the later one that it is followed by
     std::optional<pki::Certificate> own_seen = {};  ///< ours, with which it did
     std::shared_ptr<Pair> pair;
     bool keeps_session = false;  ///< after the end of ours
+    bool reads_lists = false;
     bool ends_with_ours = false;
     PeerName name() const;
+    const std::optional<pki::Certificate>& latest() const { return listed ? listed : authenticated; }
+    Authenticated as_authenticated(std::int64_t handle) const;
   };
   using Remotes = std::unordered_map<std::int64_t, Remote>;
 

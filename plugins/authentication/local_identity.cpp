@@ -125,6 +125,7 @@ Result<IdentityFiles> IdentityFiles::load(const spi::PropertyList& properties, T
   DDSSEC_ASSIGN_OR_RETURN(auto warn_before_end, spi::warning_days(properties));
   DDSSEC_ASSIGN_OR_RETURN(const auto ocsp_policy, spi::ocsp_policy(properties));
   DDSSEC_ASSIGN_OR_RETURN(auto ocsp_response, OwnOcspResponse::of(properties));
+  DDSSEC_ASSIGN_OR_RETURN(auto listed, ListedRenewals::of(properties));
   DDSSEC_ASSIGN_OR_RETURN(auto watch, IdentityWatch::of(properties));
   DDSSEC_ASSIGN_OR_RETURN(auto authorities, watch_authorities(properties));
   constexpr auto kCa = property::kIdentityCa, kKey = property::kPrivateKey;
@@ -153,7 +154,8 @@ Result<IdentityFiles> IdentityFiles::load(const spi::PropertyList& properties, T
       .has_trusted_folder = !spi::property_value(properties, property::kTrustedCaDir).empty(),
       .warn_before_end = std::move(warn_before_end),
       .ocsp_policy = ocsp_policy,
-      .ocsp_response = std::move(ocsp_response)};
+      .ocsp_response = std::move(ocsp_response),
+      .listed = std::move(listed)};
 }
 
 LocalIdentity::LocalIdentity(IdentityFiles files, const Guid& candidate)
@@ -164,6 +166,7 @@ LocalIdentity::LocalIdentity(IdentityFiles files, const Guid& candidate)
       revocation_lists_(std::move(files.revocation_lists)),
       ocsp_policy_(files.ocsp_policy),
       ocsp_response_(std::move(files.ocsp_response)),
+      listed_(std::move(files.listed)),
       certificate_warning_(files.warn_before_end),
       list_warning_(files.warn_before_end),
       own_trust_(std::move(files.own_trust)),
@@ -245,6 +248,7 @@ Status LocalIdentity::adopt(const std::vector<pki::Crl>& lists, TrustStores& sto
   const std::scoped_lock lock(mutex_);
   own_trust_ = peer_trust_ = std::move(renewed);
   ++renewals_;
+  listed_->judge_again();
   return {};
 }
 
@@ -381,6 +385,7 @@ Status LocalIdentity::check_in_trusted_folder(
 void LocalIdentity::trust(std::shared_ptr<const TrustStore> store) {
   own_trust_ = std::move(store);
   if (has_trusted_folder_) return;
+  listed_->judge_again();
   peer_trust_ = own_trust_;
   authorities_renewal_ = ++renewals_;
 }
@@ -448,6 +453,7 @@ std::vector<DocumentState> LocalIdentity::documents() const {
        .parts = pki::parts_of(own_trust()->anchors()),
        .refused = authorities_.refused()}};
   if (const auto state = ocsp_response_.state(certificate())) out.push_back(*state);
+  if (const auto state = listed_->state()) out.push_back(*state);
   if (revocation_lists_.path().empty()) return out;
   out.push_back({.kind = DocumentKind::revocation_list,
                  .file = revocation_lists_.path(),
@@ -466,6 +472,7 @@ void LocalIdentity::look_now() {
   authorities_.look_now();
   revocation_lists_.look_now();
   ocsp_response_.look_now();
+  listed_->look_now();
 }
 
 // ---- what is presented

@@ -11,6 +11,7 @@
 #include "pki/private_key.hpp"
 #include "plugins/authentication/credentials.hpp"
 #include "plugins/authentication/identity_watch.hpp"
+#include "plugins/authentication/listed_renewals.hpp"
 #include "plugins/authentication/ocsp_status.hpp"
 #include "plugins/authentication/own_ocsp_response.hpp"
 #include "plugins/authentication/revocation_lists.hpp"
@@ -34,6 +35,7 @@ struct IdentityFiles {
   spi::WarningDays warn_before_end;
   OcspPolicy ocsp_policy;
   OwnOcspResponse ocsp_response;
+  std::shared_ptr<ListedRenewals> listed;
 
   /// Loads identity_ca, identity_certificate, private_key (with password), and the optional
   /// revocation list or trusted_ca_dir; checks that the certificate is believed by our own CA at
@@ -105,6 +107,9 @@ class LocalIdentity {
   /// The path of the certificate; empty if it is no file.
   const std::string& identity_path() const { return watch_.path(); }
 
+  /// The renewal list, with renewed certificates of peers.
+  ListedRenewals& listed() const { return *listed_; }
+
   struct AuthoritiesTaken {
     bool authorities = false;  ///< other identity CAs are in force
     bool identity = false;     ///< and so is a certificate of one of them
@@ -169,6 +174,7 @@ class LocalIdentity {
   RevocationLists revocation_lists_;
   const OcspPolicy ocsp_policy_;
   OwnOcspResponse ocsp_response_;
+  const std::shared_ptr<ListedRenewals> listed_;
   spi::EndWarning certificate_warning_;
   spi::EndWarning list_warning_;
   mutable std::mutex mutex_;

@@ -52,6 +52,8 @@ class JudgedPeer {
   /// True if the peer's product judges documents only during the handshake: Fast DDS (measured with
   /// 2.9.1).
   bool keeps_session() const { return keeps_session_; }
+  /// True if the peer is of ddssec, which alone announces this cipher: it may have a renewal list.
+  bool reads_lists() const { return (ciphers_ & spi::kChaCha20Poly1305Bit) != 0; }
   /// The addresses at which the peer receives discovery traffic.
   const std::vector<spi::UdpAddress>& addresses() const { return addresses_; }
   const SignedDomain& domain() const { return domain_; }

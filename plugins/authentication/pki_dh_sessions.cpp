@@ -5,7 +5,8 @@ namespace {
 
 spi::SessionFacts facts_of(const Established& session) {
   return {.presented_permissions = sha256(session.own->permissions),
-          .peer_keeps_session = session.peer.keeps_session()};
+          .peer_keeps_session = session.peer.keeps_session(),
+          .peer_reads_lists = session.peer.reads_lists()};
 }
 
 }  // namespace

@@ -49,6 +49,13 @@ Error renewed_until(const LocalIdentity& identity, const pki::ChainValid& chain)
 
 }  // namespace
 
+void look_at_renewal_list(const LocalIdentity& identity, const Environment& environment) {
+  const auto us = our_name(identity.guid());
+  const auto taken = identity.listed().look(environment.clock, *identity.peer_trust());
+  if (!taken) environment.events.raise(event_about(us, taken.error()));
+  if (taken && *taken) environment.events.raise(event_about(us, **taken));
+}
+
 void renew_identities(IdentityTable& table, spi::IdentityHandle which, TrustStores& stores,
                       const Environment& environment) {
   for (const auto& local : table.locals(which)) {
@@ -56,6 +63,7 @@ void renew_identities(IdentityTable& table, spi::IdentityHandle which, TrustStor
     // The CAs come first: a renewed certificate may be of a new one.
     const auto taken = renew_authorities(identity, stores, environment);
     const bool is_renewed = renew_certificate(identity, environment) || taken.identity;
+    look_at_renewal_list(identity, environment);
     renew_ocsp_response(identity, environment);
     if (!is_renewed && !taken.authorities) continue;
     const auto chain = identity.verify(environment.clock.now());
@@ -80,7 +88,8 @@ void note_documents(const IdentityTable& table, spi::IdentityHandle which,
 
 void forget_documents(spi::IdentityHandle local, const Environment& environment) {
   constexpr std::array kOurs = {DocumentKind::identity_certificate, DocumentKind::identity_ca,
-                                DocumentKind::revocation_list, DocumentKind::ocsp_response};
+                                DocumentKind::revocation_list, DocumentKind::renewal_list,
+                                DocumentKind::ocsp_response};
   if (environment.documents != nullptr) environment.documents->forget(local.value, kOurs);
 }
 

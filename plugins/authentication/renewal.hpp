@@ -13,6 +13,9 @@ namespace ddssec::authentication {
 void renew_identities(IdentityTable& table, spi::IdentityHandle local, TrustStores& stores,
                       const Environment& environment);
 
+/// Reads the renewal list of one, if it may have changed, and raises the events about it.
+void look_at_renewal_list(const LocalIdentity& identity, const Environment& environment);
+
 /// Notes what one local identity uses, or what all do (nil), if the environment has a record.
 void note_documents(const IdentityTable& table, spi::IdentityHandle local,
                     const Environment& environment);

@@ -2,6 +2,8 @@
 
 #include <optional>
 
+#include "plugins/authentication/listed_peers.hpp"
+
 namespace ddssec::authentication {
 namespace {
 
@@ -41,17 +43,18 @@ bool is_about_time_or_lists(Code code) {
 /// The reason why a peer must go after CAs have left the file: none that is left issued its
 /// certificate. For one that stays, the end of the session is found anew.
 std::optional<Error> withdrawal(IdentityTable& table, const IdentityTable::Authenticated& peer,
-                                const LocalIdentity& whose, WallTime now) {
-  const auto trust = whose.peer_trust();
-  const auto verdict = trust->verify(peer.certificate, now);
+                                const LocalIdentity& whose, const Environment& environment) {
+  const auto now = environment.clock.now();
+  const auto verdict = whose.peer_trust()->verify(peer.latest(), now);
   if (!verdict && is_about_time_or_lists(verdict.error().code())) return std::nullopt;
+  if (!verdict && follow_renewal_list(table, peer, whose, environment)) return std::nullopt;
   if (!verdict)
     return Error(Code::identity_ca_withdrawn,
                  {.document = whose.authorities_path(),
-                  .field = peer.certificate.subject(),
+                  .field = peer.latest().subject(),
                   .expected = "a certificate of " + whose.authorities(),
-                  .found = "issuer " + peer.certificate.issuer(),
-                  .note = "serial number " + peer.certificate.serial()});
+                  .found = "issuer " + peer.latest().issuer(),
+                  .note = "serial number " + peer.latest().serial()});
   if (const auto own = whose.verify(peer.own, now))
     table.note_verified_again(peer.handle, {*verdict, *own});
   return std::nullopt;
@@ -67,8 +70,20 @@ void look_at_lists(const OurOwn& local, TrustStores& stores, const Environment& 
                                                 .found = local.identity->revocation_lists()})));
 }
 
-void judge(IdentityTable& table, const OurOwn& local, bool by_other_authorities, WallTime now,
-           Revocations& out) {
+/// The same of a peer whose session goes on with a later certificate: that of its handshake may
+/// have expired since, but must not have been revoked.
+std::optional<Error> refusal(const IdentityTable::Authenticated& peer, const TrustStore& trust,
+                             const LocalIdentity& whose, WallTime now) {
+  auto reason = refusal(peer.latest(), trust, whose, now);
+  if (reason || !peer.listed) return reason;
+  reason = refusal(peer.certificate, trust, whose, now);
+  const bool has_expired = reason && reason->code() == Code::certificate_expired;
+  return has_expired ? std::nullopt : std::move(reason);
+}
+
+void judge(IdentityTable& table, const OurOwn& local, bool by_other_authorities,
+           const Environment& environment, Revocations& out) {
+  const auto now = environment.clock.now();
   // Waits for handshake steps that began under the former lists, so that no peer authenticates
   // under them after the judgement.
   for (const auto& pair : table.pairs_of(local.handle)) const std::scoped_lock wait(pair->mutex);
@@ -77,8 +92,8 @@ void judge(IdentityTable& table, const OurOwn& local, bool by_other_authorities,
     out.identities.push_back({local.handle, our_name(local.identity->guid()), *std::move(reason)});
   for (auto& peer : table.authenticated_with(local.handle)) {
     std::optional<Error> reason;
-    if (by_other_authorities) reason = withdrawal(table, peer, *local.identity, now);
-    if (!reason) reason = refusal(peer.certificate, *trust, *local.identity, now);
+    if (by_other_authorities) reason = withdrawal(table, peer, *local.identity, environment);
+    if (!reason) reason = refusal(peer, *trust, *local.identity, now);
     if (reason) out.identities.push_back({peer.handle, std::move(peer.name), *std::move(reason)});
   }
 }
@@ -94,7 +109,7 @@ Revocations find_revocations(IdentityTable& table, spi::IdentityHandle which, Tr
       out.identities.push_back(
           {local.handle, our_name(local.identity->guid()), *std::move(reason)});
     if (const auto unapplied = local.identity->unapplied_renewal()) {
-      judge(table, local, unapplied->authorities, environment.clock.now(), out);
+      judge(table, local, unapplied->authorities, environment, out);
       out.judgements.push_back({local.identity, unapplied->renewal});
     }
   }

@@ -25,6 +25,10 @@ inline constexpr std::string_view kOcspResponse = "org.ddssec.auth.ocsp_response
 /// changed; 0: never.
 inline constexpr std::string_view kFilesPollInterval = "org.ddssec.files_poll_interval";
 
+/// Ours: the file with renewed certificates and permissions of peers, which need not be there yet
+/// when the participant is made.
+inline constexpr std::string_view kRenewalList = "org.ddssec.renewal_list";
+
 /// Ours, of embedded participants: seconds for which peers with the former governance are accepted
 /// while a document with more protection is introduced.
 inline constexpr std::string_view kGovernanceChangeTime = "org.ddssec.governance_change_time";
@@ -85,7 +89,8 @@ inline constexpr std::string_view kOfParticipants[] = {kIdentityCa,        kIden
                                                        kPskCipher,         kKeyLifetime,
                                                        kMostBlocksPerKey,  kTrustTypeInformation,
                                                        kWarnBeforeEnd,     kOcsp,
-                                                       kOcspResponse,      kGovernanceChangeTime};
+                                                       kOcspResponse,      kGovernanceChangeTime,
+                                                       kRenewalList};
 
 }  // namespace ddssec::spi::property
 

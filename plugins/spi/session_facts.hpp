@@ -16,6 +16,8 @@ struct SessionFacts {
   /// True if the peer's product judges documents only during the handshake. So it keeps the session
   /// when the documents that it has seen end.
   bool peer_keeps_session = false;
+  /// True if the peer is of ddssec, and so may have a renewal list.
+  bool peer_reads_lists = false;
 };
 
 /// Adds the facts to a token as properties that do not propagate. Their values are text: Cyclone

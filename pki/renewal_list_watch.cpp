@@ -1,0 +1,95 @@
+#include "pki/renewal_list_watch.hpp"
+
+#include <utility>
+
+#include "base/rollback.hpp"
+#include "base/source.hpp"
+
+namespace ddssec::pki {
+
+RenewalListWatch::RenewalListWatch(const std::vector<std::string>& uris,
+                                   std::chrono::seconds interval, Code refused)
+    : refused_(refused) {
+  for (const auto& uri : uris) {
+    FileWatch watch(uri, interval);
+    auto path = file_named_by(watch.uri());
+    if (path) places_.push_back({.watch = std::move(watch), .path = *std::move(path)});
+  }
+}
+
+RenewalList RenewalListWatch::together() const {
+  RenewalList out;
+  for (const auto& place : places_) {
+    const auto& [certificates, permissions] = place.list;
+    out.certificates.insert(out.certificates.end(), certificates.begin(), certificates.end());
+    out.permissions.insert(out.permissions.end(), permissions.begin(), permissions.end());
+  }
+  return out;
+}
+
+Status RenewalListWatch::judge(Place& place, BytesView file, const Take& take) {
+  DDSSEC_ASSIGN_OR_RETURN(auto list, RenewalList::parse(file));
+  std::swap(place.list, list);
+  Rollback back([&] { std::swap(place.list, list); });
+  DDSSEC_RETURN_IF_ERROR(take(together()));
+  back.release();
+  return {};
+}
+
+Result<bool> RenewalListWatch::look_at(Place& place, const Take& take) {
+  Rollback again([&] { place.watch.look_again(); });
+  const auto file = load(place.watch.uri(), place.path, kMostRenewalListOctets);
+  const bool not_yet =
+      !place.content && !file && file.error().code() == Code::file_not_found;
+  const auto content = file ? sha256(*file) : Sha256Digest{};
+  const bool is_other = file && place.content != content;
+  Status status;
+  if (!file && !not_yet) status = std::unexpected(file.error());
+  if (is_other) status = judge(place, *file, take);
+  if (status) {
+    if (is_other) place.content = content;
+    place.refusals.clear();
+    again.release();
+    return is_other;
+  }
+  if (!place.refusals.is_due(status.error().code(), content)) return false;
+  return std::unexpected(place.refusals.note(
+      renewal_refused(refused_, status.error(), place.path,
+                      place.content ? "the list read before stays in force" : "")));
+}
+
+Result<bool> RenewalListWatch::look(std::chrono::nanoseconds now, const Take& take) {
+  // What is wrong in one place must not keep another one from being read.
+  Result<bool> out = false;
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    if (!places_[i].watch.may_have_changed(now)) continue;
+    auto taken = look_at(places_[i], take);
+    if (taken && *taken) taken_from_ = i;
+    if (out && (!taken || *taken)) out = std::move(taken);
+  }
+  return out;
+}
+
+void RenewalListWatch::look_now() {
+  for (auto& place : places_) place.watch.look_now();
+}
+
+void RenewalListWatch::judge_again() {
+  for (auto& place : places_) {
+    place.content.reset();
+    place.watch.look_now();
+  }
+}
+
+const std::string& RenewalListWatch::path() const {
+  static const std::string kNone;
+  return places_.empty() ? kNone : places_[taken_from_].path;
+}
+
+std::optional<Error> RenewalListWatch::refused() const {
+  for (const auto& place : places_)
+    if (place.refusals.refused()) return place.refusals.refused();
+  return std::nullopt;
+}
+
+}  // namespace ddssec::pki

@@ -1,0 +1,87 @@
+#include "plugins/authentication/listed_peers.hpp"
+
+#include <set>
+
+#include "pki/key_digest.hpp"
+#include "plugins/authentication/renewal.hpp"
+
+namespace ddssec::authentication {
+namespace {
+
+using Authenticated = IdentityTable::Authenticated;
+
+/// A session as its two certificates are now.
+struct Followed {
+  std::optional<pki::ChainValid> peer = {};
+  bool by_list = false;  ///< the peer's
+  std::string why_not = {};
+};
+
+/// The proof of the peer: its latest certificate, or else the one that the list has after it.
+Followed followed_peer(const Authenticated& peer, const LocalIdentity& local, WallTime now) {
+  const auto trust = local.peer_trust();
+  if (auto latest = trust->verify(peer.latest(), now)) return {.peer = *std::move(latest)};
+  if (local.ocsp_policy() == OcspPolicy::hard) return {};
+  auto found = local.listed().after({peer.certificate, peer.latest()}, *trust, now);
+  return {std::move(found.chain), true, std::move(found.why_not)};
+}
+
+/// Ours: the one that the peer has seen, or else the one in force, if it may know that by its list.
+std::optional<pki::ChainValid> followed_own(const Authenticated& peer, const LocalIdentity& local,
+                                            WallTime now) {
+  if (auto seen = local.verify(peer.own, now)) return *std::move(seen);
+  const auto present = local.certificate();
+  if (!peer.reads_lists || present == peer.own || !local.listed().holds(present) ||
+      pki::key_digest(present) != pki::key_digest(peer.own))
+    return std::nullopt;
+  auto chain = local.verify(present, now);
+  return chain ? std::optional(*std::move(chain)) : std::nullopt;
+}
+
+Error listed(const pki::ChainValid& chain) {
+  return Error(Code::peer_renewal_listed,
+               {.document = "certificate of " + chain.certificate().subject(),
+                .field = "notAfter",
+                .found = to_string(chain.not_after()),
+                .note = "serial number " + chain.certificate().serial()});
+}
+
+/// Empty: the session goes on. Else a note about the peer's certificate, or a blank.
+std::optional<std::string> follow(IdentityTable& table, const Authenticated& peer,
+                                  const LocalIdentity& local, const Environment& environment) {
+  const auto now = environment.clock.now();
+  const auto found = followed_peer(peer, local, now);
+  if (!found.peer) return found.why_not;
+  const auto own = followed_own(peer, local, now);
+  if (!own) return "";
+  table.note_followed(peer.handle, {*found.peer, *own});
+  if (found.by_list) environment.events.raise(event_about(peer.name, listed(*found.peer)));
+  return std::nullopt;
+}
+
+}  // namespace
+
+bool follow_renewal_list(IdentityTable& table, const Authenticated& peer,
+                         const LocalIdentity& local, const Environment& environment) {
+  return !follow(table, peer, local, environment);
+}
+
+void follow_renewal_lists(IdentityTable& table, std::vector<IdentityTable::Ended>& ended,
+                          const Environment& environment) {
+  std::set<const LocalIdentity*> looked;
+  std::erase_if(ended, [&](IdentityTable::Ended& one) {
+    const auto peer = table.authenticated(one.handle);
+    const auto pair = table.pair_of(one.handle);
+    if (!peer || !pair || !table.local(pair->local_handle)) return false;
+    const auto& local = *pair->local;
+    if (looked.insert(&local).second) {
+      local.listed().look_now();
+      look_at_renewal_list(local, environment);
+    }
+    auto why_not = follow(table, *peer, local, environment);
+    if (why_not) one.note = *std::move(why_not);
+    return !why_not;
+  });
+}
+
+}  // namespace ddssec::authentication
