@@ -14,6 +14,7 @@
 #include "cli/logged_certificate.hpp"
 #include "cli/new_file.hpp"
 #include "cli/participant.hpp"
+#include "cli/renewal_list.hpp"
 #include "cli/signed_documents.hpp"
 #include "governance/write.hpp"
 #include "pki/ocsp_address.hpp"
@@ -125,6 +126,9 @@ Result<Bytes> extended_by_ca(const Bytes& old_octets, const pki::Certificate& re
   const auto xml = to_xml(extended(old, renewed, renewed.not_after()));
   DDSSEC_ASSIGN_OR_RETURN(auto out, sign_permissions(ca.authority, xml, now, context.random));
   DDSSEC_RETURN_IF_ERROR(log_signed(ca, as_bytes(xml), file, now, old.text));
+  NewlyListed listed;
+  listed.add(ca.paths, out);
+  DDSSEC_RETURN_IF_ERROR(listed.write(now));
   return out;
 }
 
@@ -141,6 +145,9 @@ Result<RenewalAnswer> renew_by_ca(const RenewalRequest& request, const fs::path&
   DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   DDSSEC_RETURN_IF_ERROR(log_issued(
       ca.paths, pki::IssueLog::issued_line(renewed, home.string(), context.clock.now())));
+  NewlyListed listed;
+  listed.add(ca.paths, renewed);
+  DDSSEC_RETURN_IF_ERROR(listed.write(context.clock.now()));
   RenewalAnswer out{renewed.pem()};
   if (request.permissions.empty()) return out;
   auto permissions =

@@ -23,6 +23,7 @@ struct CaPaths {
   std::filesystem::path log;  ///< pki::IssueLog
   std::filesystem::path crl;
   std::filesystem::path signed_log;  ///< pki::SigningLog, of a permissions CA
+  std::filesystem::path renewals;    ///< pki::RenewalList
 };
 
 /// The files of a CA below its folder (ca.pem, ca.key.pem, issued.jsonl, crl.pem,

@@ -15,6 +15,7 @@
 #include "cli/near.hpp"
 #include "cli/options.hpp"
 #include "cli/participant_places.hpp"
+#include "cli/renewal_list.hpp"
 #include "cli/revocation_lists.hpp"
 #include "cli/transaction.hpp"
 #include "governance/doctor/shell_word.hpp"
@@ -236,6 +237,7 @@ struct Distribution {
   pki::Certificate ca;
   std::string ca_folder;
   WallTime now;
+  pki::RenewalList renewals;
 };
 
 // The folder is opened first. The condition for which it was chosen must still be true.
@@ -245,9 +247,11 @@ Status put_list_into(Replacement& out, const fs::path& folder, const Distributio
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate, certificate_in(files));
   std::vector<pki::Certificate> trusted;
   if (auto cas = read_certificates(files.identity_ca)) trusted = *std::move(cas);
-  return put_list(out, files.crl,
-                  {what.list, what.ca, what.ca_folder, certificate ? &*certificate : nullptr,
-                   std::move(trusted), what.now});
+  DDSSEC_RETURN_IF_ERROR(put_list(out, files.crl,
+                                  {what.list, what.ca, what.ca_folder,
+                                   certificate ? &*certificate : nullptr, std::move(trusted),
+                                   what.now}));
+  return put_renewals(out, files, what.renewals, what.now);
 }
 
 /// The folders that now have the list, and the errors of the others.
@@ -319,7 +323,9 @@ Result<Outcome> distribute(const CaPaths& paths, const std::string& given, WallT
   for (int round = 1;; ++round) {
     DDSSEC_ASSIGN_OR_RETURN(const auto ca, read_certificate(paths.certificate));
     DDSSEC_ASSIGN_OR_RETURN(auto list, list_to_distribute(paths, ca, given, now));
-    DDSSEC_ASSIGN_OR_RETURN(auto done, put_lists(folders, {list, ca, given, now}));
+    DDSSEC_ASSIGN_OR_RETURN(auto renewals, renewals_of(given, list));
+    DDSSEC_ASSIGN_OR_RETURN(auto done,
+                            put_lists(folders, {list, ca, given, now, std::move(renewals)}));
     std::optional<pki::Crl> present;
     if (!is_alone) {
       DDSSEC_ASSIGN_OR_RETURN(present, present_crl(paths));
@@ -332,6 +338,16 @@ Result<Outcome> distribute(const CaPaths& paths, const std::string& given, WallT
                    .found = fmt::format("number {}", number_text(list)),
                    .note = "another process goes on making lists; run the command again"});
   }
+}
+
+// The lists of both CAs are distributed together.
+Status add_renewals(Report& report, const std::string& given, const pki::Crl& crl) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto renewals, renewals_of(given, crl));
+  report.result["renewals"] = {{"certificates", renewals.certificates.size()},
+                               {"permissions", renewals.permissions.size()}};
+  if (!renewals.is_empty())
+    report.text += fmt::format("renewal list with {}\n", in_words(renewals));
+  return {};
 }
 
 Result<Report> crl_distribute(const Arguments& arguments, const Context& context) {
@@ -358,6 +374,7 @@ Result<Report> crl_distribute(const Arguments& arguments, const Context& context
   for (const auto& folder : done.folders) report.text += fmt::format("{}\n", folder);
   report.text += fmt::format("list {} of {} is in {}, holds {}\n", number_text(crl), crl.issuer(),
                              counted(done.folders.size(), "folder"), words_until(crl));
+  DDSSEC_RETURN_IF_ERROR(add_renewals(report, given, crl));
   report.text += places_text(recipient, paths);
   if (recipient.is_empty())
     report.text += fmt::format(
@@ -416,7 +433,8 @@ std::vector<Command> crl_commands() {
            .run = crl_verify},
           {.group = "crl",
            .name = "distribute",
-           .summary = "Puts the CA's revocation list into participants' folders; running ones "
+           .summary = "Puts the CA's revocation list, and its list of renewed certificates and "
+                      "permissions, into participants' folders; running ones "
                       "look every 5 s.",
            .positionals = {{"DIRS",
                             "the folders; without any, all of this CA's participants that are here",

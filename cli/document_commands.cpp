@@ -15,6 +15,7 @@
 #include "cli/new_file.hpp"
 #include "cli/options.hpp"
 #include "cli/products.hpp"
+#include "cli/renewal_list.hpp"
 #include "cli/signed_documents.hpp"
 #include "cli/transaction.hpp"
 #include "governance/doctor/loaded_folder.hpp"
@@ -67,6 +68,19 @@ Result<NumberedText> text_to_sign(const governance::Permissions&, BytesView xml,
   return NumberedText{to_bytes(xml)};
 }
 
+// What running peers of the participants learn of the document.
+Status list_signed(const governance::Governance&, const OpenCa&, BytesView, const Arguments&,
+                   WallTime) {
+  return {};
+}
+Status list_signed(const governance::Permissions&, const OpenCa& ca, BytesView signed_octets,
+                   const Arguments& arguments, WallTime now) {
+  if (arguments.has("--unlisted")) return {};
+  NewlyListed listed;
+  listed.add(ca.paths, signed_octets);
+  return listed.write(now);
+}
+
 // A document that cannot be parsed, or in which lint finds errors, must not be signed.
 template <class Kind>
 Result<Report> sign(const Arguments& arguments, const Context& context) {
@@ -99,6 +113,8 @@ Result<Report> sign(const Arguments& arguments, const Context& context) {
       log_signed(ca.paths, signed_line(ca.certificate(), text, to, context.clock.now())));
   DDSSEC_ASSIGN_OR_RETURN(auto written, write_result(to, signed_octets, arguments));
   report.files_written.push_back(std::move(written));
+  DDSSEC_RETURN_IF_ERROR(
+      list_signed(document, ca, signed_octets, arguments, context.clock.now()));
   report.text += fmt::format("{}  signed by {}\n", to.string(), ca.certificate().subject());
   report.result = {{"file", to.string()}, {"signer", ca.certificate().subject()}};
   if (text.revision != 0) {
@@ -235,6 +251,9 @@ std::vector<Option> signing_options() {
           kInsecureKeyMode};
 }
 
+const Option kUnlisted{"--unlisted", "",
+                       "keep it out of the CA's renewal list, which crl distribute gives to peers"};
+
 std::vector<Option> with_option(std::vector<Option> options, const Option& more) {
   options.push_back(more);
   return options;
@@ -262,7 +281,7 @@ std::vector<Command> document_commands() {
        .name = "sign",
        .summary = "Signs a permissions document that lint passes, in the form every vendor reads.",
        .positionals = {{"FILE", "the XML document"}},
-       .options = signing_options(),
+       .options = with_option(signing_options(), kUnlisted),
        .examples = {"ddssec permissions sign permissions.xml --ca ca -o talker/permissions.p7s"},
        .run = sign<PermissionsKind>},
       {.group = "permissions",

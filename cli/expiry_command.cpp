@@ -231,7 +231,13 @@ class Search {
             certificate.not_before()};
   }
 
+  // The certificates of a renewal list are other participants', whose own folders hold them.
+  static bool is_renewal_list(const fs::path& file) {
+    return file.stem().string().ends_with("renewed");
+  }
+
   Status look_into_pem(const fs::path& file, BytesView octets) {
+    if (is_renewal_list(file)) return {};
     const auto text = with_usual_labels(as_text(octets));
     if (text.contains("-----BEGIN CERTIFICATE-----")) {
       DDSSEC_ASSIGN_OR_RETURN(const auto bundle, pki::Certificate::bundle_from_pem(as_bytes(text)));

@@ -19,6 +19,7 @@
 #include "cli/near.hpp"
 #include "cli/options.hpp"
 #include "cli/participant.hpp"
+#include "cli/renewal_list.hpp"
 #include "cli/running_participant.hpp"
 #include "cli/signed_documents.hpp"
 #include "cli/transaction.hpp"
@@ -130,6 +131,9 @@ Result<governance::Permissions> put_extended(Replacement& out, const Renewal& jo
   DDSSEC_RETURN_IF_ERROR(out.put(files.permissions, octets, 0644));
   DDSSEC_RETURN_IF_ERROR(
       log_signed(ca, as_bytes(xml), job.recorded / files.permissions.filename(), now, old.text));
+  NewlyListed listed;
+  listed.add(ca.paths, octets);
+  DDSSEC_RETURN_IF_ERROR(listed.write(now));
   return document;
 }
 
@@ -345,6 +349,9 @@ Result<Report> renew(Renewal job) {
       pki::IssueLog::issued_line(renewed, recorded.string(), now, path.filename().string())));
   add_consequence(job, renewed, report);
   DDSSEC_ASSIGN_OR_RETURN(report.files_written, out.commit());
+  NewlyListed listed;
+  listed.add(ca.paths, renewed);
+  if (const auto written = listed.write(now); !written) report.errors.push_back(written.error());
   return report;
 }
 

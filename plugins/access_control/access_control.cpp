@@ -9,6 +9,7 @@
 
 #include "plugins/access_control/handle_table.hpp"
 #include "plugins/access_control/judgement.hpp"
+#include "plugins/access_control/listed_peers.hpp"
 #include "plugins/access_control/loading.hpp"
 #include "plugins/access_control/protection.hpp"
 #include "plugins/access_control/refusals.hpp"
@@ -22,13 +23,6 @@ using governance::Action;
 using spi::EndpointRequest;
 using spi::PermissionsHandle;
 using Participants = std::set<const Participant*>;
-
-/// Hosts ask for a peer's permissions after it has authenticated. `peer_subject` empty: about us.
-Event event_about(const std::string& peer_subject, const Error& error,
-                  const std::string& peer_guid = {}) {
-  return Event(error, peer_subject, peer_guid,
-               peer_subject.empty() ? PeerProof::not_a_peer : PeerProof::authenticated);
-}
 
 class Plugin final : public spi::AccessControl {
  public:
@@ -221,7 +215,6 @@ class Plugin final : public spi::AccessControl {
   std::vector<PermissionsHandle> peers_of_only(const Participants& gone, const Entries& all,
                                                WallTime now);
   void renew_documents(const Entries& all, PermissionsHandle local);
-  void follow_renewal_lists(const Entries& all, PermissionsHandle local);
   void note_documents(PermissionsHandle local) noexcept;
   void note_end(const PermissionsHolder& local, const Error& why, WallTime now);
   void forget_documents(const PermissionsHolder& gone);
@@ -404,34 +397,6 @@ void Plugin::renew_documents(const Entries& all, PermissionsHandle which) {
   renew();
 }
 
-/// Peers are judged by the later permissions of the lists. Before one of them ends, the lists are
-/// read once more. `local`: of this participant alone, as expire has it.
-void Plugin::follow_renewal_lists(const Entries& all, PermissionsHandle local) {
-  const Holder only = handles_.find(local);
-  const WallTime now = environment_.clock.now();
-  std::vector<PermissionsHolder*> own, peers;
-  for (const auto& [handle, holder] : all) {
-    if (local && (!only || only->participant() != holder->participant())) continue;
-    (holder->remote() ? peers : own).push_back(holder.get());
-  }
-  const auto follow = [&] {
-    bool one_ends = false;
-    for (auto* const peer : peers) {
-      if (const auto listed = peer->follow_list(now))
-        environment_.events.raise(event_about(peer->peer_subject(), *listed));
-      one_ends = one_ends || peer->newly_ended(now).has_value();
-    }
-    return one_ends;
-  };
-  if (!follow()) return;
-  for (auto* const one : own) {
-    one->look_at_list_now();
-    for (const auto& event : one->renew(documents_, environment_.clock))
-      environment_.events.raise(event_about({}, event));
-  }
-  follow();
-}
-
 /// For a person who asks, if there is a record.
 void Plugin::note_documents(PermissionsHandle local) noexcept {
   if (environment_.documents == nullptr) return;
@@ -464,7 +429,12 @@ std::vector<PermissionsHandle> Plugin::expire(PermissionsHandle local) {
   const auto all = handles_.all();
   const Holder own = handles_.find(local);
   renew_documents(all, local);
-  follow_renewal_lists(all, local);
+  const auto own_or_peer = [&](const auto& one) {
+    return !local || (own && own->participant() == one.second->participant());
+  };
+  Entries judged;
+  std::ranges::copy_if(all, std::back_inserter(judged), own_or_peer);
+  follow_renewal_lists(judged, documents_, environment_);
   for (const auto& [handle, holder] : all)
     if (!local || handle == local) note_documents(handle);
   const WallTime now = environment_.clock.now();
@@ -473,8 +443,7 @@ std::vector<PermissionsHandle> Plugin::expire(PermissionsHandle local) {
   Participants gone;
   std::vector<std::pair<Event, PermissionsHolder*>> reasons;
   std::vector<Error> warnings;
-  for (const auto& [handle, holder] : all) {
-    if (local && (!own || own->participant() != holder->participant())) continue;
+  for (const auto& [handle, holder] : judged) {
     if (!holder->remote())
       if (const auto soon = holder->ends_soon(now)) warnings.push_back(*soon);
     const auto reason = holder->newly_ended(now);

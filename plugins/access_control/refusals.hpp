@@ -3,11 +3,19 @@
 
 #include <string>
 
+#include "base/event.hpp"
 #include "governance/decision.hpp"
 #include "plugins/access_control/permissions_holder.hpp"
 #include "plugins/spi/access_control.hpp"
 
 namespace ddssec::access_control {
+
+/// Hosts ask for a peer's permissions after it has authenticated. `peer_subject` empty: about us.
+inline Event event_about(const std::string& peer_subject, const Error& error,
+                         const std::string& peer_guid = {}) {
+  return Event(error, peer_subject, peer_guid,
+               peer_subject.empty() ? PeerProof::not_a_peer : PeerProof::authenticated);
+}
 
 /// No topic_rule matches. Code topic_not_covered.
 Error topic_not_covered(const Participant& participant, std::string_view topic);

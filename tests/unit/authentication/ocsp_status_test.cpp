@@ -1,4 +1,5 @@
 // OCSP responses in handshakes: what a response of a peer means under each policy.
+#include "pki/renewal_list.hpp"
 #include "tests/unit/authentication/ocsp_responses.hpp"
 
 namespace ddssec::authentication {
@@ -170,6 +171,29 @@ TEST(OcspStatus, ThatIsGoodHelpsNoCertificateOnAList) {
   EXPECT_CODE(two.at_low(request->handle,
                          with(*reply->message, "ocsp_status", response_about(bob().certificate))),
               certificate_revoked);
+}
+
+// A renewal list has no response of a responder.
+TEST(RenewalList, WhereAResponseIsDemanded_KeepsNoPeer) {
+  for (const auto* const policy : {"hard", "soft"}) {
+    const test::TemporaryFolder folder;
+    const auto short_lived =
+        make_identity(test_ca(), "CN=bob,O=Example", {}, {kNow - 24h, kNow + 20s}, 1);
+    const auto renewed =
+        make_identity(test_ca(), "CN=bob,O=Example", {}, {kNow, kNow + 24h}, 1).certificate;
+    auto demanding = with_policy(alice(), policy);
+    const pki::RenewalList list{.certificates = {renewed}};
+    set(demanding.properties, spi::property::kRenewalList,
+        "file:" + folder.write("renewed.pem", list.text().value()));
+    Meeting meeting(demanding, short_lived);
+    auto& pairing = meeting.pairing;
+    const bool alice_is_low = pairing.two.low.guid == pairing.a.guid;
+    const auto& low = alice_is_low ? alice().certificate : short_lived.certificate;
+    const auto& high = alice_is_low ? short_lived.certificate : alice().certificate;
+    ASSERT_OK(meeting.meet(Meeting::replace(good(low)), Meeting::replace(good(high))));
+    pairing.first_engine.clock.advance(20s);
+    EXPECT_EQ(pairing.first_engine->expire().size(), policy == std::string_view("hard") ? 1u : 0u);
+  }
 }
 
 }  // namespace
