@@ -14,6 +14,8 @@
 #include "cli/ca_folder.hpp"
 #include "cli/held_folder.hpp"
 #include "cli/inputs.hpp"
+#include "cli/renewal_list.hpp"
+#include "cli/revocation_lists.hpp"
 #include "cli/transaction.hpp"
 
 namespace ddssec::cli {
@@ -191,6 +193,7 @@ Result<Json> Agent::try_to_tend(Folder& folder) {
   if (folder.lock)
     folder.task.uses_no_token = owners_with_wrong_pin_.contains(folder.lock->owner().user);
   folder.task.responders = responders_for(folder);
+  folder.task.renewals = renewals();
   const int lock = folder.lock ? folder.lock->descriptor() : -1;
   const bool is_own = folder.lock && folder.lock->owner().user == ::geteuid();
   DDSSEC_ASSIGN_OR_RETURN(auto worker, ChildProcess::start(
@@ -239,6 +242,26 @@ RespondersAsked Agent::responders_for(const Folder& folder) const {
   if (cas) out.of_cas = to_pem(*cas);
   out.none = !cas;
   return out;
+}
+
+// Of a CA behind a hook there is none. One that is too long for a worker is left to crl distribute.
+std::string Agent::renewals() const {
+  if (hook_) return {};
+  const std::filesystem::path given = arguments_.text("--ca");
+  const auto crl = present_crl(ca_paths(given, "identity"));
+  const auto list = renewals_of(given, crl && *crl ? &**crl : nullptr);
+  if (!list || list->is_empty()) return {};
+  const auto text = list->text();
+  return text && text->size() < kMaxAgentLine / 2 ? *text : std::string();
+}
+
+// The others get the list with the new certificate soon, if that is not too much work.
+void Agent::look_at_others(const Folder& renewed) {
+  constexpr std::size_t kMost = 64;
+  if (hook_ || folders_.size() > kMost) return;
+  const auto soon = context_.clock.since_boot() + seconds(1);
+  for (auto& other : folders_)
+    if (&other != &renewed && other.failures == 0) other.next = std::min(other.next, soon);
 }
 
 // Only the process that asks the CA, and the hook, need them.
@@ -335,6 +358,7 @@ void Agent::note_success(Folder& folder, Json event) {
   if (name == "renewed") {
     folder.task.known = text_in(event, "sha256");
     folder.task.known_renewal = next.value_or(now);
+    look_at_others(folder);
   }
   for (auto& file : files_from(event)) written_.push_back(std::move(file));
   const bool is_news =

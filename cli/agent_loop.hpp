@@ -52,6 +52,7 @@ class Agent {
   /// Until when the process for a folder must have answered.
   std::chrono::steady_clock::time_point time_for(const Folder& folder) const;
   std::unexpected<Error> worker_ended(const Folder& folder, ChildProcess::End end);
+  std::string renewals() const;
   Result<Json> converse(Folder& folder, ChildProcess& worker);
   Result<RenewalAnswer> ask_ca(const Folder& folder, const RenewalRequest& request);
   Result<RenewalAnswer> ask_own_ca(const Folder& folder, const RenewalRequest& request);
@@ -61,6 +62,7 @@ class Agent {
   void note_success(Folder& folder, Json event);
   void note_failure(Folder& folder, const Error& error);
   void look_at_all_now();
+  void look_at_others(const Folder& renewed);
   Json mode() const;
   std::vector<std::string> secret_variables() const;
 

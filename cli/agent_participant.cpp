@@ -13,6 +13,7 @@
 #include "cli/documents.hpp"
 #include "cli/extended_permissions.hpp"
 #include "cli/held_folder.hpp"
+#include "cli/renewal_list.hpp"
 #include "cli/transaction.hpp"
 #include "governance/grant.hpp"
 #include "governance/read.hpp"
@@ -29,7 +30,7 @@ namespace fs = std::filesystem;
 pki::ParticipantFolder files_in(const fs::path& folder) {
   auto out = pki::participant_folder(as_held(folder));
   for (auto* path : {&out.identity_ca, &out.certificate, &out.key, &out.permissions_ca,
-                     &out.governance, &out.permissions, &out.crl, &out.properties})
+                     &out.governance, &out.permissions, &out.crl, &out.renewals, &out.properties})
     *path = folder / path->filename();
   out.folder = folder;
   return out;
@@ -259,6 +260,21 @@ WallTime renewal_from(const pki::Certificate& renewed, WallTime now) {
   return std::max(renewal_time(renewed), now + (renewed.not_after() - now) * 2 / 3);
 }
 
+Status put_list_of_ca(const Participant& self) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto list, pki::RenewalList::parse(as_bytes(self.task.renewals)));
+  Replacement out;
+  DDSSEC_RETURN_IF_ERROR(put_renewals(out, self.files, list, self.now()));
+  DDSSEC_RETURN_IF_ERROR(out.commit_each());
+  return {};
+}
+
+// A list that cannot be put there does not undo a renewal.
+void keep_renewals(const Participant& self, Json& event) {
+  if (self.task.renewals.empty()) return;
+  const auto status = put_list_of_ca(self);
+  if (!status && !event.contains("problem")) event["problem"] = error_to_json(status.error());
+}
+
 Result<Json> renew(const Participant& self, const AskCa& ask) {
   DDSSEC_RETURN_IF_ERROR(mode_of(self.files.certificate, 0));  // before the CA is asked
   DDSSEC_ASSIGN_OR_RETURN(const auto key, key_for_request(self));
@@ -286,6 +302,7 @@ Result<Json> renew(const Participant& self, const AskCa& ask) {
   event["sha256"] = to_hex(renewed.fingerprint());
   if (answer.problem) event["problem"] = error_to_json(*answer.problem);
   keep_response({self.files, renewed, self.now(), self.task.responders}, event);
+  keep_renewals(self, event);
   return event;
 }
 
@@ -337,8 +354,9 @@ Result<Json> tend_folder(const AgentTask& task, const LockedFolder* locked, cons
   const auto due = due_time(self);
   if (due > self.now()) {
     auto event = not_renewed(self, due);
-    if (!task.is_dry_run)
-      keep_response({self.files, self.certificate, self.now(), task.responders}, event);
+    if (task.is_dry_run) return event;
+    keep_response({self.files, self.certificate, self.now(), task.responders}, event);
+    keep_renewals(self, event);
     return event;
   }
   if (task.is_dry_run) return not_renewed(self, due);

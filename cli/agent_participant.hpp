@@ -26,6 +26,7 @@ struct AgentTask {
   std::string known = {};
   WallTime known_renewal = {};
   RespondersAsked responders = {};
+  std::string renewals = {};  ///< the CA's renewal list, to be put into the folder; empty: none
 };
 
 /// Asks the CA; the answer is not yet checked.
@@ -39,7 +40,8 @@ using AskCa = std::function<Result<RenewalAnswer>(const RenewalRequest&)>;
 ///   {"event": "current" | "due" | "renewed" | "ocsp_renewed", "subject", "not_after", "next", ...}
 /// "problem" of an event says why the participant does not start, or the next renewal will fail:
 /// the key, the identity CA, the list or (with takes_permissions) the permissions in the folder. If
-/// the certificate names an OCSP responder, its response is kept, too (agent_response.hpp). Errors:
+/// the certificate names an OCSP responder, its response is kept, too (agent_response.hpp). The
+/// renewal list is put into the folder, too, if it is another one. Errors:
 /// folder_untrusted, key_in_token, key_mismatch, renewal_unfit, renewal_goes_back, those of `ask`,
 /// of ChainVerifier::verify and of Replacement. With a locked folder, the one of the task must be
 /// that one.

@@ -100,7 +100,8 @@ Result<Order> receive_order() {
                      .uses_no_token = is_set(json, "no_token"),
                      .known = text_in(json, "known"),
                      .known_renewal = time_in(json, "known_renewal"),
-                     .responders = responders_from(json)}};
+                     .responders = responders_from(json),
+                     .renewals = text_in(json, "renewals")}};
   if (json.contains("now")) out.now = time_in(json, "now");
   if (json.contains("locked")) out.locked = locked_from(json["locked"]);
   return out;
@@ -169,7 +170,8 @@ std::string order_line(const AgentTask& task, const LockedFolder* locked,
               {"cas", task.responders.of_cas},
               {"cas_from", task.responders.of_cas_from},
               {"ask_none", int(task.responders.none)},
-              {"not_now", task.responders.not_now}};
+              {"not_now", task.responders.not_now},
+              {"renewals", task.renewals}};
   if (now) out["now"] = now->time_since_epoch().count();
   if (locked != nullptr)
     out["locked"] = {{"user", locked->owner.user},

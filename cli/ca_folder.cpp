@@ -32,17 +32,18 @@ Status check_key_mode(const fs::path& key, const Arguments& arguments) {
 }  // namespace
 
 CaPaths ca_paths_in(const fs::path& folder) {
-  return {folder / "ca.pem", pki::or_in_token(folder / "ca.key.pem"), folder / "issued.jsonl",
-          folder / "crl.pem", folder / "signed.jsonl", folder / "renewed.pem"};
+  return {folder / "ca.pem",       pki::or_in_token(folder / "ca.key.pem"),
+          folder / "issued.jsonl", folder / "crl.pem",
+          folder / "signed.jsonl", folder / "renewed.pem"};
 }
 
 CaPaths ca_paths(const fs::path& given, std::string_view role) {
   const std::string name = std::string(role) + "_ca";
   if (is_there(given / "public" / (name + ".cert.pem")))  // a keystore of ROS 2
-    return {given / "public" / (name + ".cert.pem"), given / "private" / (name + ".key.pem"),
-            given / "private" / (name + ".issued.jsonl"), given / "public" / (name + ".crl.pem"),
-            given / "private" / (name + ".signed.jsonl"),
-            given / "public" / (name + ".renewed.pem")};
+    return {
+        given / "public" / (name + ".cert.pem"),      given / "private" / (name + ".key.pem"),
+        given / "private" / (name + ".issued.jsonl"), given / "public" / (name + ".crl.pem"),
+        given / "private" / (name + ".signed.jsonl"), given / "public" / (name + ".renewed.pem")};
   // In the result of `init`, the CAs are one folder below.
   const auto inner = given / "ca";
   const bool from_init = !is_there(given / role / "ca.pem") && is_there(inner / role / "ca.pem");

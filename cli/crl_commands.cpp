@@ -247,10 +247,10 @@ Status put_list_into(Replacement& out, const fs::path& folder, const Distributio
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate, certificate_in(files));
   std::vector<pki::Certificate> trusted;
   if (auto cas = read_certificates(files.identity_ca)) trusted = *std::move(cas);
-  DDSSEC_RETURN_IF_ERROR(put_list(out, files.crl,
-                                  {what.list, what.ca, what.ca_folder,
-                                   certificate ? &*certificate : nullptr, std::move(trusted),
-                                   what.now}));
+  DDSSEC_RETURN_IF_ERROR(
+      put_list(out, files.crl,
+               {what.list, what.ca, what.ca_folder, certificate ? &*certificate : nullptr,
+                std::move(trusted), what.now}));
   return put_renewals(out, files, what.renewals, what.now);
 }
 
@@ -323,7 +323,7 @@ Result<Outcome> distribute(const CaPaths& paths, const std::string& given, WallT
   for (int round = 1;; ++round) {
     DDSSEC_ASSIGN_OR_RETURN(const auto ca, read_certificate(paths.certificate));
     DDSSEC_ASSIGN_OR_RETURN(auto list, list_to_distribute(paths, ca, given, now));
-    DDSSEC_ASSIGN_OR_RETURN(auto renewals, renewals_of(given, list));
+    DDSSEC_ASSIGN_OR_RETURN(auto renewals, renewals_of(given, &list));
     DDSSEC_ASSIGN_OR_RETURN(auto done,
                             put_lists(folders, {list, ca, given, now, std::move(renewals)}));
     std::optional<pki::Crl> present;
@@ -342,7 +342,7 @@ Result<Outcome> distribute(const CaPaths& paths, const std::string& given, WallT
 
 // The lists of both CAs are distributed together.
 Status add_renewals(Report& report, const std::string& given, const pki::Crl& crl) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto renewals, renewals_of(given, crl));
+  DDSSEC_ASSIGN_OR_RETURN(const auto renewals, renewals_of(given, &crl));
   report.result["renewals"] = {{"certificates", renewals.certificates.size()},
                                {"permissions", renewals.permissions.size()}};
   if (!renewals.is_empty())

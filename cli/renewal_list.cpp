@@ -45,8 +45,7 @@ bool is_for_none_but(const ListedDocument& former, const ListedDocument& next) {
 template <class Entry>
 void keep_last(std::vector<Entry>& entries) {
   if (entries.size() <= pki::kMostRenewals) return;
-  entries.erase(entries.begin(),
-                entries.end() - static_cast<std::ptrdiff_t>(pki::kMostRenewals));
+  entries.erase(entries.begin(), entries.end() - static_cast<std::ptrdiff_t>(pki::kMostRenewals));
 }
 
 // `former` without what `next` replaces and what has ended, and then `next`.
@@ -121,7 +120,7 @@ Status NewlyListed::write(WallTime now) const {
   return {};
 }
 
-Result<pki::RenewalList> renewals_of(const fs::path& given, const pki::Crl& revoked) {
+Result<pki::RenewalList> renewals_of(const fs::path& given, const pki::Crl* revoked) {
   const auto identity = ca_paths(given, "identity").renewals;
   const auto permissions = ca_paths(given, "permissions").renewals;
   DDSSEC_ASSIGN_OR_RETURN(auto out, read_renewals(identity));
@@ -129,7 +128,8 @@ Result<pki::RenewalList> renewals_of(const fs::path& given, const pki::Crl& revo
     DDSSEC_ASSIGN_OR_RETURN(auto more, read_renewals(permissions));
     std::ranges::move(more.permissions, std::back_inserter(out.permissions));
   }
-  DDSSEC_ASSIGN_OR_RETURN(const auto entries, revoked.revoked());
+  if (revoked == nullptr) return out;
+  DDSSEC_ASSIGN_OR_RETURN(const auto entries, revoked->revoked());
   std::set<std::string> serials;
   for (const auto& entry : entries) serials.insert(entry.serial);
   std::erase_if(out.certificates, [&](const auto& one) { return serials.contains(one.serial()); });

@@ -40,9 +40,9 @@ class NewlyListed {
   std::map<std::filesystem::path, pki::RenewalList> files_;
 };
 
-/// The lists of both CAs at `given`, as one. Without certificates that `revoked` names: of the
-/// identity CA. Errors: those of read_renewals and Crl::revoked.
-Result<pki::RenewalList> renewals_of(const std::filesystem::path& given, const pki::Crl& revoked);
+/// The lists of both CAs at `given`, as one. Without certificates that `revoked` names, the present
+/// list of the identity CA; null: it has none. Errors: those of read_renewals and Crl::revoked.
+Result<pki::RenewalList> renewals_of(const std::filesystem::path& given, const pki::Crl* revoked);
 
 /// Drafts the renewal list of a participant's folder: `entries`, and those that are there of other
 /// CAs that the folder has. Nothing if that is what is there. Errors: those of read_renewals and

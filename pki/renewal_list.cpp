@@ -31,9 +31,9 @@ Status add(RenewalList& out, PemBlock block) {
                      "a block " + block.label.substr(0, 64));
   DDSSEC_RETURN_IF_ERROR(check_room(out.permissions.size(), "permissions"));
   if (block.der.size() > kMostSentPermissionsOctets)
-    return malformed("permissions of at most " + std::to_string(kMostSentPermissionsOctets) +
-                         " octets",
-                     std::to_string(block.der.size()));
+    return malformed(
+        "permissions of at most " + std::to_string(kMostSentPermissionsOctets) + " octets",
+        std::to_string(block.der.size()));
   out.permissions.push_back(std::move(block.der));
   return {};
 }
@@ -49,8 +49,8 @@ Result<RenewalList> RenewalList::parse(BytesView file) {
   while (true) {
     auto block = next_pem_block(bio.get());
     if (!block)
-      return fail(Code::renewal_list_malformed,
-                  {.found = "a block that is cut short or damaged", .note = block.error().details().note});
+      return fail(Code::renewal_list_malformed, {.found = "a block that is cut short or damaged",
+                                                 .note = block.error().details().note});
     if (!*block) break;
     DDSSEC_RETURN_IF_ERROR(add(out, **std::move(block)));
   }

@@ -39,7 +39,18 @@ PermissionsDocument::PermissionsDocument(governance::Permissions permissions,
     : permissions_(std::make_shared<const governance::Permissions>(std::move(permissions))),
       signer_not_before_(document.signer().not_before()),
       signer_not_after_(document.signer_not_after()),
-      signer_(document.signer()) {}
+      signer_(document.signer()),
+      signed_at_(document.signed_at().value_or(WallTime::min())) {}
+
+WallTime PermissionsDocument::signed_at() const {
+  const std::lock_guard lock(mutex_);
+  return signed_at_;
+}
+
+void PermissionsDocument::note_signed_at(std::optional<WallTime> time) {
+  const std::lock_guard lock(mutex_);
+  if (time) signed_at_ = std::max(signed_at_, *time);
+}
 
 Status PermissionsDocument::check_signer(WallTime now) const {
   const bool early = now < signer_not_before_;
@@ -52,9 +63,8 @@ Status PermissionsDocument::check_signer(WallTime now) const {
 }
 
 bool PermissionsDocument::has_grant_for(const pki::SubjectName& subject) const {
-  return std::ranges::any_of(permissions_->grants, [&](const auto& grant) {
-    return governance::is_for(grant, subject);
-  });
+  return std::ranges::any_of(permissions_->grants,
+                             [&](const auto& grant) { return governance::is_for(grant, subject); });
 }
 
 Result<Grant> PermissionsDocument::grant_for(const pki::SubjectName& subject,
@@ -86,6 +96,7 @@ Result<std::shared_ptr<PermissionsDocument>> DocumentCache::permissions(const Pe
   const Sha256Digest text =
       sha256({ca.digest(), document.signer().fingerprint(), document.content()});
   if (auto known = find(by_text_, text)) {
+    known->note_signed_at(document.signed_at());
     add_form(text, form);
     return known;
   }

@@ -61,6 +61,10 @@ class PermissionsDocument {
   Status check_signer(WallTime now) const;
   WallTime signer_not_after() const { return signer_not_after_; }
   const pki::Certificate& signer() const { return signer_; }
+  /// When it was signed, the last time if it was several times; the earliest time if that is not
+  /// known.
+  WallTime signed_at() const;
+  void note_signed_at(std::optional<WallTime> time);
 
   void set_partition_match(governance::PartitionMatch match) { partition_match_ = match; }
 
@@ -73,7 +77,8 @@ class PermissionsDocument {
   WallTime signer_not_after_;
   pki::Certificate signer_;
   governance::PartitionMatch partition_match_ = governance::PartitionMatch::all;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
+  WallTime signed_at_ = WallTime::min();
   std::map<std::tuple<const governance::Grant*, DomainId, std::string>, Grant> compiled_;
 };
 

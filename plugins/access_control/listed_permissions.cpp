@@ -22,9 +22,9 @@ bool say_the_same(const governance::Rule& a, const governance::Rule& b) {
          equal(a.subscribe, b.subscribe) && equal(a.relay, b.relay);
 }
 
-std::pair<WallTime, WallTime> order(const Grant& grant) {
-  const auto& validity = grant->grant().validity;
-  return {validity.not_before, validity.not_after};
+std::tuple<WallTime, WallTime, WallTime> order(const ListedPermissions::Found& one) {
+  const auto& validity = one.grant->grant().validity;
+  return {validity.not_before, one.document->signed_at(), validity.not_after};
 }
 
 }  // namespace
@@ -35,11 +35,12 @@ bool give_the_same(const governance::Grant& a, const governance::Grant& b) {
                             [](const auto& x, const auto& y) { return say_the_same(x, y); });
 }
 
-bool is_later(const Grant& found, const Grant& former) {
-  const auto [begin, end] = order(found);
-  const auto [former_begin, former_end] = order(former);
+bool is_later(const ListedPermissions::Found& found, const ListedPermissions::Found& former) {
+  const auto [begin, time, end] = order(found);
+  const auto [former_begin, former_time, former_end] = order(former);
   if (begin != former_begin) return begin > former_begin;
-  return end > former_end && give_the_same(found->grant(), former->grant());
+  if (time != former_time) return time > former_time;
+  return end > former_end && give_the_same(found.grant->grant(), former.grant->grant());
 }
 
 Sha256Digest digest_of_file(std::string_view text) {
@@ -71,8 +72,9 @@ std::optional<ListedPermissions::Found> ListedPermissions::latest(const Question
   for (const auto& document : documents_of(question)) {
     auto grant = document->grant_for(question.subject, question.shown, question.domain,
                                      question.tag, question.now);
-    if (grant && (!out || order(out->grant) < order(*grant)))
-      out = Found{document, *std::move(grant)};
+    if (!grant) continue;
+    Found found{document, *std::move(grant)};
+    if (!out || order(*out) < order(found)) out = std::move(found);
   }
   return out;
 }

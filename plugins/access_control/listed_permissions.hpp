@@ -36,7 +36,7 @@ class ListedPermissions {
     Grant grant;
   };
   /// Of the documents with a grant for the subject that is valid now, the one whose grant begins
-  /// last, and of these the one that ends last.
+  /// last, of these the one that was signed last, and of these the one that ends last.
   std::optional<Found> latest(const Question& question) const;
 
   /// True if that file is on the list.
@@ -52,9 +52,9 @@ class ListedPermissions {
   mutable std::map<std::string, Documents> of_subject_;  ///< those asked for so far
 };
 
-/// True if `found` may take the place of `former`: its grant begins later, or begins at the same
-/// time, ends later and gives the same.
-bool is_later(const Grant& found, const Grant& former);
+/// True if `found` may take the place of `former`: its grant begins later; or at the same time, and
+/// it was signed later; or both are the same, and it ends later and gives the same.
+bool is_later(const ListedPermissions::Found& found, const ListedPermissions::Found& former);
 
 /// True if both allow and deny the same, whatever their validity.
 bool give_the_same(const governance::Grant& a, const governance::Grant& b);

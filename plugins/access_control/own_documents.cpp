@@ -313,8 +313,8 @@ Status OwnDocuments::take_list(const Renewal& now, const pki::RenewalList& list)
   }
   if (next.empty() && first) return std::unexpected(*first);
   for (const auto& former : listed_) {
-    const bool is_there = std::ranges::find(next, former.file, &ListedPermissions::Entry::file) !=
-                          next.end();
+    const bool is_there =
+        std::ranges::find(next, former.file, &ListedPermissions::Entry::file) != next.end();
     if (!is_there && next.size() < pki::kMostRenewals && ca->holds(former.document->signer()))
       next.push_back(former);
   }
@@ -325,11 +325,10 @@ Status OwnDocuments::take_list(const Renewal& now, const pki::RenewalList& list)
 
 void OwnDocuments::renew_list(const Renewal& now, std::vector<Error>& events) {
   bool was_read = false;
-  const auto taken =
-      renewal_list_.look(now.clock.monotonic(), [&](const pki::RenewalList& list) {
-        was_read = true;
-        return take_list(now, list);
-      });
+  const auto taken = renewal_list_.look(now.clock.monotonic(), [&](const pki::RenewalList& list) {
+    was_read = true;
+    return take_list(now, list);
+  });
   if (!taken && was_read) events.push_back(taken.error());
 }
 

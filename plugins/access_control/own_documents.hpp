@@ -22,7 +22,7 @@ class PermissionsHolder;
 /// Where they are.
 struct DocumentPlaces {
   std::string permissions_ca, governance, permissions, identity_ca;  ///< URIs
-  std::vector<std::string> renewal_list;                            ///< the same
+  std::vector<std::string> renewal_list;                             ///< the same
   std::string permissions_ca_name, governance_name, permissions_name;
 };
 

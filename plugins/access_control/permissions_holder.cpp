@@ -189,37 +189,40 @@ Status PermissionsHolder::take(std::shared_ptr<PermissionsDocument> document, By
 
 // ---- permissions of the renewal list
 
-std::shared_ptr<PermissionsDocument> PermissionsHolder::listed_after(const Grant& former,
-                                                                     WallTime now) const {
+/// The lock is held, and there is a grant.
+std::optional<ListedPermissions::Found> PermissionsHolder::later_listed(WallTime now) const {
   const auto listed = participant_->listed();
-  if (!listed) return nullptr;
-  const auto found = listed->latest(
+  if (!listed) return std::nullopt;
+  auto found = listed->latest(
       {subject_.name, subject_.shown, participant_->domain, participant_->domain_tag, now});
-  if (!found || !is_later(found->grant, former)) return nullptr;
-  return participant_->basis()->ca->holds(found->document->signer()) ? found->document : nullptr;
+  if (!found || found->document == document_ || !is_later(*found, {document_, grant_}))
+    return std::nullopt;
+  if (!participant_->basis()->ca->holds(found->document->signer())) return std::nullopt;
+  return found;
 }
 
 std::optional<Error> PermissionsHolder::follow_list(WallTime now, bool is_new) {
   const std::lock_guard lock(mutex_);
   if (!remote_ || !grant_ || reported_ || replaced_) return std::nullopt;
-  auto document = listed_after(grant_, now);
-  if (!document || document == document_) return std::nullopt;
-  auto grant = grant_in(*document, now);
-  if (!grant) return std::nullopt;
-  ErrorDetails details{.document = document_name_,
-                       .field = "not_before",
-                       .expected = to_string(grant_->grant().validity.not_before),
-                       .found = to_string((*grant)->grant().validity.not_before)};
-  if (!is_new && !give_the_same(grant_->grant(), (*grant)->grant())) {
-    replaced_ = Error(Code::peer_permissions_replaced, std::move(details));
+  auto found = later_listed(now);
+  if (!found) return std::nullopt;
+  const auto& next = found->grant->grant();
+  if (!is_new && !give_the_same(grant_->grant(), next)) {
+    const auto& former = grant_->grant().validity.not_before;
+    replaced_ =
+        Error(Code::peer_permissions_replaced, {.document = document_name_,
+                                                .field = "not_before",
+                                                .expected = to_string(former),
+                                                .found = to_string(next.validity.not_before)});
     return std::nullopt;
   }
-  document_ = std::move(document);
-  grant_ = *std::move(grant);
+  document_ = std::move(found->document);
+  grant_ = std::move(found->grant);
   accepted_by_.reset();
-  return Error(Code::peer_permissions_listed, {.document = document_name_,
-                                               .field = "not_after",
-                                               .found = to_string(grant_->grant().validity.not_after)});
+  return Error(Code::peer_permissions_listed,
+               {.document = document_name_,
+                .field = "not_after",
+                .found = to_string(grant_->grant().validity.not_after)});
 }
 
 bool PermissionsHolder::is_listed() const {

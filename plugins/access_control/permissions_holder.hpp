@@ -10,6 +10,7 @@
 #include "base/hash.hpp"
 #include "plugins/access_control/announced.hpp"
 #include "plugins/access_control/documents.hpp"
+#include "plugins/access_control/listed_permissions.hpp"
 #include "plugins/access_control/own_documents.hpp"
 #include "plugins/access_control/participant.hpp"
 #include "plugins/spi/session_facts.hpp"
@@ -64,20 +65,17 @@ class PermissionsHolder {
   /// Of a peer: the same for permissions that it has shown within its session. True: they are
   /// others than those in force.
   Result<bool> take_shown(std::shared_ptr<PermissionsDocument> document, WallTime now);
-  /// Of a peer: permissions of the participant's renewal list come into force, if they are later and
-  /// give the same; an event says so. If they give something else, the peer ends, because hosts do
-  /// not judge again what they have matched: newly_ended says peer_permissions_replaced, and it is
-  /// judged by them when it comes again. `is_new`: nothing is matched yet.
+  /// Of a peer: permissions of the participant's renewal list come into force, if they are later
+  /// and give the same; an event says so. If they give something else, the peer ends, because hosts
+  /// do not judge again what they have matched: newly_ended says peer_permissions_replaced, and it
+  /// is judged by them when it comes again. `is_new`: nothing is matched yet.
   std::optional<Error> follow_list(WallTime now, bool is_new = false);
-  /// The permissions of the participant's renewal list, if they are later than `former`.
-  std::shared_ptr<PermissionsDocument> listed_after(const Grant& former, WallTime now) const;
   /// How often it has taken permissions.
   std::uint64_t renewals() const;
 
-  /// Of a peer: it has seen the document of `own` with the digest in `facts`. Without one: the first
-  /// document, which another vendor's authentication goes on presenting.
-  void note_seen(std::shared_ptr<const PermissionsHolder> own,
-                 const spi::SessionFacts& facts);
+  /// Of a peer: it has seen the document of `own` with the digest in `facts`. Without one: the
+  /// first document, which another vendor's authentication goes on presenting.
+  void note_seen(std::shared_ptr<const PermissionsHolder> own, const spi::SessionFacts& facts);
   /// Of a peer.
   AnnouncedEndpoints& announced() { return announced_; }
   const std::string& document_name() const { return document_name_; }
@@ -117,6 +115,7 @@ class PermissionsHolder {
   Status check_follows(const Grant& renewed) const;
   std::optional<Error> outlived(WallTime now);
   bool is_listed() const;
+  std::optional<ListedPermissions::Found> later_listed(WallTime now) const;
 
   DocumentPart permissions_part() const;
 

@@ -148,10 +148,10 @@ class IdentityTable {
   struct Authenticated {
     spi::IdentityHandle handle;
     PeerName name;
-    pki::Certificate certificate;                   ///< of its handshake
-    std::optional<pki::Certificate> listed;         ///< the later one that it is followed by
-    pki::Certificate own;                           ///< that the peer has seen
-    bool reads_lists;                               ///< as JudgedPeer::reads_lists
+    pki::Certificate certificate;            ///< of its handshake
+    std::optional<pki::Certificate> listed;  ///< the later one that it is followed by
+    pki::Certificate own;                    ///< that the peer has seen
+    bool reads_lists;                        ///< as JudgedPeer::reads_lists
     /// The one that the session ends with.
     const pki::Certificate& latest() const { return listed ? *listed : certificate; }
   };
@@ -197,7 +197,9 @@ class IdentityTable {
     bool reads_lists = false;
     bool ends_with_ours = false;
     PeerName name() const;
-    const std::optional<pki::Certificate>& latest() const { return listed ? listed : authenticated; }
+    const std::optional<pki::Certificate>& latest() const {
+      return listed ? listed : authenticated;
+    }
     Authenticated as_authenticated(std::int64_t handle) const;
   };
   using Remotes = std::unordered_map<std::int64_t, Remote>;

@@ -113,8 +113,9 @@ ListedRenewals::Found ListedRenewals::after(const Session& session, const TrustS
       if (!chain) why_not = std::string(info(chain.error().code()).summary);
     }
     if (!why_not.empty())
-      out.why_not = "the renewal list " + watch_.path() + " has the certificate with serial number " +
-                    listed.serial() + ", which does not count: " + why_not;
+      out.why_not = "the renewal list " + watch_.path() +
+                    " has the certificate with serial number " + listed.serial() +
+                    ", which does not count: " + why_not;
   }
   return out;
 }

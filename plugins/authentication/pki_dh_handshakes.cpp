@@ -200,9 +200,9 @@ void PkiDh::drop_excess(HandshakeHandle newest) {
 Status PkiDh::note_authenticated(const Pair& pair, const Established& done) {
   DDSSEC_ASSIGN_OR_RETURN(const auto own,
                           pair.local->verify(done.own->certificate, environment_.clock.now()));
-  return table_.note_authenticated(pair.remote_handle,
-                                   {done.peer.chain(), own, done.peer.keeps_session(),
-                                    done.peer.reads_lists()});
+  return table_.note_authenticated(
+      pair.remote_handle,
+      {done.peer.chain(), own, done.peer.keeps_session(), done.peer.reads_lists()});
 }
 
 /// The peer is proven, but not its response, which is not signed along.

@@ -1,7 +1,8 @@
 // Later permissions of peers, in a renewal list.
+#include "pki/renewal_list.hpp"
+
 #include <gmock/gmock.h>
 
-#include "pki/renewal_list.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/access_control/fixture.hpp"
 
@@ -12,10 +13,11 @@ using testing::Contains;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-/// The talker is ours and has a list; the listener is the peer, whose permissions end 20 s from now.
-class Listed : public AccessControlTest {
+/// The talker is ours and has a list; the listener is the peer, whose permissions end 20 s from
+/// now.
+class ListedPeers : public AccessControlTest {
  protected:
-  Listed() {
+  ListedPeers() {
     own_ = ours({}, "").value_or(spi::PermissionsHandle{});
     EXPECT_TRUE(own_);
     meet(document({"t"}));
@@ -72,7 +74,7 @@ class Listed : public AccessControlTest {
   spi::PermissionsHandle own_, peer_;
 };
 
-TEST_F(Listed, LaterPermissionsThatGiveTheSame_KeepThePeer) {
+TEST_F(ListedPeers, LaterPermissionsThatGiveTheSame_KeepThePeer) {
   put({document({"t"}, 0s, 24h)});
   EXPECT_THAT(look(), IsEmpty());
   ASSERT_EQ(log.events.size(), 1u);
@@ -86,40 +88,56 @@ TEST_F(Listed, LaterPermissionsThatGiveTheSame_KeepThePeer) {
   EXPECT_EQ(plugin->next_expiry(), kNow + 24h);
 }
 
-TEST_F(Listed, WithoutAList_ThePeerEndsInTime) {
+TEST_F(ListedPeers, WithoutAList_ThePeerEndsInTime) {
   EXPECT_THAT(look(19s), IsEmpty());
   EXPECT_THAT(look(1s), ElementsAre(peer_));
   EXPECT_THAT(codes(), ElementsAre(Code::grant_expired));
 }
 
-TEST_F(Listed, AListOfTheLastSecond_Counts) {
+TEST_F(ListedPeers, AListOfTheLastSecond_Counts) {
   look(19s);
   put({document({"t"}, 0s, 24h)});
   EXPECT_THAT(look(1s), IsEmpty());
 }
 
-TEST_F(Listed, PermissionsThatEndLater_AreTakenIfTheyBeginAtTheSameTime) {
+TEST_F(ListedPeers, PermissionsThatEndLater_AreTakenIfTheyBeginAtTheSameTime) {
   put({document({"t"}, -24h, 24h)});
   EXPECT_THAT(pass_the_end(), IsEmpty());
 }
 
-TEST_F(Listed, OtherRightsThatBeginAtTheSameTime_AreNotLater) {
+TEST_F(ListedPeers, OtherRightsThatBeginAtTheSameTime_AreNotLater) {
   put({document({"t", "u"}, -24h, 24h)});
   EXPECT_THAT(pass_the_end(), ElementsAre(peer_));
   EXPECT_THAT(codes(), ElementsAre(Code::grant_expired));
 }
 
-TEST_F(Listed, OlderPermissions_AreARollBack) {
+// As of documents for one certificate.
+TEST_F(ListedPeers, OtherRightsThatBeginAtTheSameTime_CountIfTheyWereSignedLater) {
+  auto out = grant(kListener, {publish_rule(true, {"u"})});
+  out.validity = {kNow - 24h, kNow + 20s};
+  const auto xml = governance::to_xml(governance::Permissions{.grants = {out}});
+  const auto file =
+      authorities().permissions_ca.sign_document(as_bytes(xml), kNow + 1s, test_random());
+  ASSERT_TRUE(file);
+  put({std::string(as_text(*file))});
+  EXPECT_THAT(look(), ElementsAre(peer_));
+  EXPECT_THAT(codes(), ElementsAre(Code::peer_permissions_replaced));
+  meet(document({"t"}));
+  EXPECT_TRUE(may_publish("u"));
+  EXPECT_FALSE(may_publish("t"));
+}
+
+TEST_F(ListedPeers, OlderPermissions_AreARollBack) {
   put({document({"t"}, -25h, 24h)});
   EXPECT_THAT(pass_the_end(), ElementsAre(peer_));
 }
 
-TEST_F(Listed, OfAnotherSubject_AreOfNoUse) {
+TEST_F(ListedPeers, OfAnotherSubject_AreOfNoUse) {
   put({document({"t"}, 0s, 24h, kTalker)});
   EXPECT_THAT(pass_the_end(), ElementsAre(peer_));
 }
 
-TEST_F(Listed, LessRights_EndThePeerAtOnce) {
+TEST_F(ListedPeers, LessRights_EndThePeerAtOnce) {
   meet(document({"t", "u"}));
   put({document({"t"}, 0s, 24h)});
   EXPECT_THAT(look(), Contains(peer_));
@@ -128,7 +146,7 @@ TEST_F(Listed, LessRights_EndThePeerAtOnce) {
   EXPECT_FALSE(may_publish("t")) << "until it comes again";
 }
 
-TEST_F(Listed, APeerThatComesAgain_IsJudgedByTheList) {
+TEST_F(ListedPeers, APeerThatComesAgain_IsJudgedByTheList) {
   put({document({"t"}, 0s, 24h)});
   look();
   log.events.clear();
@@ -138,7 +156,7 @@ TEST_F(Listed, APeerThatComesAgain_IsJudgedByTheList) {
   EXPECT_FALSE(may_publish("u"));
 }
 
-TEST_F(Listed, APeerWithLaterPermissions_IsJudgedByThese) {
+TEST_F(ListedPeers, APeerWithLaterPermissions_IsJudgedByThese) {
   put({document({"t"}, -1h, 24h)});
   look();
   log.events.clear();
@@ -147,7 +165,7 @@ TEST_F(Listed, APeerWithLaterPermissions_IsJudgedByThese) {
   EXPECT_TRUE(may_publish("u"));
 }
 
-TEST_F(Listed, AFormerList_BringsNoFormerRightsBack) {
+TEST_F(ListedPeers, AFormerList_BringsNoFormerRightsBack) {
   put({document({"t"}, 0s, 24h)});
   look();
   put({document({"t", "u"}, -1h, 24h)});
@@ -157,7 +175,7 @@ TEST_F(Listed, AFormerList_BringsNoFormerRightsBack) {
   EXPECT_TRUE(may_publish("t"));
 }
 
-TEST_F(Listed, SignedByAnotherCa_IsOneEventAndChangesNothing) {
+TEST_F(ListedPeers, SignedByAnotherCa_IsOneEventAndChangesNothing) {
   put({document({"t"}, 0s, 24h)});
   look();
   log.events.clear();
@@ -174,7 +192,7 @@ TEST_F(Listed, SignedByAnotherCa_IsOneEventAndChangesNothing) {
 }
 
 // Authentication reports such a list.
-TEST_F(Listed, AListThatCannotBeRead_ChangesNothing) {
+TEST_F(ListedPeers, AListThatCannotBeRead_ChangesNothing) {
   put({document({"t"}, 0s, 24h)});
   look();
   log.events.clear();
@@ -185,7 +203,7 @@ TEST_F(Listed, AListThatCannotBeRead_ChangesNothing) {
 
 // ---- ours, which the peer has seen
 
-class OwnListed : public Listed {
+class OwnListedPermissions : public ListedPeers {
  protected:
   /// Ours end first, and are renewed; the peer has seen the former ones.
   void begin(bool peer_reads_lists) {
@@ -208,19 +226,19 @@ class OwnListed : public Listed {
   std::string next_;
 };
 
-TEST_F(OwnListed, RenewedPermissionsOnTheList_KeepTheSession) {
+TEST_F(OwnListedPermissions, RenewedPermissionsOnTheList_KeepTheSession) {
   begin(true);
   put({next_});
   EXPECT_THAT(pass_the_end(), IsEmpty());
 }
 
-TEST_F(OwnListed, WithoutAList_TheSessionEnds) {
+TEST_F(OwnListedPermissions, WithoutAList_TheSessionEnds) {
   begin(true);
   EXPECT_THAT(pass_the_end(), ElementsAre(peer_));
   EXPECT_THAT(codes(), ElementsAre(Code::session_outlived_documents));
 }
 
-TEST_F(OwnListed, APeerOfAnotherProduct_HasNoList) {
+TEST_F(OwnListedPermissions, APeerOfAnotherProduct_HasNoList) {
   begin(false);
   put({next_});
   EXPECT_THAT(pass_the_end(), ElementsAre(peer_));

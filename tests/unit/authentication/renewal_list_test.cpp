@@ -1,4 +1,6 @@
 // Peers whose certificates end, and who stay because a renewal list has their later ones.
+#include "pki/renewal_list.hpp"
+
 #include <cstring>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -7,7 +9,6 @@
 
 #include <gmock/gmock.h>
 
-#include "pki/renewal_list.hpp"
 #include "tests/support/recorded_document.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/authentication/revocation_lists.hpp"
@@ -43,7 +44,10 @@ class Listed : public testing::Test {
  protected:
   explicit Listed(const std::string& crl = {}) : pairing_(with_files(crl), bob_) {}
 
-  void SetUp() override { pairing_.expect_success(); }
+  void SetUp() override {
+    pairing_.expect_success();
+    events().clear();
+  }
 
   Identity with_files(const std::string& crl) const {
     auto identity = make_identity(test_ca(), kAlice);
@@ -440,7 +444,9 @@ TEST(ListedOfANewCa, KeepsAPeerWhoseFirstCaHasLeft) {
   const auto old_ca = make_ca(), new_ca = make_ca();
   auto identity = make_identity(old_ca, kAlice);
   const auto both = old_ca.certificate().pem() + new_ca.certificate().pem();
-  const auto put_own = [&](const Identity& own) { folder.replace("cert.pem", own.certificate.pem()); };
+  const auto put_own = [&](const Identity& own) {
+    folder.replace("cert.pem", own.certificate.pem());
+  };
   put_own(identity);
   folder.replace("identity_ca.pem", both);
   set(identity.properties, property::kIdentityCertificate, "file:" + folder.path() + "/cert.pem");
