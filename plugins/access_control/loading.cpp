@@ -168,6 +168,7 @@ Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context
   participant->domain_tag = domain_tag;
   DDSSEC_ASSIGN_OR_RETURN(participant->warn_before_end, spi::warning_days(properties));
   participant->governance_name = places.governance_name;
+  participant->listed_rights_wait = context.options.listed_rights_wait;
   DDSSEC_ASSIGN_OR_RETURN(const auto interval, spi::files_poll_interval(properties));
   auto own = std::make_unique<OwnDocuments>(places, context.options, interval);
   DDSSEC_ASSIGN_OR_RETURN(

@@ -205,9 +205,12 @@ std::optional<Error> PermissionsHolder::follow_list(WallTime now, bool is_new) {
   const std::lock_guard lock(mutex_);
   if (!remote_ || !grant_ || reported_ || replaced_) return std::nullopt;
   auto found = later_listed(now);
+  if (!found) other_rights_since_.reset();
   if (!found) return std::nullopt;
   const auto& next = found->grant->grant();
   if (!is_new && !give_the_same(grant_->grant(), next)) {
+    if (!other_rights_since_) other_rights_since_ = now;
+    if (now - *other_rights_since_ < participant_->listed_rights_wait) return std::nullopt;
     const auto& former = grant_->grant().validity.not_before;
     replaced_ =
         Error(Code::peer_permissions_replaced, {.document = document_name_,

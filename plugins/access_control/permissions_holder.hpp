@@ -125,7 +125,8 @@ class PermissionsHolder {
   std::shared_ptr<const PermissionsHolder> own_;  ///< of a peer: what we are to it
   std::shared_ptr<PermissionsDocument> seen_;     ///< and what it has seen of that
   bool reads_lists_ = false;                      ///< as SessionFacts has it
-  std::optional<Error> replaced_;                 ///< the list has other rights of the peer
+  std::optional<WallTime> other_rights_since_;    ///< the list has other rights of the peer
+  std::optional<Error> replaced_;                 ///< and the time to show them is over
   std::shared_ptr<PermissionsDocument> document_;
   std::string text_;
   Sha256Digest digest_ = {};  ///< of text_, as session_facts.hpp counts it

@@ -129,10 +129,13 @@ std::optional<DocumentState> ListedRenewals::state() const {
   const std::scoped_lock lock(mutex_);
   const auto refused = watch_.refused();
   if (certificates_.empty() && permissions_ == 0 && !refused) return std::nullopt;
-  return DocumentState{.kind = DocumentKind::renewal_list,
-                       .file = watch_.path(),
-                       .parts = pki::parts_of(certificates_),
-                       .refused = refused};
+  DocumentState out{.kind = DocumentKind::renewal_list,
+                    .file = watch_.path(),
+                    .parts = pki::parts_of(certificates_),
+                    .refused = refused};
+  // The end of an entry is nothing to see to.
+  for (auto& part : out.parts) part.until.reset();
+  return out;
 }
 
 }  // namespace ddssec::authentication

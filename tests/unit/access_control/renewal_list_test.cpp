@@ -17,7 +17,8 @@ using testing::IsEmpty;
 /// now.
 class ListedPeers : public AccessControlTest {
  protected:
-  ListedPeers() {
+  explicit ListedPeers(Options options = {}) {
+    make(std::move(options));
     own_ = ours({}, "").value_or(spi::PermissionsHandle{});
     EXPECT_TRUE(own_);
     meet(document({"t"}));
@@ -199,6 +200,31 @@ TEST_F(ListedPeers, AListThatCannotBeRead_ChangesNothing) {
   folder_.replace("renewed.pem", "garbage");
   EXPECT_THAT(pass_the_end(), IsEmpty());
   EXPECT_THAT(log.events, IsEmpty());
+}
+
+// ---- a host whose peers show renewed permissions
+
+class PatientHost : public ListedPeers {
+ protected:
+  PatientHost() : ListedPeers({.listed_rights_wait = 10s}) {}
+};
+
+TEST_F(PatientHost, OtherRights_EndThePeerAfterTheWait) {
+  put({document({"u"}, 0s, 24h)});
+  EXPECT_THAT(look(), IsEmpty());
+  EXPECT_TRUE(may_publish("t"));
+  EXPECT_THAT(look(), IsEmpty());
+  EXPECT_THAT(look(), ElementsAre(peer_));
+}
+
+TEST_F(PatientHost, APeerThatShowsThemMeanwhile_Stays) {
+  const auto next = document({"u"}, 0s, 24h);
+  put({next});
+  EXPECT_THAT(look(), IsEmpty());
+  ASSERT_TRUE(plugin->renew_remote_permissions(peer_, permissions_token(),
+                                               credential(authorities().listener, next)));
+  EXPECT_THAT(pass_the_end(), IsEmpty());
+  EXPECT_TRUE(may_publish("u"));
 }
 
 // ---- ours, which the peer has seen
