@@ -9,6 +9,7 @@
 #include "cli/held_folder.hpp"
 #include "cli/inputs.hpp"
 #include "cli/logged_certificate.hpp"
+#include "cli/renewal_list.hpp"
 #include "cli/revocation_lists.hpp"
 #include "cli/signed_documents.hpp"
 
@@ -24,6 +25,11 @@ constexpr int kListDaysAfterOverlap = 90;
 bool is_file_or_link(const fs::path& path) {
   std::error_code ignored;
   return fs::symlink_status(path, ignored).type() > fs::file_type::not_found;
+}
+
+/// Peers may go on with what is issued and signed anew. After the theft of a key they begin again.
+bool is_moving(const Succession& change) {
+  return change.step == Step::move || change.step == Step::end;
 }
 
 Status put_key_of_ca(Replacement& out, const Succession& change) {
@@ -71,12 +77,15 @@ class SignerAnew {
                             change_.ca.sign_document(text, now, context_.random));
     lines_ += signed_line(change_.ca.certificate(), text, file, now);
     if (!document.is_logged) unlogged_.push_back(file.string());
+    if (is_moving(change_) && file.stem() == "permissions")
+      renewals_.add(change_.old.paths, octets);
     return out_.put(file, octets, 0644);
   }
 
   WallTime now() const { return context_.clock.now(); }
   const std::string& lines() const { return lines_; }
   const std::vector<std::string>& unlogged() const { return unlogged_; }
+  const NewlyListed& renewals() const { return renewals_; }
 
  private:
   Replacement& out_;
@@ -85,6 +94,7 @@ class SignerAnew {
   const Context& context_;
   std::string lines_;
   std::vector<std::string> unlogged_;
+  NewlyListed renewals_;
 };
 
 // Symbolic links stay unchanged, and missing files are not created. A folder in the place is an
@@ -287,6 +297,7 @@ Result<Followed> follow_with(Replacement& out, SignerAnew& signer, const Success
   DDSSEC_RETURN_IF_ERROR(following.check());
   followed.unlogged = signer.unlogged();
   DDSSEC_RETURN_IF_ERROR(log_signed(change.old.paths, signer.lines()));
+  DDSSEC_RETURN_IF_ERROR(signer.renewals().write(signer.now()));
   return followed;
 }
 
@@ -349,6 +360,7 @@ struct Reissue {
   const std::vector<pki::Certificate>& trusted;  ///< the certificates of change.trust_pem
   const std::vector<pki::Crl>& lists_of_former;  ///< in an overlap
   const Context& context;
+  NewlyListed& renewals;
 
   // Only what the follower trusts.
   Status put_trust(Replacement& out, const Follower& follower,
@@ -378,6 +390,7 @@ struct Reissue {
     DDSSEC_ASSIGN_OR_RETURN(const auto again, change.ca.reissue(certificate, life, context.random));
     DDSSEC_RETURN_IF_ERROR(out.put_public(files.certificate, again.pem()));
     DDSSEC_RETURN_IF_ERROR(put_trust(out, follower, again));
+    if (is_moving(change)) renewals.add(change.old.paths, again);
     const auto folder = recorded_folder(certificate, files.folder, change.old.paths, log);
     return pki::IssueLog::issued_line(again, folder.string(), now);
   }
@@ -421,7 +434,8 @@ Result<Followed> follow_identity_ca(Replacement& out, const Succession& change,
   DDSSEC_ASSIGN_OR_RETURN(const auto trusted,
                           pki::Certificate::bundle_from_pem(as_bytes(change.trust_pem)));
   DDSSEC_ASSIGN_OR_RETURN(const auto listed, crl.revoked());
-  const Reissue reissue{change, log, crl, trusted, of_former, context};
+  NewlyListed renewals;
+  const Reissue reissue{change, log, crl, trusted, of_former, context, renewals};
   Following following(out, followed);
   for (const auto& follower : followers) {
     std::string revoked;
@@ -445,6 +459,7 @@ Result<Followed> follow_identity_ca(Replacement& out, const Succession& change,
   if (lines.empty()) DDSSEC_RETURN_IF_ERROR(following.check());
   DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   DDSSEC_RETURN_IF_ERROR(log_issued(paths, lines));
+  DDSSEC_RETURN_IF_ERROR(renewals.write(context.clock.now()));
   return followed;
 }
 

@@ -93,6 +93,20 @@ class RenewalList(Transcript):
         self.distribute()
         self.assertEqual(self.labels("demo/listener/renewed.pem"), [CERTIFICATE])
 
+    def test_AMove_ListsWhatTheSuccessorIssuesAndSigns_AndATheftNothing(self):
+        for role, label in (("identity", CERTIFICATE), ("permissions", PERMISSIONS)):
+            self.run_program("ca", "rotate", "demo", "--role", role, "--overlap", "1d")
+            self.assertEqual(self.labels(f"demo/ca/{role}/renewed.pem"), [])
+            self.run_program("ca", "rotate", "demo", "--role", role, "--move")
+            self.assertEqual(self.labels(f"demo/ca/{role}/renewed.pem"), [label] * 2)
+        self.distribute()
+        self.assertEqual(self.labels("demo/talker/renewed.pem"), [CERTIFICATE] * 2 + [PERMISSIONS] * 2)
+        before = (self.at / "demo/ca/identity/renewed.pem").read_bytes()
+        self.run_program("ca", "rotate", "demo", "--role", "identity", "--end")
+        self.run_program("ca", "rotate", "demo", "--role", "identity")
+        self.assertEqual((self.at / "demo/ca/identity/renewed.pem").read_bytes(), before)
+        self.distribute()
+
     def test_Expiry_PassesOverTheList(self):
         self.renew()
         self.distribute()
