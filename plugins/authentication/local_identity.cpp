@@ -129,19 +129,18 @@ Result<IdentityFiles> IdentityFiles::load(const spi::PropertyList& properties, T
   DDSSEC_ASSIGN_OR_RETURN(auto watch, IdentityWatch::of(properties));
   DDSSEC_ASSIGN_OR_RETURN(auto authorities, watch_authorities(properties));
   constexpr auto kCa = property::kIdentityCa, kKey = property::kPrivateKey;
-  constexpr auto kCertificate = property::kIdentityCertificate;
+  constexpr auto kOwn = property::kIdentityCertificate;
   DDSSEC_ASSIGN_OR_RETURN(auto anchors, locate(load_anchors(properties), properties, {kCa}));
   DDSSEC_ASSIGN_OR_RETURN(auto lists, RevocationLists::load(properties, anchors, now));
   DDSSEC_ASSIGN_OR_RETURN(
       auto own,
       locate(in(stores.open(std::move(anchors), lists.in_force()), kCa), properties, {kCa}));
   DDSSEC_ASSIGN_OR_RETURN(auto peers, load_peer_trust(properties, lists, own, stores));
-  DDSSEC_ASSIGN_OR_RETURN(
-      auto certificate, locate(load_identity_certificate(properties), properties, {kCertificate}));
+  DDSSEC_ASSIGN_OR_RETURN(auto certificate,
+                          locate(load_identity_certificate(properties), properties, {kOwn}));
   DDSSEC_ASSIGN_OR_RETURN(auto key, locate(load_identity_key(properties), properties, {kKey}));
-  DDSSEC_RETURN_IF_ERROR(locate(check_belongs(key, certificate), properties, {kKey, kCertificate}));
-  DDSSEC_RETURN_IF_ERROR(
-      locate(in(own->verify(certificate, now), kCertificate), properties, {kCertificate, kCa}));
+  DDSSEC_RETURN_IF_ERROR(locate(check_belongs(key, certificate), properties, {kKey, kOwn}));
+  DDSSEC_RETURN_IF_ERROR(locate(in(own->verify(certificate, now), kOwn), properties, {kOwn, kCa}));
   DDSSEC_RETURN_IF_ERROR(ocsp_response.read_first({certificate, *own, now}));
   return IdentityFiles{
       .certificate = std::move(certificate),

@@ -45,7 +45,7 @@ struct Shared {
   void report(const Error& error, const std::optional<GuidPrefix>& prefix) const;
 
   /// Call it when a remote entity has got new keys. Mutex held.
-  void note_former(std::int64_t handle, const RemoteKeys& keys);
+  void note_former(std::int64_t handle, const RemoteKeys& remote_keys);
 
   const Environment environment;
   const bool header_prefix_is_network_order;

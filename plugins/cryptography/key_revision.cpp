@@ -205,8 +205,8 @@ std::uint64_t KeyFactory::blocks_used(const LocalParticipant& participant) {
 
 // ---- others'
 
-void Shared::note_former(std::int64_t handle, const RemoteKeys& keys) {
-  if (!keys.former.empty()) former_until[handle] = keys.former.front().until;
+void Shared::note_former(std::int64_t handle, const RemoteKeys& remote_keys) {
+  if (!remote_keys.former.empty()) former_until[handle] = remote_keys.former.front().until;
 }
 
 void KeyFactory::forget_former_keys() {
