@@ -238,6 +238,7 @@ struct Distribution {
   std::string ca_folder;
   WallTime now;
   pki::RenewalList renewals;
+  std::vector<pki::Certificate> cas;  ///< whose they are
 };
 
 // The folder is opened first. The condition for which it was chosen must still be true.
@@ -251,7 +252,7 @@ Status put_list_into(Replacement& out, const fs::path& folder, const Distributio
       put_list(out, files.crl,
                {what.list, what.ca, what.ca_folder, certificate ? &*certificate : nullptr,
                 std::move(trusted), what.now}));
-  return put_renewals(out, files, what.renewals, what.now);
+  return put_renewals(out, files, {what.renewals, what.cas, what.now});
 }
 
 /// The folders that now have the list, and the errors of the others.
@@ -313,6 +314,15 @@ struct Outcome {
   Distributed done;
 };
 
+// The CAs of both roles, as far as they are here.
+std::vector<pki::Certificate> cas_of(const std::string& given) {
+  std::vector<pki::Certificate> out;
+  for (const auto* const role : {"identity", "permissions"})
+    if (auto cas = read_certificates(ca_paths(given, role).certificate))
+      std::ranges::move(*cas, std::back_inserter(out));
+  return out;
+}
+
 // A user who cannot open the CA's key has no lock. Meanwhile another command may have made and
 // distributed a newer list, which this command then replaced with an older one. The newer list is
 // in the CA's folder before it is in any other. So it is found there, and distributed after the
@@ -324,8 +334,8 @@ Result<Outcome> distribute(const CaPaths& paths, const std::string& given, WallT
     DDSSEC_ASSIGN_OR_RETURN(const auto ca, read_certificate(paths.certificate));
     DDSSEC_ASSIGN_OR_RETURN(auto list, list_to_distribute(paths, ca, given, now));
     DDSSEC_ASSIGN_OR_RETURN(auto renewals, renewals_of(given, &list));
-    DDSSEC_ASSIGN_OR_RETURN(auto done,
-                            put_lists(folders, {list, ca, given, now, std::move(renewals)}));
+    DDSSEC_ASSIGN_OR_RETURN(
+        auto done, put_lists(folders, {list, ca, given, now, std::move(renewals), cas_of(given)}));
     std::optional<pki::Crl> present;
     if (!is_alone) {
       DDSSEC_ASSIGN_OR_RETURN(present, present_crl(paths));

@@ -90,6 +90,19 @@ pki::RenewalList of_trusted(pki::RenewalList list, const pki::ParticipantFolder&
   return list;
 }
 
+// The CAs' own lists have what is still to count of them.
+pki::RenewalList without_those_of(const std::vector<pki::Certificate>& cas, pki::RenewalList list,
+                                  WallTime now) {
+  if (cas.empty()) return list;
+  std::erase_if(list.certificates, [&](const auto& one) {
+    return std::ranges::any_of(cas, [&](const auto& ca) { return one.is_issued_by(ca); });
+  });
+  const auto verifier = pki::DocumentVerifier::make(cas);
+  std::erase_if(list.permissions,
+                [&](const auto& one) { return verifier && verifier->verify(one, now); });
+  return list;
+}
+
 }  // namespace
 
 Result<pki::RenewalList> read_renewals(const fs::path& file) {
@@ -137,10 +150,10 @@ Result<pki::RenewalList> renewals_of(const fs::path& given, const pki::Crl* revo
 }
 
 Status put_renewals(Replacement& out, const pki::ParticipantFolder& files,
-                    const pki::RenewalList& entries, WallTime now) {
+                    const RenewalsForFolder& what) {
   DDSSEC_ASSIGN_OR_RETURN(auto former, read_renewals(files.renewals));
-  const auto list =
-      merged(of_trusted(std::move(former), files, now), of_trusted(entries, files, now), now);
+  former = without_those_of(what.cas, of_trusted(std::move(former), files, what.now), what.now);
+  const auto list = merged(former, of_trusted(what.entries, files, what.now), what.now);
   if (list.is_empty()) return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto text, list.text());
   const auto present = read_file(files.renewals, pki::kMostRenewalListOctets);

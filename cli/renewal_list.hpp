@@ -44,11 +44,19 @@ class NewlyListed {
 /// list of the identity CA; null: it has none. Errors: those of read_renewals and Crl::revoked.
 Result<pki::RenewalList> renewals_of(const std::filesystem::path& given, const pki::Crl* revoked);
 
-/// Drafts the renewal list of a participant's folder: `entries`, and those that are there of other
-/// CAs that the folder has. Nothing if that is what is there. Errors: those of read_renewals and
+/// Entries for a participant's folder.
+struct RenewalsForFolder {
+  const pki::RenewalList& entries;
+  std::vector<pki::Certificate> cas;  ///< whose entries they are; empty: not known
+  WallTime now;
+};
+
+/// Drafts the renewal list of a participant's folder: the entries, and those that are there of
+/// other CAs that the folder has. If the CAs are not known, what is there leaves only if it is
+/// replaced. Nothing if the list is there already. Errors: those of read_renewals and
 /// Replacement::put.
 Status put_renewals(Replacement& out, const pki::ParticipantFolder& files,
-                    const pki::RenewalList& entries, WallTime now);
+                    const RenewalsForFolder& what);
 
 /// "3 certificates and 1 permissions document".
 std::string in_words(const pki::RenewalList& list);

@@ -60,6 +60,7 @@ class RenewalList(Transcript):
         self.distribute()
         certificate = (self.at / "demo/talker/cert.pem").read_text()
         self.assertEqual(self.distribute()["result"]["renewals"]["certificates"], 1)
+        self.assertNotIn(certificate, (self.at / "demo/listener/renewed.pem").read_text())
         self.assertIn(certificate, (self.at / "demo/ca/identity/renewed.pem").read_text())
 
     def test_PermissionsSign_ListsTheDocument_UnlessToldNotTo(self):

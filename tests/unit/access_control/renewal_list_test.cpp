@@ -233,6 +233,7 @@ class OwnListedPermissions : public ListedPeers {
  protected:
   /// Ours end first, and are renewed; the peer has seen the former ones.
   void begin(bool peer_reads_lists) {
+    (void)plugin->return_permissions_handle(peer_);
     (void)plugin->return_permissions_handle(own_);
     const auto first = open(-24h, 20s);
     own_ = ours("file:" + folder_.write("permissions.p7s", first), "-").value();

@@ -175,7 +175,7 @@ TEST_F(Listed, ACertificateThatBeginsEarlier_IsAReplay) {
 
 TEST_F(Listed, ACertificateThatBeginsInTheFuture_DoesNotCountYet) {
   put(list_of({renewed_bob(1, {kNow + 1h, kNow + 24h})}));
-  expect_ends("not yet valid");
+  expect_ends("not valid yet");
 }
 
 TEST_F(Listed, AListThatComesAfterTheEnd_BringsNoOneBack) {
