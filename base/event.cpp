@@ -123,8 +123,8 @@ namespace {
 /// The same for all participants of one certificate: the first six octets of an authenticated
 /// participant's GUID follow from the subject (DDS-Security 1.2, clause 10.3.3).
 std::string certificate_of(const Event& event) {
-  constexpr std::size_t kDigits = 12;
-  return event.peer_subject.empty() ? event.guid.substr(0, kDigits) : event.peer_subject;
+  constexpr std::size_t kSubjectDigits = 12;
+  return event.peer_subject.empty() ? event.guid.substr(0, kSubjectDigits) : event.peer_subject;
 }
 
 }  // namespace
