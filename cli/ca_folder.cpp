@@ -121,7 +121,7 @@ Result<pki::IssueLog> read_issue_log(const CaPaths& paths) {
   DDSSEC_ASSIGN_OR_RETURN(const auto text, read_file(paths.log, pki::kMostIssueLogOctets));
   auto log = pki::IssueLog::parse(text);
   std::vector<int> lines;
-  for (const auto& error : log.unreadable()) lines.push_back(error.details().line);
+  for (const auto& line : log.unreadable()) lines.push_back(line.details().line);
   notice_unreadable_lines(paths.log, lines);
   return log;
 }

@@ -155,13 +155,12 @@ function(ddssec_compile_quickly)
 endfunction()
 
 # ddssec_library(NAME SOURCES ... [PUBLIC libs ...] [PRIVATE libs ...] [PRECOMPILE headers ...] [ALONE files ...]
-#                [QUICK] [LENIENT])
+#                [QUICK])
 # ALONE: sources that are not joined with others, since they use the same short names for different things.
 # QUICK: as ddssec_compile_quickly.
-# LENIENT: without the warnings -Wshadow and -Wconversion of g++, for which these sources are not checked yet.
 # A static library ddssec_NAME whose headers are included as "folder/file.hpp" from the root.
 function(ddssec_library name)
-  cmake_parse_arguments(ARG "QUICK;LENIENT" "" "SOURCES;PUBLIC;PRIVATE;PRECOMPILE;ALONE" ${ARGN})
+  cmake_parse_arguments(ARG "QUICK" "" "SOURCES;PUBLIC;PRIVATE;PRECOMPILE;ALONE" ${ARGN})
   add_library(ddssec_${name} STATIC ${ARG_SOURCES})
   add_library(ddssec::${name} ALIAS ddssec_${name})
   set_property(GLOBAL APPEND PROPERTY DDSSEC_LIBRARIES ${name})
@@ -170,9 +169,7 @@ function(ddssec_library name)
   target_compile_features(ddssec_${name} PUBLIC cxx_std_23)  # their headers need it
   target_link_libraries(ddssec_${name} PUBLIC ${ARG_PUBLIC}
                         PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:ddssec_options>)
-  if(NOT ARG_LENIENT)
-    target_compile_options(ddssec_${name} PRIVATE "$<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wshadow;-Wconversion>")
-  endif()
+  target_compile_options(ddssec_${name} PRIVATE "$<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wshadow;-Wconversion>")
   if(ARG_QUICK)
     ddssec_compile_quickly(ddssec_${name})
   endif()
