@@ -6,8 +6,8 @@
 #include <mutex>
 #include <vector>
 
+#include "rtps/dcps/query_matches.hpp"
 #include "rtps/dcps/status.hpp"
-#include "rtps/filter/bound_filter.hpp"
 
 namespace ddssec::rtps {
 
@@ -82,7 +82,7 @@ class ReadCondition : public Condition {
   const States& states() const { return states_; }
   /// nullptr if this is not a QueryCondition, or if its expression is empty. To be used only by the
   /// reader.
-  BoundFilter* query() const { return query_.get(); }
+  const QueryMatches* query() const { return query_.get(); }
   /// Errors: rtps_precondition_not_met (the condition belongs to another reader).
   Status check_reader(const AnyDataReader& reader) const;
 
@@ -92,7 +92,7 @@ class ReadCondition : public Condition {
 
   AnyDataReader& reader_;
   const States states_;
-  std::unique_ptr<BoundFilter> query_;
+  std::unique_ptr<QueryMatches> query_;
 };
 
 /// Triggered while its reader holds samples in these states that match a query. Samples without
@@ -105,9 +105,10 @@ class QueryCondition final : public ReadCondition {
   Status set_query_parameters(std::vector<std::string> parameters);
 
  private:
+  friend class AnyDataReader;
   friend class ReadConditions;
   QueryCondition(AnyDataReader& reader, const States& states, FilterText text,
-                 std::unique_ptr<BoundFilter> query)
+                 std::unique_ptr<QueryMatches> query)
       : ReadCondition(reader, states), text_(std::move(text)) {
     query_ = std::move(query);
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "rtps/dcps/domain_participant.hpp"
 #include "rtps/dcps/subscriber.hpp"
 
 namespace ddssec::rtps {
@@ -118,7 +119,10 @@ Result<QueryCondition*> AnyDataReader::create_querycondition(const States& state
                                                              FilterText query) {
   const auto held = lock();
   DDSSEC_ASSIGN_OR_RETURN(auto* condition, conditions_.create(states, std::move(query)));
-  reception_.update_conditions();
+  if (condition->query_)
+    reception_.match(*condition->query_);
+  else
+    reception_.update_conditions();
   return condition;
 }
 
@@ -132,9 +136,10 @@ Status QueryCondition::set_query_parameters(std::vector<std::string> parameters)
   FilterText text{text_.expression, std::move(parameters)};
   DDSSEC_ASSIGN_OR_RETURN(auto compiled, reader_.conditions_.compile(text));
   // In place, because concurrent readers hold its address.
-  if (compiled) *query_ = std::move(*compiled);
   text_.parameters = std::move(text.parameters);
-  reader_.reception_.update_conditions();
+  if (!compiled) return {};
+  query_->replace(std::move(*compiled));
+  reader_.reception_.match(*query_);
   return {};
 }
 

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "base/rollback.hpp"
+#include "rtps/dcps/query_matches.hpp"
+
 namespace ddssec::rtps {
 namespace {
 
@@ -11,14 +14,6 @@ constexpr std::int32_t kShortHistory = 32;
 
 std::size_t limit_of(std::int32_t value, std::size_t otherwise) {
   return value == kLengthUnlimited ? otherwise : static_cast<std::size_t>(value);
-}
-
-// Index of the counter for an instance's samples in these states.
-std::size_t index_of(bool is_read, ViewState view, InstanceState state) {
-  const std::size_t instance = state == InstanceState::alive                ? 0
-                               : state == InstanceState::not_alive_disposed ? 1
-                                                                            : 2;
-  return (instance * 2 + (view == ViewState::new_ ? 0 : 1)) * 2 + (is_read ? 1 : 0);
 }
 
 SourceOrder order_of(const HeldSample& sample) {
@@ -42,7 +37,7 @@ HeldSamples::const_iterator HeldInstance::oldest() const {
   return std::ranges::find_if(held, &HeldSample::valid);
 }
 
-HeldInstances::HeldInstances(const Qos& qos)
+HeldInstances::HeldInstances(const Qos& qos, const Queries& queries)
     : history_(qos.history),
       max_samples_(limit_of(qos.resource_limits.max_samples, kMaxSamples)),
       max_instances_(limit_of(qos.resource_limits.max_instances, kMaxInstances)),
@@ -51,7 +46,8 @@ HeldInstances::HeldInstances(const Qos& qos)
       indexes_sources_(by_source_ &&
                        (history_.kind == HistoryKind::keep_all || history_.depth > kShortHistory)),
       shares_(qos.resource_limits.max_instances == kLengthUnlimited),
-      shares_samples_(qos.resource_limits.max_samples == kLengthUnlimited) {}
+      shares_samples_(qos.resource_limits.max_samples == kLengthUnlimited),
+      queries_(queries) {}
 
 HeldInstance* HeldInstances::find(const KeyHash& key) const {
   const auto at = by_key_.find(key);
@@ -180,6 +176,7 @@ void HeldInstances::forget(HeldInstance& instance) {
 
 void HeldInstances::insert(HeldInstance& instance, HeldSample held) {
   held.place = ++places_;
+  held.by_source = by_source_ && held.valid && held.change.source_time;
   const auto before = place_of(instance, held);
   ++instance.unread;
   if (arrivals_ != nullptr) held.arrival = ++*arrivals_;
@@ -200,13 +197,17 @@ void HeldInstances::insert(HeldInstance& instance, HeldSample held) {
   if (!at->valid) instance.invalid_at = at;
   if (at->expires != kNever)
     expiring_.emplace(std::pair(at->expires, at->expiry), Expiring{&instance, at});
+  Rollback stored([&] { erase(instance, at); });
+  if (is_ordered()) order_.insert(instance, at);
+  for (auto* query : queries_) query->add(instance, at);
+  stored.release();
   if (!instance.ready.linked()) instance.ready.append_to(ready_);
 }
 
 HeldSamples::iterator HeldInstances::place_of(HeldInstance& instance,
                                               const HeldSample& sample) const {
   auto before = instance.held.end();
-  if (!by_source_ || !sample.valid || !sample.change.source_time) return before;
+  if (!sample.by_source) return before;
   if (indexes_sources_) {
     const auto next = instance.by_source.upper_bound(order_of(sample));
     return next == instance.by_source.end() ? before : next->second;
@@ -229,6 +230,8 @@ void HeldInstances::insert_invalid(HeldInstance& instance, const Guid& writer,
 }
 
 HeldSamples::iterator HeldInstances::erase(HeldInstance& instance, HeldSamples::const_iterator at) {
+  for (auto* query : queries_) query->remove(instance, *at);
+  if (is_ordered()) order_.erase(*at);
   instance.unread -= at->is_read ? 0 : 1;
   let_go(at->share, at->change.payload.size());
   if (at->valid)
@@ -286,26 +289,17 @@ bool HeldInstances::leave(HeldInstance& instance, const Guid& writer) {
   return true;
 }
 
-void HeldInstances::count(const HeldInstance& instance, int sign) {
-  const auto add = [&](bool is_read, std::size_t number) {
-    auto& at = counts_[index_of(is_read, instance.view, instance.state)];
-    at = sign > 0 ? at + number : at - number;
-  };
-  add(false, instance.unread);
-  add(true, instance.held.size() - instance.unread);
+void HeldInstances::mark_read(HeldInstance& instance, HeldSample& sample) {
+  if (sample.is_read) return;
+  if (is_ordered()) order_.mark_read(sample);
+  for (auto* query : queries_) query->mark_read(instance, sample);
+  --instance.unread;
+  sample.is_read = true;
 }
 
-bool HeldInstances::any(const States& states) const {
-  constexpr std::array kStates = {InstanceState::alive, InstanceState::not_alive_disposed,
-                                  InstanceState::not_alive_no_writers};
-  for (std::size_t i = 0; i < counts_.size(); ++i) {
-    const bool asked =
-        states.sample.contains(i % 2 == 1 ? SampleState::read : SampleState::not_read) &&
-        states.view.contains(i / 2 % 2 == 0 ? ViewState::new_ : ViewState::not_new) &&
-        states.instance.contains(kStates[i / 4]);
-    if (asked && counts_[i] > 0) return true;
-  }
-  return false;
+void HeldInstances::count(const HeldInstance& instance, int sign) {
+  counts_.add(instance, instance.unread, instance.held.size() - instance.unread, sign);
+  for (auto* query : queries_) query->count(instance, sign);
 }
 
 }  // namespace ddssec::rtps

@@ -3,97 +3,20 @@
 // lock.
 #pragma once
 
-#include <array>
-#include <list>
-#include <map>
-#include <optional>
 #include <set>
-#include <vector>
 
+#include "rtps/dcps/arrival_order.hpp"
 #include "rtps/dcps/instance_writers.hpp"
-#include "rtps/dcps/link.hpp"
+#include "rtps/dcps/state_counts.hpp"
 #include "rtps/qos/qos.hpp"
 #include "rtps/reliability/stateful_writer.hpp"
 
 namespace ddssec::rtps {
 
-/// A sample that a reader holds, or a sample without data that reports the end of its instance.
-struct HeldSample {
-  Change change;
-  bool is_read = false;
-  bool valid = true;  ///< has data
-  std::int32_t disposed_generations = 0, no_writers_generations = 0;
-  MonotonicTime expires = kNever;
-  std::uint64_t expiry = 0;   ///< distinguishes samples that expire at the same time
-  std::uint64_t arrival = 0;  ///< position in the order of arrival, if that order is kept
-  std::uint64_t place = 0;    ///< distinguishes samples in the order of source times
-  HeldShareOf share = {};     ///< of its writer's identity
-  std::int32_t generations() const { return disposed_generations + no_writers_generations; }
-};
-using HeldSamples = std::list<HeldSample>;
-
-/// A sample's place in the order of source times.
-struct SourceOrder {
-  std::optional<Time> time;
-  Guid writer;
-  std::uint64_t place;
-  auto operator<=>(const SourceOrder&) const = default;
-};
-
-struct HeldInstance;
-using InstanceTimes = std::multimap<MonotonicTime, HeldInstance*>;
-
-/// An instance's entry in a table of times. The destructor removes the entry.
-class InstanceTime {
- public:
-  InstanceTime() = default;
-  ~InstanceTime() { leave(); }
-  InstanceTime(const InstanceTime&) = delete;
-  InstanceTime& operator=(const InstanceTime&) = delete;
-  /// `times` must outlive the entry.
-  void enter(InstanceTimes& times, MonotonicTime when, HeldInstance& instance);
-  void leave();
-
- private:
-  InstanceTimes* in_ = nullptr;
-  InstanceTimes::iterator at_;
-};
-
-struct HeldInstance {
-  InstanceHandle handle;
-  KeyHash key{};
-  Payload key_value;
-  InstanceState state = InstanceState::alive;
-  ViewState view = ViewState::new_;
-  std::int32_t disposed_generations = 0, no_writers_generations = 0;
-  HeldSamples held;
-  std::size_t unread = 0;
-  std::size_t invalid = 0;           ///< 0 or 1
-  HeldSamples::iterator invalid_at;  ///< only if there is one
-  /// With DESTINATION_ORDER BY_SOURCE_TIMESTAMP and a long history: the samples in that order.
-  std::map<SourceOrder, HeldSamples::iterator> by_source;
-  /// Of the first sample's writer; see ReaderCache::set_writer.
-  std::optional<GuidPrefix> identity;
-  HeldShareOf share;               ///< the same; its key counts for it
-  std::vector<Guid> writers;       ///< those that are alive and have not unregistered the instance
-  std::optional<Guid> owner;       ///< only with OWNERSHIP EXCLUSIVE
-  Original latest;                 ///< the origin of the latest stored change; the same
-  std::optional<Time> seen_until;  ///< source time of the newest sample that was read or taken
-  MonotonicTime deadline = kNever;
-  MonotonicTime quiet_until{};      ///< TIME_BASED_FILTER
-  MonotonicTime release_at{};       ///< not before quiet_until
-  std::optional<Change> held_back;  ///< kept until release_at
-  HeldShareOf share_of_held_back;
-  Link<HeldInstance> ready{this};  ///< list of the instances that have samples
-  /// List of the instances without samples that are not alive: the first to be removed.
-  Link<HeldInstance> idle{this};
-  Link<HeldInstance> due{this};    ///< list in the order of deadlines
-  Link<HeldInstance> quiet{this};  ///< list in the order of release_at
-  InstanceTime purge;              ///< READER_DATA_LIFECYCLE
-  std::size_t valid() const { return held.size() - invalid; }
-  HeldSamples::const_iterator oldest() const;
-  HeldSamples::const_iterator invalid_sample() const { return invalid_at; }
-};
+class QueryMatches;
+/// Those of a reader's QueryConditions.
+using Queries = std::vector<QueryMatches*>;
+inline const Queries kNoQueries = {};
 
 /// Whether samples that belong together can be stored.
 enum class Room : std::uint8_t {
@@ -112,7 +35,8 @@ class HeldInstances {
   /// Limit for the octets of samples and keys, with the same rule.
   static constexpr std::size_t kMaxOctets = std::size_t{256} << 20;
 
-  explicit HeldInstances(const Qos& qos);
+  /// Keeps these queries up to date. The list, which may change, must outlive this object.
+  explicit HeldInstances(const Qos& qos, const Queries& queries = kNoQueries);
 
   /// Returns nullptr if the instance is not known.
   HeldInstance* find(const KeyHash& key) const;
@@ -161,6 +85,7 @@ class HeldInstances {
   /// Returns kNever if no sample expires.
   MonotonicTime next_expiry() const;
   void erase_all(HeldInstance& instance);
+  void mark_read(HeldInstance& instance, HeldSample& sample);
   /// Keeps a change for later, instead of the one kept before. Keeps none if there is no room.
   void hold_back(HeldInstance& instance, std::optional<Change> change,
                  const HeldShareOf& share = {});
@@ -180,8 +105,10 @@ class HeldInstances {
   /// may share.
   void order_by_arrival(std::uint64_t& arrivals) { arrivals_ = &arrivals; }
   bool is_ordered() const { return arrivals_ != nullptr; }
+  /// Empty unless they are ordered.
+  const ArrivalOrder& order() const { return order_; }
   /// True if any sample is in these states.
-  bool any(const States& states) const;
+  bool any(const States& states) const { return counts_.any(states); }
   std::size_t samples() const { return samples_; }
   /// The most samples and octets that one identity can have, if no other has any.
   std::size_t most_samples_of_one() const {
@@ -224,6 +151,8 @@ class HeldInstances {
   const std::size_t max_samples_, max_instances_, max_per_instance_;
   const bool by_source_, indexes_sources_, shares_, shares_samples_;
   std::uint64_t* arrivals_ = nullptr;
+  ArrivalOrder order_;
+  const Queries& queries_;
   LinkedList<HeldInstance> ready_, idle_;  ///< must outlive the instances that are in them
   std::map<InstanceHandle, HeldInstance> instances_;
   std::map<KeyHash, HeldInstance*> by_key_;
@@ -233,7 +162,7 @@ class HeldInstances {
   std::uint64_t expiries_ = 0, places_ = 0;
   HeldSamples spare_;  ///< nodes for reuse, so that storing a sample allocates none
   std::size_t samples_ = 0, octets_ = 0;
-  std::array<std::size_t, 12> counts_{};  ///< number of samples, by their three states
+  StateCounts counts_;
   std::uint64_t next_handle_ = 1;
 };
 

@@ -1,5 +1,7 @@
 #include "rtps/dcps/read_conditions.hpp"
 
+#include <algorithm>
+
 #include "rtps/dcps/data_reader.hpp"
 
 namespace ddssec::rtps {
@@ -14,10 +16,13 @@ ReadCondition& ReadConditions::create(const States& states) {
 
 Result<QueryCondition*> ReadConditions::create(const States& states, FilterText query) {
   DDSSEC_ASSIGN_OR_RETURN(auto compiled, compile(query));
+  auto matches = compiled ? std::make_unique<QueryMatches>(std::move(*compiled)) : nullptr;
+  queries_.reserve(queries_.size() + 1);
   std::unique_ptr<QueryCondition> condition(
-      new QueryCondition(reader_, states, std::move(query), std::move(compiled)));
+      new QueryCondition(reader_, states, std::move(query), std::move(matches)));
   auto* out = condition.get();
   conditions_.push_back(std::move(condition));
+  if (out->query_) queries_.push_back(out->query_.get());
   return out;
 }
 
@@ -29,9 +34,17 @@ Result<std::unique_ptr<BoundFilter>> ReadConditions::compile(const FilterText& q
 }
 
 Status ReadConditions::erase(const ReadCondition& condition) {
-  if (std::erase_if(conditions_, [&](const auto& c) { return c.get() == &condition; }) > 0)
-    return {};
-  return precondition_not_met("read condition", "one of this reader", "another's");
+  const auto at = std::ranges::find(conditions_, &condition, &std::unique_ptr<ReadCondition>::get);
+  if (at == conditions_.end())
+    return precondition_not_met("read condition", "one of this reader", "another's");
+  std::erase(queries_, condition.query());
+  conditions_.erase(at);
+  return {};
+}
+
+void ReadConditions::clear() {
+  queries_.clear();
+  conditions_.clear();
 }
 
 void ReadConditions::update(const ReaderCache& cache) {

@@ -14,14 +14,16 @@ class ReadConditions {
   ReadConditions(AnyDataReader& reader, const TypeSupport& type) : reader_(reader), type_(type) {}
 
   ReadCondition& create(const States& states);
-  /// Errors: rtps_filter_invalid.
+  /// The samples must be matched afterwards (QueryMatches::match). Errors: rtps_filter_invalid.
   Result<QueryCondition*> create(const States& states, FilterText query);
   /// nullptr for an empty expression, which finds everything. Errors: rtps_filter_invalid.
   Result<std::unique_ptr<BoundFilter>> compile(const FilterText& query) const;
   /// Errors: rtps_precondition_not_met (another reader's).
   Status erase(const ReadCondition& condition);
-  void clear() { conditions_.clear(); }
+  void clear();
   std::size_t size() const { return conditions_.size(); }
+  /// Those of the QueryConditions. HeldInstances keeps them up to date.
+  const Queries& queries() const { return queries_; }
 
   /// Triggers those that find something in the cache.
   void update(const ReaderCache& cache);
@@ -29,6 +31,7 @@ class ReadConditions {
  private:
   AnyDataReader& reader_;
   const TypeSupport& type_;
+  Queries queries_;
   std::vector<std::unique_ptr<ReadCondition>> conditions_;
 };
 

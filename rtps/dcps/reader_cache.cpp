@@ -22,13 +22,13 @@ bool is_too_old(const HeldInstances& all, const HeldInstance& instance, const Ch
 
 }  // namespace
 
-ReaderCache::ReaderCache(const Qos& qos, KeyOf key_of)
+ReaderCache::ReaderCache(const Qos& qos, KeyOf key_of, const Queries& queries)
     : exclusive_(qos.ownership == OwnershipKind::exclusive),
       by_source_(qos.destination_order == DestinationOrderKind::by_source),
       reliable_(qos.is_reliable()),
       lifecycle_(qos.reader_data_lifecycle),
       key_of_(std::move(key_of)),
-      held_(qos) {
+      held_(qos, queries) {
   set_minimum_separation(qos.time_based_filter);
   set_deadline(qos.deadline, {});
 }

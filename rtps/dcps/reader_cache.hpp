@@ -24,7 +24,8 @@ class ReaderCache {
   /// later one counts as the time of arrival (DDS 1.4, 2.2.3.17), so that no sample from the far
   /// future ends what others write to its instance.
   static constexpr std::chrono::seconds kMostAhead{10};
-  explicit ReaderCache(const Qos& qos, KeyOf key_of = nullptr);
+  /// `queries`: see HeldInstances.
+  explicit ReaderCache(const Qos& qos, KeyOf key_of = nullptr, const Queries& queries = kNoQueries);
 
   /// Adds a matched writer, or changes its OWNERSHIP_STRENGTH. `identity`: the identity whose share
   /// its samples and new instances count for (ParticipantCore::identity_of); empty: they are not
@@ -50,10 +51,6 @@ class ReaderCache {
   /// Samples are read in the order of their arrival, whatever their instance (ordered access with
   /// TOPIC or GROUP scope). `arrivals` is the counter, which other readers may share.
   void order_by_arrival(std::uint64_t& arrivals) { held_.order_by_arrival(arrivals); }
-  /// The arrival numbers of the samples in these states.
-  std::vector<std::uint64_t> arrivals(const States& states) const {
-    return rtps::arrivals(held_, states);
-  }
   /// Whether this many more samples of a writer's identity can be stored, of any instances.
   Room room_for(std::size_t samples, std::size_t octets, const Guid& writer) const {
     return held_.room_for(samples, octets, writer_of(writer).share);
@@ -66,10 +63,10 @@ class ReaderCache {
   std::size_t most_samples_of_one() const { return held_.most_samples_of_one(); }
   /// Appends the samples that match the query to `out`; samples of one instance are adjacent.
   void select(const Query& query, const Moment& at, std::vector<OctetSample>& out);
-  /// True if a select with these states would find something. If there is a query, the samples are
-  /// checked one by one.
-  bool any(const States& states, BoundFilter* matching = nullptr) const {
-    return rtps::any(held_, states, matching);
+  /// True if a select with these states, and with this query if it is not nullptr, would find
+  /// something.
+  bool any(const States& states, const QueryMatches* matching = nullptr) const {
+    return matching == nullptr ? held_.any(states) : matching->any(states);
   }
 
   /// Removes what LIFESPAN or READER_DATA_LIFECYCLE ended. Returns true if there was anything.
@@ -102,6 +99,7 @@ class ReaderCache {
 
   /// Number of changes whose source time was more than kMostAhead ahead; never reset.
   std::uint64_t times_ahead() const { return times_ahead_; }
+  const HeldInstances& held() const { return held_; }
   std::size_t samples() const { return held_.samples(); }
   std::size_t instances() const { return held_.all().size(); }
   std::size_t octets() const { return held_.octets(); }

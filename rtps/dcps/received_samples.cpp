@@ -2,13 +2,14 @@
 
 namespace ddssec::rtps {
 
-ReceivedSamples::ReceivedSamples(const Qos& qos, const TypeSupport& type) : type_(type) {
+ReceivedSamples::ReceivedSamples(const Qos& qos, const TypeSupport& type, const Queries& queries)
+    : type_(type), queries_(queries) {
   reset(qos);
 }
 
 void ReceivedSamples::reset(const Qos& qos) {
   const auto& key = type_.serialized_key;
-  cache_.emplace(qos, type_.with_key && key ? ReaderCache::KeyOf(key) : nullptr);
+  cache_.emplace(qos, type_.with_key && key ? ReaderCache::KeyOf(key) : nullptr, queries_);
 }
 
 bool ReceivedSamples::passes(const Change& change, BoundFilter& filter) {

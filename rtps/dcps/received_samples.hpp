@@ -15,8 +15,8 @@ namespace ddssec::rtps {
 /// if no other writer has delivered them before (DURABILITY).
 class ReceivedSamples {
  public:
-  /// `type` must outlive this object.
-  ReceivedSamples(const Qos& qos, const TypeSupport& type);
+  /// `type` and `queries` (see HeldInstances) must outlive this object.
+  ReceivedSamples(const Qos& qos, const TypeSupport& type, const Queries& queries = kNoQueries);
 
   /// Applies changed policies of a reader that is not enabled yet.
   void reset(const Qos& qos);
@@ -48,6 +48,7 @@ class ReceivedSamples {
   bool name_instance(Change& change, const KeyProtection& keys) const;
 
   const TypeSupport& type_;
+  const Queries& queries_;
   std::optional<ReaderCache> cache_;
   std::optional<SeenOriginals> seen_;
   std::atomic<std::uint64_t> malformed_ = 0;

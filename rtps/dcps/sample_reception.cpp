@@ -15,7 +15,7 @@ SampleReception::SampleReception(const Reader& reader, Reports reports)
       keys_(reader.keys),
       reader_(reader.guid),
       reports_(std::move(reports)),
-      samples_(reader.qos, reader.topic.type()) {}
+      samples_(reader.qos, reader.topic.type(), reports_.conditions.queries()) {}
 
 void SampleReception::start(const Qos& announced, const Subscription& subscription) {
   const auto& policy = announced.presentation;
@@ -242,6 +242,11 @@ bool SampleReception::discard_malformed(std::span<const OctetSample> samples) {
 
 void SampleReception::after_access(bool taken) {
   if (taken) presentation_.release(context_.now());
+  update_conditions();
+}
+
+void SampleReception::match(QueryMatches& query) {
+  query.match(cache().held().ready());
   update_conditions();
 }
 

@@ -70,6 +70,8 @@ class SampleReception final : private PresentedReader, private Timed {
   /// See ReaderCache.
   void forget_ended(std::span<const KeyHash> keys);
   void update_conditions() { reports_.conditions.update(samples_.cache()); }
+  /// Applies a query to all samples anew, and updates the conditions.
+  void match(QueryMatches& query);
 
   const ReaderCache& cache() const { return samples_.cache(); }
   ReceivedSamples& samples() { return samples_; }

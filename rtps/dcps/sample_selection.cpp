@@ -12,13 +12,8 @@ std::int32_t generations_of(const SampleInfo& info) {
   return info.disposed_generation_count + info.no_writers_generation_count;
 }
 
-bool is_asked_for(const HeldInstance& instance, const HeldSample& held, const Query& query) {
-  const auto& states = query.states;
-  if (!states.view.contains(instance.view) || !states.instance.contains(instance.state) ||
-      !states.sample.contains(state_of(held.is_read)))
-    return false;
-  if (query.matching == nullptr) return true;
-  return held.valid && query.matching->passes(held.change.payload.view()).value_or(false);
+bool has_states(const HeldInstance& instance, const States& states) {
+  return states.view.contains(instance.view) && states.instance.contains(instance.state);
 }
 
 // The caller sets the ranks, because it knows the whole collection.
@@ -47,21 +42,45 @@ HeldSamples::iterator hand_out(HeldInstances& instances, HeldInstance& instance,
   sample.payload = held.valid ? held.change.payload : instance.key_value;
   sample.number = held.change.sequence_number;
   out.push_back(std::move(sample));
-  instance.unread -= held.is_read ? 0 : 1;
-  held.is_read = true;
+  instances.mark_read(instance, held);
   return take ? instances.erase(instance, at) : std::next(at);
+}
+
+// The samples of one instance that the query finds, at most so many.
+std::vector<HeldSamples::iterator> find_matching(const HeldInstance& instance, const Query& query,
+                                                 std::size_t most) {
+  std::vector<HeldSamples::iterator> out;
+  const auto* passing = query.matching->of(instance.handle);
+  if (passing == nullptr) return out;
+  for (const auto& [place, at] : passing->samples) {
+    if (out.size() == most) break;
+    if (query.states.sample.contains(state_of(at->is_read))) out.push_back(at);
+  }
+  return out;
+}
+
+void hand_out_of(HeldInstances& instances, HeldInstance& instance, const Query& query,
+                 std::size_t most, std::vector<OctetSample>& out) {
+  if (query.matching != nullptr) {
+    for (const auto at : find_matching(instance, query, most))
+      hand_out(instances, instance, at, query.take, out);
+    return;
+  }
+  const auto begin = out.size();
+  for (auto at = instance.held.begin(); at != instance.held.end() && out.size() - begin < most;)
+    at = query.states.sample.contains(state_of(at->is_read))
+             ? hand_out(instances, instance, at, query.take, out)
+             : std::next(at);
 }
 
 void select_from(HeldInstances& instances, HeldInstance& instance, const Query& query,
                  std::size_t most, std::vector<OctetSample>& out) {
-  if (instance.held.empty() || most == 0) return;
+  if (instance.held.empty() || most == 0 || !has_states(instance, query.states)) return;
   const auto begin = out.size();
   const auto newest = instance.held.back().generations();
   {
     const HeldInstances::Recount recount(instances, instance);
-    for (auto at = instance.held.begin(); at != instance.held.end() && out.size() - begin < most;)
-      at = is_asked_for(instance, *at, query) ? hand_out(instances, instance, at, query.take, out)
-                                              : std::next(at);
+    hand_out_of(instances, instance, query, most, out);
     if (out.size() > begin) instance.view = ViewState::not_new;
   }
   for (auto i = begin; i < out.size(); ++i) {
@@ -71,23 +90,6 @@ void select_from(HeldInstances& instances, HeldInstance& instance, const Query& 
     info.generation_rank = generations_of(out.back().info) - generations_of(info);
   }
   instances.settle(instance);
-}
-
-struct Found {
-  std::uint64_t arrival;
-  HeldInstance* instance;
-  HeldSamples::iterator at;
-};
-
-// Returns the first samples that match, by arrival.
-std::vector<Found> find_ordered(const HeldInstances& instances, const Query& query) {
-  std::vector<Found> found;
-  for (auto* instance : instances.ready())
-    for (auto at = instance->held.begin(); at != instance->held.end(); ++at)
-      if (is_asked_for(*instance, *at, query)) found.push_back({at->arrival, instance, at});
-  std::ranges::sort(found, {}, &Found::arrival);
-  found.resize(std::min(found.size(), query.most));
-  return found;
 }
 
 /// Sets the ranks within the collection.
@@ -103,15 +105,15 @@ void rank(std::span<SampleInfo* const> infos) {
 
 void select_ordered(HeldInstances& instances, const Query& query, std::vector<OctetSample>& out) {
   const auto begin = out.size();
-  const auto found = find_ordered(instances, query);
+  const auto& order = query.matching == nullptr ? instances.order() : query.matching->order();
+  const auto found = order.first(query.states, query.most);
   std::map<InstanceHandle, std::int32_t> newest;
   {
     std::list<HeldInstances::Recount> recounts;
-    for (const auto& [arrival, instance, at] : found)
+    for (const auto& [instance, at] : found)
       if (newest.try_emplace(instance->handle, instance->held.back().generations()).second)
         recounts.emplace_back(instances, *instance);
-    for (const auto& [arrival, instance, at] : found)
-      hand_out(instances, *instance, at, query.take, out);
+    for (const auto& [instance, at] : found) hand_out(instances, *instance, at, query.take, out);
     for (const auto& [handle, generations] : newest)
       instances.find(handle)->view = ViewState::not_new;
   }
@@ -135,11 +137,22 @@ void select(HeldInstances& instances, const Query& query, std::vector<OctetSampl
   const auto from = [&](HeldInstance& instance) {
     select_from(instances, instance, query, left(), out);
   };
-  if (query.scope == Query::Scope::all) {
+  if (query.scope == Query::Scope::instance) {
+    if (auto* instance = instances.find(query.instance)) from(*instance);
+  } else if (query.scope == Query::Scope::all && query.matching != nullptr) {
+    const auto& passing = query.matching->instances();
+    for (auto next = passing.begin(); next != passing.end() && left() > 0;)
+      from(*(next++)->instance);
+  } else if (query.scope == Query::Scope::all) {
     const auto& ready = instances.ready();
     for (auto next = ready.begin(); next != ready.end() && left() > 0;) from(**next++);
-  } else if (query.scope == Query::Scope::instance) {
-    if (auto* instance = instances.find(query.instance)) from(*instance);
+  } else if (query.matching != nullptr) {
+    for (auto handle = query.instance; out.size() == begin;) {
+      const auto* passing = query.matching->after(handle);
+      if (passing == nullptr) return;
+      handle = passing->instance->handle;
+      from(*passing->instance);
+    }
   } else {
     auto& all = instances.all();
     for (auto next = all.upper_bound(query.instance); next != all.end() && out.size() == begin;)
@@ -154,22 +167,10 @@ void join_selections(std::span<SampleInfo* const> infos) {
   rank(infos);
 }
 
-bool any(const HeldInstances& instances, const States& states, BoundFilter* matching) {
-  if (matching == nullptr || !instances.any(states)) return instances.any(states);
-  const Query query{.states = states, .matching = matching};
-  return std::ranges::any_of(instances.ready(), [&](const HeldInstance* instance) {
-    return std::ranges::any_of(instance->held, [&](const HeldSample& held) {
-      return is_asked_for(*instance, held, query);
-    });
-  });
-}
-
 std::vector<std::uint64_t> arrivals(const HeldInstances& instances, const States& states) {
   std::vector<std::uint64_t> out;
-  const Query query{.states = states};
-  for (const auto* instance : instances.ready())
-    for (const auto& held : instance->held)
-      if (is_asked_for(*instance, held, query)) out.push_back(held.arrival);
+  for (const auto& [instance, sample] : instances.order().first(states, ~std::size_t{0}))
+    out.push_back(sample->arrival);
   return out;
 }
 

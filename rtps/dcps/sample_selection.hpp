@@ -3,7 +3,7 @@
 #pragma once
 
 #include "rtps/dcps/held_instances.hpp"
-#include "rtps/filter/bound_filter.hpp"
+#include "rtps/dcps/query_matches.hpp"
 
 namespace ddssec::rtps {
 
@@ -15,7 +15,7 @@ struct Query {
   enum class Scope : std::uint8_t { all, instance, next_instance } scope = Scope::all;
   /// For `instance`; for `next_instance` the instance before the wanted one.
   InstanceHandle instance = {};
-  BoundFilter* matching = nullptr;  ///< only samples with data that pass this filter; nullptr: all
+  const QueryMatches* matching = nullptr;  ///< only samples that pass this query; nullptr: all
 };
 
 /// Appends the samples that match to `out`. Samples of one instance are adjacent, unless
@@ -26,10 +26,6 @@ void select(HeldInstances& instances, const Query& query, std::vector<OctetSampl
 /// Makes the infos of samples from several selections those of one collection: their ranks, and the
 /// view state of an instance, which is the one before the first selection.
 void join_selections(std::span<SampleInfo* const> infos);
-
-/// True if a select with these states, and with this filter if it is not nullptr, would find
-/// something. With a filter, the samples are checked one by one.
-bool any(const HeldInstances& instances, const States& states, BoundFilter* matching);
 
 /// The arrival numbers of the samples in these states.
 std::vector<std::uint64_t> arrivals(const HeldInstances& instances, const States& states);

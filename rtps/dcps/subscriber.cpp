@@ -27,7 +27,7 @@ std::vector<AnyDataReader*> Subscriber::datareaders(const States& states) const 
     auto& reader = static_cast<AnyDataReader&>(*member);  // a subscriber creates nothing else
     if (!one_by_one && reader.reception_.cache().any(states)) found.emplace_back(0, &reader);
     if (one_by_one)
-      for (const auto arrival : reader.reception_.cache().arrivals(states))
+      for (const auto arrival : arrivals(reader.reception_.cache().held(), states))
         found.emplace_back(arrival, &reader);
   }
   if (one_by_one) std::ranges::sort(found);
