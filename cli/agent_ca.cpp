@@ -101,8 +101,12 @@ Status check_current(const pki::SignedDocument& document, const fs::path& file, 
       {.document = file, .expected = "a document that " + ca.paths.signed_log.string() + " has"});
 }
 
-// Empty if the permissions in place last as long as the certificate.
-Result<Bytes> extended_by_ca(const Bytes& old_octets, const pki::Certificate& renewed,
+struct ExtendedByCa {
+  Bytes permissions = {};  ///< empty if those in place last as long as the certificate
+  std::optional<Error> problem = {};  ///< of the renewal list
+};
+
+Result<ExtendedByCa> extended_by_ca(const Bytes& old_octets, const pki::Certificate& renewed,
                              const fs::path& file, CaOpener& opener, const Context& context) {
   const auto now = context.clock.now();
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open("permissions"));
@@ -113,7 +117,9 @@ Result<Bytes> extended_by_ca(const Bytes& old_octets, const pki::Certificate& re
   DDSSEC_RETURN_IF_ERROR(check_moved(ca.paths, document.signer(), file));
   DDSSEC_ASSIGN_OR_RETURN(const auto old, named(own_permissions(document, renewed, now), file));
   DDSSEC_RETURN_IF_ERROR(check_current(document, file, ca));
-  if (old.grant.validity.not_after >= renewed.not_after()) return Bytes();
+  DDSSEC_RETURN_IF_ERROR(
+      check_not_replaced(ca.paths, {renewed, document.content(), document.signed_at(), file}));
+  if (old.grant.validity.not_after >= renewed.not_after()) return ExtendedByCa{};
   if (old.has_ended)
     return fail(
         Code::grant_expired,
@@ -128,8 +134,8 @@ Result<Bytes> extended_by_ca(const Bytes& old_octets, const pki::Certificate& re
   DDSSEC_RETURN_IF_ERROR(log_signed(ca, as_bytes(xml), file, now, old.text));
   NewlyListed listed;
   listed.add(ca.paths, out);
-  DDSSEC_RETURN_IF_ERROR(listed.write(now));
-  return out;
+  const auto written = listed.write(now);
+  return ExtendedByCa{std::move(out), written ? std::nullopt : std::optional(written.error())};
 }
 
 }  // namespace
@@ -147,15 +153,19 @@ Result<RenewalAnswer> renew_by_ca(const RenewalRequest& request, const fs::path&
       ca.paths, pki::IssueLog::issued_line(renewed, home.string(), context.clock.now())));
   NewlyListed listed;
   listed.add(ca.paths, renewed);
-  DDSSEC_RETURN_IF_ERROR(listed.write(context.clock.now()));
   RenewalAnswer out{renewed.pem()};
+  // The certificate is logged: a list that cannot be written does not undo that.
+  if (const auto written = listed.write(context.clock.now()); !written)
+    out.problem = written.error();
   if (request.permissions.empty()) return out;
   auto permissions =
       extended_by_ca(request.permissions, renewed, home / "permissions.p7s", opener, context);
-  if (permissions)
-    out.permissions = *std::move(permissions);
-  else
+  if (permissions) {
+    out.permissions = std::move(permissions->permissions);
+    if (permissions->problem) out.problem = std::move(permissions->problem);
+  } else {
     out.problem = std::move(permissions).error();
+  }
   return out;
 }
 

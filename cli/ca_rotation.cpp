@@ -70,6 +70,16 @@ class SignerAnew {
     return former ? std::move(former) : std::move(document);
   }
 
+  /// Success if the CA's renewal list does not have other permissions of the follower.
+  Status check_rights(const Follower& follower, const fs::path& file,
+                      const DocumentOfCa& document) const {
+    if (file != follower.files.permissions) return {};
+    const auto certificate = read_certificate(follower.files.certificate);
+    if (!certificate) return {};  // of a token, which is not asked here
+    return check_not_replaced(change_.old.paths,
+                              {*certificate, as_bytes(document.text), document.signed_at, file});
+  }
+
   Status sign(const fs::path& file, const DocumentOfCa& document) {
     const auto now = context_.clock.now();
     const auto text = as_bytes(document.text);
@@ -268,6 +278,8 @@ Status sign_documents_of(const Follower& follower, const std::vector<fs::path>& 
     return std::unexpected(std::move(last));
   }
   for (const auto& [file, document] : documents.sound)
+    DDSSEC_RETURN_IF_ERROR(signer.check_rights(follower, file, document));
+  for (const auto& [file, document] : documents.sound)
     DDSSEC_RETURN_IF_ERROR(signer.sign(file, document));
   return {};
 }
@@ -297,7 +309,8 @@ Result<Followed> follow_with(Replacement& out, SignerAnew& signer, const Success
   DDSSEC_RETURN_IF_ERROR(following.check());
   followed.unlogged = signer.unlogged();
   DDSSEC_RETURN_IF_ERROR(log_signed(change.old.paths, signer.lines()));
-  DDSSEC_RETURN_IF_ERROR(signer.renewals().write(signer.now()));
+  if (auto written = signer.renewals().write(signer.now()); !written)
+    followed.doubtful.push_back(std::move(written).error());
   return followed;
 }
 
@@ -459,7 +472,8 @@ Result<Followed> follow_identity_ca(Replacement& out, const Succession& change,
   if (lines.empty()) DDSSEC_RETURN_IF_ERROR(following.check());
   DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   DDSSEC_RETURN_IF_ERROR(log_issued(paths, lines));
-  DDSSEC_RETURN_IF_ERROR(renewals.write(context.clock.now()));
+  if (auto written = renewals.write(context.clock.now()); !written)
+    followed.doubtful.push_back(std::move(written).error());
   return followed;
 }
 

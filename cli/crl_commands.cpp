@@ -237,7 +237,7 @@ struct Distribution {
   pki::Certificate ca;
   std::string ca_folder;
   WallTime now;
-  pki::RenewalList renewals;
+  Result<pki::RenewalList> renewals;
   std::vector<pki::Certificate> cas;  ///< whose they are
 };
 
@@ -248,11 +248,9 @@ Status put_list_into(Replacement& out, const fs::path& folder, const Distributio
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate, certificate_in(files));
   std::vector<pki::Certificate> trusted;
   if (auto cas = read_certificates(files.identity_ca)) trusted = *std::move(cas);
-  DDSSEC_RETURN_IF_ERROR(
-      put_list(out, files.crl,
-               {what.list, what.ca, what.ca_folder, certificate ? &*certificate : nullptr,
-                std::move(trusted), what.now}));
-  return put_renewals(out, files, {what.renewals, what.cas, what.now});
+  return put_list(out, files.crl,
+                  {what.list, what.ca, what.ca_folder, certificate ? &*certificate : nullptr,
+                   std::move(trusted), what.now});
 }
 
 /// The folders that now have the list, and the errors of the others.
@@ -261,6 +259,31 @@ struct Distributed {
   std::vector<Error> errors;
   std::vector<WrittenFile> files;
 };
+
+// Once the revocation list is in place: whatever is wrong with the renewal list must not keep it
+// from a folder.
+Status put_renewal_lists(Distributed& done, const Distribution& what) {
+  if (!what.renewals) {
+    done.errors.push_back(what.renewals.error());
+    return {};
+  }
+  for (const auto& folder : done.folders) {
+    Replacement out;
+    auto status = put_renewals(out, pki::participant_folder(folder),
+                               {*what.renewals, what.cas, what.now});
+    if (status) {
+      auto files = out.commit_each();
+      if (files)
+        std::ranges::move(*files, std::back_inserter(done.files));
+      else
+        status = std::unexpected(std::move(files).error());
+    }
+    if (status) continue;
+    if (status.error().code() == Code::interrupted) return status;
+    done.errors.push_back(std::move(status).error());
+  }
+  return {};
+}
 
 // A folder that cannot be written does not prevent the distribution to others.
 Result<Distributed> put_lists(const std::vector<fs::path>& folders, const Distribution& what) {
@@ -281,6 +304,7 @@ Result<Distributed> put_lists(const std::vector<fs::path>& folders, const Distri
     std::erase(done.folders, folder);
     done.errors.push_back(error);
   }
+  DDSSEC_RETURN_IF_ERROR(put_renewal_lists(done, what));
   return done;
 }
 
@@ -333,9 +357,9 @@ Result<Outcome> distribute(const CaPaths& paths, const std::string& given, WallT
   for (int round = 1;; ++round) {
     DDSSEC_ASSIGN_OR_RETURN(const auto ca, read_certificate(paths.certificate));
     DDSSEC_ASSIGN_OR_RETURN(auto list, list_to_distribute(paths, ca, given, now));
-    DDSSEC_ASSIGN_OR_RETURN(auto renewals, renewals_of(given, &list));
     DDSSEC_ASSIGN_OR_RETURN(
-        auto done, put_lists(folders, {list, ca, given, now, std::move(renewals), cas_of(given)}));
+        auto done,
+        put_lists(folders, {list, ca, given, now, renewals_of(given, &list), cas_of(given)}));
     std::optional<pki::Crl> present;
     if (!is_alone) {
       DDSSEC_ASSIGN_OR_RETURN(present, present_crl(paths));
@@ -351,13 +375,13 @@ Result<Outcome> distribute(const CaPaths& paths, const std::string& given, WallT
 }
 
 // The lists of both CAs are distributed together.
-Status add_renewals(Report& report, const std::string& given, const pki::Crl& crl) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto renewals, renewals_of(given, &crl));
+void add_renewals(Report& report, const std::string& given, const pki::Crl& crl) {
+  // Why it cannot be read stands in the report already.
+  const auto renewals = renewals_of(given, &crl).value_or(pki::RenewalList{});
   report.result["renewals"] = {{"certificates", renewals.certificates.size()},
                                {"permissions", renewals.permissions.size()}};
   if (!renewals.is_empty())
     report.text += fmt::format("renewal list with {}\n", in_words(renewals));
-  return {};
 }
 
 Result<Report> crl_distribute(const Arguments& arguments, const Context& context) {
@@ -384,7 +408,7 @@ Result<Report> crl_distribute(const Arguments& arguments, const Context& context
   for (const auto& folder : done.folders) report.text += fmt::format("{}\n", folder);
   report.text += fmt::format("list {} of {} is in {}, holds {}\n", number_text(crl), crl.issuer(),
                              counted(done.folders.size(), "folder"), words_until(crl));
-  DDSSEC_RETURN_IF_ERROR(add_renewals(report, given, crl));
+  add_renewals(report, given, crl);
   report.text += places_text(recipient, paths);
   if (recipient.is_empty())
     report.text += fmt::format(

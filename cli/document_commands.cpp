@@ -113,7 +113,11 @@ Result<Report> sign(const Arguments& arguments, const Context& context) {
       log_signed(ca.paths, signed_line(ca.certificate(), text, to, context.clock.now())));
   DDSSEC_ASSIGN_OR_RETURN(auto written, write_result(to, signed_octets, arguments));
   report.files_written.push_back(std::move(written));
-  DDSSEC_RETURN_IF_ERROR(list_signed(document, ca, signed_octets, arguments, context.clock.now()));
+  const auto listed = list_signed(document, ca, signed_octets, arguments, context.clock.now());
+  if (!listed) {
+    report.errors.push_back(listed.error());
+    report.exit = exit_of(listed.error().code());
+  }
   report.text += fmt::format("{}  signed by {}\n", to.string(), ca.certificate().subject());
   report.result = {{"file", to.string()}, {"signer", ca.certificate().subject()}};
   if (text.revision != 0) {

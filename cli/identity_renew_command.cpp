@@ -84,11 +84,13 @@ Status check_not_ended(const OldPermissions& old, const pki::ParticipantFolder& 
 }
 
 // The folder's owner may have put back a document that gives more. The agent asks the log the same.
-Status check_not_superseded(const pki::ParticipantFolder& files, const OpenCa& ca, WallTime now) {
+Status check_not_superseded(const pki::ParticipantFolder& files, const OpenCa& ca,
+                            const pki::Certificate& renewed, WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(const auto proof, verified(files.permissions, ca.paths.certificate, now));
   DDSSEC_ASSIGN_OR_RETURN(const auto log, read_signing_log(ca.paths));
   if (log.standing(proof.content(), proof.signer()) != pki::SigningLog::Standing::superseded)
-    return {};
+    return check_not_replaced(ca.paths,
+                              {renewed, proof.content(), proof.signed_at(), files.permissions});
   return fail(
       tool_code::document_superseded,
       {.document = files.permissions,
@@ -113,12 +115,13 @@ struct Renewal {
 };
 
 Result<governance::Permissions> put_extended(Replacement& out, const Renewal& job,
-                                             const pki::Certificate& renewed, const OpenCa& ca) {
+                                             const pki::Certificate& renewed, const OpenCa& ca,
+                                             Report& report) {
   const auto& files = job.files;
   const auto now = job.now();
   DDSSEC_RETURN_IF_ERROR(check_same_ca(files, ca));
   DDSSEC_RETURN_IF_ERROR(check_moved(ca.paths, files.permissions, now));
-  DDSSEC_RETURN_IF_ERROR(check_not_superseded(files, ca, now));
+  DDSSEC_RETURN_IF_ERROR(check_not_superseded(files, ca, renewed, now));
   DDSSEC_ASSIGN_OR_RETURN(const auto old,
                           permissions_in(files, ca.paths.certificate, renewed, now));
   DDSSEC_RETURN_IF_ERROR(check_not_ended(old, files, job.arguments));
@@ -133,7 +136,7 @@ Result<governance::Permissions> put_extended(Replacement& out, const Renewal& jo
       log_signed(ca, as_bytes(xml), job.recorded / files.permissions.filename(), now, old.text));
   NewlyListed listed;
   listed.add(ca.paths, octets);
-  DDSSEC_RETURN_IF_ERROR(listed.write(now));
+  if (const auto written = listed.write(now); !written) report.errors.push_back(written.error());
   return document;
 }
 
@@ -267,7 +270,7 @@ Status renew_permissions(const Renewal& job, const pki::Certificate& renewed, Ca
   const auto end = seen ? seen->grant.validity.not_after : WallTime();
   if (is_asked && (!seen || end < renewed.not_after())) {
     DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open("permissions"));
-    DDSSEC_ASSIGN_OR_RETURN(const auto document, put_extended(out, job, renewed, ca));
+    DDSSEC_ASSIGN_OR_RETURN(const auto document, put_extended(out, job, renewed, ca, report));
     report.result["permissions_until"] = to_string(renewed.not_after());
     report.text += fmt::format("permissions extended to {}\n", date(renewed.not_after()));
     report.text += signed_in_words(document, job.path.parent_path());

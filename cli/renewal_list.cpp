@@ -6,9 +6,12 @@
 #include <fmt/format.h>
 
 #include "cli/inputs.hpp"
+#include "governance/grant.hpp"
 #include "governance/read.hpp"
+#include "governance/write.hpp"
 #include "pki/smime.hpp"
 #include "pki/smime_diagnosis.hpp"
+#include "pki/subject_name.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -19,55 +22,139 @@ namespace fs = std::filesystem;
 std::optional<ListedDocument> look_into(const Bytes& file) {
   const auto form = pki::examine_document(file);
   if (form.ambiguous) return std::nullopt;
-  const auto document = governance::read_permissions(form.unverified_text, form.first_line);
+  auto document = governance::read_permissions(form.unverified_text, form.first_line);
   if (!document || document->grants.empty()) return std::nullopt;
-  ListedDocument out{.file = file};
-  for (const auto& grant : document->grants) {
-    out.subjects.push_back(grant.subject_name);
+  ListedDocument out{.file = file, .grants = std::move(document->grants)};
+  for (const auto& grant : out.grants) {
+    out.begin = std::max(out.begin, grant.validity.not_before);
     out.end = std::max(out.end, grant.validity.not_after);
   }
   return out;
 }
 
-std::vector<ListedDocument> documents_of(const pki::RenewalList& list, WallTime now) {
+std::vector<ListedDocument> documents_of(const pki::RenewalList& list) {
   std::vector<ListedDocument> out;
   for (const auto& file : list.permissions)
-    if (auto one = look_into(file); one && one->end > now) out.push_back(*std::move(one));
+    if (auto one = look_into(file)) out.push_back(*std::move(one));
   return out;
 }
 
-bool is_for_none_but(const ListedDocument& former, const ListedDocument& next) {
-  return std::ranges::all_of(former.subjects, [&](const auto& subject) {
-    return std::ranges::find(next.subjects, subject) != next.subjects.end();
+// Each domain that `former` says something of, `next` does, too.
+bool covers(const governance::Grant& next, const governance::Grant& former) {
+  if (former.default_allow && !next.default_allow) return false;
+  return std::ranges::all_of(former.rules, [&](const auto& rule) {
+    return std::ranges::find(next.rules, rule.domains, &governance::Rule::domains) !=
+           next.rules.end();
   });
 }
 
-template <class Entry>
-void keep_last(std::vector<Entry>& entries) {
-  if (entries.size() <= pki::kMostRenewals) return;
-  entries.erase(entries.begin(), entries.end() - static_cast<std::ptrdiff_t>(pki::kMostRenewals));
+bool replaces(const ListedDocument& next, const ListedDocument& former) {
+  if (next.begin < former.begin) return false;
+  return std::ranges::all_of(former.grants, [&](const auto& old) {
+    return std::ranges::any_of(next.grants, [&](const auto& grant) {
+      return grant.subject_name == old.subject_name &&
+             grant.subject_is_expression == old.subject_is_expression && covers(grant, old);
+    });
+  });
 }
 
-// `former` without what `next` replaces and what has ended, and then `next`.
-pki::RenewalList merged(const pki::RenewalList& former, const pki::RenewalList& next,
-                        WallTime now) {
-  pki::RenewalList out;
+// Of PEM text.
+std::size_t size_in_list(const Bytes& file) {
+  constexpr std::size_t kAround = 80, kLine = 64;
+  const auto text = (file.size() + 2) / 3 * 4;
+  return text + text / kLine + kAround;
+}
+
+// The octets that the certificates take.
+std::size_t keep_what_is_read(std::vector<pki::Certificate>& certificates) {
+  std::size_t octets = 0;
+  auto first = certificates.end();
+  for (std::size_t count = 0; first != certificates.begin() && count < pki::kMostRenewals; ++count) {
+    const auto more = std::prev(first)->pem().size();
+    if (octets + more > pki::kMostRenewalListOctets) break;
+    octets += more;
+    --first;
+  }
+  certificates.erase(certificates.begin(), first);
+  return octets;
+}
+
+// Permissions that have ended leave first, longest ago first, and then those at the front. True:
+// some left that have not ended.
+bool keep_what_is_read(std::vector<ListedDocument>& documents, std::size_t octets, WallTime now) {
+  for (const auto& one : documents) octets += size_in_list(one.file);
+  bool out = false;
+  while (!documents.empty() &&
+         (documents.size() > pki::kMostRenewals || octets > pki::kMostRenewalListOctets)) {
+    auto first = std::ranges::min_element(documents, {}, &ListedDocument::end);
+    if (first->end > now) {
+      first = documents.begin();
+      out = true;
+    }
+    octets -= size_in_list(first->file);
+    documents.erase(first);
+  }
+  return out;
+}
+
+struct Merged {
+  pki::RenewalList list = {};
+  bool is_cut_short = false;
+};
+
+// `former` without what `next` replaces and certificates that have ended, and then `next`.
+Merged merged(const pki::RenewalList& former, const pki::RenewalList& next, WallTime now) {
+  Merged out;
   const auto is_replaced = [&](const pki::Certificate& old) {
     return std::ranges::find(next.certificates, old.subject_digest(),
                              &pki::Certificate::subject_digest) != next.certificates.end();
   };
+  auto& certificates = out.list.certificates;
   for (const auto& old : former.certificates)
-    if (old.not_after() > now && !is_replaced(old)) out.certificates.push_back(old);
+    if (old.not_after() > now && !is_replaced(old)) certificates.push_back(old);
   for (const auto& one : next.certificates)
-    if (one.not_after() > now) out.certificates.push_back(one);
-  const auto later = documents_of(next, now);
-  for (const auto& old : documents_of(former, now))
-    if (std::ranges::none_of(later, [&](const auto& one) { return is_for_none_but(old, one); }))
-      out.permissions.push_back(old.file);
-  for (const auto& one : later) out.permissions.push_back(one.file);
-  keep_last(out.certificates);
-  keep_last(out.permissions);
+    if (one.not_after() > now) certificates.push_back(one);
+  const auto later = documents_of(next);
+  std::vector<ListedDocument> documents;
+  for (auto& old : documents_of(former))
+    if (std::ranges::none_of(later, [&](const auto& one) { return replaces(one, old); }))
+      documents.push_back(std::move(old));
+  documents.insert(documents.end(), later.begin(), later.end());
+  out.is_cut_short = keep_what_is_read(documents, keep_what_is_read(certificates), now);
+  for (auto& one : documents) out.list.permissions.push_back(std::move(one.file));
   return out;
+}
+
+Error cut_short(const fs::path& file) {
+  return Error(Code::file_too_large,
+               {.document = file,
+                .expected = fmt::format("at most {} certificates, {} permissions documents and {} "
+                                        "octets, as participants read",
+                                        pki::kMostRenewals, pki::kMostRenewals,
+                                        pki::kMostRenewalListOctets),
+                .found = "more: permissions that came first were left out",
+                .hint = "give each participant a document with its own grant only; a participant "
+                        "that starts again no longer knows of those that were left out: to take "
+                        "rights away for good, revoke the certificate"});
+}
+
+// Whether both say something of one domain, whatever the tags are.
+bool meet_in_a_domain(const governance::Grant& a, const governance::Grant& b) {
+  const auto says = [](const governance::Grant& grant, DomainId id) {
+    return grant.default_allow || std::ranges::any_of(grant.rules, [id](const auto& rule) {
+             return governance::DomainSet{.ranges = rule.domains.ranges}.contains(id);
+           });
+  };
+  for (DomainId id = 0; id <= governance::kHighestDomainId; ++id)
+    if (says(a, id) && says(b, id)) return true;
+  return false;
+}
+
+std::string rights_in(governance::Grant grant) {
+  grant.name = grant.subject_name = "X";
+  grant.subject_is_expression = grant.subject_has_line_breaks = false;
+  grant.validity = {};
+  return governance::to_xml(governance::Permissions{.grants = {std::move(grant)}});
 }
 
 // What is there of CAs that the folder has: the others have no effect.
@@ -90,27 +177,69 @@ pki::RenewalList of_trusted(pki::RenewalList list, const pki::ParticipantFolder&
   return list;
 }
 
-// The CAs' own lists have what is still to count of them.
-pki::RenewalList without_those_of(const std::vector<pki::Certificate>& cas, pki::RenewalList list,
-                                  WallTime now) {
-  if (cas.empty()) return list;
+// The CAs' own lists have the certificates that are still to count of them. Permissions stay: they
+// take rights away, also when the CA's list was lost.
+pki::RenewalList without_those_of(const std::vector<pki::Certificate>& cas,
+                                  pki::RenewalList list) {
   std::erase_if(list.certificates, [&](const auto& one) {
     return std::ranges::any_of(cas, [&](const auto& ca) { return one.is_issued_by(ca); });
   });
-  const auto verifier = pki::DocumentVerifier::make(cas);
-  std::erase_if(list.permissions,
-                [&](const auto& one) { return verifier && verifier->verify(one, now); });
   return list;
 }
 
-}  // namespace
+std::vector<governance::Grant> grants_of(const std::vector<governance::Grant>& all,
+                                         const pki::Certificate& certificate) {
+  std::vector<governance::Grant> out;
+  const auto subject = pki::SubjectName::of(certificate);
+  std::ranges::copy_if(all, std::back_inserter(out),
+                       [&](const auto& grant) { return governance::is_for(grant, subject); });
+  return out;
+}
 
+// Empty: no CA of the file signed it.
+std::optional<WallTime> signing_time(const CaPaths& ca, const ListedDocument& document) {
+  auto cas = read_certificates(ca.certificate);
+  if (!cas) return std::nullopt;
+  const auto verifier = pki::DocumentVerifier::make(*cas);
+  if (!verifier) return std::nullopt;
+  // Also by a certificate that has ended.
+  for (const auto& one : *cas)
+    if (const auto proof = verifier->verify(document.file, one.not_after()))
+      return proof->signed_at().value_or(WallTime::min());
+  return std::nullopt;
+}
+
+// No entries if the file does not exist.
 Result<pki::RenewalList> read_renewals(const fs::path& file) {
   if (!is_there(file)) return pki::RenewalList{};
   DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMostRenewalListOctets));
-  auto list = pki::RenewalList::parse(octets);
-  return list ? *std::move(list) : pki::RenewalList{};
+  return named(pki::RenewalList::parse(octets), file);
 }
+
+// A damaged list is not taken for an empty one: then it would give back what it took away.
+Result<pki::RenewalList> read_list_of_ca(const fs::path& file) {
+  auto list = read_renewals(file);
+  if (list) return list;
+  auto details = list.error().details();
+  details.hint =
+      "put a copy of the file into its place, such as renewed.pem of a participant's folder; if it "
+      "is removed, participants that start again no longer know of rights that it took away";
+  return fail(list.error().code(), std::move(details));
+}
+
+Status add_to(const fs::path& file, const pki::RenewalList& entries, WallTime now) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto former, read_list_of_ca(file));
+  const auto [list, is_cut_short] = merged(former, entries, now);
+  if (list.is_empty()) return {};
+  DDSSEC_ASSIGN_OR_RETURN(const auto text, list.text());
+  Replacement out;
+  DDSSEC_RETURN_IF_ERROR(out.put_public(file, text));
+  DDSSEC_RETURN_IF_ERROR(out.commit_each());
+  if (is_cut_short) return std::unexpected(cut_short(file));
+  return {};
+}
+
+}  // namespace
 
 void NewlyListed::add(const CaPaths& ca, const pki::Certificate& renewed) {
   files_[ca.renewals].certificates.push_back(renewed);
@@ -121,14 +250,34 @@ void NewlyListed::add(const CaPaths& ca, BytesView signed_permissions) {
 }
 
 Status NewlyListed::write(WallTime now) const {
-  for (const auto& [file, entries] : files_) {
-    DDSSEC_ASSIGN_OR_RETURN(const auto former, read_renewals(file));
-    const auto list = merged(former, entries, now);
-    if (list.is_empty()) continue;
-    DDSSEC_ASSIGN_OR_RETURN(const auto text, list.text());
-    Replacement out;
-    DDSSEC_RETURN_IF_ERROR(out.put_public(file, text));
-    DDSSEC_RETURN_IF_ERROR(out.commit_each());
+  Status out;
+  for (const auto& [file, entries] : files_)
+    if (auto status = add_to(file, entries, now); out && !status) out = std::move(status);
+  return out;
+}
+
+Status check_not_replaced(const CaPaths& ca, const PermissionsAgain& again) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto list, read_list_of_ca(ca.renewals));
+  const auto old = governance::read_permissions(again.text, 1);
+  if (list.permissions.empty() || !old) return {};
+  const auto own = grants_of(old->grants, again.certificate);
+  const auto time = again.signed_at.value_or(WallTime::min());
+  for (const auto& document : documents_of(list)) {
+    const auto signed_at = signing_time(ca, document);
+    if (!signed_at) continue;
+    for (const auto& later : grants_of(document.grants, again.certificate))
+      for (const auto& grant : own)
+        if (meet_in_a_domain(later, grant) && rights_in(later) != rights_in(grant) &&
+            std::pair(later.validity.not_before, *signed_at) >
+                std::pair(grant.validity.not_before, time))
+          return fail(tool_code::document_superseded,
+                      {.document = again.file,
+                       .expected = "the rights of the last document for " +
+                                   again.certificate.subject() + " in " + ca.renewals.string(),
+                       .found = "other rights",
+                       .hint = "put the later document into its place; if this one is meant after "
+                               "all, sign its XML anew: ddssec permissions sign; without "
+                               "--permissions only the certificate is renewed"});
   }
   return {};
 }
@@ -136,9 +285,9 @@ Status NewlyListed::write(WallTime now) const {
 Result<pki::RenewalList> renewals_of(const fs::path& given, const pki::Crl* revoked) {
   const auto identity = ca_paths(given, "identity").renewals;
   const auto permissions = ca_paths(given, "permissions").renewals;
-  DDSSEC_ASSIGN_OR_RETURN(auto out, read_renewals(identity));
+  DDSSEC_ASSIGN_OR_RETURN(auto out, read_list_of_ca(identity));
   if (permissions != identity) {
-    DDSSEC_ASSIGN_OR_RETURN(auto more, read_renewals(permissions));
+    DDSSEC_ASSIGN_OR_RETURN(auto more, read_list_of_ca(permissions));
     std::ranges::move(more.permissions, std::back_inserter(out.permissions));
   }
   if (revoked == nullptr) return out;
@@ -151,9 +300,9 @@ Result<pki::RenewalList> renewals_of(const fs::path& given, const pki::Crl* revo
 
 Status put_renewals(Replacement& out, const pki::ParticipantFolder& files,
                     const RenewalsForFolder& what) {
-  DDSSEC_ASSIGN_OR_RETURN(auto former, read_renewals(files.renewals));
-  former = without_those_of(what.cas, of_trusted(std::move(former), files, what.now), what.now);
-  const auto list = merged(former, of_trusted(what.entries, files, what.now), what.now);
+  auto former = read_renewals(files.renewals).value_or(pki::RenewalList{});
+  former = without_those_of(what.cas, of_trusted(std::move(former), files, what.now));
+  const auto list = merged(former, of_trusted(what.entries, files, what.now), what.now).list;
   if (list.is_empty()) return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto text, list.text());
   const auto present = read_file(files.renewals, pki::kMostRenewalListOctets);

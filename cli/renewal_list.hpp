@@ -3,25 +3,23 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "cli/ca_folder.hpp"
 #include "cli/transaction.hpp"
+#include "governance/model.hpp"
 #include "pki/crl.hpp"
 #include "pki/participant_folder.hpp"
 #include "pki/renewal_list.hpp"
 
 namespace ddssec::cli {
 
-/// The entries of a file; none if it does not exist, or is no renewal list: then it is made anew.
-/// Errors: those of read_file.
-Result<pki::RenewalList> read_renewals(const std::filesystem::path& file);
-
 /// The permissions documents of a list, by what they say of themselves.
 struct ListedDocument {
   Bytes file;
-  std::vector<std::string> subjects = {};
-  WallTime end = {};  ///< of its last grant
+  std::vector<governance::Grant> grants = {};
+  WallTime begin = {}, end = {};  ///< of its last grant
 };
 
 /// What commands add to the lists of CAs. Each CA has a list of its own, renewed.pem beside its
@@ -32,16 +30,33 @@ class NewlyListed {
   void add(const CaPaths& ca, const pki::Certificate& renewed);
   void add(const CaPaths& ca, BytesView signed_permissions);
   /// Adds them to the files. A certificate replaces former ones of its subject, and permissions
-  /// replace those that are for none but their subjects. Entries that have ended leave, and if a
-  /// list has more than are read, the first ones. Errors: those of read_file and Replacement.
+  /// replace those that are for none but their subjects and say nothing of other domains, and do
+  /// not begin later. Certificates that have ended leave; permissions stay, since former ones must
+  /// not count again. If a list has more than is read, permissions that have ended leave first, and
+  /// then the first entries. A file that cannot be read stays as it is. Errors, after the other
+  /// files are written: those of read_file, RenewalList::parse and Replacement; file_too_large, if
+  /// permissions that have not ended were left out.
   Status write(WallTime now) const;
 
  private:
   std::map<std::filesystem::path, pki::RenewalList> files_;
 };
 
+/// Permissions that are to be signed again.
+struct PermissionsAgain {
+  const pki::Certificate& certificate;  ///< the participant's
+  BytesView text;
+  std::optional<WallTime> signed_at;  ///< empty: not known
+  const std::filesystem::path& file;
+};
+
+/// Success if the CA's list has no later permissions for the subject that give other rights in a
+/// domain that they are about: else the list would give back what it took away. Errors:
+/// document_superseded, those of read_file and RenewalList::parse.
+Status check_not_replaced(const CaPaths& ca, const PermissionsAgain& again);
+
 /// The lists of both CAs at `given`, as one. Without certificates that `revoked` names, the present
-/// list of the identity CA; null: it has none. Errors: those of read_renewals and Crl::revoked.
+/// list of the identity CA; null: it has none. Errors: those of read_file, RenewalList::parse and Crl::revoked.
 Result<pki::RenewalList> renewals_of(const std::filesystem::path& given, const pki::Crl* revoked);
 
 /// Entries for a participant's folder.
@@ -52,9 +67,9 @@ struct RenewalsForFolder {
 };
 
 /// Drafts the renewal list of a participant's folder: the entries, and those that are there of
-/// other CAs that the folder has. If the CAs are not known, what is there leaves only if it is
-/// replaced. Nothing if the list is there already. Errors: those of read_renewals and
-/// Replacement::put.
+/// other CAs that the folder has. Permissions that are there leave only if they are replaced; so do
+/// certificates if the CAs are not known. A list that cannot be read is made anew. Nothing if the
+/// list is there already. Errors: those of Replacement::put.
 Status put_renewals(Replacement& out, const pki::ParticipantFolder& files,
                     const RenewalsForFolder& what);
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "cli/ca_folder.hpp"
@@ -31,6 +32,7 @@ Result<pki::SigningLog> read_signing_log(const CaPaths& ca);
 struct DocumentOfCa {
   std::string text;       ///< line ends LF
   bool is_logged = true;  ///< false: accepted because of an option
+  std::optional<WallTime> signed_at = {};  ///< empty: not known
 };
 
 /// Reads a document for the CA's successor. It is verified as the plugins verify it, but at a time

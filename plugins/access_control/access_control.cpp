@@ -39,6 +39,8 @@ class Plugin final : public spi::AccessControl {
                                                        std::string_view domain_tag) override {
     auto holder = load_local(context(), identity, domain_id, properties, domain_tag);
     if (!holder) return refuse_us(holder.error());
+    for (const auto& event : (*holder)->read_list(documents_, environment_.clock))
+      environment_.events.raise(event_about({}, event));
     DDSSEC_ASSIGN_OR_RETURN(const auto handle, add(*holder));
     note_documents(handle);
     return handle;

@@ -73,15 +73,30 @@ Result<Grant> PermissionsDocument::grant_for(const pki::SubjectName& subject,
   DDSSEC_RETURN_IF_ERROR(check_signer(now));
   DDSSEC_ASSIGN_OR_RETURN(const governance::Grant* grant,
                           governance::find_grant(*permissions_, subject, shown, now));
-  const std::lock_guard lock(mutex_);
-  const std::tuple key(grant, domain, tag);
-  if (compiled_.size() >= kMostCompiled && !compiled_.contains(key)) compiled_.clear();
-  auto& compiled = compiled_[key];
-  if (!compiled) {
-    compiled = std::make_shared<const governance::CompiledGrant>(permissions_, *grant, domain,
-                                                                 partition_match_, tag);
+  return compiled(*grant, domain, tag);
+}
+
+Grant PermissionsDocument::begun_grant_for(const pki::SubjectName& subject, DomainId domain,
+                                           const std::string& tag, WallTime now) {
+  const governance::Grant* last = nullptr;
+  for (const auto& grant : permissions_->grants) {
+    if (now < grant.validity.not_before || !governance::is_for(grant, subject)) continue;
+    if (grant.validity.contains(now)) return compiled(grant, domain, tag);
+    if (last == nullptr || grant.validity.not_before > last->validity.not_before) last = &grant;
   }
-  return compiled;
+  return last == nullptr ? nullptr : compiled(*last, domain, tag);
+}
+
+Grant PermissionsDocument::compiled(const governance::Grant& grant, DomainId domain,
+                                    const std::string& tag) {
+  const std::lock_guard lock(mutex_);
+  const std::tuple key(&grant, domain, tag);
+  if (compiled_.size() >= kMostCompiled && !compiled_.contains(key)) compiled_.clear();
+  auto& out = compiled_[key];
+  if (!out)
+    out = std::make_shared<const governance::CompiledGrant>(permissions_, grant, domain,
+                                                            partition_match_, tag);
+  return out;
 }
 
 Result<std::shared_ptr<PermissionsDocument>> DocumentCache::permissions(const PermissionsCa& ca,

@@ -54,6 +54,10 @@ class PermissionsDocument {
   /// certificate_not_yet_valid for the CA certificate that signed.
   Result<Grant> grant_for(const pki::SubjectName& subject, std::string_view shown, DomainId domain,
                           const std::string& tag, WallTime now);
+  /// The same; or else that of the subject's grants that began last, although it has ended or the
+  /// signer's certificate has. Null: none has begun.
+  Grant begun_grant_for(const pki::SubjectName& subject, DomainId domain, const std::string& tag,
+                        WallTime now);
   /// True if it has a grant for the subject, whatever its validity.
   bool has_grant_for(const pki::SubjectName& subject) const;
   /// Success while the signer's certificate is valid. Errors: certificate_expired,
@@ -71,6 +75,8 @@ class PermissionsDocument {
  private:
   /// The number of compiled grants that are stored; with more subjects, grants are compiled again.
   static constexpr std::size_t kMostCompiled = 64;
+
+  Grant compiled(const governance::Grant& grant, DomainId domain, const std::string& tag);
 
   std::shared_ptr<const governance::Permissions> permissions_;
   WallTime signer_not_before_;

@@ -18,8 +18,16 @@ bool say_the_same(const governance::Rule& a, const governance::Rule& b) {
     return std::ranges::equal(of_a, of_b,
                               [](const auto& x, const auto& y) { return say_the_same(x, y); });
   };
-  return a.allow == b.allow && a.domains == b.domains && equal(a.publish, b.publish) &&
-         equal(a.subscribe, b.subscribe) && equal(a.relay, b.relay);
+  return a.allow == b.allow && equal(a.publish, b.publish) && equal(a.subscribe, b.subscribe) &&
+         equal(a.relay, b.relay);
+}
+
+std::vector<const governance::Rule*> rules_for(const governance::Grant& grant, DomainId domain,
+                                               std::string_view tag) {
+  std::vector<const governance::Rule*> out;
+  for (const auto& rule : grant.rules)
+    if (rule.domains.contains(domain, tag)) out.push_back(&rule);
+  return out;
 }
 
 std::tuple<WallTime, WallTime, WallTime> order(const ListedPermissions::Found& one) {
@@ -29,18 +37,25 @@ std::tuple<WallTime, WallTime, WallTime> order(const ListedPermissions::Found& o
 
 }  // namespace
 
-bool give_the_same(const governance::Grant& a, const governance::Grant& b) {
+bool give_the_same(const governance::Grant& a, const governance::Grant& b, DomainId domain,
+                   std::string_view tag) {
   return a.default_allow == b.default_allow &&
-         std::ranges::equal(a.rules, b.rules,
-                            [](const auto& x, const auto& y) { return say_the_same(x, y); });
+         std::ranges::equal(rules_for(a, domain, tag), rules_for(b, domain, tag),
+                            [](const auto* x, const auto* y) { return say_the_same(*x, *y); });
+}
+
+bool supersedes(const ListedPermissions::Found& found, const ListedPermissions::Found& former) {
+  const auto [begin, time, end] = order(found);
+  const auto [former_begin, former_time, former_end] = order(former);
+  return std::tie(begin, time) > std::tie(former_begin, former_time);
+}
+
+bool is_valid(const ListedPermissions::Found& one, WallTime now) {
+  return one.grant->grant().validity.contains(now) && one.document->check_signer(now);
 }
 
 bool is_later(const ListedPermissions::Found& found, const ListedPermissions::Found& former) {
-  const auto [begin, time, end] = order(found);
-  const auto [former_begin, former_time, former_end] = order(former);
-  if (begin != former_begin) return begin > former_begin;
-  if (time != former_time) return time > former_time;
-  return end > former_end && give_the_same(found.grant->grant(), former.grant->grant());
+  return order(found) > order(former);
 }
 
 Sha256Digest digest_of_file(std::string_view text) {
@@ -67,13 +82,19 @@ ListedPermissions::Documents ListedPermissions::documents_of(const Question& que
   return out;
 }
 
+// A document for other domains is none for this one.
+bool ListedPermissions::says_something(const governance::Grant& grant, const Question& question) {
+  return grant.default_allow || !rules_for(grant, question.domain, question.tag).empty();
+}
+
 std::optional<ListedPermissions::Found> ListedPermissions::latest(const Question& question) const {
   std::optional<Found> out;
   for (const auto& document : documents_of(question)) {
-    auto grant = document->grant_for(question.subject, question.shown, question.domain,
-                                     question.tag, question.now);
-    if (!grant) continue;
-    Found found{document, *std::move(grant)};
+    if (!question.ca.holds(document->signer())) continue;
+    auto grant = document->begun_grant_for(question.subject, question.domain, question.tag,
+                                           question.now);
+    if (!grant || !says_something(grant->grant(), question)) continue;
+    Found found{document, std::move(grant)};
     if (!out || order(*out) < order(found)) out = std::move(found);
   }
   return out;

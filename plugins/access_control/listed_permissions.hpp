@@ -29,14 +29,17 @@ class ListedPermissions {
     const std::string& shown;
     DomainId domain;
     const std::string& tag;
+    const PermissionsCa& ca;
     WallTime now;
   };
   struct Found {
     std::shared_ptr<PermissionsDocument> document;
     Grant grant;
   };
-  /// Of the documents with a grant for the subject that is valid now, the one whose grant begins
-  /// last, of these the one that was signed last, and of these the one that ends last.
+  /// Of the documents of the CA with a grant for the subject that has begun and says something of
+  /// the domain and tag, the one whose grant begins last, of these the one that was signed last,
+  /// and of these the one that ends last. It may have ended: it still says that those before it do
+  /// not count.
   std::optional<Found> latest(const Question& question) const;
 
   /// True if that file is on the list.
@@ -45,6 +48,7 @@ class ListedPermissions {
  private:
   using Documents = std::vector<std::shared_ptr<PermissionsDocument>>;
   Documents documents_of(const Question& question) const;
+  static bool says_something(const governance::Grant& grant, const Question& question);
 
   Documents documents_;
   std::set<Sha256Digest> files_;
@@ -53,11 +57,18 @@ class ListedPermissions {
 };
 
 /// True if `found` may take the place of `former`: its grant begins later; or at the same time, and
-/// it was signed later; or both are the same, and it ends later and gives the same.
+/// it was signed later; or both are the same, and it ends later.
 bool is_later(const ListedPermissions::Found& found, const ListedPermissions::Found& former);
 
-/// True if both allow and deny the same, whatever their validity.
-bool give_the_same(const governance::Grant& a, const governance::Grant& b);
+/// The same without the end.
+bool supersedes(const ListedPermissions::Found& found, const ListedPermissions::Found& former);
+
+/// True if it is valid, and so is its signer's certificate.
+bool is_valid(const ListedPermissions::Found& one, WallTime now);
+
+/// True if both allow and deny the same in the domain with the tag, whatever their validity.
+bool give_the_same(const governance::Grant& a, const governance::Grant& b, DomainId domain,
+                   std::string_view tag);
 
 /// The digest of a signed file, as authentication has it (session_facts.hpp).
 Sha256Digest digest_of_file(std::string_view text);

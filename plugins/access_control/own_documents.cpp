@@ -299,17 +299,27 @@ void OwnDocuments::renew_permissions(const Renewal& now, std::vector<Error>& eve
 
 // ---- the renewal list
 
-/// An entry that ended, or that no CA of the file signed, does not count.
+/// What was verified before is not verified again.
+Result<ListedPermissions::Entry> OwnDocuments::entry_of(const Renewal& now, BytesView file) const {
+  const auto ca = now.participant.basis()->ca;
+  const auto digest = digest_of_file(as_text(file));
+  const auto known = std::ranges::find(listed_, digest, &ListedPermissions::Entry::file);
+  if (known != listed_.end() && ca->holds(known->document->signer())) return *known;
+  DDSSEC_ASSIGN_OR_RETURN(auto document, now.documents.permissions(*ca, file, now.clock.now()));
+  return ListedPermissions::Entry{digest, std::move(document)};
+}
+
+/// An entry that no CA of the file signed does not count.
 Status OwnDocuments::take_list(const Renewal& now, const pki::RenewalList& list) {
   const auto ca = now.participant.basis()->ca;
   std::vector<ListedPermissions::Entry> next;
   std::optional<Error> first;
   for (const auto& file : list.permissions) {
-    auto document = now.documents.permissions(*ca, file, now.clock.now());
-    if (document)
-      next.push_back({digest_of_file(as_text(file)), *std::move(document)});
+    auto entry = entry_of(now, file);
+    if (entry)
+      next.push_back(*std::move(entry));
     else if (!first)
-      first = std::move(document).error();
+      first = std::move(entry).error();
   }
   if (next.empty() && first) return std::unexpected(*first);
   for (const auto& former : listed_) {
@@ -321,6 +331,13 @@ Status OwnDocuments::take_list(const Renewal& now, const pki::RenewalList& list)
   listed_ = std::move(next);
   now.participant.set_listed(std::make_shared<const ListedPermissions>(listed_));
   return {};
+}
+
+std::vector<Error> OwnDocuments::read_list(PermissionsHolder& holder, Participant& participant,
+                                           DocumentCache& documents, const Clock& clock) {
+  std::vector<Error> events;
+  renew_list({holder, participant, documents, clock}, events);
+  return events;
 }
 
 void OwnDocuments::renew_list(const Renewal& now, std::vector<Error>& events) {

@@ -37,6 +37,9 @@ class OwnDocuments {
 
   /// The next renew() reads the renewal list.
   void look_at_list_now() { renewal_list_.look_now(); }
+  /// Reads the renewal list, as renew() does.
+  std::vector<Error> read_list(PermissionsHolder& holder, Participant& participant,
+                               DocumentCache& documents, const Clock& clock);
 
   /// These octets are in force.
   void note_read(Bytes governance, BytesView permissions);
@@ -71,6 +74,7 @@ class OwnDocuments {
   void renew_permissions(const Renewal& now, std::vector<Error>& events);
   void renew_identity_authorities(const Renewal& now);
   void renew_list(const Renewal& now, std::vector<Error>& events);
+  Result<ListedPermissions::Entry> entry_of(const Renewal& now, BytesView file) const;
   Status take_list(const Renewal& now, const pki::RenewalList& list);
   Status take_authorities(const Renewal& now, const std::vector<pki::Certificate>& next);
   /// A governance document that may take the place of the one in force.

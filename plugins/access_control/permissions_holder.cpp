@@ -50,25 +50,53 @@ Result<Grant> PermissionsHolder::grant_in(PermissionsDocument& document, WallTim
 Status PermissionsHolder::check_signer() {
   const auto ca = participant_->basis()->ca;
   if (!remote_ || ca == accepted_by_) return {};
-  if (!ca->holds(document_->signer()))
-    return fail(Code::permissions_ca_withdrawn,
-                {.document = document_name_,
-                 .expected = "signed by " + pki::describe(ca->verifier().permissions_cas()),
-                 .found = "signed by " + pki::describe({document_->signer()})});
+  for (const auto& document : {document_, presented_ ? presented_->document : document_})
+    if (!ca->holds(document->signer()))
+      return fail(Code::permissions_ca_withdrawn,
+                  {.document = document_name_,
+                   .expected = "signed by " + pki::describe(ca->verifier().permissions_cas()),
+                   .found = "signed by " + pki::describe({document->signer()})});
   accepted_by_ = ca;
   return {};
 }
 
+bool PermissionsHolder::give_the_same_here(const Grant& a, const Grant& b) const {
+  return give_the_same(a->grant(), b->grant(), participant_->domain, participant_->domain_tag);
+}
+
 Result<Grant> PermissionsHolder::grant(WallTime now) {
   const std::lock_guard lock(mutex_);
+  return valid_grant(now);
+}
+
+Result<std::vector<Grant>> PermissionsHolder::grants(WallTime now) {
+  const std::lock_guard lock(mutex_);
+  DDSSEC_ASSIGN_OR_RETURN(auto grant, valid_grant(now));
+  std::vector<Grant> out{std::move(grant)};
+  if (presented_) out.push_back(presented_->grant);
+  return out;
+}
+
+/// The lock is held.
+Status PermissionsHolder::check_presented(WallTime now) const {
+  if (!presented_) return {};
+  auto status = governance::check_validity(presented_->grant->grant(), now);
+  if (status) status = presented_->document->check_signer(now);
+  if (!status) return std::unexpected(status.error().in(document_name_));
+  return {};
+}
+
+/// The lock is held.
+Result<Grant> PermissionsHolder::valid_grant(WallTime now) {
   if (!document_) return fail(Code::peer_has_no_permissions);
   if (replaced_) return std::unexpected(*replaced_);
   DDSSEC_RETURN_IF_ERROR(check_signer());
+  DDSSEC_RETURN_IF_ERROR(check_presented(now));
   if (grant_ && !is_over(now)) return grant_;
   auto found = grant_in(*document_, now);
   if (!found) return std::unexpected(found.error().in(document_name_));
   // Hosts do not judge again what they have matched.
-  if (remote_ && grant_ && !give_the_same(grant_->grant(), (*found)->grant()))
+  if (remote_ && grant_ && !give_the_same_here(grant_, *found))
     if (auto ended = governance::check_validity(grant_->grant(), now); !ended)
       return std::unexpected(ended.error().in(document_name_));
   grant_ = *found;
@@ -79,8 +107,12 @@ std::optional<WallTime> PermissionsHolder::ends() const {
   const std::lock_guard lock(mutex_);
   if (!grant_ || reported_) return std::nullopt;
   // A certificate is valid up to and including its last second.
-  return std::min(grant_->grant().validity.not_after,
-                  document_->signer_not_after() + std::chrono::seconds(1));
+  const auto end_of = [](const Grant& grant, const PermissionsDocument& document) {
+    return std::min(grant->grant().validity.not_after,
+                    document.signer_not_after() + std::chrono::seconds(1));
+  };
+  const auto end = end_of(grant_, *document_);
+  return presented_ ? std::min(end, end_of(presented_->grant, *presented_->document)) : end;
 }
 
 std::optional<Error> PermissionsHolder::newly_ended(WallTime now) {
@@ -144,6 +176,12 @@ void PermissionsHolder::look_at_list_now() {
   if (own_documents_) own_documents_->look_at_list_now();
 }
 
+std::vector<Error> PermissionsHolder::read_list(DocumentCache& documents, const Clock& clock) {
+  const std::lock_guard lock(renewal_mutex_);
+  if (!own_documents_) return {};
+  return own_documents_->read_list(*this, *participant_, documents, clock);
+}
+
 /// The lock is held.
 Status PermissionsHolder::check_follows(const Grant& renewed) const {
   // The host has cut the participant off, and keeps to that.
@@ -164,8 +202,10 @@ Result<bool> PermissionsHolder::take_shown(std::shared_ptr<PermissionsDocument> 
   const std::lock_guard lock(mutex_);
   if (document == document_) return false;
   DDSSEC_RETURN_IF_ERROR(check_follows(renewed));
+  DDSSEC_RETURN_IF_ERROR(check_not_former({document, renewed}, now));
   document_ = std::move(document);
   grant_ = std::move(renewed);
+  presented_.reset();
   accepted_by_.reset();
   return true;
 }
@@ -189,43 +229,65 @@ Status PermissionsHolder::take(std::shared_ptr<PermissionsDocument> document, By
 
 // ---- permissions of the renewal list
 
-/// The lock is held, and there is a grant.
-std::optional<ListedPermissions::Found> PermissionsHolder::later_listed(WallTime now) const {
+std::optional<ListedPermissions::Found> PermissionsHolder::latest_listed(WallTime now) const {
   const auto listed = participant_->listed();
   if (!listed) return std::nullopt;
-  auto found = listed->latest(
-      {subject_.name, subject_.shown, participant_->domain, participant_->domain_tag, now});
-  if (!found || found->document == document_ || !is_later(*found, {document_, grant_}))
-    return std::nullopt;
-  if (!participant_->basis()->ca->holds(found->document->signer())) return std::nullopt;
-  return found;
+  return listed->latest({subject_.name, subject_.shown, participant_->domain,
+                         participant_->domain_tag, *participant_->basis()->ca, now});
+}
+
+/// The lock is held. What the list took away does not come back by showing former permissions.
+Status PermissionsHolder::check_not_former(const ListedPermissions::Found& shown,
+                                           WallTime now) const {
+  const auto listed = latest_listed(now);
+  if (!listed || !supersedes(*listed, shown) || give_the_same_here(listed->grant, shown.grant))
+    return {};
+  return fail(Code::permissions_renewal_refused,
+              {.field = "not_before",
+               .expected = "those of the renewal list, which give other rights and begin on " +
+                           to_string(listed->grant->grant().validity.not_before) +
+                           ", or permissions that begin or were signed later",
+               .found = to_string(shown.grant->grant().validity.not_before)});
+}
+
+Error PermissionsHolder::replaced_by(const ListedPermissions::Found& found) const {
+  return Error(Code::peer_permissions_replaced,
+               {.document = document_name_,
+                .field = "not_before",
+                .expected = to_string(grant_->grant().validity.not_before),
+                .found = to_string(found.grant->grant().validity.not_before),
+                .hint = "put the later permissions into the peer's folder: as long as it presents "
+                        "the former ones, only what both allow is allowed"});
 }
 
 std::optional<Error> PermissionsHolder::follow_list(WallTime now, bool is_new) {
   const std::lock_guard lock(mutex_);
   if (!remote_ || !grant_ || reported_ || replaced_) return std::nullopt;
-  auto found = later_listed(now);
-  if (!found) other_rights_since_.reset();
-  if (!found) return std::nullopt;
-  const auto& next = found->grant->grant();
-  if (!is_new && !give_the_same(grant_->grant(), next)) {
+  const ListedPermissions::Found present{document_, grant_};
+  auto found = latest_listed(now);
+  const bool is_other = found && supersedes(*found, present) &&
+                        !give_the_same_here(found->grant, grant_);
+  if (!is_other) other_rights_since_.reset();
+  if (!is_other && (!found || !is_later(*found, present) || !is_valid(*found, now) ||
+                    !give_the_same_here(found->grant, grant_)))
+    return std::nullopt;
+  if (is_other && (!is_new || !is_valid(*found, now))) {
     if (!other_rights_since_) other_rights_since_ = now;
-    if (now - *other_rights_since_ < participant_->listed_rights_wait) return std::nullopt;
-    const auto& former = grant_->grant().validity.not_before;
-    replaced_ =
-        Error(Code::peer_permissions_replaced, {.document = document_name_,
-                                                .field = "not_before",
-                                                .expected = to_string(former),
-                                                .found = to_string(next.validity.not_before)});
+    if (now - *other_rights_since_ >= participant_->listed_rights_wait)
+      replaced_ = replaced_by(*found);
     return std::nullopt;
   }
+  if (is_other) presented_ = present;
   document_ = std::move(found->document);
   grant_ = std::move(found->grant);
   accepted_by_.reset();
   return Error(Code::peer_permissions_listed,
                {.document = document_name_,
                 .field = "not_after",
-                .found = to_string(grant_->grant().validity.not_after)});
+                .found = to_string(grant_->grant().validity.not_after),
+                .note = is_other ? "they give other rights than those that the peer presented: only "
+                                   "what both allow is allowed, until the first of them ends"
+                                 : ""});
 }
 
 bool PermissionsHolder::is_listed() const {

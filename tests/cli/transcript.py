@@ -67,11 +67,11 @@ class Transcript(unittest.TestCase):
         self.assertEqual(drafts, [], "a command left a draft behind")
 
     def run_program(self, *words, exit=0, stdin="", environment=None):
-        """`exit`: None takes any answer, yes or no."""
+        """`exit`: None takes any answer, yes or no; a tuple any of these."""
         done = subprocess.run([PROGRAM, *map(str, words)], cwd=self.at, input=stdin, text=True,
                               capture_output=True, timeout=60, check=False,
                               env={**os.environ, "LD_LIBRARY_PATH": library_path(), **(environment or {})})
-        expected = (0, 1) if exit is None else (exit,)
+        expected = (0, 1) if exit is None else exit if isinstance(exit, tuple) else (exit,)
         self.assertIn(done.returncode, expected, f"{words}: {done.stdout}{done.stderr}")
         return done
 

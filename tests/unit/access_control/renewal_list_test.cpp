@@ -124,8 +124,79 @@ TEST_F(ListedPeers, OtherRightsThatBeginAtTheSameTime_CountIfTheyWereSignedLater
   EXPECT_THAT(look(), ElementsAre(peer_));
   EXPECT_THAT(codes(), ElementsAre(Code::peer_permissions_replaced));
   meet(document({"t"}));
-  EXPECT_TRUE(may_publish("u"));
+  EXPECT_FALSE(may_publish("u")) << "the list gives nothing more";
   EXPECT_FALSE(may_publish("t"));
+}
+
+TEST_F(ListedPeers, OtherRights_LastNoLongerThanThosePresented) {
+  put({document({"t", "u"}, 0s, 24h)});
+  look();
+  meet(document({"t", "v"}));
+  EXPECT_TRUE(may_publish("t"));
+  EXPECT_FALSE(may_publish("u"));
+  EXPECT_FALSE(may_publish("v"));
+  EXPECT_EQ(plugin->next_expiry(), kNow + 20s);
+  EXPECT_THAT(pass_the_end(), Contains(peer_));
+}
+
+TEST_F(ListedPeers, LessRightsThatHaveEnded_StillBarTheFormerOnes) {
+  const auto wide = document({"t", "u"}, -24h, 1000h);
+  put({document({"t"}, 0s, 60s)});
+  look();
+  meet(wide);
+  EXPECT_FALSE(may_publish("u"));
+  EXPECT_THAT(pass_the_end(), Contains(peer_));
+  log.events.clear();
+  EXPECT_FALSE(remote(wide).has_value());
+  EXPECT_THAT(codes(), ElementsAre(Code::peer_permissions_replaced));
+  meet(document({"u"}, 61s, 1000h));
+  EXPECT_TRUE(may_publish("u"));
+}
+
+TEST_F(ListedPeers, LessRightsThatHadEndedAtTheStart_BarTheFormerOnes) {
+  clock.advance(2min);
+  put({document({"t"}, 0s, 60s)});
+  look();
+  EXPECT_FALSE(remote(document({"t", "u"}, -24h, 1000h)).has_value());
+}
+
+TEST_F(ListedPeers, TheSameRightsThatHaveEnded_EndNothing) {
+  put({document({"t"}, 0s, 10s)});
+  look();
+  clock.advance(7s);
+  meet(document({"t"}, -24h, 1000h));
+  EXPECT_TRUE(may_publish("t"));
+}
+
+TEST_F(ListedPeers, PermissionsForAnotherDomain_ChangeNothing) {
+  auto rule = publish_rule(true, {"t"});
+  rule.domains.ranges = {{7, 7}};
+  auto out = grant(kListener, {rule});
+  out.validity = {kNow, kNow + 24h};
+  put({signed_permissions({out})});
+  EXPECT_THAT(look(), IsEmpty());
+  EXPECT_THAT(codes(), IsEmpty());
+  meet(document({"t"}));
+  EXPECT_TRUE(may_publish("t"));
+}
+
+TEST_F(ListedPeers, ARuleForAnotherDomain_IsNoOtherRight) {
+  auto other = publish_rule(true, {"x"});
+  other.domains.ranges = {{7, 7}};
+  auto out = grant(kListener, {publish_rule(true, {"t"}), other});
+  out.validity = {kNow, kNow + 24h};
+  put({signed_permissions({out})});
+  EXPECT_THAT(pass_the_end(), IsEmpty());
+  EXPECT_TRUE(may_publish("t"));
+}
+
+TEST_F(ListedPeers, AListThatIsThereAtTheStart_CountsForTheFirstPeer) {
+  (void)plugin->return_permissions_handle(own_);
+  put({document({"t"}, 0s, 24h)});
+  own_ = ours({}, "").value();
+  meet(document({"t", "u"}, -24h, 24h));
+  EXPECT_TRUE(may_publish("t"));
+  EXPECT_FALSE(may_publish("u"));
 }
 
 TEST_F(ListedPeers, OlderPermissions_AreARollBack) {
@@ -207,6 +278,20 @@ TEST_F(ListedPeers, AListThatCannotBeRead_ChangesNothing) {
 class PatientHost : public ListedPeers {
  protected:
   PatientHost() : ListedPeers({.listed_rights_wait = 10s}) {}
+
+  /// All begin at the same time, as those for one certificate.
+  std::string signed_at(std::chrono::seconds when, std::vector<std::string> names) const {
+    auto out = grant(kListener, {publish_rule(true, std::move(names))});
+    out.validity = {kNow - 24h, kNow + 24h};
+    const auto xml = governance::to_xml(governance::Permissions{.grants = {out}});
+    const auto file =
+        authorities().permissions_ca.sign_document(as_bytes(xml), kNow + when, test_random());
+    return file ? std::string(as_text(*file)) : std::string();
+  }
+  Status show(const std::string& text) {
+    return plugin->renew_remote_permissions(peer_, permissions_token(),
+                                            credential(authorities().listener, text));
+  }
 };
 
 TEST_F(PatientHost, OtherRights_EndThePeerAfterTheWait) {
@@ -225,6 +310,43 @@ TEST_F(PatientHost, APeerThatShowsThemMeanwhile_Stays) {
                                                credential(authorities().listener, next)));
   EXPECT_THAT(pass_the_end(), IsEmpty());
   EXPECT_TRUE(may_publish("u"));
+}
+
+TEST_F(PatientHost, APeerThatShowsFormerPermissions_IsNotGivenThemBack) {
+  const auto wide = signed_at(0s, {"t", "u"});
+  const auto narrow = signed_at(10s, {"t"});
+  meet(wide);
+  put({narrow});
+  look();
+  EXPECT_TRUE(show(narrow));
+  log.events.clear();
+  EXPECT_FALSE(show(wide));
+  EXPECT_THAT(codes(), ElementsAre(Code::permissions_renewal_refused));
+  EXPECT_FALSE(may_publish("u"));
+  EXPECT_THAT(pass_the_end(), testing::Not(Contains(peer_)));
+  EXPECT_FALSE(may_publish("u"));
+}
+
+TEST_F(PatientHost, APeerThatShowsFormerPermissions_GetsNoMoreTime) {
+  const auto wide = signed_at(0s, {"t", "u"});
+  meet(wide);
+  put({signed_at(10s, {"t"})});
+  look();
+  EXPECT_FALSE(show(signed_at(5s, {"t", "u", "v"})));
+  look();
+  EXPECT_TRUE(show(wide)) << "that is in force";
+  EXPECT_THAT(look(), Contains(peer_));
+}
+
+TEST_F(PatientHost, AfterItCameAgain_APeerIsNotGivenFormerPermissions) {
+  const auto wide = signed_at(0s, {"t", "u"});
+  put({signed_at(10s, {"t"})});
+  look();
+  meet(wide);
+  EXPECT_FALSE(may_publish("u"));
+  EXPECT_FALSE(show(signed_at(5s, {"t", "u"})) && may_publish("u"));
+  EXPECT_TRUE(show(signed_at(20s, {"t", "u"})));
+  EXPECT_TRUE(may_publish("u")) << "later ones count";
 }
 
 // ---- ours, which the peer has seen
