@@ -102,12 +102,13 @@ Status check_current(const pki::SignedDocument& document, const fs::path& file, 
 }
 
 struct ExtendedByCa {
-  Bytes permissions = {};  ///< empty if those in place last as long as the certificate
+  Bytes permissions = {};             ///< empty if those in place last as long as the certificate
   std::optional<Error> problem = {};  ///< of the renewal list
 };
 
 Result<ExtendedByCa> extended_by_ca(const Bytes& old_octets, const pki::Certificate& renewed,
-                             const fs::path& file, CaOpener& opener, const Context& context) {
+                                    const fs::path& file, CaOpener& opener,
+                                    const Context& context) {
   const auto now = context.clock.now();
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open("permissions"));
   DDSSEC_ASSIGN_OR_RETURN(auto certificates, read_certificates(ca.paths.certificate));

@@ -269,8 +269,8 @@ Status put_renewal_lists(Distributed& done, const Distribution& what) {
   }
   for (const auto& folder : done.folders) {
     Replacement out;
-    auto status = put_renewals(out, pki::participant_folder(folder),
-                               {*what.renewals, what.cas, what.now});
+    auto status =
+        put_renewals(out, pki::participant_folder(folder), {*what.renewals, what.cas, what.now});
     if (status) {
       auto files = out.commit_each();
       if (files)

@@ -69,7 +69,8 @@ std::size_t size_in_list(const Bytes& file) {
 std::size_t keep_what_is_read(std::vector<pki::Certificate>& certificates) {
   std::size_t octets = 0;
   auto first = certificates.end();
-  for (std::size_t count = 0; first != certificates.begin() && count < pki::kMostRenewals; ++count) {
+  for (std::size_t count = 0; first != certificates.begin() && count < pki::kMostRenewals;
+       ++count) {
     const auto more = std::prev(first)->pem().size();
     if (octets + more > pki::kMostRenewalListOctets) break;
     octets += more;
@@ -126,16 +127,16 @@ Merged merged(const pki::RenewalList& former, const pki::RenewalList& next, Wall
 }
 
 Error cut_short(const fs::path& file) {
-  return Error(Code::file_too_large,
-               {.document = file,
-                .expected = fmt::format("at most {} certificates, {} permissions documents and {} "
-                                        "octets, as participants read",
-                                        pki::kMostRenewals, pki::kMostRenewals,
-                                        pki::kMostRenewalListOctets),
-                .found = "more: permissions that came first were left out",
-                .hint = "give each participant a document with its own grant only; a participant "
-                        "that starts again no longer knows of those that were left out: to take "
-                        "rights away for good, revoke the certificate"});
+  return Error(
+      Code::file_too_large,
+      {.document = file,
+       .expected = fmt::format("at most {} certificates, {} permissions documents and {} "
+                               "octets, as participants read",
+                               pki::kMostRenewals, pki::kMostRenewals, pki::kMostRenewalListOctets),
+       .found = "more: permissions that came first were left out",
+       .hint = "give each participant a document with its own grant only; a participant "
+               "that starts again no longer knows of those that were left out: to take "
+               "rights away for good, revoke the certificate"});
 }
 
 // Whether both say something of one domain, whatever the tags are.
@@ -179,8 +180,7 @@ pki::RenewalList of_trusted(pki::RenewalList list, const pki::ParticipantFolder&
 
 // The CAs' own lists have the certificates that are still to count of them. Permissions stay: they
 // take rights away, also when the CA's list was lost.
-pki::RenewalList without_those_of(const std::vector<pki::Certificate>& cas,
-                                  pki::RenewalList list) {
+pki::RenewalList without_those_of(const std::vector<pki::Certificate>& cas, pki::RenewalList list) {
   std::erase_if(list.certificates, [&](const auto& one) {
     return std::ranges::any_of(cas, [&](const auto& ca) { return one.is_issued_by(ca); });
   });

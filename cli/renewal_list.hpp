@@ -56,7 +56,8 @@ struct PermissionsAgain {
 Status check_not_replaced(const CaPaths& ca, const PermissionsAgain& again);
 
 /// The lists of both CAs at `given`, as one. Without certificates that `revoked` names, the present
-/// list of the identity CA; null: it has none. Errors: those of read_file, RenewalList::parse and Crl::revoked.
+/// list of the identity CA; null: it has none. Errors: those of read_file, RenewalList::parse and
+/// Crl::revoked.
 Result<pki::RenewalList> renewals_of(const std::filesystem::path& given, const pki::Crl* revoked);
 
 /// Entries for a participant's folder.

@@ -30,8 +30,8 @@ Result<pki::SigningLog> read_signing_log(const CaPaths& ca);
 
 /// A document in a participant's folder that the CA's key signed.
 struct DocumentOfCa {
-  std::string text;       ///< line ends LF
-  bool is_logged = true;  ///< false: accepted because of an option
+  std::string text;                        ///< line ends LF
+  bool is_logged = true;                   ///< false: accepted because of an option
   std::optional<WallTime> signed_at = {};  ///< empty: not known
 };
 

@@ -91,8 +91,8 @@ std::optional<ListedPermissions::Found> ListedPermissions::latest(const Question
   std::optional<Found> out;
   for (const auto& document : documents_of(question)) {
     if (!question.ca.holds(document->signer())) continue;
-    auto grant = document->begun_grant_for(question.subject, question.domain, question.tag,
-                                           question.now);
+    auto grant =
+        document->begun_grant_for(question.subject, question.domain, question.tag, question.now);
     if (!grant || !says_something(grant->grant(), question)) continue;
     Found found{document, std::move(grant)};
     if (!out || order(*out) < order(found)) out = std::move(found);

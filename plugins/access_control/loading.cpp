@@ -143,7 +143,7 @@ Status check_own_size(const DocumentPlaces& places, BytesView file) {
 
 // What the renewal list took away does not come back when that has ended.
 Status check_not_former(const Participant& local, const Subject& subject,
-                               const ListedPermissions::Found& presented, WallTime now) {
+                        const ListedPermissions::Found& presented, WallTime now) {
   const auto all = local.listed();
   if (!all) return {};
   const auto listed = all->latest(
@@ -153,13 +153,14 @@ Status check_not_former(const Participant& local, const Subject& subject,
                     local.domain_tag))
     return {};
   const auto& ended = listed->grant->grant().validity;
-  return fail(Code::peer_permissions_replaced,
-              {.field = "not_before",
-               .expected = "permissions that begin or were signed later than those of the renewal "
-                           "list, which begin on " + to_string(ended.not_before) +
-                           " and ended on " + to_string(ended.not_after),
-               .found = to_string(presented.grant->grant().validity.not_before),
-               .hint = "sign permissions anew, and put them into the peer's folder"});
+  return fail(
+      Code::peer_permissions_replaced,
+      {.field = "not_before",
+       .expected = "permissions that begin or were signed later than those of the renewal "
+                   "list, which begin on " +
+                   to_string(ended.not_before) + " and ended on " + to_string(ended.not_after),
+       .found = to_string(presented.grant->grant().validity.not_before),
+       .hint = "sign permissions anew, and put them into the peer's folder"});
 }
 
 }  // namespace
@@ -257,9 +258,8 @@ Result<std::shared_ptr<PermissionsDocument>> judge_remote(const LoadContext& con
   }
   DDSSEC_ASSIGN_OR_RETURN(auto document,
                           context.documents.permissions(*local.basis()->ca, *file, context.now));
-  DDSSEC_ASSIGN_OR_RETURN(
-      auto grant, document->grant_for(subject.name, subject.shown, local.domain, local.domain_tag,
-                                      context.now));
+  DDSSEC_ASSIGN_OR_RETURN(auto grant, document->grant_for(subject.name, subject.shown, local.domain,
+                                                          local.domain_tag, context.now));
   DDSSEC_RETURN_IF_ERROR(
       check_not_former(local, subject, {document, std::move(grant)}, context.now));
   return document;

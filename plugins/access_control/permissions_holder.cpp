@@ -6,6 +6,20 @@
 #include "plugins/access_control/listed_permissions.hpp"
 
 namespace ddssec::access_control {
+namespace {
+
+Error replaced(const std::string& document, const Grant& former, const Grant& listed) {
+  return Error(Code::peer_permissions_replaced,
+               {.document = document,
+                .field = "not_before",
+                .expected = to_string(former->grant().validity.not_before),
+                .found = to_string(listed->grant().validity.not_before),
+                .hint = "put the later permissions into the peer's folder: as long as it presents "
+                        "the former ones, only what both allow is allowed"});
+}
+
+}  // namespace
+
 void PermissionsHolder::set_own(std::string text, std::unique_ptr<OwnDocuments> documents) {
   text_ = std::move(text);
   digest_ = digest_of_file(text_);
@@ -250,23 +264,13 @@ Status PermissionsHolder::check_not_former(const ListedPermissions::Found& shown
                .found = to_string(shown.grant->grant().validity.not_before)});
 }
 
-Error PermissionsHolder::replaced_by(const ListedPermissions::Found& found) const {
-  return Error(Code::peer_permissions_replaced,
-               {.document = document_name_,
-                .field = "not_before",
-                .expected = to_string(grant_->grant().validity.not_before),
-                .found = to_string(found.grant->grant().validity.not_before),
-                .hint = "put the later permissions into the peer's folder: as long as it presents "
-                        "the former ones, only what both allow is allowed"});
-}
-
 std::optional<Error> PermissionsHolder::follow_list(WallTime now, bool is_new) {
   const std::lock_guard lock(mutex_);
   if (!remote_ || !grant_ || reported_ || replaced_) return std::nullopt;
   const ListedPermissions::Found present{document_, grant_};
   auto found = latest_listed(now);
-  const bool is_other = found && supersedes(*found, present) &&
-                        !give_the_same_here(found->grant, grant_);
+  const bool is_other =
+      found && supersedes(*found, present) && !give_the_same_here(found->grant, grant_);
   if (!is_other) other_rights_since_.reset();
   if (!is_other && (!found || !is_later(*found, present) || !is_valid(*found, now) ||
                     !give_the_same_here(found->grant, grant_)))
@@ -274,20 +278,21 @@ std::optional<Error> PermissionsHolder::follow_list(WallTime now, bool is_new) {
   if (is_other && (!is_new || !is_valid(*found, now))) {
     if (!other_rights_since_) other_rights_since_ = now;
     if (now - *other_rights_since_ >= participant_->listed_rights_wait)
-      replaced_ = replaced_by(*found);
+      replaced_ = replaced(document_name_, grant_, found->grant);
     return std::nullopt;
   }
   if (is_other) presented_ = present;
   document_ = std::move(found->document);
   grant_ = std::move(found->grant);
   accepted_by_.reset();
-  return Error(Code::peer_permissions_listed,
-               {.document = document_name_,
-                .field = "not_after",
-                .found = to_string(grant_->grant().validity.not_after),
-                .note = is_other ? "they give other rights than those that the peer presented: only "
-                                   "what both allow is allowed, until the first of them ends"
-                                 : ""});
+  return Error(
+      Code::peer_permissions_listed,
+      {.document = document_name_,
+       .field = "not_after",
+       .found = to_string(grant_->grant().validity.not_after),
+       .note = is_other ? "they give other rights than those that the peer presented: only "
+                          "what both allow is allowed, until the first of them ends"
+                        : ""});
 }
 
 bool PermissionsHolder::is_listed() const {

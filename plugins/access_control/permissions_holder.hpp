@@ -126,7 +126,6 @@ class PermissionsHolder {
   bool is_listed() const;
   std::optional<ListedPermissions::Found> latest_listed(WallTime now) const;
   Status check_not_former(const ListedPermissions::Found& shown, WallTime now) const;
-  Error replaced_by(const ListedPermissions::Found& found) const;
 
   DocumentPart permissions_part() const;
 
