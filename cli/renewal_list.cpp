@@ -267,7 +267,8 @@ Status check_not_replaced(const CaPaths& ca, const PermissionsAgain& again) {
     if (!signed_at) continue;
     for (const auto& later : grants_of(document.grants, again.certificate))
       for (const auto& grant : own)
-        if (meet_in_a_domain(later, grant) && rights_in(later) != rights_in(grant) &&
+        if (!later.subject_is_expression && meet_in_a_domain(later, grant) &&
+            rights_in(later) != rights_in(grant) &&
             std::pair(later.validity.not_before, *signed_at) >
                 std::pair(grant.validity.not_before, time))
           return fail(tool_code::document_superseded,

@@ -80,7 +80,9 @@ Grant PermissionsDocument::begun_grant_for(const pki::SubjectName& subject, Doma
                                            const std::string& tag, WallTime now) {
   const governance::Grant* last = nullptr;
   for (const auto& grant : permissions_->grants) {
-    if (now < grant.validity.not_before || !governance::is_for(grant, subject)) continue;
+    if (now < grant.validity.not_before || grant.subject_is_expression ||
+        !governance::is_for(grant, subject))
+      continue;
     if (grant.validity.contains(now)) return compiled(grant, domain, tag);
     if (last == nullptr || grant.validity.not_before > last->validity.not_before) last = &grant;
   }

@@ -54,8 +54,9 @@ class PermissionsDocument {
   /// certificate_not_yet_valid for the CA certificate that signed.
   Result<Grant> grant_for(const pki::SubjectName& subject, std::string_view shown, DomainId domain,
                           const std::string& tag, WallTime now);
-  /// The same; or else that of the subject's grants that began last, although it has ended or the
-  /// signer's certificate has. Null: none has begun.
+  /// The same of the grants with the subject's name, not of those with an expression; or else the
+  /// one of these that began last, although it has ended or the signer's certificate has. Null:
+  /// none has begun.
   Grant begun_grant_for(const pki::SubjectName& subject, DomainId domain, const std::string& tag,
                         WallTime now);
   /// True if it has a grant for the subject, whatever its validity.

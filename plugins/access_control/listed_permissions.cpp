@@ -47,7 +47,8 @@ bool give_the_same(const governance::Grant& a, const governance::Grant& b, Domai
 bool supersedes(const ListedPermissions::Found& found, const ListedPermissions::Found& former) {
   const auto [begin, time, end] = order(found);
   const auto [former_begin, former_time, former_end] = order(former);
-  return std::tie(begin, time) > std::tie(former_begin, former_time);
+  return found.document != former.document &&
+         std::tie(begin, time) > std::tie(former_begin, former_time);
 }
 
 bool is_valid(const ListedPermissions::Found& one, WallTime now) {

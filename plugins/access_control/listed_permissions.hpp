@@ -36,10 +36,10 @@ class ListedPermissions {
     std::shared_ptr<PermissionsDocument> document;
     Grant grant;
   };
-  /// Of the documents of the CA with a grant for the subject that has begun and says something of
-  /// the domain and tag, the one whose grant begins last, of these the one that was signed last,
-  /// and of these the one that ends last. It may have ended: it still says that those before it do
-  /// not count.
+  /// Of the documents of the CA with a grant of the subject's name (not of an expression) that has
+  /// begun and says something of the domain and tag, the one whose grant begins last, of these the
+  /// one that was signed last, and of these the one that ends last. It may have ended: it still
+  /// says that those before it do not count.
   std::optional<Found> latest(const Question& question) const;
 
   /// True if that file is on the list.
@@ -60,7 +60,7 @@ class ListedPermissions {
 /// it was signed later; or both are the same, and it ends later.
 bool is_later(const ListedPermissions::Found& found, const ListedPermissions::Found& former);
 
-/// The same without the end.
+/// The same without the end; false if they are of one document.
 bool supersedes(const ListedPermissions::Found& found, const ListedPermissions::Found& former);
 
 /// True if it is valid, and so is its signer's certificate.

@@ -180,6 +180,16 @@ TEST_F(ListedPeers, PermissionsForAnotherDomain_ChangeNothing) {
   EXPECT_TRUE(may_publish("t"));
 }
 
+TEST_F(ListedPeers, PermissionsWithAnExpression_ChangeNothing) {
+  auto out = grant("CN=*,O=Example", {publish_rule(true, {"u"})});
+  out.subject_is_expression = true;
+  out.validity = {kNow, kNow + 24h};
+  put({signed_permissions({out})});
+  EXPECT_THAT(look(), IsEmpty());
+  meet(document({"t"}));
+  EXPECT_TRUE(may_publish("t"));
+}
+
 TEST_F(ListedPeers, ARuleForAnotherDomain_IsNoOtherRight) {
   auto other = publish_rule(true, {"x"});
   other.domains.ranges = {{7, 7}};
