@@ -1,10 +1,14 @@
 #include "cli/renewal_list.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "base/tool_code.hpp"
+#include "cli/documents.hpp"
 #include "cli/inputs.hpp"
 #include "governance/grant.hpp"
 #include "governance/read.hpp"
