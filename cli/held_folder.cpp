@@ -133,9 +133,13 @@ int keep_owner(int file, int folder, const fs::path& target, unsigned mode) {
   const bool is_file =
       ::fstatat(folder, target.filename().c_str(), &former, AT_SYMLINK_NOFOLLOW) == 0 &&
       S_ISREG(former.st_mode);
-  if (!is_file || ::fstat(file, &draft) != 0) return 0;
-  if (draft.st_uid == former.st_uid && draft.st_gid == former.st_gid) return 0;
   const bool is_root = ::geteuid() == 0;
+  constexpr unsigned kPublic = 0044;
+  // What root adds to a user's folder is the user's, too, unless it is secret.
+  const bool is_new = !is_file && is_root && (mode & kPublic) == kPublic;
+  if (is_new && ::fstatat(folder, "", &former, AT_EMPTY_PATH) != 0) return 0;
+  if ((!is_file && !is_new) || ::fstat(file, &draft) != 0) return 0;
+  if (draft.st_uid == former.st_uid && draft.st_gid == former.st_gid) return 0;
   if (!is_root && draft.st_uid != former.st_uid) return 0;
   if (::fchown(file, is_root ? former.st_uid : ~uid_t{}, former.st_gid) == 0) return 0;
   // Files that everyone can read do not matter, nor does the group of one that it cannot read.

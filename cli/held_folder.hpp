@@ -29,6 +29,7 @@ Descriptor open_folder_in(int parent, const std::filesystem::path& name);
 std::filesystem::path as_held(const std::filesystem::path& path);
 
 /// Keeps the owner of a replaced file: a key that only root could read would stop the participant.
+/// A new file that all may read gets the owner of the folder.
 /// If root runs the command, the open `file` gets the owner and group of the target in `folder`; if
 /// the owner runs it, the group. Returns 0, or errno for a file that must not be readable for
 /// everyone, or whose group must be able to read it.
