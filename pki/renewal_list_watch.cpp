@@ -80,9 +80,8 @@ void RenewalListWatch::judge_again() {
   }
 }
 
-const std::string& RenewalListWatch::path() const {
-  static const std::string kNone;
-  return places_.empty() ? kNone : places_[taken_from_].path;
+std::string RenewalListWatch::path() const {
+  return places_.empty() ? std::string() : places_[taken_from_].path;
 }
 
 std::optional<Error> RenewalListWatch::refused() const {

@@ -34,7 +34,7 @@ class RenewalListWatch {
   void judge_again();
 
   /// The file whose entries were taken last, or else the first one; empty if there is none.
-  const std::string& path() const;
+  std::string path() const;
   /// The last error of look() about a file that has not been good since.
   std::optional<Error> refused() const;
 
