@@ -25,7 +25,7 @@ class UnverifiedDocumentTest : public testing::Test {
   static std::string with_base64(F&& change) {
     auto text = file();
     std::erase(text, '\r');
-    const auto begin = text.rfind("\n\n", text.rfind("=\n")) + 2;
+    const auto begin = text.find("\n\n", text.rfind("Content-")) + 2;
     const auto end = text.find("\n--", begin);
     auto base64 = text.substr(begin, end - begin);
     change(base64);
