@@ -208,7 +208,8 @@ std::optional<WallTime> signing_time(const CaPaths& ca, const ListedDocument& do
   if (!verifier) return std::nullopt;
   // Also by a certificate that has ended.
   for (const auto& one : *cas)
-    if (const auto proof = verifier->verify(document.file, one.not_after()))
+    if (const auto proof =
+            verifier->verify(document.file, one.not_after() - std::chrono::seconds(1)))
       return proof->signed_at().value_or(WallTime::min());
   return std::nullopt;
 }
