@@ -90,6 +90,8 @@ inline constexpr Id kCycloneTopicGuid = 0x801b;
 // Specific to ddssec:
 /// The source timestamp of a DATA, as Time_t.
 inline constexpr Id kSourceTime = 0x8d5e;
+/// Where the payload of a DATA is in shared memory (wire/memory_reference.hpp).
+inline constexpr Id kMemoryReference = kVendorSpecific | 0x0d5f;
 /// The type objects of an endpoint's type.
 inline constexpr Id kTypeObjects = kVendorSpecific | 0x0d75;
 

@@ -82,6 +82,9 @@ Result<InlineQos> read_inline_qos(BytesView list, Endian endian) {
     } else if (parameter->id == pid::kSourceTime && value.size() >= 8) {
       Reader reader(value, endian);
       DDSSEC_ASSIGN_OR_RETURN(qos.source_time, read_time(reader));
+    } else if (parameter->id == pid::kMemoryReference && value.size() == kMemoryReferenceSize) {
+      // Of another length it is of another vendor, which may give the number another meaning.
+      DDSSEC_ASSIGN_OR_RETURN(qos.memory, read_memory_reference(value, endian));
     } else if (must_be_understood(parameter->id)) {
       return fail(Code::rtps_parameter_not_understood);
     }
@@ -121,6 +124,7 @@ void write(SpanWriter& out, const InlineQos& qos) {
     write_time(out, *qos.source_time);
   }
   write_content_filter_info(out, qos.filters);
+  if (qos.memory) write_memory_reference(out, *qos.memory);
   write_sentinel(out);
 }
 

@@ -7,6 +7,7 @@
 
 #include "base/ids.hpp"
 #include "wire/content_filter_info.hpp"
+#include "wire/memory_reference.hpp"
 #include "wire/numbers.hpp"
 #include "wire/time.hpp"
 
@@ -53,9 +54,11 @@ struct InlineQos {
   /// Used if the submessage is protected but INFO_TS is not. Specific to ddssec.
   std::optional<Time> source_time = {};
   FilterResults filters = {};  ///< written only, never read
+  /// The payload is there and not in the DATA. Specific to ddssec.
+  std::optional<MemoryReference> memory = {};
   bool empty() const {
     return !key_hash && status == StatusInfo{} && coherence == Coherence{} &&
-           original.number.value == 0 && !source_time && filters.list.empty();
+           original.number.value == 0 && !source_time && filters.list.empty() && !memory;
   }
   bool operator==(const InlineQos&) const = default;
 };

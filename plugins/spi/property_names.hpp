@@ -33,6 +33,17 @@ inline constexpr std::string_view kRenewalList = "org.ddssec.renewal_list";
 /// while a document with more protection is introduced.
 inline constexpr std::string_view kGovernanceChangeTime = "org.ddssec.governance_change_time";
 
+/// Ours, of embedded participants: "on" lets large samples go to readers of other processes through
+/// shared memory (shared_memory.hpp).
+inline constexpr std::string_view kSharedMemory = "org.ddssec.shm";
+/// Ours: "true" lets payloads stand in shared memory unencrypted although messages or submessages
+/// are encrypted.
+inline constexpr std::string_view kTrustKernel = "org.ddssec.shm.trust_kernel";
+/// Ours: limit for the shared memory that a participant makes, in octets.
+inline constexpr std::string_view kMostSharedOctets = "org.ddssec.shm.most_octets";
+/// Ours: "true" lets samples go through shared memory to processes of other users, too.
+inline constexpr std::string_view kSharedWithOtherUsers = "org.ddssec.shm.other_users";
+
 /// Ours: seconds for which a calendar that was set while participants run is not believed; 0: it
 /// counts at once.
 inline constexpr std::string_view kClockStepGrace = "org.ddssec.clock_step_grace";
@@ -77,20 +88,37 @@ inline constexpr std::string_view kBuiltinEndpointName = "dds.sec.builtin_endpoi
 
 /// Every property that configures a participant, and so every name that a file of properties may
 /// hold.
-inline constexpr std::string_view kOfParticipants[] = {kIdentityCa,        kIdentityCertificate,
-                                                       kPrivateKey,        kPassword,
-                                                       kTrustedCaDir,      kCrl,
-                                                       kLaterCrl,          kFilesPollInterval,
-                                                       kClockStepGrace,    kPermissionsCa,
-                                                       kGovernance,        kPermissions,
-                                                       kAllowSharedMemory, kKeySize,
-                                                       kSymmetricCipher,   kMessageCipher,
-                                                       kPskPassphrase,     kPskExtraPassphrases,
-                                                       kPskCipher,         kKeyLifetime,
-                                                       kMostBlocksPerKey,  kTrustTypeInformation,
-                                                       kWarnBeforeEnd,     kOcsp,
-                                                       kOcspResponse,      kGovernanceChangeTime,
-                                                       kRenewalList};
+inline constexpr std::string_view kOfParticipants[] = {kIdentityCa,
+                                                       kIdentityCertificate,
+                                                       kPrivateKey,
+                                                       kPassword,
+                                                       kTrustedCaDir,
+                                                       kCrl,
+                                                       kLaterCrl,
+                                                       kFilesPollInterval,
+                                                       kClockStepGrace,
+                                                       kPermissionsCa,
+                                                       kGovernance,
+                                                       kPermissions,
+                                                       kAllowSharedMemory,
+                                                       kKeySize,
+                                                       kSymmetricCipher,
+                                                       kMessageCipher,
+                                                       kPskPassphrase,
+                                                       kPskExtraPassphrases,
+                                                       kPskCipher,
+                                                       kKeyLifetime,
+                                                       kMostBlocksPerKey,
+                                                       kTrustTypeInformation,
+                                                       kWarnBeforeEnd,
+                                                       kOcsp,
+                                                       kOcspResponse,
+                                                       kGovernanceChangeTime,
+                                                       kRenewalList,
+                                                       kSharedMemory,
+                                                       kTrustKernel,
+                                                       kMostSharedOctets,
+                                                       kSharedWithOtherUsers};
 
 }  // namespace ddssec::spi::property
 

@@ -5,6 +5,7 @@
 
 #include "base/background_thread.hpp"
 #include "base/rollback.hpp"
+#include "rtps/participant/shared_memory.hpp"
 
 namespace ddssec::rtps {
 namespace {
@@ -20,6 +21,10 @@ constexpr std::size_t kBulk = 2;
 Status ParticipantService::adopt(std::unique_ptr<Participant> protocol) {
   const std::lock_guard held(context_.mutex());
   context_.adopt(std::move(protocol));
+  const auto& core = context_.protocol().remote_participants().core();
+  start_memory(core);
+  if (const auto memory = memory_descriptor(core))
+    DDSSEC_RETURN_IF_ERROR(sockets_->loop().watch(*memory, [this] { receive_memory(); }));
   return sockets_->listen([this](UdpSocket& socket) { receive(socket); });
 }
 
@@ -57,6 +62,13 @@ void ParticipantService::change_interfaces(std::vector<NetworkInterface> chosen)
   events.raise(Event(Error(
       Code::rtps_interfaces_changed,
       {.note = "now " + to_string(sockets_->interfaces()) + "; before " + std::move(former)})));
+}
+
+void ParticipantService::receive_memory() {
+  caught_.run("shared memory", [&] {
+    context_.serve(
+        [&] { serve_memory(context_.protocol().remote_participants().core(), context_.now()); });
+  });
 }
 
 void ParticipantService::receive(UdpSocket& socket) {

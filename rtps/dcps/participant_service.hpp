@@ -59,6 +59,7 @@ class ParticipantService final : private ParticipantContext::Server, private Ser
   void receive(UdpSocket& socket);
   void look_at_interfaces();
   void change_interfaces(std::vector<NetworkInterface> chosen);
+  void receive_memory();
   void receive_batch(UdpSocket& socket, std::size_t count);
 
   const std::shared_ptr<ServingTurn> turn_;      ///< nullptr: no thread of its own

@@ -6,6 +6,7 @@
 
 #include "rtps/participant/endpoint_compatibility.hpp"
 #include "rtps/participant/remote_addresses.hpp"
+#include "rtps/participant/shared_memory.hpp"
 #include "wire/vendor_name.hpp"
 
 namespace ddssec::rtps {
@@ -79,6 +80,7 @@ void EndpointMatcher::match_own(LocalWriter& writer, LocalReader& reader) {
 }
 
 void EndpointMatcher::remove(LocalWriter& writer) {
+  note_own_writer_gone(core_, writer.data.guid.entity);
   auto& ends = topics_[writer.data.topic_name];
   part_from(ends.readers, writer.data.guid);
   std::erase(ends.writers, &writer);
@@ -87,6 +89,7 @@ void EndpointMatcher::remove(LocalWriter& writer) {
 
 void EndpointMatcher::remove(LocalReader& reader) {
   for (const auto& guid : reader.matched.guids()) {
+    note_writer_gone(core_, reader.data.guid.entity, guid);
     if (auto* remote = remotes_.find_or_self(guid.prefix))
       remote->stop_watching(*reader.listener, guid);
     if (auto* remote = remotes_.find_endpoint(guid))
@@ -277,7 +280,8 @@ void EndpointMatcher::match(LocalWriter& writer, RemoteParticipant& remote,
                           std::move(filter), key_reading_of(remote.data)},
                          core_.now);
   if (!waits) writer.listener->on_matched(data);
-  if (in_process) join_in_process(local_, *near, writer.data.guid, data.guid);
+  if (in_process) return join_in_process(local_, *near, writer.data.guid, data.guid);
+  note_reader(core_, writer, remote, data.guid, locators);
 }
 
 void EndpointMatcher::match(LocalReader& reader, RemoteParticipant& remote,
@@ -308,7 +312,8 @@ void EndpointMatcher::match(LocalReader& reader, RemoteParticipant& remote,
                          core_.now, history);
   reader.listener->on_matched(data);
   remote.watch(*reader.listener, data, core_.now);
-  if (in_process) join_in_process(local_, *near, own, data.guid);
+  if (in_process) return join_in_process(local_, *near, own, data.guid);
+  note_writer(core_, own.entity, remote, data.guid);
 }
 
 void EndpointMatcher::forget(LocalWriter& writer, const Guid& remote, bool stays) {
@@ -316,6 +321,7 @@ void EndpointMatcher::forget(LocalWriter& writer, const Guid& remote, bool stays
   presence_.forget(writer, remote);
   if (!writer.matched.remove(remote)) return;
   writer.protocol->unmatch(remote);
+  note_reader_gone(core_, writer.data.guid.entity, remote);
   writer.listener->on_unmatched(remote);
 }
 
@@ -328,6 +334,7 @@ void EndpointMatcher::forget(LocalReader& reader, const Guid& remote, bool stays
   if (auto* endpoint = remotes_.find_endpoint(remote))
     std::erase(endpoint->readers, reader.protocol.get());
   reader.protocol->unmatch(remote, keys);
+  note_writer_gone(core_, reader.data.guid.entity, remote);
   reader.listener->on_unmatched(remote);
 }
 

@@ -1,5 +1,6 @@
 #include "rtps/participant/message_receiver.hpp"
 
+#include "rtps/security/mapped_memory.hpp"
 #include "wire/header_extension.hpp"
 #include "wire/heartbeat_frag.hpp"
 #include "wire/info_source.hpp"
@@ -214,6 +215,10 @@ Status MessageReceiver::on_data(const SubmessageView& view, Context& context) {
     listener_.on_stateless(from, data.payload);
     return {};
   }
+  // A writer of another vendor may give the number of the parameter another meaning.
+  const bool is_elsewhere = data.inline_qos.memory && memory_ != nullptr &&
+                            memory_->has_writer({context.source, data.writer});
+  if (is_elsewhere) return on_reference(data, context);
   each_reader(data.reader, data.writer, context, [&](StatefulReader& reader) {
     auto plain = data;
     // The end of a coherent set has no payload, and is no more than a GAP could report.
@@ -229,6 +234,38 @@ Status MessageReceiver::on_data(const SubmessageView& view, Context& context) {
     listener_.on_alive({from, data.writer});
   });
   return {};
+}
+
+// What cannot be fetched has not arrived: a reliable reader asks for it, and gets it in messages.
+Status MessageReceiver::on_reference(const Data& data, Context& context) {
+  const Guid writer{context.source, data.writer};
+  const bool is_sample = data.payload.empty() && data.inline_qos.status == StatusInfo{};
+  if (!is_sample) return {};
+  Payload fetched;
+  each_reader(data.reader, data.writer, context, [&](StatefulReader& reader) {
+    if (!reader.writer(writer)->lacks(data.sequence_number)) return;
+    if (fetched.size() == 0) fetched = memory_->fetch(writer, *data.inline_qos.memory, context.now);
+    if (fetched.size() == 0) return;
+    auto payload = opened(reader, writer, fetched, context.shield);
+    if (payload.size() == 0 ||
+        !reader.on_data(writer.prefix, data, source_time(context, data.inline_qos),
+                        std::move(payload)))
+      return;
+    context.note_told(true);
+    listener_.on_alive(writer);
+  });
+  return {};
+}
+
+Payload MessageReceiver::opened(const StatefulReader& reader, const Guid& writer,
+                                const Payload& payload, const Shield& shield) {
+  auto out = Payload::uninitialized(payload.size());
+  const auto plain =
+      keyring_->open_payload(reader.guid().entity, writer, payload.view(), shield, out.fill());
+  if (!plain) return {};
+  if (plain->data() == payload.view().data()) return payload;  // it was not protected
+  out.shrink(plain->size());
+  return out;
 }
 
 Status MessageReceiver::on_data_frag(const SubmessageView& view, Context& context) {

@@ -11,6 +11,8 @@
 
 namespace ddssec::rtps {
 
+class MappedMemory;
+
 class MessageReceiver {
  public:
   /// Reports a message that cannot be read. `source`: the participant; zero if not even the header
@@ -23,6 +25,8 @@ class MessageReceiver {
   /// From now on messages are opened with these keys. A submessage that is not protected as the
   /// governance requires is dropped.
   void open_with(Keyring& keyring);
+  /// From now on payloads are also taken from the memory of writers. nullptr: they are not.
+  void fetch_from(MappedMemory* memory) { memory_ = memory; }
   /// Processes one datagram from an untrusted source. What cannot be read is counted and reported.
   void receive(BytesView datagram, MonotonicTime now);
 
@@ -53,6 +57,8 @@ class MessageReceiver {
   Status process(const SubmessageView& view, Context& context);
   Status process_info(const SubmessageView& view, Context& context);
   Status on_data(const SubmessageView& view, Context& context);
+  /// A DATA whose payload is in shared memory.
+  Status on_reference(const Data& data, Context& context);
   Status on_data_frag(const SubmessageView& view, Context& context);
   Status on_heartbeat(const SubmessageView& view, Context& context);
   Status on_gap(const SubmessageView& view, Context& context);
@@ -73,6 +79,9 @@ class MessageReceiver {
   /// The payload without its protection; empty if it cannot be opened.
   std::optional<BytesView> opened(const StatefulReader& reader, const Guid& writer,
                                   BytesView payload, const Shield& shield);
+  /// The same for a payload from shared memory; empty if it cannot be opened.
+  Payload opened(const StatefulReader& reader, const Guid& writer, const Payload& payload,
+                 const Shield& shield);
 
   const GuidPrefix own_;
   EndpointLookup& endpoints_;
@@ -80,6 +89,7 @@ class MessageReceiver {
   ParticipantCounters& counters_;
   const Report report_;
   Keyring* keyring_ = nullptr;  ///< nullptr: the participant is not secured
+  MappedMemory* memory_ = nullptr;
   Bytes message_scratch_, submessage_scratch_, payload_scratch_;
 };
 

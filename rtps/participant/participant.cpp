@@ -4,6 +4,8 @@
 
 #include "rtps/participant/partition_change.hpp"
 #include "rtps/participant/protection_change.hpp"
+#include "rtps/participant/shared_memory.hpp"
+#include "rtps/security/memory_exchange.hpp"
 
 namespace ddssec::rtps {
 namespace {
@@ -63,6 +65,7 @@ Status Participant::secure(std::unique_ptr<OwnSecurity> own) {
   DDSSEC_RETURN_IF_ERROR(describe_own(core_, announcer_));
   DDSSEC_RETURN_IF_ERROR(core_.security->start());
   announcer_.announce_securely();
+  if (auto* const memory = memory_of(core_)) receiver_.fetch_from(&memory->mapped());
   return {};
 }
 

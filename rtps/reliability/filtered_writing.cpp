@@ -7,9 +7,10 @@ namespace ddssec::rtps {
 
 // Disposes and unregistrations are sent to all readers. 8.7.4 requires less, but only the reader
 // knows whether it ever saw the instance.
-bool FilteredWriting::judge(const Change& change) {
+bool FilteredWriting::judge(const Change& change, bool in_memory) {
   results_.clear();
   wanted_.clear();
+  wanted_in_memory_.clear();
   bool all = true;
   for (auto& [guid, proxy] : readers_.all()) {
     const auto result = proxy.filter_result(change);
@@ -18,24 +19,29 @@ bool FilteredWriting::judge(const Change& change) {
     all = all && passed;
     if (!passed && proxy.filtered_from.value == 0) proxy.filtered_from = change.sequence_number;
     const auto& locators = proxy.reader().locators;
-    if (passed) wanted_.insert(wanted_.end(), locators.begin(), locators.end());
+    auto& wanted = in_memory && proxy.in_memory ? wanted_in_memory_ : wanted_;
+    if (passed) wanted.insert(wanted.end(), locators.begin(), locators.end());
   }
-  std::ranges::sort(wanted_);
-  const auto repeated = std::ranges::unique(wanted_);
-  wanted_.erase(repeated.begin(), repeated.end());
+  for (auto* wanted : {&wanted_, &wanted_in_memory_}) {
+    std::ranges::sort(*wanted);
+    const auto repeated = std::ranges::unique(*wanted);
+    wanted->erase(repeated.begin(), repeated.end());
+  }
   return all;
 }
 
 // A reader that shares a locator with a reader that gets the sample receives it too, and drops it:
 // the sample carries the filter result, and the reader's own filter rejects it as well.
-void FilteredWriting::send(const Change& change) {
-  const bool all = judge(change);
+void FilteredWriting::send(const Change& change, const std::optional<MemoryReference>& memory) {
+  const bool all = judge(change, memory.has_value());
   for (auto& [guid, proxy] : readers_.all())
     if (proxy.wanted) send_gap(proxy, change.sequence_number);
-  if (all)
+  if (all && !memory)
     messages_.change(readers_.everybody(), change, results_);
   else if (!wanted_.empty())
     messages_.change({{{}, wanted_}}, change, results_);
+  if (!wanted_in_memory_.empty())
+    messages_.reference({{{}, wanted_in_memory_}}, change, *memory, results_);
 }
 
 void FilteredWriting::send_gap(ReaderProxy& proxy, SequenceNumber end) {

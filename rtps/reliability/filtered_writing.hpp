@@ -15,19 +15,21 @@ class FilteredWriting {
   FilteredWriting(MatchedReaders& readers, WriterMessages& messages)
       : readers_(readers), messages_(messages) {}
 
-  /// Sends a change that was just written to the readers that get it.
-  void send(const Change& change);
+  /// Sends a change that was just written to the readers that get it. `memory`: where its payload
+  /// is, for those that find it there; empty: nowhere.
+  void send(const Change& change, const std::optional<MemoryReference>& memory = {});
   /// Sends the GAPs up to `end` that were not sent yet: to one reader, or to all.
   void send_gap(ReaderProxy& proxy, SequenceNumber end);
   void send_gaps(SequenceNumber end);
 
  private:
   /// Returns true if all readers get the change.
-  bool judge(const Change& change);
+  bool judge(const Change& change, bool in_memory);
 
   MatchedReaders& readers_;
   WriterMessages& messages_;
-  LocatorList wanted_;  ///< locators of the readers that get the last change
+  /// Locators of the readers that get the last change in messages, or from memory.
+  LocatorList wanted_, wanted_in_memory_;
   std::vector<FilterResult> results_;
 };
 

@@ -42,6 +42,8 @@ class MatchedReaders {
   KeyReading key_reading() const { return {bare_only_ > 0, short_is_hash_ > 0}; }
 
   void readdress(ReaderProxy& proxy, LocatorList locators);
+  /// Whether the reader finds payloads in the writer's memory.
+  void set_in_memory(ReaderProxy& proxy, bool in_memory);
   void acknowledge(ReaderProxy& proxy, SequenceNumber through);
   const AcknowledgedNumbers& acknowledged() const { return acknowledged_; }
   /// Finds out which readers acknowledge in time (Timeliness). Costs time for each reader, so it
@@ -54,6 +56,9 @@ class MatchedReaders {
   void set_dscp(std::uint8_t dscp) { dscp_ = dscp; }
   /// True if some readers are sent messages.
   bool any_remote() const { return !locators_.all().empty(); }
+  /// The same of those that find payloads in memory, and of the others.
+  bool any_in_memory() const { return !in_memory_.all().empty(); }
+  bool any_by_network() const { return !by_network_.all().empty(); }
   Receiver one(const ReaderProxy& proxy) const {
     return one(proxy.reader().guid, proxy.reader().locators);
   }
@@ -65,11 +70,16 @@ class MatchedReaders {
     return is_pairwise() ? one(proxies_.begin()->second)
                          : Receiver{{{}, locators_.all(), dscp_}, kEntityIdUnknown};
   }
+  Receiver those_in_memory() const { return {{{}, in_memory_.all(), dscp_}, kEntityIdUnknown}; }
+  Receiver those_by_network() const { return {{{}, by_network_.all(), dscp_}, kEntityIdUnknown}; }
 
  private:
   /// True if there is only one reader and the key of that pair protects what it is sent.
   bool is_pairwise() const { return writer_ == kVolatileMessageWriter && size() == 1; }
   void count(const ReaderProxy& proxy, int by);
+  LocatorCounts& way_of(const ReaderProxy& proxy) {
+    return proxy.in_memory ? in_memory_ : by_network_;
+  }
 
   const EntityId writer_;
   const bool reliable_;
@@ -79,6 +89,7 @@ class MatchedReaders {
   AcknowledgedNumbers in_time_;
   MonotonicTime next_check_{};
   LocatorCounts locators_;
+  LocatorCounts in_memory_, by_network_;  ///< the same locators, by how readers get payloads
   std::size_t bare_only_ = 0, short_is_hash_ = 0;  ///< number of readers with that KeyReading
   std::size_t filtered_ = 0;
 };

@@ -44,6 +44,10 @@ class Payload {
   MutableBytes fill() {
     return block_ == nullptr ? MutableBytes{} : MutableBytes(octets(), size());
   }
+  /// Before it is shared: only the first `size` octets count.
+  void shrink(std::size_t size) {
+    if (block_ != nullptr) block_->size = std::min(size, block_->size);
+  }
   std::size_t size() const { return block_ == nullptr ? 0 : block_->size; }
   /// The payload contains keys: its memory is wiped when the last holder is gone.
   void wipe_at_end() {

@@ -126,6 +126,7 @@ class ReaderProxy {
   RepairAllowance allowance;
   FragmentRepair repair;
   StatefulReader* local = nullptr;  ///< reader in this process; nullptr: not attached
+  bool in_memory = false;           ///< its participant has mapped the writer's memory
   bool wanted = true;               ///< the last change passed its filter
   /// The first change that did not pass its filter and was not reported to it by a GAP yet; 0:
   /// none.

@@ -12,14 +12,15 @@ void wipe_if_secret(Change& change) {
 
 }  // namespace
 
-Change received_change(const GuidPrefix& from, const Data& data, const std::optional<Time>& time) {
+Change received_change(const GuidPrefix& from, const Data& data, const std::optional<Time>& time,
+                       Payload payload) {
   Change out{{from, data.writer},
              data.sequence_number,
              data.inline_qos.status,
              data.inline_qos.key_hash,
              time,
              data.kind == PayloadKind::key,
-             Payload::copy_of(data.payload),
+             std::move(payload),
              data.inline_qos.coherence,
              data.inline_qos.original};
   wipe_if_secret(out);

@@ -6,8 +6,9 @@
 
 namespace ddssec::rtps {
 
-/// The payload is copied.
-Change received_change(const GuidPrefix& from, const Data& data, const std::optional<Time>& time);
+/// `payload`: that of the DATA, or one that it names.
+Change received_change(const GuidPrefix& from, const Data& data, const std::optional<Time>& time,
+                       Payload payload);
 /// The payload has the size of the whole sample.
 Change received_change(const GuidPrefix& from, const DataFrag& frag,
                        const std::optional<Time>& time);

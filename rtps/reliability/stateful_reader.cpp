@@ -82,7 +82,7 @@ bool StatefulReader::accept(WriterProxy& proxy, SequenceNumber number,
 }
 
 bool StatefulReader::on_data(const GuidPrefix& from, const Data& data,
-                             const std::optional<Time>& time) {
+                             const std::optional<Time>& time, Payload elsewhere) {
   sender_.note_sample();
   auto* proxy = find({from, data.writer});
   if (proxy == nullptr || data.sequence_number < proxy->next()) return false;
@@ -90,7 +90,9 @@ bool StatefulReader::on_data(const GuidPrefix& from, const Data& data,
   // report.
   if (data.inline_qos.status.filtered) return accept(*proxy, data.sequence_number, std::nullopt);
   // Like accept(), but without moving the change once more.
-  const bool is_new = proxy->accept(data.sequence_number, received_change(from, data, time));
+  auto payload = elsewhere.size() > 0 ? std::move(elsewhere) : Payload::copy_of(data.payload);
+  const bool is_new =
+      proxy->accept(data.sequence_number, received_change(from, data, time, std::move(payload)));
   if (proxy->held().octets() > 0) trim(*proxy);
   return is_new;
 }

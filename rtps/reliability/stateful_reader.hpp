@@ -78,7 +78,9 @@ class StatefulReader final : private Timed {
 
   // All return whether the message was new. Only a new message is a sign of life, because old
   // messages can be repeated.
-  bool on_data(const GuidPrefix& from, const Data& data, const std::optional<Time>& time);
+  /// `elsewhere`: a payload that is not in the submessage; empty: it is there.
+  bool on_data(const GuidPrefix& from, const Data& data, const std::optional<Time>& time,
+               Payload elsewhere = {});
   bool on_data_frag(const GuidPrefix& from, const DataFrag& frag, const std::optional<Time>& time);
   bool on_heartbeat(const GuidPrefix& from, const Heartbeat& heartbeat);
   bool on_gap(const GuidPrefix& from, const Gap& gap);

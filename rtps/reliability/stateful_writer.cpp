@@ -24,6 +24,7 @@ StatefulWriter::StatefulWriter(const Guid& guid, const Qos& qos, MessageSender& 
       messages_(guid.entity, qos.durability, sender, history_),
       readers_(guid.entity, qos.is_reliable()),
       filtered_(readers_, messages_),
+      memory_(readers_, messages_, history_),
       retransmissions_(history_, messages_, evaluations_),
       local_(guid, history_, readers_),
       piggyback_(qos) {
@@ -136,10 +137,11 @@ SequenceNumber StatefulWriter::write(Change change, MonotonicTime now) {
 
 void StatefulWriter::send(const Change& written, MonotonicTime now) {
   using Kind = PiggybackHeartbeats::Kind;
+  const auto in_memory = memory_.store(written, now);
   if (readers_.filtered() == 0)
-    messages_.change(readers_.everybody(), written);
+    memory_.send(written, in_memory);
   else
-    filtered_.send(written);
+    filtered_.send(written, in_memory);
   const auto heartbeat = heartbeat_for(written, now);
   if (heartbeat != Kind::none) filtered_.send_gaps(history_.last().next());
   if (heartbeat == Kind::question) send_question(readers_.everybody(), history_.first());
@@ -209,6 +211,11 @@ void StatefulWriter::hold_back(bool held_back, MonotonicTime now) {
   release_acknowledged();
 }
 
+MemoryWriting& StatefulWriter::memory() {
+  sender_.flush();
+  return memory_;
+}
+
 // ---- messages of readers
 
 bool StatefulWriter::on_acknack(const GuidPrefix& from, const AckNack& acknack, MonotonicTime now) {
@@ -223,7 +230,7 @@ bool StatefulWriter::on_acknack(const GuidPrefix& from, const AckNack& acknack, 
   if (!pre_emptive) {
     const bool advances = base <= history_.last().next() && base.previous() > proxy->acknowledged();
     if (advances) readers_.acknowledge(*proxy, base.previous());
-    if (advances || !acknack.missing.empty()) note_request(now);
+    if (advances || !acknack.missing.empty()) schedule_.note_request(now);
     if (!acknack.missing.empty())
       answered = retransmissions_.answer(*proxy, readers_.one(*proxy), acknack.missing, now);
   }
@@ -242,16 +249,12 @@ bool StatefulWriter::on_nack_frag(const GuidPrefix& from, const NackFrag& nack, 
   auto* proxy = readers_.find({from, nack.reader});
   if (proxy == nullptr || !proxy->reader().reliable) return false;
   if (!proxy->nack_frags.take(nack.count)) return false;
-  note_request(now);
+  schedule_.note_request(now);
+  call_at(schedule_.due());
   if (!retransmissions_.begin(*proxy, nack, now)) return true;
   continue_repair(*proxy, now);
   sender_.flush();
   return true;
-}
-
-void StatefulWriter::note_request(MonotonicTime now) {
-  schedule_.note_request(now);
-  call_at(schedule_.due());
 }
 
 // With the HEARTBEAT the reader can request the next portion at once.

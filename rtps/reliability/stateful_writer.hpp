@@ -7,6 +7,7 @@
 #include "rtps/reliability/filtered_writing.hpp"
 #include "rtps/reliability/heartbeat_schedule.hpp"
 #include "rtps/reliability/local_delivery.hpp"
+#include "rtps/reliability/memory_writing.hpp"
 #include "rtps/reliability/octet_allowance.hpp"
 #include "rtps/reliability/retransmissions.hpp"
 #include "rtps/reliability/timer_queue.hpp"
@@ -85,6 +86,9 @@ class StatefulWriter final : private Timed {
   /// True if every reliable reader has received everything.
   bool all_acknowledged() const { return readers_.acknowledged().reach(history_.last()); }
 
+  /// For readers of other processes on this machine. What was added to the sender is flushed.
+  MemoryWriting& memory();
+
   // Readers of this process (see LocalDelivery):
   /// Both must be matched with in_process. From now on the reader gets changes directly, until
   /// either side unmatches or is destroyed. The side that matches second calls this.
@@ -105,7 +109,6 @@ class StatefulWriter final : private Timed {
   PiggybackHeartbeats::Kind heartbeat_for(const Change& written, MonotonicTime now);
   /// Sends a HEARTBEAT that requires an answer.
   void send_question(const Receiver& receiver, SequenceNumber first);
-  void note_request(MonotonicTime now);
   void continue_repair(ReaderProxy& proxy, MonotonicTime now);
   void release_acknowledged();
 
@@ -116,6 +119,7 @@ class StatefulWriter final : private Timed {
   WriterMessages messages_;
   MatchedReaders readers_;
   FilteredWriting filtered_;
+  MemoryWriting memory_;
   EvaluationAllowance evaluations_;
   Retransmissions retransmissions_;
   LocalDelivery local_;

@@ -20,14 +20,15 @@ InlineQos WriterMessages::inline_qos_of(const Change& change,
                                         std::span<const FilterResult> filters) const {
   const auto time = sender_.leaves_time_unprotected(writer_) ? change.source_time : std::nullopt;
   if (!change.is_alive())
-    return {change.key_hash, change.status, change.coherence, change.original, time, {}};
+    return {change.key_hash, change.status, change.coherence, change.original, time, {}, {}};
   const bool is_kept = durability_ >= DurabilityKind::transient;
   return {is_kept ? change.key_hash : std::nullopt,
           {},
           change.coherence,
           change.original,
           time,
-          {filters}};
+          {filters},
+          {}};
 }
 
 BytesView WriterMessages::payload_of(const Change& change) {
@@ -48,6 +49,15 @@ void WriterMessages::change(const Receiver& receiver, const Change& change,
   }
   const Data data{receiver.reader, writer_, change.sequence_number, inline_qos_of(change, filters),
                   kind_of(change), payload};
+  sender_.add(receiver.to, InfoTimestamp{change.source_time}, data);
+}
+
+void WriterMessages::reference(const Receiver& receiver, const Change& change,
+                               const MemoryReference& memory,
+                               std::span<const FilterResult> filters) {
+  Data data{receiver.reader,   writer_, change.sequence_number, inline_qos_of(change, filters),
+            PayloadKind::none, {}};
+  data.inline_qos.memory = memory;
   sender_.add(receiver.to, InfoTimestamp{change.source_time}, data);
 }
 

@@ -42,6 +42,9 @@ class WriterMessages {
   void change(const Receiver& receiver, const Change& change,
               std::span<const FilterResult> filters = {},
               std::uint32_t max_fragments = kAllFragments);
+  /// Sends a change whose payload the receivers find in memory.
+  void reference(const Receiver& receiver, const Change& change, const MemoryReference& memory,
+                 std::span<const FilterResult> filters = {});
   void fragment(const Receiver& receiver, const Change& change, FragmentNumber number,
                 std::span<const FilterResult> filters = {});
   /// Declares changes first .. end - 1 irrelevant.

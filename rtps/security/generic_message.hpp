@@ -31,6 +31,8 @@ inline constexpr std::string_view kRenewal = "org.ddssec.renewed_documents";
 inline constexpr std::string_view kRenewalTaken = "org.ddssec.renewed_documents_taken";
 /// Specific to ddssec: which governance document a participant has (GovernanceChange).
 inline constexpr std::string_view kGovernance = "org.ddssec.governance";
+/// Specific to ddssec: an offer of shared memory, or the answer (memory_messages.hpp).
+inline constexpr std::string_view kMemory = "org.ddssec.memory";
 /// Specific to ddssec: the tokens of an endpoint that may have two protections. The number of the
 /// related message is the ProtectionId of the one that has these keys.
 inline constexpr std::string_view kDatawriterTokensOfOne =

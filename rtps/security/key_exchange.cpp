@@ -262,6 +262,10 @@ bool KeyExchange::on_message(const GuidPrefix& prefix, const Change& change) {
     governance_listener_(*peer, *message);
     return true;
   }
+  if (message->message_class == message_class::kMemory) {
+    if (memory_listener_) memory_listener_(*peer, *message);
+    return true;
+  }
   if (size > kMaxTokenOctets) {
     core_.raise(Error(Code::length_out_of_range,
                       {.document = "key tokens",

@@ -47,6 +47,9 @@ class KeyExchange {
   /// The same for messages about governance documents.
   void on_governance(RenewalListener listener) { governance_listener_ = std::move(listener); }
 
+  /// The same for messages about shared memory.
+  void on_memory(RenewalListener listener) { memory_listener_ = std::move(listener); }
+
   /// The peer acknowledged something: sends messages that waited for that.
   void note_acknowledged(Peer& peer);
   /// Offers again the messages for which there was no room among the early tokens.
@@ -92,7 +95,7 @@ class KeyExchange {
   SecurityCore& core_;
   std::int64_t last_number_ = 0;
   bool revising_ = false;
-  RenewalListener renewal_listener_, governance_listener_;
+  RenewalListener renewal_listener_, governance_listener_, memory_listener_;
   /// Peers of which early tokens were taken since the last tick.
   std::vector<GuidPrefix> have_room_;
 };

@@ -11,6 +11,7 @@ Result<std::unique_ptr<OwnSecurity>> OwnSecurity::create(const SecurityOptions& 
   std::unique_ptr<OwnSecurity> out(new OwnSecurity(options, domain_id, domain_tag));
   DDSSEC_ASSIGN_OR_RETURN(out->governance_change_time_,
                           spi::governance_change_time(options.properties));
+  DDSSEC_ASSIGN_OR_RETURN(out->shared_memory_, spi::shared_memory(options.properties));
   DDSSEC_RETURN_IF_ERROR(out->authenticate(candidate));
   DDSSEC_RETURN_IF_ERROR(out->authorize());
   DDSSEC_RETURN_IF_ERROR(out->share_keys());

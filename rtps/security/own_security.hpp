@@ -8,6 +8,7 @@
 #include "plugins/spi/access_control.hpp"
 #include "plugins/spi/authentication.hpp"
 #include "plugins/spi/cryptography.hpp"
+#include "plugins/spi/shared_memory.hpp"
 
 namespace ddssec::rtps {
 
@@ -41,6 +42,8 @@ class OwnSecurity {
   const spi::PropertyList& properties() const { return options_.properties; }
   /// See spi::governance_change_time.
   std::chrono::seconds governance_change_time() const { return governance_change_time_; }
+  /// See spi::shared_memory.
+  const spi::SharedMemory& shared_memory() const { return shared_memory_; }
   DomainId domain_id() const { return domain_id_; }
   const std::string& domain_tag() const { return domain_tag_; }
   /// Bound to the certificate's subject (DDS-Security 1.2, clause 10.3.3).
@@ -80,6 +83,7 @@ class OwnSecurity {
   spi::ParticipantSecurityAttributes attributes_;
   spi::SymmetricCipherInfo ciphers_;
   std::chrono::seconds governance_change_time_{};
+  spi::SharedMemory shared_memory_;
   std::unique_ptr<spi::PreSharedKeys> pre_shared_keys_;
   spi::Token identity_token_, permissions_token_;
 };

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "rtps/security/memory_exchange.hpp"
+
 namespace ddssec::rtps {
 namespace {
 
@@ -49,6 +51,16 @@ Status Security::start() {
         core_.keyring.add_local(endpoint.reader, attributes, endpoint.reader_name));
   }
   core_.sender.protect_with(core_.keyring);
+  const auto& shared = core_.own->shared_memory();
+  if (!shared.is_on) return {};
+  auto memory = MemoryExchange::make(core_, exchange_, shared);
+  if (memory)
+    memory_ = *std::move(memory);
+  else
+    core_.events.raise(Event(Error(
+        Code::rtps_memory_unused,
+        {.document = "shared memory", .found = std::string(memory::to_string(memory.error()))})));
+  core_.memory = memory_.get();
   return {};
 }
 
@@ -140,12 +152,13 @@ void Security::tick(MonotonicTime now) {
   // have ended are removed.
   if (revision_.is_busy()) change_.finish();
   revision_.tick();
+  if (memory_) memory_->serve(now);
   if (now >= next_expiry_) expire();
 }
 
 MonotonicTime Security::next_tick() const {
-  return std::min(
-      {next_expiry_, revision_.next_tick(), handshakes_.next_tick(), exchange_.next_tick()});
+  return std::min({next_expiry_, revision_.next_tick(), handshakes_.next_tick(),
+                   exchange_.next_tick(), memory_ ? memory_->next_tick() : kNever});
 }
 
 template <class F>

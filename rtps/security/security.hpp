@@ -2,6 +2,7 @@
 // exchange of keys (DDS-Security 1.2, clauses 7.5.3 and 9.8). Sends only through the sender; has no
 // clock and no lock. It connects these parts, which do the work:
 //
+//   MemoryExchange    shares memory with peers on the same machine
 //   GovernanceChange  puts more protection into force while participants run
 //   Handshakes    authenticates the peers, and limits what that costs
 //   KeyRevision   creates new keys for all others when a peer loses its trust
@@ -134,6 +135,7 @@ class Security {
   Handshakes handshakes_{core_, admission_, exchange_, revision_};
   DocumentRenewal renewal_{core_, exchange_, revision_};
   GovernanceChange change_{core_, admission_, exchange_, revision_};
+  std::unique_ptr<MemoryExchange> memory_;  ///< nullptr: shared memory is off
   MonotonicTime next_expiry_{};
 };
 

@@ -40,6 +40,8 @@ struct AuthenticationCounters {
   std::uint64_t failed = 0;
 };
 
+class MemoryExchange;
+
 /// All parts borrow it; it knows none of them.
 struct SecurityCore {
   SecurityCore(std::unique_ptr<OwnSecurity> identity, MessageSender& message_sender,
@@ -113,6 +115,7 @@ struct SecurityCore {
   bool governance_changes = false;  ///< endpoints have two protections (GovernanceChange)
   bool governance_has_changed = false;
   bool governance_waits = false;  ///< they have, or will as soon as no keys are being revised
+  MemoryExchange* memory = nullptr;  ///< nullptr: shared memory is off
 };
 
 }  // namespace ddssec::rtps

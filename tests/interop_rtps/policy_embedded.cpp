@@ -1,8 +1,11 @@
-// The policy peer on the embedded participant.
+// The policy peer on the embedded participant. Options: "appendable": a type of this kind; "memory
+// FOLDER": secured, with samples that are large enough for shared memory.
 #include "appendable_shape.hpp"
 #include "interop_rtps/policy_peer.hpp"
-#include "rtps/dcps/domain_participant.hpp"
+#include "secured/participant.hpp"
 #include "shape.hpp"
+
+#include <thread>
 
 namespace ddssec::rtps {
 
@@ -66,7 +69,8 @@ GroupQos group_of(const Policies& p) {
 template <DdsType Shape>
 class Embedded final : public policy_peer::Stack {
  public:
-  explicit Embedded(DomainParticipant& participant) : participant_(participant) {}
+  Embedded(DomainParticipant& participant, std::size_t more)
+      : participant_(participant), more_(more) {}
 
   bool writer(const std::string& id, const std::string& topic, const Policies& p) override {
     const auto group = participant_.create_publisher(group_of(p));
@@ -91,11 +95,10 @@ class Embedded final : public policy_peer::Stack {
   }
   bool write(const std::string& id, const std::string& color, int x,
              std::int64_t source_ms) override {
-    const Shape shape{color, x, 2 * x, 30, {}};
+    const Shape shape{color, x, 2 * x, 30, filling()};
     auto& writer = *writers_.at(id);
-    if (source_ms < 0) return writer.write(shape).has_value();
-    return writer.write_w_timestamp(shape, {}, Time::from(std::chrono::milliseconds(source_ms)))
-        .has_value();
+    if (more_ > 0) warm_up(id, writer, source_ms);
+    return write_at(writer, shape, source_ms);
   }
   bool end(const std::string& id, const std::string& color, End how) override {
     auto& writer = *writers_.at(id);
@@ -129,7 +132,7 @@ class Embedded final : public policy_peer::Stack {
     std::string out;
     if (!readers_.at(id)->take(samples)) return " refused";
     for (const auto& [data, info] : samples)
-      out += " " + data.color + ":" + (info.valid_data ? std::to_string(data.x) : "-") + ":" +
+      if (data.color != kWarm) out += " " + data.color + ":" + (info.valid_data ? std::to_string(data.x) : "-") + ":" +
              (info.instance_state == InstanceState::alive                ? "A"
               : info.instance_state == InstanceState::not_alive_disposed ? "D"
                                                                          : "N");
@@ -154,7 +157,30 @@ class Embedded final : public policy_peer::Stack {
     return out.str();
   }
 
+  bool begin_set(const std::string& id) override {
+    return writers_.at(id)->publisher().begin_coherent_changes().has_value();
+  }
+  bool end_set(const std::string& id) override {
+    return writers_.at(id)->publisher().end_coherent_changes().has_value();
+  }
+
  private:
+  static constexpr const char* kWarm = "~warm";
+  decltype(Shape::payload) filling() const { return decltype(Shape::payload)(more_, 0x5a); }
+  static bool write_at(DataWriter<Shape>& writer, const Shape& shape, std::int64_t source_ms) {
+    if (source_ms < 0) return writer.write(shape).has_value();
+    return writer.write_w_timestamp(shape, {}, Time::from(std::chrono::milliseconds(source_ms)))
+        .has_value();
+  }
+  // The first samples after a match go by UDP: these here, which no scenario sees.
+  void warm_up(const std::string& id, DataWriter<Shape>& writer, std::int64_t source_ms) {
+    const auto readers = writer.publication_matched_status().total_count;
+    if (readers == 0 || std::exchange(warm_[id], readers) == readers) return;
+    for (int i = 0; i < 5; ++i) {
+      write_at(writer, {kWarm, 1, 2, 30, filling()}, source_ms < 0 ? source_ms : i);
+      std::this_thread::sleep_for(std::chrono::milliseconds(60));
+    }
+  }
   static void describe(std::ostream& out, const MatchedStatus& matched,
                        const IncompatibleQosStatus& qos, const DeadlineMissedStatus& deadline) {
     out << "matched=" << matched.current_count
@@ -180,6 +206,8 @@ class Embedded final : public policy_peer::Stack {
   }
 
   DomainParticipant& participant_;
+  const std::size_t more_;  ///< octets in each sample
+  std::map<std::string, std::int32_t> warm_;
   std::map<std::string, DataWriter<Shape>*> writers_;
   std::map<std::string, DataReader<Shape>*> readers_;
 };
@@ -188,6 +216,12 @@ class StderrSink final : public EventSink {
  public:
   void raise(const Event& event) override { std::fprintf(stderr, "%s\n", event.to_line().c_str()); }
 };
+
+int run_secured(const char* folder) {
+  auto participant = secured::or_exit(secured::Participant::join(folder, {.domain_id = 3}));
+  Embedded<interop::Shape> stack(participant.dds(), 20'000);
+  return policy_peer::serve(stack);
+}
 
 int run(bool appendable) {
   const SystemClock clock;
@@ -198,14 +232,17 @@ int run(bool appendable) {
       {.interfaces = {"127.0.0.1"}, .multicast = false}, Environment{clock, random, events});
   if (!participant) return 3;
   if (appendable) {
-    Embedded<growing::Shape> stack(**participant);
+    Embedded<growing::Shape> stack(**participant, 0);
     return policy_peer::serve(stack);
   }
-  Embedded<interop::Shape> stack(**participant);
+  Embedded<interop::Shape> stack(**participant, 0);
   return policy_peer::serve(stack);
 }
 
 }  // namespace
 }  // namespace ddssec::rtps
 
-int main(int argc, char**) { return ddssec::rtps::run(argc > 1); }
+int main(int argc, char** argv) {
+  if (argc == 3) return ddssec::rtps::run_secured(argv[2]);
+  return ddssec::rtps::run(argc > 1);
+}

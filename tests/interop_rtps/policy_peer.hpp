@@ -4,6 +4,7 @@
 //   writer ID TOPIC [policy=value ...]     reader ID TOPIC [policy=value ...]     delete ID
 //   write ID COLOR X [SOURCE_TIME_MS]      dispose ID COLOR     unregister ID COLOR
 //   assert ID     take ID     status ID     enable ID     quit
+//   begin ID, end ID: a coherent set of all that is written by the group of the writer
 //   told ID: USER_DATA, TOPIC_DATA and GROUP_DATA that one who matched it announced
 // Policies: reliability=reliable|best_effort durability=volatile|transient_local|transient
 // history=all|DEPTH deadline=MS lifespan=MS liveliness=automatic|participant|topic lease=MS
@@ -52,6 +53,8 @@ class Stack {
   virtual bool end(const std::string& id, const std::string& color, End how) = 0;
   virtual bool assert_liveliness(const std::string& id) = 0;
   virtual bool enable(const std::string& id) = 0;
+  virtual bool begin_set(const std::string&) { return false; }
+  virtual bool end_set(const std::string&) { return false; }
   /// "user=TEXT topic=TEXT group=TEXT"
   virtual std::string told(const std::string& id) = 0;
   /// "COLOR:X:STATE ...": X is - without data, the state A, D or N.
@@ -89,6 +92,8 @@ inline std::string answer(Stack& stack, std::istringstream& line) {
   if (command == "delete") return said(stack.remove(id));
   if (command == "assert") return said(stack.assert_liveliness(id));
   if (command == "enable") return said(stack.enable(id));
+  if (command == "begin") return said(stack.begin_set(id));
+  if (command == "end") return said(stack.end_set(id));
   if (command == "told") return "told " + stack.told(id);
   if (command == "take") return "samples" + stack.take(id);
   if (command == "status") return "status " + stack.status(id);

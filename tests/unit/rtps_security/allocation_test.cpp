@@ -9,7 +9,8 @@ using namespace testing;
 
 /// A secured DomainParticipant with engines of its own.
 struct Secured {
-  Secured(ManualClock& clock, std::uint8_t seed, const std::string& subject, const Rules& rules)
+  Secured(ManualClock& clock, std::uint8_t seed, const std::string& subject, const Rules& rules,
+          const spi::PropertyList& more = {})
       : random(seed),
         environment{clock, random, events},
         authentication(authentication::make_authentication(environment)),
@@ -17,7 +18,7 @@ struct Secured {
         cryptography(cryptography::make_cryptography(environment)) {
     const SecurityPlugins plugins{*authentication, *access_control, *cryptography};
     auto options = undisturbed();
-    options.security.emplace(plugins, properties_of(subject, rules));
+    options.security.emplace(plugins, Pair::both(properties_of(subject, rules), more));
     participant = *DomainParticipant::create(std::move(options), environment);
   }
   Events events;
@@ -41,6 +42,21 @@ TEST(Allocation, ProtectionAddsNone) {
                     ProtectionKind::encrypt_with_origin_authentication}) {
     EXPECT_EQ(allocations(kind, {HistoryKind::keep_all, 64, 10'000}), 0) << to_string(kind);
     EXPECT_EQ(allocations(kind, {HistoryKind::keep_last, 40'000, 2'000}), 0) << to_string(kind);
+  }
+}
+
+TEST(Allocation, SharedMemoryAddsNone) {
+  const spi::PropertyList on{{std::string(spi::property::kSharedMemory), "on", false}};
+  for (const auto& rules : {everything(ProtectionKind::encrypt), Rules{}}) {
+    ManualClock clock{pki::kNow};
+    Secured a(clock, 1, "CN=alice,O=Example", rules, on),
+        b(clock, 2, "CN=bob,O=Example", rules, on);
+    SampleFlow<Keyed> flow(clock, *a.participant, *b.participant,
+                           {HistoryKind::keep_last, 100'000, 2'000});
+    for (int i = 0; i < 20 && !a.events.has(Code::rtps_memory_used); ++i)
+      static_cast<void>(flow.allocations());
+    ASSERT_TRUE(a.events.has(Code::rtps_memory_used)) << a.events.text();
+    EXPECT_EQ(flow.allocations(), 0);
   }
 }
 

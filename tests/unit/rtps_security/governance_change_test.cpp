@@ -4,6 +4,7 @@
 #include "plugins/spi/governance_change_time.hpp"
 #include "tests/support/expect_code.hpp"
 #include "tests/unit/rtps_security/document_files.hpp"
+#include "tests/unit/rtps_security/segments.hpp"
 #include "tests/unit/rtps_security/trio.hpp"
 
 namespace ddssec::rtps {
@@ -37,6 +38,7 @@ struct Member {
       if (one.name == spi::property::kGovernance) one.value = "file:" + path;
     out.push_back({std::string(spi::property::kFilesPollInterval), "1", false});
     out.push_back({std::string(spi::property::kGovernanceChangeTime), seconds, false});
+    out.push_back({std::string(spi::property::kSharedMemory), "on", false});
     return out;
   }
   const test::TemporaryFolder folder;
@@ -408,6 +410,31 @@ TEST(GovernanceChangeTime, ANumberOfSecondsOrNone) {
   EXPECT_EQ(value("3600"), std::chrono::seconds(3600));
   EXPECT_EQ(value("0"), std::chrono::seconds(0));
   for (const auto* text : {"3601", "-1", "soon", ""}) EXPECT_CODE(value(text), invalid_property);
+}
+
+/// With this protection of data before.
+void expect_former_segment_is_given_up(ProtectionKind data) {
+  Fleet fleet(rules_of(kNone, data));
+  fleet.more = 20'000;
+  fleet.run(3);
+  EXPECT_TRUE(fleet.a.node.events.has(Code::rtps_memory_used)) << fleet.text();
+  EXPECT_TRUE(is_in_memory(as_bytes(Fleet::kMark)));
+  fleet.put({&fleet.a, &fleet.b, &fleet.c}, rules_of(kEncrypt, kEncrypt), 2);
+  for (int i = 0; i < 30 && !fleet.a.node.events.has(Code::governance_renewed); ++i) fleet.run(1);
+  fleet.run(1);
+  fleet.world.run(600);  // until readers have unmapped it
+  EXPECT_FALSE(is_in_memory(as_bytes(Fleet::kMark)));
+  EXPECT_TRUE(fleet.has_all(fleet.b.node) && fleet.has_all(fleet.c.node)) << fleet.text();
+  EXPECT_TRUE(fleet.is_whole(fleet.b.node) && fleet.is_whole(fleet.c.node));
+  expect_in_force(fleet, fleet.a);
+}
+
+TEST(RaisedInMemory, FormerSegment_IsGivenUpWithItsPlaintext) {
+  expect_former_segment_is_given_up(kNone);
+}
+
+TEST(RaisedInMemory, FormerSegmentOfSignedData_IsGivenUpWithItsPlaintext) {
+  expect_former_segment_is_given_up(kSign);
 }
 
 }  // namespace

@@ -1,0 +1,25 @@
+// Whether samples may go through shared memory.
+#pragma once
+
+#include "plugins/spi/token.hpp"
+
+namespace ddssec::spi {
+
+struct SharedMemory {
+  bool is_on = false;
+  /// The kernel of this machine may see payloads of which only messages or submessages are
+  /// encrypted.
+  bool trusts_kernel = false;
+  /// Limit for the memory that a participant makes.
+  std::size_t most_octets = std::size_t{256} << 20;
+  /// Processes of other users take part.
+  bool with_other_users = false;
+  bool operator==(const SharedMemory&) const = default;
+};
+
+/// The values of `org.ddssec.shm` ("on" or "off"), `org.ddssec.shm.trust_kernel` and
+/// `org.ddssec.shm.other_users` ("true" or "false"), and `org.ddssec.shm.most_octets` (at most 1
+/// TiB); off, false and 256 MiB if they are missing. Error: invalid_property.
+Result<SharedMemory> shared_memory(const PropertyList& properties);
+
+}  // namespace ddssec::spi

@@ -1,0 +1,74 @@
+// Passes descriptors of memory between processes, and prepares memory, in a thread of its own.
+//
+// Strangers may connect to the local socket of a writer's process, and a hostile writer may answer
+// what it likes. What they send can hold up the thread that receives, drops or closes it. So no
+// thread of the participant does any of that: it gives work to the thread here, and takes results.
+// If that thread is held up, results are late or never come, and samples go by UDP.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "rtps/memory/descriptor_server.hpp"
+#include "rtps/memory/sample_slots.hpp"
+
+namespace ddssec::rtps::memory {
+
+/// No call blocks, except the destructor, for at most kLongestEnd. One thread may use it.
+class DescriptorPassing {
+ public:
+  /// How long a writer's process may take to answer.
+  static constexpr std::chrono::seconds kLongestRequest{3};
+  /// Limit for the work that is not finished.
+  static constexpr std::size_t kMostWork = 64;
+  static constexpr std::chrono::milliseconds kLongestEnd{200};
+
+  /// A descriptor that was fetched.
+  struct Fetched {
+    std::uint64_t id = 0;
+    Outcome<MappedSegment> segment;
+  };
+  /// Slots that were made or wiped.
+  struct Prepared {
+    std::uint64_t id = 0;
+    Outcome<SampleSlots> slots;
+  };
+
+  /// Errors: those of the local socket.
+  static Outcome<std::unique_ptr<DescriptorPassing>> make(Random& random,
+                                                          Users users = Users::own);
+  ~DescriptorPassing();
+
+  /// From now on a thread does the work. Until then `serve` does it, for tests. Returns false if
+  /// there is no thread: then no work is taken.
+  bool start();
+  /// Must be called when `descriptor()` is readable, and at `deadline()`.
+  void serve(MonotonicTime now);
+  int descriptor() const;
+  std::optional<MonotonicTime> deadline() const { return offers().next_end(); }
+
+  /// See DescriptorServer. Also: held_up.
+  Outcome<Offer> offer(const Segment& segment, Random& random, MonotonicTime now,
+                       std::string identity = {});
+  OpenOffers& offers();
+  const OpenOffers& offers() const;
+
+  bool takes_work() const;
+  // Each returns the id of the result. Error: held_up, unless takes_work().
+  Outcome<std::uint64_t> fetch(Offer offer);
+  /// See SampleSlots::make; also no_room.
+  Outcome<std::uint64_t> make_slots(std::uint64_t segment, std::size_t largest);
+  /// See SampleSlots. Also if work is no longer taken.
+  std::uint64_t wipe(SampleSlots slots);
+
+  std::vector<Fetched> take_fetched();
+  std::vector<Prepared> take_prepared();
+
+ private:
+  struct Shared;
+  explicit DescriptorPassing(std::shared_ptr<Shared> shared) : shared_(std::move(shared)) {}
+
+  const std::shared_ptr<Shared> shared_;  // the thread has it too, and may outlive this object
+};
+
+}  // namespace ddssec::rtps::memory

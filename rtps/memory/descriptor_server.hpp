@@ -1,0 +1,111 @@
+// Gives the descriptors of segments to readers, over a local socket of the writer's process.
+//
+// An Offer is sent to one authenticated peer over a protected way. The peer connects, shows the
+// token of the offer, and gets the descriptor. A process that only connects learns nothing.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <poll.h>
+#include <sys/types.h>
+#include <vector>
+
+#include "rtps/memory/open_offers.hpp"
+#include "rtps/memory/outside_descriptor.hpp"
+#include "rtps/memory/segment.hpp"
+
+namespace ddssec::rtps::memory {
+
+using SocketName = std::array<std::uint8_t, 16>;
+
+/// Which processes may take part, besides root's.
+enum class Users : std::uint8_t { own, any };
+
+/// What a reader needs to fetch and check a descriptor. Secret, because of the token.
+struct Offer {
+  SocketName name{};          ///< of the abstract socket
+  Token token;                ///< works once
+  pid_t process = 0;          ///< which process must listen
+  std::uint64_t segment = 0;  ///< id of the segment
+  MemoryId memory = {};       ///< which memory the descriptor must be of
+};
+
+/// The writer's side. Any process of the network namespace may connect, and send what it likes. A
+/// thread of its own must serve it (DescriptorPassing). Not thread-safe, except as stated.
+class DescriptorServer {
+ public:
+  static constexpr std::size_t kMaxConnections = 16;
+  /// Connections of one process, and of one other user than ours.
+  static constexpr std::size_t kMaxOfOne = 4;
+  static constexpr std::chrono::seconds kSilence{2};  ///< how long a connection may say nothing
+
+  /// A socket with a random name. Error: no_socket.
+  static Outcome<DescriptorServer> listen(Random& random, Users users = Users::own);
+  DescriptorServer(DescriptorServer&&) = default;
+  DescriptorServer& operator=(DescriptorServer&& other) noexcept;
+  ~DescriptorServer();
+
+  /// An offer of the segment for one peer of this identity. The caller has checked that the peer has authenticated
+  /// and may read the topic. May be called beside `serve`. Errors: too_many_tokens, no_memory (or
+  /// /proc is missing), no_socket (no random octets).
+  Outcome<Offer> offer(const Segment& segment, Random& random, MonotonicTime now,
+                       std::string identity = {});
+  /// May be used beside `serve`.
+  OpenOffers& offers() { return *offers_; }
+  const OpenOffers& offers() const { return *offers_; }
+
+  /// Adds what to wait for.
+  void watch(std::vector<pollfd>& out) const;
+  /// When `serve` must be called even if nothing arrives.
+  std::optional<MonotonicTime> deadline() const;
+  void serve(MonotonicTime now);
+
+  std::size_t connections() const { return connections_.size(); }
+
+ private:
+  struct Connection {
+    OutsideSocket socket;
+    pid_t process = 0;
+    uid_t user = 0;
+    MonotonicTime until{};
+  };
+  DescriptorServer() = default;
+  void forget_late(MonotonicTime now);
+  void accept_waiting(MonotonicTime now);
+  void keep(Connection connection);
+  bool is_done(const Connection& connection);
+
+  SocketName name_{};
+  Users users_ = Users::own;
+  Descriptor listener_;
+  std::unique_ptr<OpenOffers> offers_ = std::make_unique<OpenOffers>();
+  std::vector<Connection> connections_;  // the oldest first
+  std::optional<MonotonicTime> paused_until_;
+};
+
+/// The reader's side: one request for the descriptor of an offer. The other side may pass whatever
+/// it likes, so this, too, belongs into a thread of its own.
+class DescriptorRequest {
+ public:
+  /// Connects and shows the token, unless another process listens. Errors: no_socket,
+  /// wrong_process, other_user, held_up.
+  static Outcome<DescriptorRequest> send(const Offer& offer, Users users = Users::own);
+
+  /// Readable when the answer is there.
+  int descriptor() const { return socket_.number(); }
+  /// The mapped segment; nothing if the answer is not there yet. Errors: no_answer, those of
+  /// MappedSegment::map.
+  Outcome<std::optional<MappedSegment>> take();
+
+ private:
+  DescriptorRequest() = default;
+
+  OutsideSocket socket_;
+  std::uint64_t segment_ = 0;
+  MemoryId memory_;
+};
+
+}  // namespace ddssec::rtps::memory

@@ -1,0 +1,23 @@
+// Notices that memory which this process no longer has is gone from all others, too.
+#pragma once
+
+#include <optional>
+
+namespace ddssec::rtps::memory {
+
+/// Memory lasts until no process has a descriptor of it, of whatever kind, or a mapping. Thread-safe.
+class MemoryEnd {
+ public:
+  /// The caller closes the descriptor and its mappings after this. Empty: the system cannot watch
+  /// it (no inotify is left).
+  static std::optional<MemoryEnd> watch(int descriptor);
+  /// Once it has come, the object has no further use.
+  bool has_come() const;
+
+ private:
+  explicit MemoryEnd(int number) : number_(number) {}
+
+  int number_;
+};
+
+}  // namespace ddssec::rtps::memory

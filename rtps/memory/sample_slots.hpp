@@ -1,0 +1,57 @@
+// The slots of a segment, by the samples that are in them.
+#pragma once
+
+#include <chrono>
+
+#include "base/clock.hpp"
+#include "rtps/memory/segment.hpp"
+#include "wire/numbers.hpp"
+
+namespace ddssec::rtps::memory {
+
+/// Samples come with ascending numbers. The slot of a sample is used again when no reader needs the
+/// sample any longer, the oldest one first; or, if no slot is free, kLongestUse after it was
+/// written. Then a reader that comes late finds it gone. Allocates only in `make`.
+class SampleSlots {
+ public:
+  static constexpr MonotonicTime kLongestUse = std::chrono::milliseconds(200);
+  /// How much memory the slots of a segment take together, unless that makes fewer or more of them.
+  static constexpr std::size_t kOctets = std::size_t{16} << 20;
+  static constexpr std::size_t kFewest = 4, kMost = 64;
+
+  /// About how much memory `make` takes, in octets.
+  static std::size_t size_for(std::size_t largest);
+  /// For payloads of up to `largest` octets, or somewhat more. Errors: those of Segment::make.
+  static Outcome<SampleSlots> make(std::uint64_t id, std::size_t largest);
+
+  const Segment& segment() const { return segment_; }
+  /// Frees all slots, and overwrites what was in them.
+  void wipe();
+  /// See Segment.
+  void unmap() { segment_.unmap(); }
+
+  /// Returns the place for the next sample. `needed_from`: readers may still need the samples from
+  /// this number on. Error: full.
+  Outcome<MutableBytes> begin(SequenceNumber needed_from, MonotonicTime now);
+  /// The sample is there.
+  Reference end(SequenceNumber number, std::size_t length, MonotonicTime now);
+  /// It is not there after all.
+  void cancel() { segment_.cancel(); }
+
+ private:
+  struct Used {
+    SequenceNumber number;
+    MonotonicTime since{};
+    Reference reference;
+  };
+  explicit SampleSlots(Segment segment) : segment_(std::move(segment)), used_(segment_.slots()) {}
+  const Used& oldest() const { return used_[first_]; }
+  void release_oldest();
+
+  Segment segment_;
+  std::vector<Used> used_;  // a ring: `count_` from `first_` on, the oldest first
+  std::size_t first_ = 0;
+  std::size_t count_ = 0;
+};
+
+}  // namespace ddssec::rtps::memory

@@ -1,0 +1,29 @@
+// Tells shared memory which endpoints match (MemoryExchange).
+#pragma once
+
+#include "rtps/participant/local_endpoints.hpp"
+#include "rtps/participant/remote_participants.hpp"
+
+namespace ddssec::rtps {
+
+/// nullptr: the participant is not secured, or shared memory is off.
+MemoryExchange* memory_of(const ParticipantCore& core);
+/// See MemoryExchange.
+void start_memory(const ParticipantCore& core);
+/// Readable when `serve_memory` must be called. Empty: there is no shared memory.
+std::optional<int> memory_descriptor(const ParticipantCore& core);
+void serve_memory(const ParticipantCore& core, MonotonicTime now);
+
+/// A reader has matched a local writer. `locators`: where it is sent to. Only readers of
+/// authenticated ddssec participants on this machine that get keys to read with are offered memory.
+void note_reader(ParticipantCore& core, LocalWriter& writer, const RemoteParticipant& remote,
+                 const Guid& reader, const LocatorList& locators);
+void note_reader_gone(ParticipantCore& core, const EntityId& writer, const Guid& reader);
+void note_own_writer_gone(ParticipantCore& core, const EntityId& writer);
+
+/// A writer has matched a local reader.
+void note_writer(ParticipantCore& core, const EntityId& reader, const RemoteParticipant& remote,
+                 const Guid& writer);
+void note_writer_gone(ParticipantCore& core, const EntityId& reader, const Guid& writer);
+
+}  // namespace ddssec::rtps

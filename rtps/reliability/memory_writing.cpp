@@ -1,0 +1,29 @@
+#include "rtps/reliability/memory_writing.hpp"
+
+#include <algorithm>
+
+namespace ddssec::rtps {
+
+void MemoryWriting::set_reading(const GuidPrefix& participant, bool in_memory) {
+  for (auto& [guid, proxy] : readers_.all())
+    if (guid.prefix == participant && proxy.in_memory != in_memory && !proxy.reader().in_process)
+      readers_.set_in_memory(proxy, in_memory);
+}
+
+// A change that a reliable reader has not acknowledged, and that the history still holds, may be
+// asked for. It is sent in messages then. But that costs more, so its place in memory is not used
+// for another change before.
+std::optional<MemoryReference> MemoryWriting::store(const Change& change, MonotonicTime now) {
+  if (memory_ == nullptr) return std::nullopt;
+  const auto acknowledged =
+      readers_.acknowledged().lowest().value_or(change.sequence_number.previous());
+  return memory_->store(change, std::max(acknowledged.next(), history_.first()), now);
+}
+
+void MemoryWriting::send(const Change& change, const std::optional<MemoryReference>& memory) {
+  if (!memory) return messages_.change(readers_.everybody(), change);
+  if (readers_.any_in_memory()) messages_.reference(readers_.those_in_memory(), change, *memory);
+  if (readers_.any_by_network()) messages_.change(readers_.those_by_network(), change);
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,35 @@
+// Sends changes to readers of other processes on this machine that find payloads in memory.
+#pragma once
+
+#include "rtps/reliability/matched_readers.hpp"
+#include "rtps/reliability/sample_memory.hpp"
+#include "rtps/reliability/writer_messages.hpp"
+
+namespace ddssec::rtps {
+
+/// Only a change that was just written goes through memory. What is sent again goes in messages,
+/// also to these readers. The constructor's arguments must outlive this object.
+class MemoryWriting {
+ public:
+  MemoryWriting(MatchedReaders& readers, WriterMessages& messages, const WriterHistory& history)
+      : readers_(readers), messages_(messages), history_(history) {}
+
+  /// `memory`: nullptr: all payloads are sent in messages. It must outlive its use.
+  void use(SampleMemory* memory) { memory_ = memory; }
+  /// From now on readers of that participant find payloads in memory, or no longer do. What was
+  /// added to the sender must be flushed.
+  void set_reading(const GuidPrefix& participant, bool in_memory);
+
+  /// Puts a change that was just written into memory. Empty: it must be sent in messages.
+  std::optional<MemoryReference> store(const Change& change, MonotonicTime now);
+  /// Sends it to all readers. `memory`: where its payload is.
+  void send(const Change& change, const std::optional<MemoryReference>& memory);
+
+ private:
+  MatchedReaders& readers_;
+  WriterMessages& messages_;
+  const WriterHistory& history_;
+  SampleMemory* memory_ = nullptr;
+};
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,22 @@
+// Where a writer puts payloads for readers of other processes on this machine: the interface to
+// rtps/security.
+#pragma once
+
+#include <optional>
+
+#include "base/clock.hpp"
+#include "rtps/reliability/change.hpp"
+
+namespace ddssec::rtps {
+
+class SampleMemory {
+ public:
+  virtual ~SampleMemory() = default;
+  /// Puts the payload of a change that was just written there. Empty: it must be sent in messages.
+  /// `needed_from`: readers may still ask for the changes from this number on. Allocates nothing
+  /// once samples of about that size flow.
+  virtual std::optional<MemoryReference> store(const Change& change, SequenceNumber needed_from,
+                                               MonotonicTime now) = 0;
+};
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,70 @@
+// Segments that writers of this participant gave up, although peers may still have them mapped.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "base/ids.hpp"
+#include "rtps/memory/memory_end.hpp"
+#include "rtps/memory/sample_slots.hpp"
+
+namespace ddssec::rtps {
+
+/// How payloads stand in a segment.
+enum class MemoryForm : std::uint8_t { none, plain, authenticated, encrypted };
+
+/// Memory that a peer has mapped lasts for as long as the peer wants, also after its participant
+/// has gone. So a segment is counted until the system says that it is gone. It is kept as long as
+/// others seem to have it (Segment::is_with_others): its writer uses it again when all that may
+/// have it may read. Then it is closed here, and still counts until it is closed everywhere
+/// (MemoryEnd): a descriptor that is only a path (O_PATH) is not seen before. No clock or lock.
+class KeptMemory {
+ public:
+  /// Segments that were given up because participants of one identity left.
+  static constexpr std::size_t kMostOfOne = 4;
+
+  /// Participants that may have a segment.
+  using Holders = std::set<GuidPrefix>;
+  struct Segment {
+    memory::SampleSlots slots;
+    MemoryForm form = MemoryForm::none;
+    Holders holders = {};
+  };
+
+  /// `leaver`: the identity whose leaving was the reason; empty: there was another one.
+  void keep(const EntityId& writer, Segment segment, std::string leaver);
+  /// A segment that is not used again.
+  void keep_over(memory::SampleSlots slots);
+  /// Returns the segment of the writer that has the most holders, if they are more than `others`
+  /// and each of them may read. `needed`: payload in octets.
+  std::optional<Segment> take(const EntityId& writer, MemoryForm form, std::size_t needed,
+                              std::size_t others,
+                              const std::function<bool(const GuidPrefix&)>& may_read);
+  /// The writer is removed, or writes in another form. Its segments are not used again.
+  void remove_writer(const EntityId& writer);
+  /// Closes what others seem to have returned, and forgets what is gone.
+  void forget_returned();
+
+  /// So much was not returned that the identity gets no more.
+  bool is_full(const std::string& identity) const;
+  std::size_t octets() const;
+  std::size_t segments() const { return kept_.size(); }
+
+ private:
+  struct Kept {
+    EntityId writer;
+    std::size_t octets = 0;
+    std::string leaver;
+    std::optional<Segment> segment;  ///< empty: closed here
+    bool is_over = false;            ///< is not used again
+    std::optional<memory::MemoryEnd> end = {};
+  };
+  static void close_returned(Kept& one);
+
+  std::vector<Kept> kept_;
+};
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,163 @@
+#include "rtps/security/mapped_memory.hpp"
+
+#include <algorithm>
+
+namespace ddssec::rtps {
+
+void MappedMemory::add_reader(const Guid& writer, const EntityId& reader) {
+  writers_[writer].readers.insert(reader);
+}
+
+void MappedMemory::remove_reader(const Guid& writer, const EntityId& reader) {
+  const auto at = writers_.find(writer);
+  if (at == writers_.end()) return;
+  auto& it = at->second;
+  it.readers.erase(reader);
+  if (!it.readers.empty()) return;
+  forget_former(it);
+  end_request(it);
+  segments_ -= it.latest ? 1 : 0;
+  writers_.erase(at);
+  const auto next = writers_.lower_bound({writer.prefix, {}});
+  if (next == writers_.end() || next->first.prefix != writer.prefix) copies_.erase(writer.prefix);
+}
+
+void MappedMemory::answer(const Guid& writer, std::uint64_t segment,
+                          std::optional<memory::Refusal> refusal) {
+  answer_(writer.prefix, {writer.entity, segment, refusal});
+}
+
+void MappedMemory::on_offer(const GuidPrefix& from, MemoryOffer offer, MonotonicTime now) {
+  const Guid writer{from, offer.writer};
+  const auto segment = offer.offer.segment;
+  const auto at = writers_.find(writer);
+  if (at == writers_.end()) return answer(writer, segment, memory::Refusal::not_matched);
+  auto& it = at->second;
+  if (!it.offers.take(now)) return;
+  end_request(it);
+  if (!has_room(from)) return answer(writer, segment, memory::Refusal::no_memory);
+  const auto id = passing_.fetch(std::move(offer.offer));
+  if (!id) return answer(writer, segment, id.error());
+  it.request = {segment, *id, now + kLongestRequest};
+  ++requests_;
+}
+
+bool MappedMemory::has_room(const GuidPrefix& from) const {
+  if (segments_ + requests_ >= kMostSegments) return false;
+  std::size_t of_one = 0, requests_of_one = 0;
+  for (auto at = writers_.lower_bound({from, {}}); at != writers_.end(); ++at) {
+    const auto& [writer, it] = *at;
+    if (writer.prefix != from) break;
+    requests_of_one += it.request ? 1u : 0u;
+    of_one += (it.request ? 1u : 0u) + (it.latest ? 1u : 0u) + (it.former ? 1u : 0u);
+  }
+  return of_one < kMostOfOne && requests_of_one < kMostRequestsOfOne;
+}
+
+bool MappedMemory::has_octets_for(const GuidPrefix& from, std::size_t more) const {
+  std::size_t all = more, of_one = more;
+  for (const auto& [writer, it] : writers_)
+    for (const auto* segment : {&it.latest, &it.former}) {
+      const auto octets = *segment ? (*segment)->mapped.octets() : 0;
+      all += octets;
+      of_one += writer.prefix == from ? octets : 0;
+    }
+  return all <= kMostOctets && of_one <= kMostOctetsOfOne;
+}
+
+// What is beyond this has not arrived, and a reliable reader gets it in messages.
+bool MappedMemory::may_copy(const GuidPrefix& from, std::size_t octets, MonotonicTime now) {
+  auto& copies = copies_.try_emplace(from, kCopiedAtOnce, now).first->second;
+  using Seconds = std::chrono::duration<double>;
+  const auto passed = std::min<double>(Seconds(now - copies.since).count(), 1);
+  copies.left = std::min(kCopiedAtOnce,
+                         copies.left + static_cast<std::int64_t>(
+                                           passed * static_cast<double>(kCopiedInASecond)));
+  copies.since = now;
+  const auto wanted = static_cast<std::int64_t>(octets);
+  if (wanted > copies.left) return false;
+  copies.left -= wanted;
+  return true;
+}
+
+void MappedMemory::end_request(OfWriter& it) {
+  requests_ -= it.request ? 1 : 0;
+  it.request.reset();
+}
+
+void MappedMemory::serve(MonotonicTime now) {
+  for (auto& fetched : passing_.take_fetched()) take(std::move(fetched), now);
+  if (requests_ + formers_ == 0) return;
+  for (auto& [writer, it] : writers_) {
+    if (it.former && now >= it.former_until) forget_former(it);
+    if (!it.request || now < it.request->until) continue;
+    answer(writer, it.request->segment, memory::Refusal::no_answer);
+    end_request(it);
+  }
+}
+
+// What no request waits for any longer is unmapped.
+void MappedMemory::take(memory::DescriptorPassing::Fetched fetched, MonotonicTime now) {
+  const auto at = std::ranges::find_if(writers_, [&](const auto& entry) {
+    const auto& request = entry.second.request;
+    return request && request->id == fetched.id;
+  });
+  if (at == writers_.end()) return;
+  auto& [writer, it] = *at;
+  const auto segment = it.request->segment;
+  end_request(it);
+  if (!fetched.segment) return answer(writer, segment, fetched.segment.error());
+  if (!has_octets_for(writer.prefix, fetched.segment->octets()))
+    return answer(writer, segment, memory::Refusal::no_memory);
+  keep(it, {segment, *std::move(fetched.segment)}, now);
+  answer(writer, segment, std::nullopt);
+}
+
+void MappedMemory::keep(OfWriter& it, Segment segment, MonotonicTime now) {
+  forget_former(it);
+  if (it.latest) {
+    it.former = std::move(it.latest);
+    it.former_until = now + kFormer;
+    ++formers_;
+  }
+  it.latest.emplace(std::move(segment));
+  ++segments_;
+}
+
+void MappedMemory::forget_former(OfWriter& it) {
+  if (!it.former) return;
+  it.former.reset();
+  --formers_;
+  --segments_;
+}
+
+MonotonicTime MappedMemory::next_tick() const {
+  auto next = kNever;
+  if (requests_ + formers_ > 0)
+    for (const auto& [writer, it] : writers_) {
+      if (it.request) next = std::min(next, it.request->until);
+      if (it.former) next = std::min(next, it.former_until);
+    }
+  return next;
+}
+
+Payload MappedMemory::fetch(const Guid& writer, const MemoryReference& reference,
+                            MonotonicTime now) {
+  const auto at = writers_.find(writer);
+  if (at == writers_.end() || reference.length == 0 || reference.length > kLargestPayload)
+    return {};
+  auto& it = at->second;
+  for (const auto* segment : {&it.latest, &it.former}) {
+    if (!*segment || (*segment)->id != reference.segment) continue;
+    const auto& mapped = (*segment)->mapped;
+    if (!mapped.check(reference) || !may_copy(writer.prefix, reference.length, now)) return {};
+    auto out = Payload::uninitialized(reference.length);
+    return mapped.copy(reference, out.fill()) ? out : Payload();
+  }
+  const bool is_awaited = it.request && it.request->segment == reference.segment;
+  if (!is_awaited && it.complaints.take(now))
+    answer(writer, reference.segment, memory::Refusal::other_segment);
+  return {};
+}
+
+}  // namespace ddssec::rtps

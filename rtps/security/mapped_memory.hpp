@@ -1,0 +1,103 @@
+// The memory of remote writers that this participant has mapped.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <set>
+
+#include "rtps/budget/work_budget.hpp"
+#include "rtps/memory/descriptor_passing.hpp"
+#include "rtps/reliability/payload.hpp"
+#include "rtps/security/memory_messages.hpp"
+
+namespace ddssec::rtps {
+
+/// Only of writers that matched a local reader: two segments of each for a while, since references
+/// to the former one may still be on their way. No clock or lock, and never blocks.
+class MappedMemory {
+ public:
+  /// How long a descriptor may take to come.
+  static constexpr MonotonicTime kLongestRequest =
+      memory::DescriptorPassing::kLongestRequest + std::chrono::seconds(1);
+  /// How long the former segment of a writer stays mapped.
+  static constexpr MonotonicTime kFormer = std::chrono::seconds(5);
+  /// Limits for the segments of all writers, and of those of one participant.
+  static constexpr std::size_t kMostSegments = 512, kMostOfOne = 128;
+  /// Limits for their octets: page tables for them count for this process, one in 512.
+  static constexpr std::size_t kMostOctets = std::size_t{4} << 30;
+  static constexpr std::size_t kMostOctetsOfOne = std::size_t{1} << 30;
+  /// Limit for the octets that are copied for one participant: in a second, and at once. A
+  /// reference costs its sender little, and this participant the copy of a payload.
+  static constexpr std::int64_t kCopiedInASecond = std::int64_t{2} << 30;
+  static constexpr std::int64_t kCopiedAtOnce = kCopiedInASecond / 4;
+  /// Limit for what one participant's offers wait for.
+  static constexpr std::size_t kMostRequestsOfOne = 8;
+  /// Limit for a payload, in octets, with its protection.
+  static constexpr std::uint32_t kLargestPayload = (std::uint32_t{16} << 20) + 64;
+
+  /// Called with the answer to an offer.
+  using Answer = std::function<void(const GuidPrefix& to, const MemoryAnswer& answer)>;
+  /// `passing` must outlive this object. Its descriptor is readable when `serve` must be called.
+  MappedMemory(memory::DescriptorPassing& passing, Answer answer)
+      : passing_(passing), answer_(std::move(answer)) {}
+
+  /// The reader has matched the writer, or no longer does.
+  void add_reader(const Guid& writer, const EntityId& reader);
+  void remove_reader(const Guid& writer, const EntityId& reader);
+  /// A local reader has matched the writer.
+  bool has_writer(const Guid& writer) const { return writers_.contains(writer); }
+  /// A peer offers the memory of its writer.
+  void on_offer(const GuidPrefix& from, MemoryOffer offer, MonotonicTime now);
+  /// Takes descriptors that have arrived, and unmaps former segments.
+  void serve(MonotonicTime now);
+  /// When `serve` must be called even if nothing arrives.
+  MonotonicTime next_tick() const;
+
+  /// Returns a copy of a payload, or an empty one: it is gone, or the reference leads nowhere. If
+  /// the segment is not mapped, the writer's participant is told so.
+  Payload fetch(const Guid& writer, const MemoryReference& reference, MonotonicTime now);
+
+  std::size_t segments() const { return segments_; }
+
+ private:
+  struct Segment {
+    std::uint64_t id = 0;
+    memory::MappedSegment mapped;
+  };
+  struct Request {
+    std::uint64_t segment = 0;
+    std::uint64_t id = 0;
+    MonotonicTime until{};
+  };
+  struct OfWriter {
+    std::set<EntityId> readers = {};
+    std::optional<Request> request = {};
+    std::optional<Segment> latest = {}, former = {};
+    MonotonicTime former_until = {};
+    WorkBudget offers{4, std::chrono::seconds(1), {}};
+    WorkBudget complaints{1, std::chrono::seconds(2), {}};
+  };
+
+  void answer(const Guid& writer, std::uint64_t segment, std::optional<memory::Refusal> refusal);
+  bool has_room(const GuidPrefix& from) const;
+  bool has_octets_for(const GuidPrefix& from, std::size_t more) const;
+  bool may_copy(const GuidPrefix& from, std::size_t octets, MonotonicTime now);
+  void take(memory::DescriptorPassing::Fetched fetched, MonotonicTime now);
+  void end_request(OfWriter& it);
+  void keep(OfWriter& it, Segment segment, MonotonicTime now);
+  void forget_former(OfWriter& it);
+
+  memory::DescriptorPassing& passing_;
+  const Answer answer_;
+  /// Octets that may be copied for a participant.
+  struct Copies {
+    std::int64_t left = kCopiedAtOnce;
+    MonotonicTime since = {};
+  };
+
+  std::map<Guid, OfWriter> writers_;
+  std::map<GuidPrefix, Copies> copies_;
+  std::size_t requests_ = 0, segments_ = 0, formers_ = 0;
+};
+
+}  // namespace ddssec::rtps

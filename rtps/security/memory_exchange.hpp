@@ -1,0 +1,71 @@
+// Shared memory between this participant and authenticated peers on the same machine: the memory of
+// local writers (WrittenMemory), that of remote writers (MappedMemory), and what both sides say to
+// each other over the protected channel.
+//
+// The writer's participant offers memory to one peer that has a matched reader. The offer has a
+// token with which the peer fetches the descriptor over a local socket. If any step fails, or the
+// peer does not answer, payloads go to it in messages as before.
+#pragma once
+
+#include "rtps/security/mapped_memory.hpp"
+#include "rtps/security/written_memory.hpp"
+
+namespace ddssec::rtps {
+
+/// Never blocks. No clock or lock.
+class MemoryExchange {
+ public:
+  /// Both must outlive it. Errors: those of the local socket.
+  static memory::Outcome<std::unique_ptr<MemoryExchange>> make(SecurityCore& core,
+                                                               KeyExchange& exchange,
+                                                               const spi::SharedMemory& settings);
+
+  /// From now on a thread of its own does what other processes could hold up. Must be called before
+  /// the participant is served, unless by a test. If there is no thread, an event says so.
+  void start();
+  /// Readable when `serve` must be called.
+  int descriptor() const { return core_.passing->descriptor(); }
+  void serve(MonotonicTime now);
+  /// When `serve` must be called even if the descriptor is not readable.
+  MonotonicTime next_tick() const;
+
+  // Local writers:
+  /// A reader of a peer on this machine has matched the writer, or no longer does.
+  void add_reader(StatefulWriter& writer, const Guid& reader);
+  void remove_reader(const EntityId& writer, const Guid& reader);
+  /// Must be called before the writer is destroyed.
+  void remove_writer(const EntityId& writer);
+  /// How many peers may still fetch a descriptor.
+  std::size_t offers() const { return core_.passing->offers().size(); }
+
+  const KeptMemory& kept() const { return core_.kept; }
+
+  /// See MappedMemory.
+  MappedMemory& mapped() { return mapped_; }
+
+ private:
+  MemoryExchange(SecurityCore& core, KeyExchange& exchange, const spi::SharedMemory& settings,
+                 std::unique_ptr<memory::DescriptorPassing> passing);
+  void take_prepared(MonotonicTime now);
+  void look_after_kept(MonotonicTime now);
+  void on_message(Peer& peer, const spi::Token& token);
+  /// Participants of its identity passed a descriptor that was not of memory.
+  bool is_barred(const Peer& peer) const;
+  void answer(const GuidPrefix& to, const MemoryAnswer& answer);
+
+  /// A writer, which is told when its memory ends.
+  struct OfWriter {
+    StatefulWriter& writer;
+    std::unique_ptr<WrittenMemory> memory;
+  };
+
+  static constexpr std::size_t kMostBarred = 256;
+
+  MemoryCore core_;
+  std::set<std::string> barred_;
+  MonotonicTime next_look_ = kNever;  ///< whether kept memory was returned
+  std::map<EntityId, OfWriter> writers_;
+  MappedMemory mapped_;
+};
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,335 @@
+// What a peer may say about shared memory, and where a reference may lead.
+#include "rtps/security/mapped_memory.hpp"
+
+#include <poll.h>
+
+#include <gtest/gtest.h>
+
+#include "rtps/memory/sample_slots.hpp"
+#include "tests/support/code_of.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using memory::Refusal;
+using namespace std::chrono_literals;
+
+constexpr EntityId kWriter{{1, 2, 3, 2}}, kReader{{1, 2, 3, 7}};
+
+/// A writer's side and a reader's side in one process.
+struct Sides {
+  Sides() { mapped.add_reader(writer, kReader); }
+  MemoryOffer offer() { return {kWriter, passing->offer(slots.segment(), random, now, std::to_string(++peers)).value()}; }
+  /// Lets the descriptor come over.
+  void exchange() {
+    for (int i = 0; i < 5; ++i) {
+      passing->serve(now);
+      mapped.serve(now);
+    }
+  }
+  void share() {
+    mapped.on_offer(prefix, offer(), now);
+    exchange();
+    ASSERT_EQ(answers, (std::vector<MemoryAnswer>{{kWriter, slots.segment().id(), {}}}));
+    answers.clear();
+  }
+  MemoryReference put(std::size_t size = 5000) {
+    const auto place = slots.begin({1}, now).value();
+    std::ranges::fill(place.first(size), std::uint8_t{7});
+    return slots.end({1}, size, now);
+  }
+  std::size_t fetched(const MemoryReference& reference) {
+    return mapped.fetch(writer, reference, now).size();
+  }
+
+  SystemRandom random;
+  MonotonicTime now = 100s;
+  const GuidPrefix prefix = GuidPrefix::from(Bytes(12, 9));
+  const Guid writer{prefix, kWriter};
+  // Without a thread, so that each step is seen.
+  std::unique_ptr<memory::DescriptorPassing> passing =
+      memory::DescriptorPassing::make(random).value();
+  memory::SampleSlots slots = memory::SampleSlots::make(77, 10'000).value();
+  std::vector<MemoryAnswer> answers;
+  int peers = 0;  // so that no limit of one is reached
+  MappedMemory mapped{*passing, [this](const GuidPrefix& to, const MemoryAnswer& answer) {
+                        EXPECT_EQ(to, prefix);
+                        answers.push_back(answer);
+                      }};
+};
+
+TEST(MappedMemory, Offered_PayloadsAreFetched) {
+  Sides sides;
+  sides.share();
+  const auto reference = sides.put();
+  const auto payload = sides.mapped.fetch(sides.writer, reference, sides.now);
+  ASSERT_EQ(payload.size(), 5000u);
+  EXPECT_TRUE(std::ranges::all_of(payload.view(), [](auto octet) { return octet == 7; }));
+  EXPECT_EQ(sides.mapped.segments(), 1u);
+  sides.mapped.remove_reader(sides.writer, kReader);
+  EXPECT_EQ(sides.mapped.segments(), 0u);
+  EXPECT_EQ(sides.fetched(reference), 0u);
+}
+
+TEST(MappedMemory, HostileReference_LeadsNowhere) {
+  Sides sides;
+  sides.share();
+  const auto good = sides.put();
+  ASSERT_EQ(sides.fetched(good), 5000u);
+  const auto with = [&](auto&& change) {
+    auto reference = good;
+    change(reference);
+    return sides.fetched(reference);
+  };
+  const auto size = sides.slots.segment().octets();
+  EXPECT_EQ(with([](auto& r) { r.length = 0; }), 0u);
+  EXPECT_EQ(with([](auto& r) { r.length = ~0u; }), 0u);
+  EXPECT_EQ(with([](auto& r) { r.length = MappedMemory::kLargestPayload + 1; }), 0u);
+  EXPECT_EQ(with([&](auto& r) { r.length = static_cast<std::uint32_t>(size); }), 0u);
+  EXPECT_EQ(with([&](auto& r) { r.offset = size; }), 0u);
+  EXPECT_EQ(with([&](auto& r) { r.offset = size - 64; }), 0u);
+  EXPECT_EQ(with([](auto& r) { r.offset = ~std::uint64_t{63}; }), 0u);
+  EXPECT_EQ(with([](auto& r) { r.offset = 1; }), 0u);
+  EXPECT_EQ(with([](auto& r) { r.offset = 64; }), 0u);
+  EXPECT_EQ(with([](auto& r) { r.generation = 0; }), 0u);
+  EXPECT_EQ(with([](auto& r) { ++r.generation; }), 0u);
+  EXPECT_EQ(with([](auto& r) { r.generation += 2; }), 0u);
+  EXPECT_TRUE(sides.answers.empty());
+  EXPECT_EQ(with([](auto& r) { ++r.segment; }), 0u);
+  EXPECT_EQ(sides.mapped.fetch({GuidPrefix{}, kWriter}, good, sides.now).size(), 0u);
+  EXPECT_EQ(sides.fetched(good), 5000u);
+}
+
+// A reference costs its sender few octets.
+TEST(MappedMemory, SamePayloadNamedAgainAndAgain_CopiedWithinALimit) {
+  Sides sides;
+  constexpr std::size_t kSize = std::size_t{8} << 20;
+  auto large = memory::SampleSlots::make(79, kSize).value();
+  std::swap(sides.slots, large);
+  sides.share();
+  const auto reference = sides.put(kSize);
+  std::int64_t copied = 0;
+  for (int i = 0; i < 200; ++i) copied += static_cast<std::int64_t>(sides.fetched(reference));
+  EXPECT_LE(copied, MappedMemory::kCopiedAtOnce);
+  EXPECT_GT(copied, MappedMemory::kCopiedAtOnce / 2);
+  EXPECT_EQ(sides.fetched(reference), 0u);
+  sides.now += 100ms;
+  EXPECT_EQ(sides.fetched(reference), kSize);
+}
+
+TEST(MappedMemory, LargeSegmentsOfOneParticipant_AreLimited) {
+  Sides sides;
+  std::vector<memory::SampleSlots> all;
+  std::size_t refused = 0, mapped = 0;
+  for (std::uint8_t i = 0; i < 20; ++i) {
+    // One memory under many names, as a hostile writer would offer it.
+    if (i == 0) all.push_back(memory::SampleSlots::make(1000, std::size_t{16} << 20).value());
+    MemoryOffer offer{{{9, 9, i, 2}},
+                      sides.passing->offer(all[0].segment(), sides.random, sides.now).value()};
+    sides.mapped.add_reader({sides.prefix, offer.writer}, kReader);
+    sides.mapped.on_offer(sides.prefix, std::move(offer), sides.now);
+    sides.exchange();
+    ASSERT_EQ(sides.answers.size(), 1u);
+    (sides.answers[0].refusal ? refused : mapped) += 1;
+    sides.answers.clear();
+  }
+  EXPECT_LE(mapped * all[0].segment().octets(), MappedMemory::kMostOctetsOfOne);
+  EXPECT_GT(refused, 0u);
+}
+
+TEST(MappedMemory, UnknownSegment_WriterIsToldWithinABudget) {
+  Sides sides;
+  auto reference = sides.put();
+  for (int i = 0; i < 100; ++i) {
+    ++reference.segment;
+    EXPECT_EQ(sides.fetched(reference), 0u);
+  }
+  ASSERT_EQ(sides.answers.size(), 1u);
+  EXPECT_EQ(sides.answers[0].refusal, Refusal::other_segment);
+}
+
+TEST(MappedMemory, WriterNotMatched_Refused) {
+  Sides sides;
+  auto offer = sides.offer();
+  offer.writer = kReader;
+  sides.mapped.on_offer(sides.prefix, std::move(offer), sides.now);
+  ASSERT_EQ(sides.answers.size(), 1u);
+  EXPECT_EQ(sides.answers[0].refusal, Refusal::not_matched);
+}
+
+/// What is answered to an offer that `change` has changed.
+template <class F>
+std::optional<Refusal> answer_to(F&& change) {
+  Sides sides;
+  auto offer = sides.offer();
+  change(offer.offer, sides);
+  sides.mapped.on_offer(sides.prefix, std::move(offer), sides.now);
+  sides.exchange();
+  sides.now += MappedMemory::kLongestRequest;
+  sides.exchange();
+  EXPECT_EQ(sides.answers.size(), 1u);
+  EXPECT_EQ(sides.mapped.segments(), 0u);
+  return sides.answers.empty() ? std::nullopt : sides.answers[0].refusal;
+}
+
+TEST(MappedMemory, HostileOffer_RefusedWithItsReason) {
+  EXPECT_EQ(answer_to([](auto& offer, auto&) { offer.name[0] ^= 1; }), Refusal::no_socket);
+  EXPECT_EQ(answer_to([](auto& offer, auto&) { ++offer.process; }), Refusal::wrong_process);
+  EXPECT_EQ(answer_to([](auto& offer, auto&) { offer.process = 0; }), Refusal::wrong_process);
+  EXPECT_EQ(answer_to([](auto& offer, auto&) { ++offer.memory.inode; }), Refusal::other_memory);
+  EXPECT_EQ(answer_to([](auto& offer, auto&) { ++offer.memory.device; }), Refusal::other_memory);
+  const auto wrong_token = [](auto& offer, auto&) {
+    offer.token = memory::Token::copy_of(Bytes(32, 1)).value();
+  };
+  EXPECT_EQ(answer_to(wrong_token), Refusal::no_answer);
+  const auto late = [](auto&, auto& sides) {
+    sides.now += memory::OpenOffers::kLifetime;
+    sides.passing->serve(sides.now);
+  };
+  EXPECT_EQ(answer_to(late), Refusal::no_answer);
+}
+
+TEST(MappedMemory, SilentProcess_RequestEndsInTime) {
+  Sides sides;
+  sides.mapped.on_offer(sides.prefix, sides.offer(), sides.now);
+  sides.mapped.serve(sides.now);
+  EXPECT_EQ(sides.mapped.next_tick(), sides.now + MappedMemory::kLongestRequest);
+  sides.now += MappedMemory::kLongestRequest;
+  sides.mapped.serve(sides.now);
+  ASSERT_EQ(sides.answers.size(), 1u);
+  EXPECT_EQ(sides.answers[0].refusal, Refusal::no_answer);
+  EXPECT_EQ(sides.mapped.next_tick(), kNever);
+}
+
+TEST(MappedMemory, ManyOffers_FewAreTaken) {
+  Sides sides;
+  for (int i = 0; i < 60; ++i) sides.mapped.on_offer(sides.prefix, sides.offer(), sides.now);
+  sides.exchange();
+  EXPECT_EQ(sides.answers.size(), 1u);
+  EXPECT_EQ(sides.mapped.segments(), 1u);
+  EXPECT_GT(sides.passing->offers().size(), 50u);
+}
+
+TEST(MappedMemory, ManySilentRequestsOfOneParticipant_Limited) {
+  Sides sides;
+  std::size_t refused = 0;
+  for (std::uint8_t i = 0; i < 20; ++i) {
+    auto offer = sides.offer();
+    offer.writer = {{9, 9, i, 2}};
+    sides.mapped.add_reader({sides.prefix, offer.writer}, kReader);
+    sides.mapped.on_offer(sides.prefix, std::move(offer), sides.now);
+    refused += sides.answers.size();
+    sides.answers.clear();
+  }
+  EXPECT_EQ(refused, 20 - MappedMemory::kMostRequestsOfOne);
+}
+
+TEST(MappedMemory, ManySegmentsOfOneParticipant_Limited) {
+  Sides sides;
+  std::vector<memory::SampleSlots> all;
+  std::size_t refused = 0;
+  for (std::uint8_t i = 0; i < 200; ++i) {
+    all.push_back(memory::SampleSlots::make(1000u + i, 100).value());
+    MemoryOffer offer{{{9, 9, i, 2}},
+                      sides.passing->offer(all.back().segment(), sides.random, sides.now).value()};
+    sides.mapped.add_reader({sides.prefix, offer.writer}, kReader);
+    sides.mapped.on_offer(sides.prefix, std::move(offer), sides.now);
+    sides.exchange();
+    ASSERT_EQ(sides.answers.size(), 1u);
+    refused += sides.answers[0].refusal == Refusal::no_memory ? 1 : 0;
+    sides.answers.clear();
+    sides.now += memory::OpenOffers::kLifetime;
+  }
+  EXPECT_EQ(refused, 200 - MappedMemory::kMostOfOne);
+  EXPECT_EQ(sides.mapped.segments(), MappedMemory::kMostOfOne);
+}
+
+TEST(MappedMemory, SecondSegment_FormerOneIsStillRead) {
+  Sides sides;
+  sides.share();
+  const auto first = sides.put();
+  auto next = memory::SampleSlots::make(78, 10'000).value();
+  std::swap(sides.slots, next);
+  sides.share();
+  const auto second = sides.put(600);
+  EXPECT_EQ(sides.fetched(first), 5000u);
+  EXPECT_EQ(sides.fetched(second), 600u);
+  auto third = memory::SampleSlots::make(79, 10'000).value();
+  std::swap(sides.slots, third);
+  sides.share();
+  EXPECT_EQ(sides.fetched(first), 0u);
+  EXPECT_EQ(sides.fetched(second), 600u);
+  EXPECT_EQ(sides.mapped.segments(), 2u);
+  EXPECT_EQ(sides.mapped.next_tick(), sides.now + MappedMemory::kFormer);
+  sides.now += MappedMemory::kFormer;
+  sides.mapped.serve(sides.now);
+  EXPECT_EQ(sides.fetched(second), 0u);
+  EXPECT_EQ(sides.mapped.segments(), 1u);
+  EXPECT_EQ(sides.mapped.next_tick(), kNever);
+}
+
+TEST(MappedMemory, DescriptorComes_ReadinessSaysSo) {
+  Sides sides;
+  sides.mapped.on_offer(sides.prefix, sides.offer(), sides.now);
+  ASSERT_TRUE(sides.passing->start());
+  pollfd waiting{.fd = sides.passing->descriptor(), .events = POLLIN, .revents = 0};
+  EXPECT_EQ(::poll(&waiting, 1, 5000), 1);
+  sides.mapped.serve(sides.now);
+  EXPECT_EQ(sides.mapped.segments(), 1u);
+}
+
+// ---- messages
+
+TEST(MemoryMessages, Offer_ComesAsItWasSent) {
+  Sides sides;
+  const auto offer = sides.offer();
+  const auto read = offer_in(token_of(offer));
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->writer, kWriter);
+  EXPECT_EQ(read->offer.name, offer.offer.name);
+  EXPECT_TRUE(read->offer.token == offer.offer.token);
+  EXPECT_EQ(read->offer.process, offer.offer.process);
+  EXPECT_EQ(read->offer.segment, offer.offer.segment);
+  EXPECT_EQ(read->offer.memory, offer.offer.memory);
+  EXPECT_FALSE(answer_in(token_of(offer)));
+}
+
+TEST(MemoryMessages, Answer_ComesAsItWasSent) {
+  const MemoryAnswer mapped{kWriter, 77, {}};
+  EXPECT_EQ(answer_in(token_of(mapped)), mapped);
+  EXPECT_FALSE(offer_in(token_of(mapped)));
+  for (std::uint32_t i = 0; i < memory::kRefusals; ++i) {
+    const MemoryAnswer refused{kWriter, 77, static_cast<Refusal>(i)};
+    EXPECT_EQ(answer_in(token_of(refused)), refused);
+    EXPECT_NE(memory::to_string(*refused.refusal), "unknown");
+  }
+}
+
+TEST(MemoryMessages, CutAnywhereOrLonger_Refused) {
+  Sides sides;
+  for (const auto& whole : {token_of(sides.offer()), token_of(MemoryAnswer{kWriter, 77, {}})}) {
+    auto token = whole;
+    auto& content = token.binary_properties[0].value;
+    content.push_back(0);
+    EXPECT_FALSE(offer_in(token) || answer_in(token));
+    for (content.pop_back(); !content.empty();) {
+      content.pop_back();
+      EXPECT_FALSE(offer_in(token) || answer_in(token));
+    }
+    token = whole;
+    token.class_id += "x";
+    EXPECT_FALSE(offer_in(token) || answer_in(token));
+    EXPECT_FALSE(offer_in({.class_id = whole.class_id}) || answer_in({.class_id = whole.class_id}));
+  }
+}
+
+TEST(MemoryMessages, UnknownReason_IsARefusal) {
+  auto token = token_of(MemoryAnswer{kWriter, 77, Refusal::full});
+  token.binary_properties[0].value[12] = 0xff;
+  const auto read = answer_in(token);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->refusal, Refusal::no_answer);
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
