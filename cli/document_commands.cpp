@@ -75,7 +75,7 @@ Status list_signed(const governance::Governance&, const OpenCa&, BytesView, cons
 }
 Status list_signed(const governance::Permissions&, const OpenCa& ca, BytesView signed_octets,
                    const Arguments& arguments, WallTime now) {
-  if (arguments.has("--unlisted")) return {};
+  if (!arguments.has("--listed")) return {};
   NewlyListed listed;
   listed.add(ca.paths, signed_octets);
   return listed.write(now);
@@ -254,8 +254,9 @@ std::vector<Option> signing_options() {
           kInsecureKeyMode};
 }
 
-const Option kUnlisted{"--unlisted", "",
-                       "keep it out of the CA's renewal list, which crl distribute gives to peers"};
+const Option kListed{"--listed", "",
+                     "put it into the CA's renewal list too, which crl distribute gives to peers: "
+                     "other rights that it takes away stay away"};
 
 std::vector<Option> with_option(std::vector<Option> options, const Option& more) {
   options.push_back(more);
@@ -284,7 +285,7 @@ std::vector<Command> document_commands() {
        .name = "sign",
        .summary = "Signs a permissions document that lint passes, in the form every vendor reads.",
        .positionals = {{"FILE", "the XML document"}},
-       .options = with_option(signing_options(), kUnlisted),
+       .options = with_option(signing_options(), kListed),
        .examples = {"ddssec permissions sign permissions.xml --ca ca -o talker/permissions.p7s"},
        .run = sign<PermissionsKind>},
       {.group = "permissions",

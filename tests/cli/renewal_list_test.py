@@ -64,20 +64,21 @@ class RenewalList(Transcript):
         self.assertNotIn(certificate, (self.at / "demo/listener/renewed.pem").read_text())
         self.assertIn(certificate, (self.at / "demo/ca/identity/renewed.pem").read_text())
 
-    def test_PermissionsSign_ListsTheDocument_UnlessToldNotTo(self):
+    def test_PermissionsSign_ListsTheDocument_IfToldTo(self):
         words = ("permissions", "sign", "demo/talker/permissions.xml", "--ca", "demo", "-o", "signed.p7s", "--replace")
         self.run_program("permissions", "new", "--cert", "demo/talker/cert.pem", "--publish", "Square",
                          "-o", "demo/talker/permissions.xml", "--replace")
-        self.run_program(*words, "--unlisted")
-        self.assertEqual(self.labels("demo/ca/permissions/renewed.pem"), [])
         self.run_program(*words)
+        self.assertEqual(self.labels("demo/ca/permissions/renewed.pem"), [])
+        self.run_program(*words, "--listed")
         self.assertEqual(self.labels("demo/ca/permissions/renewed.pem"), [PERMISSIONS])
         self.run_program("governance", "sign", "demo/governance.xml", "--ca", "demo", "--replace")
         self.assertEqual(self.labels("demo/ca/permissions/renewed.pem"), [PERMISSIONS])
 
-    def sign(self, name, topic, to, *words, exit=0):
+    def sign(self, name, topic, to, *words, exit=0, listed=True):
         self.run_program("permissions", "new", "--cert", f"demo/{name}/cert.pem", "--publish", topic, "-o", f"{to}.xml")
-        return self.run_program("permissions", "sign", f"{to}.xml", "--ca", "demo", "-o", f"{to}.p7s", *words, exit=exit)
+        return self.run_program("permissions", "sign", f"{to}.xml", "--ca", "demo", "-o", f"{to}.p7s",
+                                *(["--listed"] if listed else []), *words, exit=exit)
 
     def test_RightsThatTheListTookAway_AreNotSignedAgain(self):
         time.sleep(1.1)  # signing times have seconds
@@ -102,7 +103,7 @@ class RenewalList(Transcript):
     def test_LaterPermissionsThatAreNotListed_AreExtended(self):
         self.sign("talker", "Square", "narrow")
         time.sleep(1.1)
-        self.sign("talker", "Circle", "later", "--unlisted")
+        self.sign("talker", "Circle", "later", listed=False)
         (self.at / "demo/talker/permissions.p7s").write_bytes((self.at / "later.p7s").read_bytes())
         self.renew("talker", "--permissions")
 
@@ -113,7 +114,7 @@ class RenewalList(Transcript):
                        re.sub(r"<not_before>.*?</not_before>", "<not_before>2020-01-01T00:00:00</not_before>", xml))
         (self.at / "demo/ca/permissions/renewed.pem").unlink()
         (self.at / "ended.xml").write_text(ended)
-        self.run_program("permissions", "sign", "ended.xml", "--ca", "demo", "--no-lint")
+        self.run_program("permissions", "sign", "ended.xml", "--ca", "demo", "--no-lint", "--listed")
         self.renew("listener", "--permissions")
         self.distribute()
         for file in ("demo/ca/permissions/renewed.pem", "demo/listener/renewed.pem"):
@@ -126,7 +127,7 @@ class RenewalList(Transcript):
         xml = (self.at / "narrow.xml").read_text()
         (self.at / "other.xml").write_text(re.sub(r"<domains>.*?</domains>", "<domains><id>7</id></domains>", xml,
                                                   flags=re.DOTALL))
-        self.run_program("permissions", "sign", "other.xml", "--ca", "demo", "--no-lint")
+        self.run_program("permissions", "sign", "other.xml", "--ca", "demo", "--no-lint", "--listed")
         self.assertEqual(self.labels("demo/ca/permissions/renewed.pem"), [PERMISSIONS] * 2)
 
     def revoke_and_distribute(self, exit):
@@ -168,7 +169,7 @@ class RenewalList(Transcript):
         for i in range(9):
             (self.at / f"p{i}.xml").write_text(xml.replace(subject, f"CN=x{i}").replace(
                 "<publish>", "<!--" + "x" * 730_000 + "--><publish>", 1))
-            done = self.run_program("permissions", "sign", f"p{i}.xml", "--ca", "demo", "--no-lint", exit=(0, 3))
+            done = self.run_program("permissions", "sign", f"p{i}.xml", "--ca", "demo", "--no-lint", "--listed", exit=(0, 3))
         self.assertIn("left out", done.stderr)
         self.assertLessEqual((self.at / "demo/ca/permissions/renewed.pem").stat().st_size, 8 << 20)
         self.assertEqual(self.labels("demo/ca/permissions/renewed.pem"), [PERMISSIONS] * 8)
