@@ -236,7 +236,7 @@ class SharedMemory(unittest.TestCase):
         self.assertIsNone(sub.poll())
         # The lease of the killed one: 10 s.
         self.until(lambda: len(self.segments(self.real_pid(sub))) == 1, "the former memory stays mapped", 30)
-        self.assertFalse([name for name in os.listdir("/dev/shm") if "ddssec" in name])
+        self.assertFalse([one.name for one in os.scandir("/dev/shm") if "ddssec" in one.name and one.is_file()])
 
     def test_other_pid_namespace_goes_by_network(self):
         sub = self.start("tput-sub", ENCRYPT, "--size", str(LARGE))
