@@ -22,7 +22,7 @@ class AuthorityWatch {
   using Take = std::function<Status(const Authorities&)>;
   /// Reads the file if it may have changed. True: other CAs are in force. A file with the same CAs
   /// in another order is the same. `in_force` must not change while `take` runs. Error as of
-  /// DocumentWatch::look: what is wrong with the file, what `take` refused, or ca_put_back.
+  /// DocumentWatch::look: the fault of the file, the refusal of `take`, or ca_put_back.
   Result<bool> look(std::chrono::nanoseconds now, const Authorities& in_force, const Take& take);
 
   /// The next look reads the file, whatever the interval is.

@@ -123,8 +123,8 @@ class MappedSegment {
   std::size_t octets() const { return mapping_.octets().size(); }
   /// Whether the reference leads to a payload now. Errors: other_segment, outside, gone.
   Outcome<void> check(const Reference& reference) const;
-  /// Copies the payload to `out`, whose size must be the length of the reference. What is in `out`
-  /// after an error is not a payload. Errors: other_segment, outside, gone.
+  /// Copies the payload to `out`, whose size must be the length of the reference. After an
+  /// error, `out` does not contain a payload. Errors: other_segment, outside, gone.
   Outcome<void> copy(const Reference& reference, MutableBytes out) const;
 
  private:

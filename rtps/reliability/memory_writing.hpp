@@ -7,8 +7,8 @@
 
 namespace ddssec::rtps {
 
-/// Only a change that was just written goes through memory. What is sent again goes in messages,
-/// also to these readers. The constructor's arguments must outlive this object.
+/// Only a change that was just written goes through memory. A change that is sent again goes in
+/// messages, also to these readers. The constructor's arguments must outlive this object.
 class MemoryWriting {
  public:
   MemoryWriting(MatchedReaders& readers, WriterMessages& messages, const WriterHistory& history)
