@@ -23,8 +23,9 @@ class RenewalListWatch {
   /// Judges entries that would take the place of those in force, and uses them if they are good.
   using Take = std::function<Status(const RenewalList&)>;
   /// Reads each file that may have changed. True: other entries are in force. Error: the fault of a
-  /// file that was wrong at two looks in a row, once as long as the file stays the same; the entries
-  /// in force stay. A file that disappears after it was read is wrong. `now`: Clock::monotonic.
+  /// file that was wrong at two looks in a row, once as long as the file stays the same; the
+  /// entries in force stay. A file that disappears after it was read is wrong. `now`:
+  /// Clock::monotonic.
   Result<bool> look(std::chrono::nanoseconds now, const Take& take);
 
   /// The next look reads the files, whatever the interval is.

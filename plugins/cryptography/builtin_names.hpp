@@ -112,7 +112,7 @@ class ParameterWalk {
   bool has_partitions_ = false;
   bool is_security_info_valid_ = false;
   std::uint8_t security_infos_ = 0;  ///< counted up to 2
-  std::uint8_t names_ = 0;  ///< bits by index in kNames
+  std::uint8_t names_ = 0;           ///< bits by index in kNames
   std::uint16_t id_ = 0;
   std::uint16_t length_ = 0;
   std::uint32_t to_skip_ = 0;

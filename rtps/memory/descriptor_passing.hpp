@@ -35,8 +35,7 @@ class DescriptorPassing {
   };
 
   /// Errors: those of the local socket.
-  static Outcome<std::unique_ptr<DescriptorPassing>> make(Random& random,
-                                                          Users users = Users::own);
+  static Outcome<std::unique_ptr<DescriptorPassing>> make(Random& random, Users users = Users::own);
   ~DescriptorPassing();
 
   /// From now on a thread does the work. Until then `serve` does it, for tests. Returns false if

@@ -120,8 +120,7 @@ Outcome<DescriptorServer> DescriptorServer::listen(Random& random, Users users) 
   out.users_ = users;
   out.listener_ = local_socket();
   const Address address = address_of(out.name_);
-  if (!out.listener_ ||
-      ::bind(out.listener_.number(), address.generic(), address.size) != 0 ||
+  if (!out.listener_ || ::bind(out.listener_.number(), address.generic(), address.size) != 0 ||
       ::listen(out.listener_.number(), kBacklog) != 0)
     return refuse(Refusal::no_socket);
   out.connections_.reserve(kMaxConnections + 1);
@@ -239,8 +238,7 @@ bool DescriptorServer::is_done(const Connection& connection) {
   auto token = Token::copy_of(BytesView(octets).first(kTokenSize));
   wipe(octets);
   if (!token) return true;
-  if (const auto descriptor = offers_->redeem(*token))
-    send_descriptor(socket, descriptor.number());
+  if (const auto descriptor = offers_->redeem(*token)) send_descriptor(socket, descriptor.number());
   return true;
 }
 

@@ -48,9 +48,9 @@ class DescriptorServer {
   DescriptorServer& operator=(DescriptorServer&& other) noexcept;
   ~DescriptorServer();
 
-  /// An offer of the segment for one peer of this identity. The caller has checked that the peer has authenticated
-  /// and may read the topic. May be called beside `serve`. Errors: too_many_tokens, no_memory (or
-  /// /proc is missing), no_socket (no random octets).
+  /// An offer of the segment for one peer of this identity. The caller has checked that the peer
+  /// has authenticated and may read the topic. May be called beside `serve`. Errors:
+  /// too_many_tokens, no_memory (or /proc is missing), no_socket (no random octets).
   Outcome<Offer> offer(const Segment& segment, Random& random, MonotonicTime now,
                        std::string identity = {});
   /// May be used beside `serve`.

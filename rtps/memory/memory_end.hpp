@@ -5,7 +5,8 @@
 
 namespace ddssec::rtps::memory {
 
-/// Memory lasts until no process has a descriptor of it, of whatever kind, or a mapping. Thread-safe.
+/// Memory lasts until no process has a descriptor of it, of whatever kind, or a mapping.
+/// Thread-safe.
 class MemoryEnd {
  public:
   /// The caller closes the descriptor and its mappings after this. Empty: the system cannot watch

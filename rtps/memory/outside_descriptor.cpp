@@ -64,8 +64,8 @@ Front front_of(int socket) {
 }
 
 // Nothing may come any more. Messages without descriptors are dropped; they are as many as the
-// system lets a sender queue, in general 10 to 512. An error stands before them (ECONNRESET), and is
-// told once: nothing may be received before the next look.
+// system lets a sender queue, in general 10 to 512. An error stands before them (ECONNRESET), and
+// is told once: nothing may be received before the next look.
 bool is_empty(int socket) {
   constexpr int kMost = 1024;
   for (int i = 0; i < kMost; ++i) {

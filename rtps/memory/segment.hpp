@@ -84,8 +84,8 @@ class Segment {
   /// the system gave none, or /proc is missing.
   Descriptor for_reader() const;
   /// Whether a descriptor for a reader, or a mapping that was made with one, still exists in any
-  /// process or on its way to one. True, too, if that cannot be seen (Linux before 5.3, leases off).
-  /// A path to it (O_PATH) is not seen; see MemoryEnd.
+  /// process or on its way to one. True, too, if that cannot be seen (Linux before 5.3, leases
+  /// off). A path to it (O_PATH) is not seen; see MemoryEnd.
   bool is_with_others() const;
   /// Overwrites all payloads that were ever written. No slot may be in use.
   void wipe();

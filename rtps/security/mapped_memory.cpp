@@ -70,9 +70,9 @@ bool MappedMemory::may_copy(const GuidPrefix& from, std::size_t octets, Monotoni
   auto& copies = copies_.try_emplace(from, kCopiedAtOnce, now).first->second;
   using Seconds = std::chrono::duration<double>;
   const auto passed = std::min<double>(Seconds(now - copies.since).count(), 1);
-  copies.left = std::min(kCopiedAtOnce,
-                         copies.left + static_cast<std::int64_t>(
-                                           passed * static_cast<double>(kCopiedInASecond)));
+  copies.left = std::min(
+      kCopiedAtOnce,
+      copies.left + static_cast<std::int64_t>(passed * static_cast<double>(kCopiedInASecond)));
   copies.since = now;
   const auto wanted = static_cast<std::int64_t>(octets);
   if (wanted > copies.left) return false;

@@ -66,8 +66,7 @@ void MemoryExchange::look_after_kept(MonotonicTime now) {
 }
 
 MonotonicTime MemoryExchange::next_tick() const {
-  return std::min(
-      {core_.passing->deadline().value_or(kNever), mapped_.next_tick(), next_look_});
+  return std::min({core_.passing->deadline().value_or(kNever), mapped_.next_tick(), next_look_});
 }
 
 void MemoryExchange::add_reader(StatefulWriter& writer, const Guid& reader) {

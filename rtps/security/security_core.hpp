@@ -114,7 +114,7 @@ struct SecurityCore {
   MonotonicTime now{};              ///< time of the current call
   bool governance_changes = false;  ///< endpoints have two protections (GovernanceChange)
   bool governance_has_changed = false;
-  bool governance_waits = false;  ///< they have, or will as soon as no keys are being revised
+  bool governance_waits = false;     ///< they have, or will as soon as no keys are being revised
   MemoryExchange* memory = nullptr;  ///< nullptr: shared memory is off
 };
 

@@ -106,7 +106,7 @@ void WrittenMemory::on_answer(const GuidPrefix& from, const MemoryAnswer& answer
 WrittenMemory::Form WrittenMemory::form() const {
   const auto* attributes = core_.security.keyring.attributes(id());
   if (attributes == nullptr) return Form::none;
-  const auto form = !attributes->is_payload_protected()        ? Form::plain
+  const auto form = !attributes->is_payload_protected()      ? Form::plain
                     : spi::is_encrypted(attributes->payload) ? Form::encrypted
                                                              : Form::authenticated;
   if (spi::is_encrypted(attributes->payload) || core_.settings.trusts_kernel) return form;
@@ -193,8 +193,7 @@ memory::Outcome<void> WrittenMemory::request_segment(std::size_t largest) {
   if (core_.octets + core_.kept.octets() + size > core_.settings.most_octets)
     return memory::refuse(memory::Refusal::limit_reached);
   if (!core_.random.fill(octets)) return memory::refuse(memory::Refusal::no_memory);
-  const auto asked =
-      core_.passing->make_slots(std::bit_cast<std::uint64_t>(octets), largest);
+  const auto asked = core_.passing->make_slots(std::bit_cast<std::uint64_t>(octets), largest);
   if (!asked) return memory::refuse(asked.error());
   core_.octets += size;
   awaited_ = {*asked, largest, size, form_, {}};

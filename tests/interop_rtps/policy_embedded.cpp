@@ -1,11 +1,11 @@
 // The policy peer on the embedded participant. Options: "appendable": a type of this kind; "memory
 // FOLDER": secured, with samples that are large enough for shared memory.
+#include <thread>
+
 #include "appendable_shape.hpp"
 #include "interop_rtps/policy_peer.hpp"
 #include "secured/participant.hpp"
 #include "shape.hpp"
-
-#include <thread>
 
 namespace ddssec::rtps {
 
@@ -132,10 +132,11 @@ class Embedded final : public policy_peer::Stack {
     std::string out;
     if (!readers_.at(id)->take(samples)) return " refused";
     for (const auto& [data, info] : samples)
-      if (data.color != kWarm) out += " " + data.color + ":" + (info.valid_data ? std::to_string(data.x) : "-") + ":" +
-             (info.instance_state == InstanceState::alive                ? "A"
-              : info.instance_state == InstanceState::not_alive_disposed ? "D"
-                                                                         : "N");
+      if (data.color != kWarm)
+        out += " " + data.color + ":" + (info.valid_data ? std::to_string(data.x) : "-") + ":" +
+               (info.instance_state == InstanceState::alive                ? "A"
+                : info.instance_state == InstanceState::not_alive_disposed ? "D"
+                                                                           : "N");
     return out;
   }
   std::string status(const std::string& id) override {

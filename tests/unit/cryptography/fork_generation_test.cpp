@@ -1,4 +1,6 @@
 // A process forks while its keys are in use, for real: no IV is used by two of the processes.
+#include "plugins/cryptography/fork_generation.hpp"
+
 #include <array>
 #include <functional>
 #include <memory>
@@ -9,7 +11,6 @@
 
 #include <gtest/gtest.h>
 
-#include "plugins/cryptography/fork_generation.hpp"
 #include "plugins/cryptography/send_key.hpp"
 #include "plugins/cryptography/wire.hpp"
 #include "plugins/spi/property_names.hpp"

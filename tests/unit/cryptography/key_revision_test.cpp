@@ -1,10 +1,11 @@
 // Key revision: who is given the revised keys reads on, who only has the former ones does not.
+#include "plugins/cryptography/key_revision.hpp"
+
 #include <atomic>
 #include <thread>
 
 #include <gtest/gtest.h>
 
-#include "plugins/cryptography/key_revision.hpp"
 #include "tests/unit/cryptography/two_sides.hpp"
 
 namespace ddssec::cryptography::testing {

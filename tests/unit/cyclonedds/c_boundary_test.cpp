@@ -1,6 +1,7 @@
+#include "plugins/cyclonedds/c_boundary.hpp"
+
 #include <stdexcept>
 
-#include "plugins/cyclonedds/c_boundary.hpp"
 #include "tests/unit/cyclonedds/support.hpp"
 
 namespace ddssec::cyclonedds {

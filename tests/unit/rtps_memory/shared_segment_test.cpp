@@ -62,7 +62,8 @@ TEST(Crash, Writer_KilledWhileItWrites_LeavesReadersUnharmed) {
   // One of the generations is the last one; all others are gone, and none ends this process.
   int whole = 0;
   for (std::uint64_t generation = 2; generation < 200000; generation += 2) {
-    const Reference reference{.segment = kId, .offset = 0, .generation = generation, .length = 100000};
+    const Reference reference{
+        .segment = kId, .offset = 0, .generation = generation, .length = 100000};
     if (!reader->check(reference)) continue;
     whole += reader->copy(reference, out).has_value() ? 1 : 0;
   }
@@ -80,8 +81,8 @@ TEST(Fork, Child_HasNeitherSidesMapping) {
       const rlimit none{.rlim_cur = 0, .rlim_max = 0};
       ::setrlimit(RLIMIT_CORE, &none);
       ::signal(SIGSEGV, SIG_DFL);
-      const bool found = as_reader ? reader.check(reference).has_value()
-                                   : writer.store(Bytes(100, 2)).has_value();
+      const bool found =
+          as_reader ? reader.check(reference).has_value() : writer.store(Bytes(100, 2)).has_value();
       ::_exit(found ? 0 : 1);
     }
     int status = 0;
@@ -134,8 +135,8 @@ TEST(WithOthers, SentAndNotReceived_IsSeen) {
 TEST(WithOthers, OpenedOnceMoreByAReader_IsSeen) {
   const auto writer = segment();
   for (const int flags : {O_RDONLY, O_RDWR}) {
-    const Descriptor again(
-        ::open(("/proc/self/fd/" + std::to_string(writer.descriptor())).c_str(), flags | O_CLOEXEC));
+    const Descriptor again(::open(("/proc/self/fd/" + std::to_string(writer.descriptor())).c_str(),
+                                  flags | O_CLOEXEC));
     ASSERT_TRUE(again);
     EXPECT_TRUE(writer.is_with_others());
     EXPECT_EQ(::mmap(nullptr, 4096, PROT_READ | PROT_WRITE, MAP_SHARED, again.number(), 0),

@@ -19,7 +19,9 @@ constexpr EntityId kWriter{{1, 2, 3, 2}}, kReader{{1, 2, 3, 7}};
 /// A writer's side and a reader's side in one process.
 struct Sides {
   Sides() { mapped.add_reader(writer, kReader); }
-  MemoryOffer offer() { return {kWriter, passing->offer(slots.segment(), random, now, std::to_string(++peers)).value()}; }
+  MemoryOffer offer() {
+    return {kWriter, passing->offer(slots.segment(), random, now, std::to_string(++peers)).value()};
+  }
   /// Lets the descriptor come over.
   void exchange() {
     for (int i = 0; i < 5; ++i) {
