@@ -16,7 +16,9 @@ while [ $# -gt 0 ]; do
                       libengine-pkcs11-openssl softhsm2 opensc iceoryx dpkg-dev file)
            # For the ROS 2 nodes that tests/ros2 runs, which are made for Debian 12.
            # shellcheck source=/dev/null
-           [ "$(. /etc/os-release && echo "${VERSION_ID:-}")" = 12 ] && packages+=(libconsole-bridge1.0 libyaml-0-2) ;;
+           [ "$(. /etc/os-release && echo "${VERSION_ID:-}")" = 12 ] && packages+=(libconsole-bridge1.0 libyaml-0-2)
+           # Our packages need it, or systemd, which has the same program.
+           [ -e /usr/bin/systemd-sysusers ] || packages+=(systemd-standalone-sysusers) ;;
     *) die "unknown option $1; the only one is --dev" ;;
   esac
   shift

@@ -45,6 +45,10 @@ SIGNED = Governance(discovery=SO, liveliness=S, rtps=S, metadata=S)
 ELSEWHERE = Permissions(publish=("Elsewhere",), subscribe=("Elsewhere",))
 
 
+def those_that_meet(cases, kinds_of):
+    return pair.those_that_meet(pair.Programs(str(BUILD / "bin"), "", ""), cases, kinds_of)
+
+
 class World:
     """A network namespace with an honest pair, which the insider may join."""
 

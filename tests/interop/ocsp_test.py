@@ -13,7 +13,7 @@ import tempfile
 sys.dont_write_bytecode = True
 
 import stories  # noqa: E402
-from insider_test import HONEST, World, check, said, samples  # noqa: E402
+from insider_test import HONEST, World, check, said, samples, those_that_meet  # noqa: E402
 from pki import STARTER, WAITER  # noqa: E402
 from scenarios import SROS2  # noqa: E402
 
@@ -160,4 +160,4 @@ def attempt(case):
 
 
 if __name__ == "__main__":
-    sys.exit(stories.run(cases(), attempt, at_once=6))
+    sys.exit(stories.run(those_that_meet(cases(), lambda case: case[2:4]), attempt, at_once=6))

@@ -15,7 +15,6 @@ import json
 import os
 import re
 import shutil
-import subprocess
 import sys
 import tempfile
 import time
@@ -25,7 +24,7 @@ sys.dont_write_bytecode = True  # leave no cache in the source tree
 
 import embedded_scenarios  # noqa: E402
 import scenarios  # noqa: E402
-from pair import Programs, run  # noqa: E402
+from pair import Programs, run, those_that_meet  # noqa: E402
 from pki import Pki  # noqa: E402
 
 LIBRARIES = {"ours-auth": "libdds_security_auth.so", "ours-ac": "libdds_security_ac.so",
@@ -78,25 +77,6 @@ def prepare(options, folder, cases):
                 if name == LIBRARIES[kind] or name not in LIBRARIES.values():
                     shutil.copy(os.path.join(programs.dropin, name), programs.plugins(kind))
     return programs
-
-
-def without_the_impossible(programs, cases):
-    """Since 2.10 Fast DDS discovers nothing of who writes nothing at DCPSParticipantsSecure, and Cyclone DDS
-    0.10 never does, whoever's plugins it has loaded."""
-    fast, cyclone = "fast", ("ours", "stock")
-    def is_impossible(case):
-        kinds = (case.publisher, case.subscriber)
-        return fast in kinds and any(kind.startswith(cyclone) for kind in kinds)
-    if not any(is_impossible(case) for case in cases):
-        return cases
-    version = subprocess.run([*programs.command(fast), "--version"], check=True, text=True,
-                             capture_output=True).stdout
-    if int(version) < 3:
-        return cases
-    kept = [case for case in cases if not is_impossible(case)]
-    print(f"left out: {len(cases) - len(kept)} pairs of Cyclone DDS and Fast DDS {version.strip()}, "
-          "which do not discover each other when secured", flush=True)
-    return kept
 
 
 def verdict(case, outcome):
@@ -200,7 +180,7 @@ def write_json(path, results, seconds):
 
 def run_all(options, cases, folder):
     programs = prepare(options, folder, cases)
-    cases = without_the_impossible(programs, cases)
+    cases = those_that_meet(programs, cases, lambda case: (case.publisher, case.subscriber))
     pki = Pki(folder)
     begin = time.monotonic()
     with ThreadPoolExecutor(options.jobs) as pool:

@@ -85,7 +85,7 @@ class Hardening(unittest.TestCase):
         for file in self.each(self.files):
             octets = file.read_bytes()
             for folder in (SOURCE, BUILD):
-                self.assertNotIn(str(folder).encode() + b"/", octets)
+                self.assertIsNone(re.search(rb"(?<![\w.}])" + re.escape(str(folder).encode()) + b"/", octets), folder)
 
 
 if __name__ == "__main__":
