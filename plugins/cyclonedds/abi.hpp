@@ -25,10 +25,13 @@ using Exception = DDS_Security_SecurityException;
 using SupportedCiphers = std::uint32_t();
 inline constexpr const char* kSupportedCiphersSymbol = "ddssec_supported_ciphers";
 
-/// Exported by libddssec_cryptography for libddssec_authentication, as are the next four: whether
+/// Exported by libddssec_cryptography for libddssec_authentication, as are the next five: whether
 /// that remote participant has sent its keys.
 using HasKeysOf = bool(DDS_Security_IdentityHandle);
 inline constexpr const char* kHasKeysOfSymbol = "ddssec_has_keys_of";
+
+/// Whether it has sent keys for each local participant that met it.
+inline constexpr const char* kHasAllKeysOfSymbol = "ddssec_has_all_keys_of";
 
 /// The time of the last decrypted message that only the holder of the shared secret can produce, in
 /// nanoseconds of the monotonic clock; 0: never.

@@ -133,9 +133,32 @@ Result<CResult> not_admitted(Adapter& adapter, CIdentity local, const Guid& guid
       adapter.remotes().has_ended(identity(local)))
     return std::unexpected(std::move(refusal));
   const auto of_host = adapter.remotes().note_refused(guid);
-  adapter.watch().not_admitted(of_host, guid);
+  if (!adapter.watch().not_admitted({identity(local), of_host}, guid))
+    return std::unexpected(std::move(refusal));
   remote_handle = of_host.value;
   return DDS_SECURITY_VALIDATION_PENDING_RETRY;
+}
+
+/// An error makes the host take the peer for an unauthenticated one, if governance admits those,
+/// for all its participants.
+Status may_begin(Adapter& adapter, spi::IdentityHandle local, const Guid& peer) {
+  constexpr const char* kHandshake = "the handshake with a discovered participant";
+  if (admits_unauthenticated(local)) {
+    if (!adapter.watch().was_unanswered(peer)) return {};
+    return fail(Code::handshake_begun_again,
+                {.document = kHandshake,
+                 .expected = "that it ends",
+                 .found = "none that ended",
+                 .note = "governance admits unauthenticated participants; it counts as one"});
+  }
+  const auto rest = adapter.watch().rest_of(local, peer);
+  if (rest.count() <= 0) return {};
+  return fail(Code::handshake_begun_again,
+              {.document = kHandshake,
+               .expected = "that it ends",
+               .found = "none that ended, although the peer authenticated another participant of "
+                        "this process",
+               .note = "it is begun again in " + minutes_in(rest)});
 }
 
 CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
@@ -151,6 +174,7 @@ CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
     DDSSEC_RETURN_IF_ERROR(require(remote_handle, remote_token, remote_guid));
     *remote_handle = DDS_SECURITY_HANDLE_NIL;
     const auto guid = guid_from(*remote_guid);
+    DDSSEC_RETURN_IF_ERROR(may_begin(adapter, identity(local_handle), guid));
     // The peer's own auth_request is not used, because it can be forged. The engine would compare a
     // forged challenge with the honest peer's messages until the peer's lease ends. The signatures
     // of the handshake are sufficient proof. The core asks once, so the local auth_request is
@@ -172,10 +196,7 @@ CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
       std::swap(*local_auth_request, sent);
       free_token(sent);
     }
-    adapter.watch().met(of_host, guid,
-                        admits_unauthenticated(identity(local_handle))
-                            ? HandshakeWatch::kMaxWaitForUnauthenticated
-                            : HandshakeWatch::kMaxWait);
+    adapter.watch().met({identity(local_handle), of_host}, guid);
     *remote_handle = of_host.value;
     return to_c(remote.result);
   });
@@ -207,7 +228,7 @@ CResult begin_handshake_request(Instance* instance, CHandshake* handle, CToken* 
     if (!begun) adapter.watch().forget(identity(replier));
     DDSSEC_ASSIGN_OR_RETURN(const auto step, std::move(begun));
     adapter.secrets().note(step.handle, identity(initiator), identity(replier));
-    adapter.watch().progressed(identity(replier), step.handle);
+    adapter.watch().progressed({identity(initiator), identity(replier)}, step.handle);
     DDSSEC_RETURN_IF_ERROR(hand_out(step.message, *message));
     *handle = step.handle.value;
     return to_c(step.result);
@@ -229,7 +250,7 @@ CResult begin_handshake_reply(Instance* instance, CHandshake* handle, CToken* me
     if (!begun) note_refused(adapter, identity(replier), identity(initiator));
     DDSSEC_ASSIGN_OR_RETURN(const auto step, std::move(begun));
     adapter.secrets().note(step.handle, identity(initiator), identity(replier));
-    adapter.watch().progressed(identity(initiator), step.handle);
+    adapter.watch().progressed({identity(replier), identity(initiator)}, step.handle);
     DDSSEC_RETURN_IF_ERROR(hand_out(step.message, *message_out));
     *handle = step.handle.value;
     return to_c(step.result);
@@ -415,6 +436,7 @@ void AuthenticationAdapter::listen(const dds_security_authentication_listener* l
                       for (const auto local : ended.locals) {
                         cut_off_access_control(local);
                         cut_off_cryptography(local);
+                        watch_.forget(local);
                         if (has_others(local)) revoke(this, local.value);
                       }
                       for (const auto remote : ended.remotes)

@@ -7,32 +7,49 @@ namespace ddssec::cyclonedds {
 using spi::HandshakeHandle;
 using spi::IdentityHandle;
 
-void HandshakeWatch::met(IdentityHandle remote, const Guid& guid, Duration longest_wait) {
+void HandshakeWatch::met(Pair pair, const Guid& guid) {
   const std::lock_guard lock(mutex_);
   const auto now = clock_.monotonic();
-  auto& known = remotes_.try_emplace(remote, Remote{guid, now}).first->second;
+  auto& known = remotes_.try_emplace(pair.remote, Remote{guid, now}).first->second;
   known.since = now;
-  known.longest_wait = longest_wait;
+  known.unfinished.insert_or_assign(pair.local, Half{now});
 }
 
-void HandshakeWatch::not_admitted(IdentityHandle remote, const Guid& guid) {
+bool HandshakeWatch::not_admitted(Pair pair, const Guid& guid) {
   const std::lock_guard lock(mutex_);
-  remotes_.try_emplace(remote, Remote{guid, clock_.monotonic()}).first->second.was_disturbed = true;
+  const auto now = clock_.monotonic();
+  auto& known = remotes_.try_emplace(pair.remote, Remote{guid, now}).first->second;
+  known.was_disturbed = true;
+  const auto [half, is_new] = known.unfinished.try_emplace(pair.local, Half{now, true});
+  if (!known.is_settled || now - half->second.met < kMaxWait) return true;
+  known.unfinished.erase(half);
+  return false;
 }
 
-void HandshakeWatch::progressed(IdentityHandle remote, HandshakeHandle handshake) {
+HandshakeWatch::Duration HandshakeWatch::rest_of(IdentityHandle local, const Guid& remote) const {
   const std::lock_guard lock(mutex_);
-  const auto known = remotes_.find(remote);
+  return resting_.remaining(local, remote, clock_.monotonic());
+}
+
+bool HandshakeWatch::was_unanswered(const Guid& remote) const {
+  const std::lock_guard lock(mutex_);
+  const auto past = past_.find(remote);
+  return past != past_.end() && past->second.was_longest;
+}
+
+void HandshakeWatch::progressed(Pair pair, HandshakeHandle handshake) {
+  const std::lock_guard lock(mutex_);
+  const auto known = remotes_.find(pair.remote);
   if (known == remotes_.end()) return;
   known->second.since = clock_.monotonic();
   known->second.is_under_way = true;
-  handshakes_[handshake] = remote;
+  handshakes_[handshake] = pair;
 }
 
 HandshakeWatch::Remote* HandshakeWatch::of(HandshakeHandle handshake) {
   const auto known = handshakes_.find(handshake);
   if (known == handshakes_.end()) return nullptr;
-  const auto remote = remotes_.find(known->second);
+  const auto remote = remotes_.find(known->second.remote);
   return remote == remotes_.end() ? nullptr : &remote->second;
 }
 
@@ -53,6 +70,8 @@ void HandshakeWatch::finished(HandshakeHandle handshake) {
   if (remote == nullptr) return;
   remote->is_finished = true;
   remote->since = clock_.monotonic();
+  const auto half = remote->unfinished.find(handshakes_.at(handshake).local);
+  if (half != remote->unfinished.end()) half->second.is_finished = true;
 }
 
 void HandshakeWatch::keeps_its_session(HandshakeHandle handshake) {
@@ -65,25 +84,28 @@ void HandshakeWatch::forget(HandshakeHandle handshake) {
   handshakes_.erase(handshake);
 }
 
-void HandshakeWatch::forget(IdentityHandle remote) {
+void HandshakeWatch::forget(IdentityHandle participant) {
   const std::lock_guard lock(mutex_);
-  remotes_.erase(remote);
-  std::erase_if(handshakes_, [&](const auto& entry) { return entry.second == remote; });
+  remotes_.erase(participant);
+  for (auto& [handle, remote] : remotes_) remote.unfinished.erase(participant);
+  std::erase_if(handshakes_, [&](const auto& entry) {
+    return entry.second.remote == participant || entry.second.local == participant;
+  });
+  resting_.forget_local(participant);
 }
 
 HandshakeWatch::Duration HandshakeWatch::patience(const Remote& remote) const {
   auto wait = remote.was_disturbed && !remote.is_under_way ? kPatience : kLongPatience;
   const auto past = past_.find(remote.guid);
-  for (unsigned i = 0; past != past_.end() && i < past->second.times && wait < remote.longest_wait;
-       ++i)
+  for (unsigned i = 0; past != past_.end() && i < past->second.times && wait < kMaxWait; ++i)
     wait *= 2;
-  return std::min(wait, remote.longest_wait);
+  return std::min(wait, kMaxWait);
 }
 
 /// Endpoints can be missing only after the end of the handshake.
 bool HandshakeWatch::is_stuck(const Remote& remote, Duration now) const {
   if (remote.is_settled) return false;
-  if (!remote.lacks_endpoints && now - remote.met >= remote.longest_wait) return true;
+  if (!remote.lacks_endpoints && now - remote.met >= kMaxWait) return true;
   return now - remote.since >= patience(remote);
 }
 
@@ -120,6 +142,44 @@ bool HandshakeWatch::is_settled(IdentityHandle handle, Remote& remote, const Que
   return !remote.lacks_endpoints;
 }
 
+/// The handshakes of other local participants with a peer that has a session with one.
+void HandshakeWatch::give_up_pairs(IdentityHandle handle, Remote& remote, const Questions& ask,
+                                   std::vector<Stuck>& out) {
+  const auto now = clock_.monotonic();
+  const bool has_all_keys = !ask.has_all_keys || ask.has_all_keys(handle);
+  std::erase_if(remote.unfinished, [&](const auto& entry) {
+    if (!entry.second.is_finished || !has_all_keys) return false;
+    resting_.finished(entry.first, remote.guid);
+    return true;
+  });
+  for (const auto& [local, half] : remote.unfinished)
+    if (!half.is_asked_again && now - half.met >= kMaxWait)
+      out.push_back({.remote = handle,
+                     .guid = remote.guid,
+                     .was_disturbed = remote.was_disturbed,
+                     .lacks_endpoints = false,
+                     .is_first = true,
+                     .waited = now - half.met,
+                     .is_shared = true,
+                     .rest = resting_.failed(local, remote.guid, now)});
+}
+
+/// Pairs that have rested: the host begins their handshake only after it has forgotten the peer.
+void HandshakeWatch::give_up_rested(std::vector<Stuck>& out) {
+  for (const auto& guid : resting_.take_rested(clock_.monotonic())) {
+    const auto known =
+        std::ranges::find(remotes_, guid, [](const auto& entry) { return entry.second.guid; });
+    if (known != remotes_.end())
+      out.push_back({.remote = known->first,
+                     .guid = guid,
+                     .was_disturbed = false,
+                     .lacks_endpoints = false,
+                     .is_first = false,
+                     .waited = {},
+                     .is_shared = true});
+  }
+}
+
 std::vector<HandshakeWatch::Stuck> HandshakeWatch::give_up(const Questions& ask) {
   const std::lock_guard lock(mutex_);
   const auto now = clock_.monotonic();
@@ -127,15 +187,19 @@ std::vector<HandshakeWatch::Stuck> HandshakeWatch::give_up(const Questions& ask)
   std::vector<Stuck> out;
   for (auto& [handle, remote] : remotes_) {
     remote.is_settled = is_settled(handle, remote, ask);
+    if (remote.is_settled) give_up_pairs(handle, remote, ask, out);
     if (!is_stuck(remote, now)) continue;
     auto& past = past_of(remote.guid, now);
     out.push_back({handle, remote.guid, remote.was_disturbed, remote.lacks_endpoints,
                    past.times == 0, now - remote.since});
     ++past.times;
+    past.was_longest = !remote.lacks_endpoints && now - remote.met >= kMaxWait;
   }
+  give_up_rested(out);
   for (const auto& stuck : out) {
     remotes_.erase(stuck.remote);
-    std::erase_if(handshakes_, [&](const auto& entry) { return entry.second == stuck.remote; });
+    std::erase_if(handshakes_,
+                  [&](const auto& entry) { return entry.second.remote == stuck.remote; });
   }
   return out;
 }

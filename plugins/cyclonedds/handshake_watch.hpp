@@ -12,6 +12,7 @@
 
 #include "base/clock.hpp"
 #include "base/ids.hpp"
+#include "plugins/cyclonedds/resting_pairs.hpp"
 #include "plugins/spi/handles.hpp"
 
 namespace ddssec::cyclonedds {
@@ -31,32 +32,43 @@ class HandshakeWatch {
   /// seconds the core's own timer would end it, and Cyclone DDS 0.10.2 then corrupts its list of
   /// timers.
   static constexpr Duration kMaxWait = std::chrono::seconds(80);
-  /// The same if governance admits unauthenticated participants: the core treats the peer as one
-  /// when its timer ends the handshake.
-  static constexpr Duration kMaxWaitForUnauthenticated = std::chrono::seconds(120);
   /// A peer that was not given up for this long starts with the shortest wait again.
   static constexpr Duration kForgetAfter = std::chrono::minutes(10);
   static constexpr std::size_t kMaxPeers = 1024;
 
   explicit HandshakeWatch(const Clock& clock) : clock_(clock) {}
 
+  /// A local participant and a remote one.
+  struct Pair {
+    spi::IdentityHandle local;
+    spi::IdentityHandle remote;
+  };
   /// The host has met a remote participant.
-  void met(spi::IdentityHandle remote, const Guid& guid, Duration longest_wait = kMaxWait);
-  /// An announcement in its name was refused. The host asks again, and the wait continues.
-  void not_admitted(spi::IdentityHandle remote, const Guid& guid);
+  void met(Pair pair, const Guid& guid);
+  /// An announcement in its name was refused. The host asks again, and the wait continues. False
+  /// if the host must not ask again: it has asked for kMaxWait, and beginning again would end the
+  /// session of another local participant.
+  bool not_admitted(Pair pair, const Guid& guid);
+  /// How long the host must not begin the handshake (RestingPairs); 0: it may.
+  Duration rest_of(spi::IdentityHandle local, const Guid& remote) const;
+  /// True if the peer was given up after kMaxWait, and is not forgotten yet. Where governance
+  /// admits unauthenticated participants, it counts as one from then on.
+  bool was_unanswered(const Guid& remote) const;
   /// A request or a reply was sent.
-  void progressed(spi::IdentityHandle remote, spi::HandshakeHandle handshake);
+  void progressed(Pair pair, spi::HandshakeHandle handshake);
   /// A request, or a message of this handshake, was refused.
   void refused(spi::IdentityHandle remote);
   void refused(spi::HandshakeHandle handshake);
-  /// The handshake has ended. From now on the remote participant is not given up, whatever happens
-  /// to other handshakes with it, unless its keys do not come: then it did not finish its half.
+  /// The handshake has ended. From now on the remote participant is given up only if its keys do
+  /// not come, because then it did not finish its half, or if another local participant gets no
+  /// session with it (RestingPairs).
   void finished(spi::HandshakeHandle handshake);
   /// The peer has finished its half, and would not notice that the local side begins again. Its
   /// keys are awaited as long as a handshake can last, unless a message was refused.
   void keeps_its_session(spi::HandshakeHandle handshake);
   void forget(spi::HandshakeHandle handshake);
-  void forget(spi::IdentityHandle remote);
+  /// Of a local or a remote participant.
+  void forget(spi::IdentityHandle participant);
 
   struct Stuck {
     spi::IdentityHandle remote;
@@ -65,12 +77,17 @@ class HandshakeWatch {
     bool lacks_endpoints;  ///< everything else is done
     bool is_first;         ///< the first time for this GUID, as far as remembered
     Duration waited;
+    /// Another local participant has a session with it.
+    bool is_shared = false;
+    Duration rest = {};  ///< how long the pair rests now
   };
   /// Questions to libddssec_cryptography about a remote participant. An empty function is not
   /// asked.
   struct Questions {
     /// Has the remote participant sent its keys?
     std::function<bool(spi::IdentityHandle)> has_keys = {};
+    /// Has it sent keys for each local participant that met it?
+    std::function<bool(spi::IdentityHandle)> has_all_keys = {};
     /// Has the host matched it with all local builtin endpoints? A forged announcement that omits
     /// or disposes some of them would keep the two participants from discovering each other's
     /// endpoints, because the host removes builtin endpoints only together with their participant.
@@ -85,34 +102,46 @@ class HandshakeWatch {
   std::vector<Stuck> give_up() { return give_up({}); }
 
  private:
+  /// The handshake of one local participant with a remote one.
+  struct Half {
+    Duration met;
+    bool is_asked_again = false;  ///< each second, until the peer is admitted
+    bool is_finished = false;
+  };
   struct Remote {
     Guid guid;
     Duration met;
     Duration since = met;  ///< time of the last progress
-    Duration longest_wait = kMaxWait;
     bool keeps_its_session = false;
     bool was_disturbed = false;
     bool is_under_way = false;  ///< a request or a reply was sent
     bool is_finished = false;
     bool lacks_endpoints = false;
     bool is_settled = false;  ///< not given up while its builtin endpoints are matched
+    /// By local participant, until its keys are there.
+    std::map<spi::IdentityHandle, Half> unfinished = {};
   };
   struct Past {
     unsigned times = 0;
     Duration last{};
+    bool was_longest = false;  ///< it was waited for as long as possible
   };
   Duration patience(const Remote& remote) const;
   bool is_settled(spi::IdentityHandle handle, Remote& remote, const Questions& ask) const;
   void await_keys(spi::IdentityHandle handle, Remote& remote, const Questions& ask) const;
   bool is_stuck(const Remote& remote, Duration now) const;
+  void give_up_pairs(spi::IdentityHandle handle, Remote& remote, const Questions& ask,
+                     std::vector<Stuck>& out);
+  void give_up_rested(std::vector<Stuck>& out);
   Past& past_of(const Guid& guid, Duration now);
   Remote* of(spi::HandshakeHandle handshake);
 
   const Clock& clock_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::map<spi::IdentityHandle, Remote> remotes_;
-  std::map<spi::HandshakeHandle, spi::IdentityHandle> handshakes_;
+  std::map<spi::HandshakeHandle, Pair> handshakes_;
   std::map<Guid, Past> past_;
+  RestingPairs resting_;
 };
 
 }  // namespace ddssec::cyclonedds

@@ -7,6 +7,12 @@
 
 namespace ddssec::cyclonedds {
 
+namespace {
+constexpr const char* kGrowingIntervals =
+    "from now on it is begun again at growing intervals; this event is not repeated, but Cyclone "
+    "DDS may log each attempt";
+}  // namespace
+
 void AuthenticationAdapter::revoke_stuck(const std::stop_token& stop, const Revoke& revoke) {
   constexpr int kMostFarewells = 32;  // per second: attackers can invent peers that never answer
   int farewells = 0;
@@ -18,17 +24,23 @@ void AuthenticationAdapter::revoke_stuck(const std::stop_token& stop, const Revo
       const std::string found = stuck.lacks_endpoints ? "not all of its builtin endpoints"
                                 : stuck.was_disturbed ? "a refused message and then nothing"
                                                       : "nothing";
-      host_->notice(Event(
-          Error(Code::handshake_begun_again,
-                {.document = "the handshake with a discovered participant",
-                 .expected = "that it ends",
-                 .found = found + " for " + std::to_string(waited.count()) + " ms",
-                 .note = "from now on it is begun again at growing intervals; this event is not "
-                         "repeated, but Cyclone DDS may log each attempt"}),
-          {}, stuck.guid.to_string(),
-          // A peer that lacks endpoints has finished its handshake; all others may be invented by
-          // an attacker.
-          stuck.lacks_endpoints ? PeerProof::authenticated : PeerProof::claimed));
+      const std::string shared = stuck.is_shared
+                                     ? ", although the peer authenticated another participant of "
+                                       "this process, whose session ends now and begins again"
+                                     : "";
+      host_->notice(
+          Event(Error(Code::handshake_begun_again,
+                      {.document = "the handshake with a discovered participant",
+                       .expected = "that it ends",
+                       .found = found + " for " + std::to_string(waited.count()) + " ms" + shared,
+                       .note = stuck.rest.count() > 0
+                                   ? "it is begun again after a rest of " + minutes_in(stuck.rest)
+                                   : kGrowingIntervals}),
+                {}, stuck.guid.to_string(),
+                // A peer that lacks endpoints has finished its handshake; all others may be
+                // invented by an attacker.
+                stuck.lacks_endpoints || stuck.is_shared ? PeerProof::authenticated
+                                                         : PeerProof::claimed));
     }
     revoke(stuck.remote.value);
   }

@@ -26,10 +26,17 @@ void PeersWithKeys::met(spi::ParticipantCryptoHandle peer, spi::IdentityHandle i
   }
 }
 
-void PeersWithKeys::sent_keys(spi::ParticipantCryptoHandle peer) {
+void PeersWithKeys::sent_keys(spi::ParticipantCryptoHandle peer,
+                              spi::ParticipantCryptoHandle local) noexcept {
   const std::lock_guard lock(mutex_);
   const auto known = peers_.find(peer.value);
-  if (known != peers_.end() && !std::exchange(known->second.sent_keys, true)) --awaited_;
+  if (known == peers_.end()) return;
+  if (!std::exchange(known->second.sent_keys, true)) --awaited_;
+  try {
+    known->second.with_keys.insert(local.value);
+  } catch (...) {
+    // As declared.
+  }
 }
 
 void PeersWithKeys::left(spi::ParticipantCryptoHandle peer) {
@@ -104,6 +111,12 @@ bool PeersWithKeys::contains(spi::IdentityHandle identity) const {
   const std::lock_guard lock(mutex_);
   const auto* const peer = find(identity);
   return peer != nullptr && peer->sent_keys;
+}
+
+bool PeersWithKeys::has_sent_all_keys(spi::IdentityHandle identity) const {
+  const std::lock_guard lock(mutex_);
+  const auto* const peer = find(identity);
+  return peer != nullptr && std::ranges::includes(peer->with_keys, peer->locals);
 }
 
 bool PeersWithKeys::is_matched(spi::IdentityHandle identity) const {

@@ -27,7 +27,8 @@ class PeersWithKeys {
   /// If memory runs out, the peer stays unknown and counts as one without keys.
   void met(spi::ParticipantCryptoHandle peer, spi::IdentityHandle identity,
            spi::ParticipantCryptoHandle local, std::uint32_t builtin_endpoints) noexcept;
-  void sent_keys(spi::ParticipantCryptoHandle peer);
+  /// If memory runs out, the keys count for no local participant.
+  void sent_keys(spi::ParticipantCryptoHandle peer, spi::ParticipantCryptoHandle local) noexcept;
   void left(spi::ParticipantCryptoHandle peer);
   /// Adds a protected local builtin endpoint. If memory runs out, it is not waited for.
   void add_builtin(std::int64_t endpoint, spi::ParticipantCryptoHandle local) noexcept;
@@ -42,6 +43,8 @@ class PeersWithKeys {
   bool awaits_keys() const noexcept { return awaited_.load(std::memory_order_relaxed) > 0; }
 
   bool contains(spi::IdentityHandle identity) const;
+  /// True if its keys came for each local participant that met it.
+  bool has_sent_all_keys(spi::IdentityHandle identity) const;
   /// True if each protected local builtin endpoint is matched. Also true for a peer that does not
   /// have all kSecureEndpoints, because it is not known here which ones it lacks.
   bool is_matched(spi::IdentityHandle identity) const;
@@ -54,7 +57,8 @@ class PeersWithKeys {
     bool sent_keys = false;
     bool has_all_endpoints = false;
     std::chrono::nanoseconds last_heard{};
-    std::set<std::int64_t> locals = {};  ///< local participants that met it
+    std::set<std::int64_t> locals = {};     ///< local participants that met it
+    std::set<std::int64_t> with_keys = {};  ///< those for which it sent keys
     /// Local builtin endpoints, one entry for each of its own.
     std::multiset<std::int64_t> matched = {};
   };

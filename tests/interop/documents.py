@@ -134,7 +134,7 @@ class Side:
     trusts: str = "main"                # identity CA file configured
     expired: bool = False
     foreign_key: bool = False           # the private key of another certificate
-    crl: str = ""                       # "peer" or "stranger": whom the configured CRL names;
+    crl: str = ""                       # "peer", "stranger" or "companion": whom the configured CRL names;
                                         # "later": a stranger, and the peer once data flows
     permissions_by: str = "main"        # signer: a permissions CA, or "leaf" for itself
     permissions_ca: str = "main"        # permissions CA file configured
@@ -174,7 +174,7 @@ class Side:
             "permissions": self._signed_permissions(pki, keys, me, certificate),
         }
         if self.crl:
-            named = peer if self.crl == "peer" else "stranger"
+            named = {"peer": peer, COMPANION: COMPANION}.get(self.crl, "stranger")
             own = f"list-{uuid.uuid4()}" if self.crl == "later" else None
             documents["crl"] = pki.crl(issuer, pki.leaf(named, keys.leaf, issuer), own)
         if self.password:

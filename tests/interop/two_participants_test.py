@@ -3,7 +3,7 @@
 that talks to both: one of the two leaves, or comes to its end, and the other goes on without losing anything.
 While both stay, the process takes no more memory with every message.
 
-Usage: two_participants_test.py BUILD [FILTER]
+Usage: two_participants_test.py BUILD [FILTER]    the filter "long/" runs what takes minutes
 """
 
 import concurrent.futures
@@ -19,17 +19,19 @@ from dataclasses import replace
 sys.dont_write_bytecode = True
 
 import pair  # noqa: E402
-from documents import Keys, Side  # noqa: E402
+from documents import COMPANION, Keys, Side  # noqa: E402
 from pki import STARTER, Pki  # noqa: E402
 from scenarios import GOVERNANCES  # noqa: E402
 
 BUILD = pathlib.Path(sys.argv[1]).resolve()
 PATIENCE = 25.0  # seconds; the peers end by themselves after 27
 FURTHER = 15     # samples that the other one must hear afterwards, at ten a second
+LONG = "long/"
 NEVER = 10 ** 6  # samples
 VALID = (6, 16)  # seconds a companion's documents are valid; the first may be too few to be heard in
 ENDED = re.compile(r"identity_ended|grant_expired")
 REVOKED = re.compile(r"certificate_revoked")
+OF_BOTH = 185  # seconds; twice 80, and more than the core's timer afterwards
 ON_ITS_WAY = 1.0  # seconds a sample may come after that
 # Large samples, as fast as the peers go: a result lost for each datagram is some 16 KiB a sample.
 FAST = ("--interval", "1", "--payload", "16000")
@@ -142,6 +144,22 @@ def is_distrusted(watched, lists):
     watched.stop()
 
 
+def answers_one_alone(watched):
+    """The publisher distrusts the companion, and answers it nothing. Cyclone DDS would end that handshake by a timer after
+    100 seconds, and hang or end by a fault. Instead the session of the other is begun again twice; then it stays."""
+    begin = time.monotonic()
+    watched.until("the publisher beginning", lambda: watched.samples)
+    while time.monotonic() < begin + OF_BOTH:
+        heard = len(watched.samples)
+        watched.until("the other one hearing on", lambda: len(watched.samples) >= heard + FURTHER)
+    check("the core's timer ended a handshake", not watched.logged(re.compile("Timed out")))
+    said = watched.logged(re.compile("another participant of this process"))
+    check(f"it was begun again other than twice: {said}", len([line for line in said if "begins again" in line]) == 2)
+    check("the companion heard something", watched.companions_last < 0)
+    codes = watched.stop()
+    check(f"exit codes {codes}", codes == [0, 0])
+
+
 def stays_small(watched):
     """Cyclone's core asks for each message once for each of the two."""
     def both_heard(count):
@@ -164,14 +182,15 @@ def revocation_lists(pki, keys):
     return [pki.crl(ca, pki.leaf(name, keys.leaf, ca)) for name in ("stranger", STARTER)]
 
 
-def run(story, publisher, side, companion, prepare=lambda pki, keys: None, publish_words=()):
+def run(story, publisher, side, companion, prepare=lambda pki, keys: None, publish_words=(), subscribe_words=(),
+        publishers_list=""):
     """Runs one pair; raises what went wrong, with both logs. `story` gets what `prepare` made, too."""
     with tempfile.TemporaryDirectory(prefix="ddssec-two-") as folder:
         os.mkdir(os.path.join(folder, "logs"))
         pki, keys = Pki(folder), Keys()
         programs = pair.Programs(str(BUILD / "bin"), str(BUILD / "dropin"), os.path.join(folder, "logs"))
-        publish = [*replace(side, crl="").arguments(pki, keys, True), *publish_words]
-        subscribe = side.arguments(pki, keys, False)
+        publish = [*replace(side, crl=publishers_list).arguments(pki, keys, True), *publish_words]
+        subscribe = [*side.arguments(pki, keys, False), *subscribe_words]
         prepared = prepare(pki, keys)
         # Made last: it may not be valid for long.
         subscribe += ["--companion", companion.companion(pki, keys, 5 if story is leaves else NEVER)]
@@ -214,6 +233,12 @@ def cases():
         yield f"memory/{name}", lambda s=side: run(stays_small, "ours", s, s, publish_words=FAST)
     listed = replace(everything, crl="stranger")
     yield "distrusted by one", lambda: run(is_distrusted, "embedded", listed, everything, revocation_lists)
+    if LONG in sys.argv[2:]:
+        patiently = ["--timeout", str(OF_BOTH + 60)]
+        for publisher in ("ours", "stock"):
+            yield f"{LONG}answers one alone/{publisher}", lambda p=publisher: run(
+                answers_one_alone, p, everything, everything, publish_words=patiently, subscribe_words=patiently,
+                publishers_list=COMPANION)
     yield "permissions end", lambda: run_to_the_end(everything, "permissions_seconds")
     yield "identity ends", lambda: run_to_the_end(everything, "identity_seconds")
 

@@ -29,12 +29,12 @@ struct HandshakeWatchTest : testing::Test {
   HandshakeWatch::Questions ask;
   ManualClock clock{WallTime{}};
   HandshakeWatch watch{clock};
-  const spi::IdentityHandle remote{7}, other{8};
+  const spi::IdentityHandle local{1}, second_local{2}, remote{7}, other{8};
   const spi::HandshakeHandle handshake{70}, second{71};
 };
 
 TEST_F(HandshakeWatchTest, AfterARefusalItGivesUpSoon) {
-  watch.met(remote, guid_of(1));
+  watch.met({local, remote}, guid_of(1));
   watch.refused(remote);
   EXPECT_TRUE(after(2400ms).empty());
   const auto stuck = after(200ms);
@@ -49,20 +49,20 @@ TEST_F(HandshakeWatchTest, AfterARefusalItGivesUpSoon) {
 
 // The host asks once a second.
 TEST_F(HandshakeWatchTest, AskingAgainAboutARefusedAnnouncementDoesNotProlongTheWait) {
-  watch.not_admitted(remote, guid_of(1));
+  watch.not_admitted({local, remote}, guid_of(1));
   EXPECT_TRUE(after(1s).empty());
-  watch.not_admitted(remote, guid_of(1));
+  watch.not_admitted({local, remote}, guid_of(1));
   EXPECT_TRUE(after(1s).empty());
-  watch.not_admitted(remote, guid_of(1));
+  watch.not_admitted({local, remote}, guid_of(1));
   const auto stuck = after(600ms);
   ASSERT_EQ(stuck.size(), 1u);
   EXPECT_TRUE(stuck[0].was_disturbed);
 }
 
 TEST_F(HandshakeWatchTest, WithoutARefusalItIsPatient) {
-  watch.met(remote, guid_of(1));
+  watch.met({local, remote}, guid_of(1));
   EXPECT_TRUE(after(19s).empty());
-  watch.progressed(remote, handshake);  // counted from here
+  watch.progressed({local, remote}, handshake);  // counted from here
   EXPECT_TRUE(after(19900ms).empty());
   const auto stuck = after(200ms);
   ASSERT_EQ(stuck.size(), 1u);
@@ -70,10 +70,10 @@ TEST_F(HandshakeWatchTest, WithoutARefusalItIsPatient) {
 }
 
 TEST_F(HandshakeWatchTest, ProgressStartsTheWaitAnew) {
-  watch.met(remote, guid_of(1));
+  watch.met({local, remote}, guid_of(1));
   watch.refused(remote);
   EXPECT_TRUE(after(2s).empty());
-  watch.progressed(remote, handshake);
+  watch.progressed({local, remote}, handshake);
   // The peer may have answered, and would not notice that we begin again: no hurry now.
   watch.refused(handshake);
   EXPECT_TRUE(after(19900ms).empty());
@@ -85,8 +85,8 @@ TEST_F(HandshakeWatchTest, APeerThatHasTheSecretIsWaitedForWhileItIsHeard) {
   ask.has_keys = [](auto) { return false; };
   HandshakeWatch::Duration heard{};
   ask.last_heard = [&](auto) { return heard; };
-  watch.met(remote, guid_of(1));
-  watch.progressed(remote, handshake);
+  watch.met({local, remote}, guid_of(1));
+  watch.progressed({local, remote}, handshake);
   watch.finished(handshake);
   for (int i = 0; i < 5; ++i) {
     EXPECT_TRUE(after(10s).empty());
@@ -100,20 +100,14 @@ TEST_F(HandshakeWatchTest, APeerThatHasTheSecretIsWaitedForWhileItIsHeard) {
 TEST_F(HandshakeWatchTest, NoHandshakeLivesAsLongAsTheTimerOfTheCore) {
   ask.has_keys = [](auto) { return false; };
   ask.last_heard = [&](auto) { return clock.monotonic(); };
-  watch.met(remote, guid_of(1));
+  watch.met({local, remote}, guid_of(1));
   for (int i = 0; i < 7; ++i) {
-    watch.progressed(remote, handshake);
+    watch.progressed({local, remote}, handshake);
     EXPECT_TRUE(after(10s).empty());
   }
   watch.finished(handshake);
   EXPECT_TRUE(after(9900ms).empty());
   EXPECT_EQ(after(200ms).size(), 1u);
-  // Where that makes the peer an unauthenticated one, it has to come to that.
-  watch.met(other, guid_of(2), HandshakeWatch::kMaxWaitForUnauthenticated);
-  for (int i = 0; i < 11; ++i) {
-    watch.progressed(other, second);
-    EXPECT_TRUE(after(10s).empty());
-  }
 }
 
 // Stock plugins and Fast DDS keep their session, whatever we begin anew.
@@ -121,8 +115,8 @@ TEST_F(HandshakeWatchTest, APeerThatKeepsItsSessionIsWaitedForUnlessAMessageWasR
   bool sent = false;
   ask.has_keys = [&](auto) { return sent; };
   const auto meet = [&] {
-    watch.met(remote, guid_of(1));
-    watch.progressed(remote, handshake);
+    watch.met({local, remote}, guid_of(1));
+    watch.progressed({local, remote}, handshake);
     watch.finished(handshake);
     watch.keeps_its_session(handshake);
   };
@@ -139,8 +133,8 @@ TEST_F(HandshakeWatchTest, APeerThatKeepsItsSessionIsWaitedForUnlessAMessageWasR
 }
 
 TEST_F(HandshakeWatchTest, AnAuthenticatedPeerIsNeverGivenUp) {
-  watch.met(remote, guid_of(1));
-  watch.progressed(remote, handshake);
+  watch.met({local, remote}, guid_of(1));
+  watch.progressed({local, remote}, handshake);
   watch.refused(handshake);
   watch.finished(handshake);
   watch.refused(handshake);
@@ -151,14 +145,14 @@ TEST_F(HandshakeWatchTest, AnAuthenticatedPeerIsNeverGivenUp) {
 TEST_F(HandshakeWatchTest, APeerWithoutKeysDidNotFinishItsHalf) {
   bool sent = false;
   ask.has_keys = [&](spi::IdentityHandle asked) { return asked == remote && sent; };
-  watch.met(remote, guid_of(1));
-  watch.progressed(remote, handshake);
+  watch.met({local, remote}, guid_of(1));
+  watch.progressed({local, remote}, handshake);
   watch.refused(handshake);
   watch.finished(handshake);
   EXPECT_TRUE(after(19900ms).empty());  // patiently
   EXPECT_EQ(after(200ms).size(), 1u);
-  watch.met(remote, guid_of(1));
-  watch.progressed(remote, second);
+  watch.met({local, remote}, guid_of(1));
+  watch.progressed({local, remote}, second);
   watch.finished(second);
   EXPECT_TRUE(after(30s).empty());
   sent = true;
@@ -173,8 +167,8 @@ TEST_F(HandshakeWatchTest, APeerThatLacksEndpointsIsGivenUpAgainAndAgain) {
   ask.has_keys = [](auto) { return true; };
   ask.is_matched = [&](spi::IdentityHandle asked) { return asked == remote && matched; };
   const auto meet = [&] {
-    watch.met(remote, guid_of(1));
-    watch.progressed(remote, handshake);
+    watch.met({local, remote}, guid_of(1));
+    watch.progressed({local, remote}, handshake);
     watch.finished(handshake);
   };
   meet();
@@ -195,8 +189,8 @@ TEST_F(HandshakeWatchTest, APeerThatLacksEndpointsIsGivenUpAgainAndAgain) {
 TEST_F(HandshakeWatchTest, APeerWhoseEndpointsAreMatchedIsSettled) {
   bool matched = false;
   ask.is_matched = [&](auto) { return matched; };
-  watch.met(remote, guid_of(1));
-  watch.progressed(remote, handshake);
+  watch.met({local, remote}, guid_of(1));
+  watch.progressed({local, remote}, handshake);
   watch.finished(handshake);
   EXPECT_TRUE(after(10s).empty());
   matched = true;
@@ -213,8 +207,8 @@ TEST_F(HandshakeWatchTest, APeerThatLosesAnEndpointAfterwardsIsGivenUp) {
   bool matched = true, sent_keys = true;
   ask.has_keys = [&](auto) { return sent_keys; };
   ask.is_matched = [&](auto) { return matched; };
-  watch.met(remote, guid_of(1));
-  watch.progressed(remote, handshake);
+  watch.met({local, remote}, guid_of(1));
+  watch.progressed({local, remote}, handshake);
   watch.finished(handshake);
   EXPECT_TRUE(after(300s).empty());
   sent_keys = false;
@@ -233,22 +227,133 @@ TEST_F(HandshakeWatchTest, APeerThatLosesAnEndpointAfterwardsIsGivenUp) {
   EXPECT_TRUE(stuck[0].lacks_endpoints);
 }
 
+// Where governance admits unauthenticated participants, the host takes it for one then.
+TEST_F(HandshakeWatchTest, APeerThatWasWaitedForAsLongAsPossibleIsUnanswered) {
+  for (const auto wait : {20s, 40s, 80s}) {
+    EXPECT_FALSE(watch.was_unanswered(guid_of(1)));
+    watch.met({local, remote}, guid_of(1));
+    EXPECT_EQ(after(wait + 1s).size(), 1u);
+  }
+  EXPECT_TRUE(watch.was_unanswered(guid_of(1)));
+  EXPECT_FALSE(watch.was_unanswered(guid_of(2)));
+  EXPECT_TRUE(after(HandshakeWatch::kForgetAfter + 1s).empty());
+  EXPECT_FALSE(watch.was_unanswered(guid_of(1)));
+}
+
+// A forged announcement can do that to a peer that has authenticated itself.
+TEST_F(HandshakeWatchTest, APeerThatOnlyLacksEndpointsIsNotUnanswered) {
+  ask.is_matched = [](auto) { return false; };
+  for (int i = 0; i < 5; ++i) {
+    watch.met({local, remote}, guid_of(1));
+    watch.progressed({local, remote}, handshake);
+    watch.finished(handshake);
+    EXPECT_EQ(after(81s).size(), 1u);
+  }
+  EXPECT_FALSE(watch.was_unanswered(guid_of(1)));
+}
+
 // The host removes a remote participant for all its local ones.
-TEST_F(HandshakeWatchTest, NorOneThatAuthenticatedWithAnotherLocalParticipant) {
-  watch.met(remote, guid_of(1));
-  watch.progressed(remote, handshake);
-  watch.met(remote, guid_of(1));  // by the second local participant
-  watch.progressed(remote, second);
-  watch.finished(handshake);
+struct SharedPeerTest : HandshakeWatchTest {
+  /// It authenticates the first local participant, and is met by the second one.
+  void meet() {
+    watch.met({local, remote}, guid_of(1));
+    watch.progressed({local, remote}, handshake);
+    watch.finished(handshake);
+    watch.met({second_local, remote}, guid_of(1));
+  }
+};
+
+TEST_F(SharedPeerTest, IsKeptLongerThanAnother) {
+  meet();
+  watch.progressed({second_local, remote}, second);
   watch.refused(second);
-  watch.met(remote, guid_of(1));  // by a third
-  EXPECT_TRUE(after(300s).empty());
+  watch.met({{3}, remote}, guid_of(1));  // by a third
+  EXPECT_TRUE(after(79s).empty());
+  watch.finished(second);
+  const auto stuck = after(2s);
+  ASSERT_EQ(stuck.size(), 1u) << "the third one gets nothing";
+  EXPECT_TRUE(stuck[0].is_shared);
+}
+
+// The timer of the core would end the handshake after 100 s, and damage memory.
+TEST_F(SharedPeerTest, IsGivenUpForAParticipantThatGetsNoSessionInTime) {
+  meet();
+  EXPECT_TRUE(after(79900ms).empty());
+  const auto stuck = after(200ms);
+  ASSERT_EQ(stuck.size(), 1u);
+  EXPECT_EQ(stuck[0].remote, remote);
+  EXPECT_TRUE(stuck[0].is_shared);
+  EXPECT_EQ(stuck[0].waited, 80s);
+  EXPECT_EQ(stuck[0].rest, 0s);
+  EXPECT_TRUE(after(1000s).empty());
+}
+
+TEST_F(SharedPeerTest, IsLeftToTheOtherParticipantAfterTheSecondTime) {
+  meet();
+  ASSERT_EQ(after(80s).size(), 1u);
+  EXPECT_EQ(watch.rest_of(second_local, guid_of(1)), 0s);
+  meet();
+  const auto again = after(80s);
+  ASSERT_EQ(again.size(), 1u);
+  EXPECT_EQ(again[0].rest, 10min);
+  EXPECT_EQ(watch.rest_of(second_local, guid_of(1)), 10min);
+  EXPECT_EQ(watch.rest_of(local, guid_of(1)), 0s);
+  watch.met({local, remote}, guid_of(1));
+  watch.progressed({local, remote}, handshake);
+  watch.finished(handshake);
+  EXPECT_TRUE(after(10min - 1s).empty()) << "the session is left alone";
+  EXPECT_EQ(after(1s).size(), 1u) << "and ends, so that the other can be begun";
+  EXPECT_EQ(watch.rest_of(second_local, guid_of(1)), 0s);
+  meet();
+  const auto third = after(80s);
+  ASSERT_EQ(third.size(), 1u);
+  EXPECT_EQ(third[0].rest, 20min);
+}
+
+TEST_F(SharedPeerTest, IsForgivenOnceItHasFinishedWithBoth) {
+  ask.has_all_keys = [](auto) { return true; };
+  meet();
+  ASSERT_EQ(after(80s).size(), 1u);
+  meet();
+  watch.progressed({second_local, remote}, second);
+  watch.finished(second);
+  EXPECT_TRUE(after(1000s).empty());
+  meet();
+  ASSERT_EQ(after(80s).at(0).rest, 0s);
+}
+
+TEST_F(SharedPeerTest, MustSendItsKeysToBoth) {
+  ask.has_all_keys = [](auto) { return false; };
+  meet();
+  watch.progressed({second_local, remote}, second);
+  watch.finished(second);
+  EXPECT_TRUE(after(79s).empty());
+  EXPECT_EQ(after(2s).at(0).is_shared, true);
+}
+
+// The second one does not trust its CA, say. The host asks once a second.
+TEST_F(SharedPeerTest, ThatASecondParticipantDoesNotAdmitIsRefusedForGood) {
+  watch.met({local, remote}, guid_of(1));
+  watch.progressed({local, remote}, handshake);
+  watch.finished(handshake);
+  for (int i = 0; i < 80; ++i) {
+    EXPECT_TRUE(watch.not_admitted({second_local, remote}, guid_of(1))) << i;
+    EXPECT_TRUE(after(1s).empty());
+  }
+  EXPECT_FALSE(watch.not_admitted({second_local, remote}, guid_of(1)));
+  EXPECT_TRUE(after(1000s).empty()) << "the session of the first one stays";
+}
+
+TEST_F(SharedPeerTest, IsNotGivenUpForAParticipantThatHasEnded) {
+  meet();
+  watch.forget(second_local);
+  EXPECT_TRUE(after(1000s).empty());
 }
 
 TEST_F(HandshakeWatchTest, TheWaitDoublesUpToEightySeconds) {
   std::vector<std::chrono::nanoseconds> waits;
   for (int i = 0; i < 8; ++i) {
-    watch.met(remote, guid_of(1));
+    watch.met({local, remote}, guid_of(1));
     watch.refused(remote);
     const auto stuck = after(81s);
     ASSERT_EQ(stuck.size(), 1u);
@@ -258,11 +363,11 @@ TEST_F(HandshakeWatchTest, TheWaitDoublesUpToEightySeconds) {
   EXPECT_EQ(waits,
             (std::vector<std::chrono::nanoseconds>{2500ms, 5s, 10s, 20s, 40s, 80s, 80s, 80s}));
   // Another peer has its own count, and this one's is forgotten after a while.
-  watch.met(other, guid_of(2));
+  watch.met({local, other}, guid_of(2));
   watch.refused(other);
   EXPECT_EQ(after(3s).size(), 1u);
   EXPECT_TRUE(after(HandshakeWatch::kForgetAfter).empty());
-  watch.met(remote, guid_of(1));
+  watch.met({local, remote}, guid_of(1));
   watch.refused(remote);
   const auto again = after(3s);
   ASSERT_EQ(again.size(), 1u);
@@ -270,14 +375,14 @@ TEST_F(HandshakeWatchTest, TheWaitDoublesUpToEightySeconds) {
 }
 
 TEST_F(HandshakeWatchTest, WhatTheHostReturnsIsForgotten) {
-  watch.met(remote, guid_of(1));
-  watch.progressed(remote, handshake);
+  watch.met({local, remote}, guid_of(1));
+  watch.progressed({local, remote}, handshake);
   watch.forget(remote);
   watch.refused(handshake);
   watch.finished(handshake);
   EXPECT_TRUE(after(300s).empty());
-  watch.met(remote, guid_of(1));
-  watch.progressed(remote, second);
+  watch.met({local, remote}, guid_of(1));
+  watch.progressed({local, remote}, second);
   watch.forget(second);
   watch.finished(second);  // no longer its handshake
   EXPECT_EQ(after(21s).size(), 1u);
@@ -285,18 +390,18 @@ TEST_F(HandshakeWatchTest, WhatTheHostReturnsIsForgotten) {
 
 TEST_F(HandshakeWatchTest, OfInventedPeersOnlyTheLatestAreRemembered) {
   const auto give_up = [&](std::uint32_t number) {
-    watch.met({number}, guid_of(number));
+    watch.met({local, {number}}, guid_of(number));
     watch.refused(spi::IdentityHandle{number});
     clock.advance(2500ms);
     return watch.give_up();
   };
   EXPECT_TRUE(give_up(1).at(0).is_first);
-  watch.met({1}, guid_of(1));
+  watch.met({local, {1}}, guid_of(1));
   watch.refused(spi::IdentityHandle{1});
   EXPECT_TRUE(give_up(2).at(0).is_first);
   EXPECT_FALSE(after(5s).at(0).is_first);
   for (std::uint32_t number = 10; number < 10 + HandshakeWatch::kMaxPeers; ++number) {
-    watch.met({number}, guid_of(number));
+    watch.met({local, {number}}, guid_of(number));
     watch.refused(spi::IdentityHandle{number});
   }
   clock.advance(2500ms);
@@ -308,7 +413,7 @@ TEST_F(HandshakeWatchTest, StrangersToItAreNothing) {
   watch.refused(remote);
   watch.refused(handshake);
   watch.finished(handshake);
-  watch.progressed(remote, handshake);
+  watch.progressed({local, remote}, handshake);
   watch.forget(remote);
   EXPECT_TRUE(after(300s).empty());
 }

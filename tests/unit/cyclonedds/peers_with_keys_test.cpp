@@ -13,9 +13,9 @@ TEST(PeersWithKeys, AreThoseWhoseKeysCame) {
   EXPECT_FALSE(peers.contains({7}));
   peers.met({70}, {7}, kLocal, kAll);
   EXPECT_FALSE(peers.contains({7}));
-  peers.sent_keys({71});  // another, which nobody met
+  peers.sent_keys({71}, kLocal);  // another, which nobody met
   EXPECT_FALSE(peers.contains({7}));
-  peers.sent_keys({70});
+  peers.sent_keys({70}, kLocal);
   peers.met({70}, {7}, kLocal, kAll);  // by a second local participant
   EXPECT_TRUE(peers.contains({7}));
   EXPECT_FALSE(peers.contains({70}));
@@ -26,14 +26,27 @@ TEST(PeersWithKeys, AreThoseWhoseKeysCame) {
   peers.left({70});
 }
 
+TEST(PeersWithKeys, HaveSentAllOnceEachLocalParticipantHasThem) {
+  PeersWithKeys peers;
+  EXPECT_FALSE(peers.has_sent_all_keys({7}));
+  peers.met({70}, {7}, kLocal, kAll);
+  peers.sent_keys({70}, kLocal);
+  EXPECT_TRUE(peers.has_sent_all_keys({7}));
+  peers.met({70}, {7}, kSecond, kAll);
+  EXPECT_TRUE(peers.contains({7}));
+  EXPECT_FALSE(peers.has_sent_all_keys({7}));
+  peers.sent_keys({70}, kSecond);
+  EXPECT_TRUE(peers.has_sent_all_keys({7}));
+}
+
 TEST(PeersWithKeys, ALaterPeerOfTheSameIdentityStartsWithout) {
   PeersWithKeys peers;
   peers.met({70}, {7}, kLocal, kAll);
-  peers.sent_keys({70});
+  peers.sent_keys({70}, kLocal);
   peers.met({71}, {7}, kLocal, kAll);
   EXPECT_FALSE(peers.contains({7}));
   peers.left({70});
-  peers.sent_keys({71});
+  peers.sent_keys({71}, kLocal);
   EXPECT_TRUE(peers.contains({7}));
 }
 
@@ -52,8 +65,8 @@ TEST(PeersWithKeys, AreHeardByTheirEndpointsUntilTheirKeysCome) {
   peers.forget(700);
   peers.heard(700, 7s);
   EXPECT_EQ(peers.last_heard({7}), 6s);
-  peers.sent_keys({70});
-  peers.sent_keys({70});
+  peers.sent_keys({70}, kLocal);
+  peers.sent_keys({70}, kLocal);
   EXPECT_FALSE(peers.awaits_keys());
   peers.met({71}, {8}, kLocal, kAll);
   peers.left({71});
