@@ -103,21 +103,46 @@ bool HeldInstances::is_full(const HeldInstance& instance) const {
          instance.valid() >= static_cast<std::size_t>(history_.depth);
 }
 
+// If new instances are added one after the other, the last one is within the share if all but it
+// are fewer than what is free then.
+Room HeldInstances::room_for_instances(const WantedRoom& wanted,
+                                       const std::optional<GuidPrefix>& identity) const {
+  const bool is_shared = shares_ && identity;
+  const auto fits = [&](std::size_t fresh, std::size_t free, std::size_t own) {
+    return fresh == 0 || (fresh <= free && (!is_shared || own + 2 * fresh - 1 <= free));
+  };
+  if (!fits(wanted.instances.size(), max_instances_, 0)) return Room::never;
+  auto out = Room::now;
+  std::size_t fresh = 0, reused = 0;
+  for (const auto& [key, samples] : wanted.instances) {
+    const auto* const instance = find(key);
+    fresh += instance == nullptr ? 1 : 0;
+    reused += instance != nullptr && instance->idle.linked() ? 1 : 0;
+    if (history_.kind == HistoryKind::keep_last) continue;
+    if (samples > max_per_instance_) return Room::never;
+    if (instance != nullptr && instance->valid() + samples > max_per_instance_) out = Room::later;
+  }
+  const auto own = identity ? of_identity_.find(*identity) : of_identity_.end();
+  const auto free = max_instances_ - instances_.size() + idle_.size() - reused;
+  return fits(fresh, free, own == of_identity_.end() ? 0 : own->second) ? out : Room::later;
+}
+
 // If they are stored one after the other, the last one is within the share if all of them together
 // are no more than what is free afterwards.
-Room HeldInstances::room_for(std::size_t samples, std::size_t octets,
-                             const HeldShareOf& share) const {
+Room HeldInstances::room_for(const WantedRoom& wanted, const Payer& payer) const {
+  const auto& share = payer.share;
   const bool replaces = history_.kind == HistoryKind::keep_last;
   const auto fits = [&](const HeldShare& all, const HeldShare& own) {
-    const HeldShare then{all.samples + samples, all.octets + octets};
+    const HeldShare then{all.samples + wanted.samples, all.octets + wanted.octets};
     if (then.octets > kMaxOctets || (!replaces && then.samples > max_samples_)) return false;
     if (!share) return true;
     const bool has_places =
-        replaces || !shares_samples_ || own.samples + samples <= max_samples_ - then.samples;
-    return has_places && own.octets + octets <= kMaxOctets - then.octets;
+        replaces || !shares_samples_ || own.samples + wanted.samples <= max_samples_ - then.samples;
+    return has_places && own.octets + wanted.octets <= kMaxOctets - then.octets;
   };
-  if (fits({samples_, octets_}, share ? *share : HeldShare{})) return Room::now;
-  return fits({}, {}) ? Room::later : Room::never;
+  if (!fits({}, {})) return Room::never;
+  const bool fits_now = fits({samples_, octets_}, share ? *share : HeldShare{});
+  return std::max(fits_now ? Room::now : Room::later, room_for_instances(wanted, payer.identity));
 }
 
 void HeldInstances::hold(const HeldShareOf& share, std::size_t octets) {

@@ -25,6 +25,12 @@ enum class Room : std::uint8_t {
   never,  ///< not even if the reader held no other samples
 };
 
+/// What samples that belong together need.
+struct WantedRoom {
+  std::size_t samples = 0, octets = 0;
+  std::map<KeyHash, std::size_t> instances = {};  ///< the samples of each
+};
+
 class HeldInstances {
  public:
   /// The limits where RESOURCE_LIMITS says "unlimited", so that memory stays bounded. No identity
@@ -61,8 +67,9 @@ class HeldInstances {
                     std::size_t key_octets) const;
   /// With KEEP_LAST: the next sample replaces the oldest one.
   bool is_full(const HeldInstance& instance) const;
-  /// Whether this many more samples of an identity can be stored, of any instances.
-  Room room_for(std::size_t samples, std::size_t octets, const HeldShareOf& share) const;
+  /// Whether these samples of an identity can be stored beside those that are held. The octets of
+  /// new keys and the places of InstanceWriters are not counted.
+  Room room_for(const WantedRoom& wanted, const Payer& payer) const;
   /// Must be called only if `rejects` found room. May remove the oldest idle instance to make room.
   HeldInstance& create(const KeyHash& key, Payload key_value, const Payer& payer);
   /// Must be called after a change to the instance. Moves it to the lists where it belongs, or
@@ -136,6 +143,8 @@ class HeldInstances {
  private:
   void count(const HeldInstance& instance, int sign);
   bool has_room_for_instance(const std::optional<GuidPrefix>& identity) const;
+  Room room_for_instances(const WantedRoom& wanted,
+                          const std::optional<GuidPrefix>& identity) const;
   /// `freed`: octets that go at the same time; `own`: those of them of the same share.
   struct Freed {
     std::size_t octets = 0, own = 0;

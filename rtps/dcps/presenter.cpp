@@ -51,6 +51,7 @@ void Presenter::remove(PresentedReader& reader, MonotonicTime now) {
         if (is_its(item)) refund(from, price_of(item));
         return is_its(item);
       });
+    for (auto& [id, batch] : source.ready) batch.wanted.erase(&reader);
   }
   std::vector<Guid> writers;
   for (const auto& [key, source] : source_of_)
@@ -140,13 +141,13 @@ void Presenter::give_up_largest(const GuidPrefix& identity) {
   }
 }
 
-void Presenter::give_up(Batch& batch, const Source& source, const WantedByReader& wanted,
-                        PresentedReader::Limit limit) {
+void Presenter::give_up(Batch& batch, const Source& source, PresentedReader::Limit limit) {
   for (const auto& item : batch.items) refund(source, price_of(item));
-  for (const auto& [reader, its] : wanted) {
+  for (const auto& [reader, its] : batch.wanted) {
     const bool is_cause = limit != PresentedReader::Limit::samples ||
-                          reader->room_for(its.samples, its.octets, its.writer) == Room::never;
-    is_cause ? reader->give_up(its.writer, its.samples, limit) : reader->lose(its.samples);
+                          reader->room_for(its.room, its.writer) == Room::never;
+    is_cause ? reader->give_up(its.writer, its.room.samples, limit)
+             : reader->lose(its.room.samples);
   }
 }
 
@@ -236,18 +237,20 @@ void Presenter::erase(Source& source, std::map<SequenceNumber, Set>::iterator at
 }
 
 void Presenter::drop(const Source& source, Set& set, std::optional<PresentedReader::Limit> limit) {
-  const Batch batch{std::exchange(set.items, {}), {}};
+  Batch batch{.items = std::exchange(set.items, {}), .last = {}};
+  note_wanted(batch);
   for (const auto& item : batch.items) refund(source, set, price_of(item));
-  for (const auto& [reader, its] : wanted_of(batch))
-    limit ? reader->give_up(its.writer, its.samples, *limit) : reader->lose(its.samples);
+  for (const auto& [reader, its] : batch.wanted)
+    limit ? reader->give_up(its.writer, its.room.samples, *limit) : reader->lose(its.room.samples);
 }
 
 // The Presenter does not wait for a reader that could never hold the batch. Nothing after it would
 // be presented, and no sample of a set may be seen without the others.
 void Presenter::enqueue(Source& source, SequenceNumber at, Batch batch) {
   charge(source, batch);
-  if (const auto wanted = wanted_of(batch); room_for(wanted) == Room::never)
-    return give_up(batch, source, wanted, PresentedReader::Limit::samples);
+  note_wanted(batch);
+  if (room_for(batch) == Room::never)
+    return give_up(batch, source, PresentedReader::Limit::samples);
   source.ready.emplace(at, std::move(batch));  // equal keys stay in the order of insertion
 }
 
@@ -260,37 +263,48 @@ bool Presenter::may_present(const Source& source, SequenceNumber first, const Ba
   return std::ranges::all_of(source.streams, passed) || now >= batch.since + kPatience;
 }
 
-Presenter::WantedByReader Presenter::wanted_of(const Batch& batch) {
-  WantedByReader out;
+void Presenter::note_wanted(Batch& batch) {
+  batch.wanted.clear();
   for (const auto& item : batch.items) {
-    auto& wanted = out[item.reader];
-    ++wanted.samples;
-    wanted.octets += item.change.payload.size();
-    wanted.writer = item.change.writer;
+    auto& [room, writer] = batch.wanted[item.reader];
+    ++room.samples;
+    room.octets += item.change.payload.size();
+    room.instances[item.reader->instance_of(item.change)] += item.change.is_alive() ? 1 : 0;
+    writer = item.change.writer;
   }
-  return out;
 }
 
-Room Presenter::room_for(const WantedByReader& wanted) {
+Room Presenter::room_for(const Batch& batch) {
   auto out = Room::now;
-  for (const auto& [reader, its] : wanted)
-    out = std::max(out, reader->room_for(its.samples, its.octets, its.writer));
+  for (const auto& [reader, its] : batch.wanted)
+    out = std::max(out, reader->room_for(its.room, its.writer));
   return out;
 }
 
-void Presenter::present(Source& source, Batch& batch) {
-  for (auto& item : batch.items) {
-    refund(source, price_of(item));
-    item.reader->present(item.change);
+// The limits on keys and joins are known only when a change is stored. Then the rest waits: its
+// writer has been told that it has arrived, and would not send it again.
+bool Presenter::present(Source& source, Batch& batch) {
+  auto next = batch.items.begin();
+  for (; next != batch.items.end(); ++next) {
+    const auto price = price_of(*next);
+    if (!next->reader->present(next->change)) break;
+    refund(source, price);
   }
-  source.presented = std::max(source.presented, batch.last);
+  const bool is_done = next == batch.items.end();
+  batch.items.erase(batch.items.begin(), next);
+  if (is_done)
+    source.presented = std::max(source.presented, batch.last);
+  else
+    note_wanted(batch);
+  return is_done;
 }
 
 void Presenter::release(Source& source, MonotonicTime now) {
   while (!paused_ && !source.ready.empty()) {
     auto& [first, batch] = *source.ready.begin();
-    if (!may_present(source, first, batch, now) || !has_room(batch)) return;
-    present(source, batch);
+    if (!may_present(source, first, batch, now)) return;
+    batch.is_blocked = !has_room(batch) || !present(source, batch);
+    if (batch.is_blocked) return;
     source.ready.erase(source.ready.begin());
   }
 }
@@ -298,10 +312,8 @@ void Presenter::release(Source& source, MonotonicTime now) {
 // Presents a complete set or nothing of it, also at the end.
 void Presenter::flush(Source& source) {
   for (auto& [id, batch] : source.ready)
-    if (const auto wanted = wanted_of(batch); room_for(wanted) == Room::now)
-      present(source, batch);
-    else
-      give_up(batch, source, wanted, PresentedReader::Limit::writer_end);
+    if (room_for(batch) != Room::now || !present(source, batch))
+      give_up(batch, source, PresentedReader::Limit::writer_end);
 }
 
 void Presenter::on_progress(PresentedReader& reader, const Guid& writer, SequenceNumber group,
@@ -319,7 +331,10 @@ void Presenter::pause(bool paused, MonotonicTime now) {
 }
 
 void Presenter::release(MonotonicTime now) {
-  for (auto& [key, source] : sources_) release(source, now);
+  for (auto& [key, source] : sources_) {
+    if (!source.ready.empty()) source.ready.begin()->second.is_blocked = false;
+    release(source, now);
+  }
 }
 
 MonotonicTime Presenter::next_tick() const {

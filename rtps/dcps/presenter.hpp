@@ -23,10 +23,13 @@ class PresentedReader {
   };
 
   virtual ~PresentedReader() = default;
-  /// Whether this many samples with this many octets of payload can be stored. `writer`: one of
-  /// their writers, all of which have the same identity.
-  virtual Room room_for(std::size_t samples, std::size_t octets, const Guid& writer) const = 0;
-  virtual void present(Change& change) = 0;
+  /// The instance of a change; the default value if it has no key, or none that can be read.
+  virtual KeyHash instance_of(const Change& change) const = 0;
+  /// Whether all of this can be stored. `writer`: one of the writers, all of which have the same
+  /// identity.
+  virtual Room room_for(const WantedRoom& wanted, const Guid& writer) const = 0;
+  /// Returns false if there is no room for the change after all. Then it is as before.
+  virtual bool present(Change& change) = 0;
   /// Reports samples of a set that will never be complete.
   virtual void lose(std::size_t samples) = 0;
   /// Reports samples of a set of that writer that is given up because of a limit.
@@ -87,6 +90,11 @@ class Presenter {
     SequenceNumber set;       ///< the open set; 0: none
     SequenceNumber progress;  ///< group sequence number
   };
+  /// What one reader gets of a batch.
+  struct Wanted {
+    WantedRoom room;
+    Guid writer;  ///< one of the writers
+  };
   struct Set {
     std::vector<Item> items;
     std::set<StreamKey> ended;
@@ -98,6 +106,8 @@ class Presenter {
     std::vector<Item> items;
     SequenceNumber last;  ///< last group sequence number in the batch
     MonotonicTime since{};
+    std::map<PresentedReader*, Wanted> wanted = {};
+    bool is_blocked = false;  ///< found no room; readers have taken nothing since
   };
   /// A publisher, or one writer of one reader.
   struct Source {
@@ -113,12 +123,6 @@ class Presenter {
     std::size_t open = 0, ready = 0;
     std::size_t octets() const { return open + ready; }
   };
-  /// What one reader gets of a batch.
-  struct Wanted {
-    std::size_t samples = 0, octets = 0;
-    Guid writer;  ///< one of the writers
-  };
-  using WantedByReader = std::map<PresentedReader*, Wanted>;
 
   Source* find(PresentedReader& reader, const Guid& writer);
   static std::size_t price_of(const Item& item) {
@@ -134,8 +138,7 @@ class Presenter {
   /// Returns false if changes of that source are refused for now.
   bool make_room(const Source& source);
   void give_up_largest(const GuidPrefix& identity);
-  void give_up(Batch& batch, const Source& source, const WantedByReader& wanted,
-               PresentedReader::Limit limit);
+  void give_up(Batch& batch, const Source& source, PresentedReader::Limit limit);
   void gather(Source& source, const StreamKey& key, Change& change, MonotonicTime now);
   void end_set(Source& source, const StreamKey& key, SequenceNumber id, bool whole,
                MonotonicTime now);
@@ -150,10 +153,12 @@ class Presenter {
   void flush(Source& source);
   bool may_present(const Source& source, SequenceNumber first, const Batch& batch,
                    MonotonicTime now) const;
-  static WantedByReader wanted_of(const Batch& batch);
-  static Room room_for(const WantedByReader& wanted);
-  static bool has_room(const Batch& batch) { return room_for(wanted_of(batch)) == Room::now; }
-  void present(Source& source, Batch& batch);
+  static void note_wanted(Batch& batch);
+  static Room room_for(const Batch& batch);
+  static bool has_room(const Batch& batch) {
+    return !batch.is_blocked && room_for(batch) == Room::now;
+  }
+  bool present(Source& source, Batch& batch);
   void release(Source& source, MonotonicTime now);
 
   const bool by_group_, coherent_, ordered_;

@@ -51,9 +51,10 @@ class ReaderCache {
   /// Samples are read in the order of their arrival, whatever their instance (ordered access with
   /// TOPIC or GROUP scope). `arrivals` is the counter, which other readers may share.
   void order_by_arrival(std::uint64_t& arrivals) { held_.order_by_arrival(arrivals); }
-  /// Whether this many more samples of a writer's identity can be stored, of any instances.
-  Room room_for(std::size_t samples, std::size_t octets, const Guid& writer) const {
-    return held_.room_for(samples, octets, writer_of(writer).share);
+  /// Whether these samples of a writer's identity can be stored (HeldInstances).
+  Room room_for(const WantedRoom& wanted, const Guid& writer) const {
+    const auto& of_writer = writer_of(writer);
+    return held_.room_for(wanted, {of_writer.identity, of_writer.share});
   }
   /// The change's own writer sends what another writer delivered before. With OWNERSHIP EXCLUSIVE
   /// the writer gets its instance back, if it is stronger than the owner. Returns true if the

@@ -20,12 +20,22 @@ bool ReceivedSamples::passes(const Change& change, BoundFilter& filter) {
 
 // If the payload is protected, its key comes from the writer. The key hash next to it is not
 // protected, so the key is computed from the payload.
-bool ReceivedSamples::name_instance(Change& change, const KeyProtection& keys) const {
-  if (!type_.with_key) return true;
+std::optional<KeyHash> ReceivedSamples::key_of(const Change& change,
+                                               const KeyProtection& keys) const {
   const bool from_payload = keys.proven && change.payload.size() > 0;
   if (type_.key_hash && (!change.key_hash || from_payload))
-    change.key_hash = type_.key_hash(change, keys.hidden);
+    return type_.key_hash(change, keys.hidden);
+  return change.key_hash;
+}
+
+bool ReceivedSamples::name_instance(Change& change, const KeyProtection& keys) const {
+  if (!type_.with_key) return true;
+  change.key_hash = key_of(change, keys);
   return change.key_hash.has_value();
+}
+
+KeyHash ReceivedSamples::instance_of(const Change& change, const KeyProtection& keys) const {
+  return type_.with_key ? key_of(change, keys).value_or(KeyHash{}) : KeyHash{};
 }
 
 ReceivedSamples::Received ReceivedSamples::take(Change& change, BoundFilter* filter,

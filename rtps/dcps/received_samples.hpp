@@ -36,6 +36,10 @@ class ReceivedSamples {
   /// `filter`: the reader's content filter; nullptr: none.
   Received take(Change& change, BoundFilter* filter, const KeyProtection& keys, const Moment& at);
 
+  /// The instance that `take` would find; the default value if the type has no key, or this change
+  /// none that can be read.
+  KeyHash instance_of(const Change& change, const KeyProtection& keys) const;
+
   ReaderCache& cache() { return *cache_; }
   const ReaderCache& cache() const { return *cache_; }
   /// Number of samples that could not be deserialized; never reset. Any thread may read and count.
@@ -44,6 +48,7 @@ class ReceivedSamples {
 
  private:
   bool passes(const Change& change, BoundFilter& filter);
+  std::optional<KeyHash> key_of(const Change& change, const KeyProtection& keys) const;
   /// Returns false if the type has a key that cannot be read.
   bool name_instance(Change& change, const KeyProtection& keys) const;
 

@@ -52,6 +52,7 @@ void SampleReception::add_writer(const EndpointData& writer) {
 void SampleReception::remove_writer(const Guid& writer) {
   presentation_.remove_writer(writer, context_.now());
   if (samples_.cache().lose_writer(writer, true, context_.now())) note_data();
+  presentation_.release(context_.now());
   call_at(cache().next_tick());
 }
 
@@ -60,6 +61,7 @@ void SampleReception::lose_writers(std::span<const Guid> writers, MonotonicTime 
   for (const auto& writer : writers)
     changed = samples_.cache().lose_writer(writer, false, now) || changed;
   if (changed) note_data();
+  presentation_.release(now);
   call_at(cache().next_tick());
 }
 
@@ -77,6 +79,16 @@ void SampleReception::on_group(const Guid& writer, SequenceNumber group) {
   if (!presentation_.holds_back()) return;
   presentation_.on_group(writer, group, context_.now());
   context_.attend();
+}
+
+KeyHash SampleReception::instance_of(const Change& change) const {
+  return samples_.instance_of(change, keys_);
+}
+
+// A filter may leave little of them, so only what all samples need together counts.
+Room SampleReception::room_for(const WantedRoom& wanted, const Guid& writer) const {
+  if (filter_.filter() == nullptr) return cache().room_for(wanted, writer);
+  return cache().room_for({wanted.samples, wanted.octets}, writer);
 }
 
 bool SampleReception::store(Change& change) {
@@ -253,6 +265,7 @@ void SampleReception::match(QueryMatches& query) {
 void SampleReception::forget_ended(std::span<const KeyHash> keys) {
   if (keys.empty()) return;
   for (const auto& key : keys) samples_.cache().forget_ended(key);
+  presentation_.release(context_.now());
   update_conditions();
 }
 
@@ -262,10 +275,10 @@ void SampleReception::pause(bool paused, MonotonicTime now) {
 }
 
 void SampleReception::on_time(MonotonicTime now) {
-  presentation_.release(now);
-  schedule_presenter();
   auto& cache = samples_.cache();
   if (cache.expire(now)) update_conditions();
+  presentation_.release(now);
+  schedule_presenter();
   if (cache.release(context_.moment())) note_data();
   cache.check_deadlines(now, reports_.deadline_missed);
   call_at(cache.next_tick());

@@ -80,10 +80,9 @@ class SampleReception final : private PresentedReader, private Timed {
   SampleRejectedStatus& rejected_status() { return rejected_; }
 
  private:
-  Room room_for(std::size_t samples, std::size_t octets, const Guid& writer) const override {
-    return cache().room_for(samples, octets, writer);
-  }
-  void present(Change& change) override { store(change); }
+  KeyHash instance_of(const Change& change) const override;
+  Room room_for(const WantedRoom& wanted, const Guid& writer) const override;
+  bool present(Change& change) override { return store(change); }
   void lose(std::size_t samples) override { on_lost(static_cast<std::int64_t>(samples)); }
   void give_up(const Guid& writer, std::size_t samples, Limit limit) override;
   void on_time(MonotonicTime now) override;

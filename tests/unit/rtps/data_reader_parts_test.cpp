@@ -179,8 +179,12 @@ TEST_F(ReceivedSamplesTest, Reset_OtherPolicies_Count) {
 
 struct Presented final : PresentedReader {
   std::vector<std::int64_t> seen;
-  Room room_for(std::size_t, std::size_t, const Guid&) const override { return Room::now; }
-  void present(Change& change) override { seen.push_back(change.sequence_number.value); }
+  KeyHash instance_of(const Change&) const override { return {}; }
+  Room room_for(const WantedRoom&, const Guid&) const override { return Room::now; }
+  bool present(Change& change) override {
+    seen.push_back(change.sequence_number.value);
+    return true;
+  }
   void lose(std::size_t) override {}
   void give_up(const Guid&, std::size_t, Limit) override {}
 };

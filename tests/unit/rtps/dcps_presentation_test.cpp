@@ -60,6 +60,61 @@ TEST_P(Presenting, ACoherentSetComesAsAWhole) {
   }
 }
 
+// A set waits for all limits of the reader, since its writer is told that it has arrived.
+TEST_P(Presenting, ASetWaitsForRoomInItsInstances) {
+  const Presentation access{PresentationScope::topic, true, false};
+  auto& pub = publisher(access);
+  auto& sub = subscriber(access);
+  auto qos = reliable();
+  qos.history = {.kind = HistoryKind::keep_all};
+  auto& writer = **pub.create_datawriter<Reading>(*a.topic, qos);
+  qos.resource_limits = {.max_samples = 100, .max_instances = 2, .max_samples_per_instance = 2};
+  auto& reader = **sub.create_datareader<Reading>(*b.topic, qos);
+  ASSERT_TRUE(match(writer, reader));
+  const auto write_set = [&](std::initializer_list<Reading> samples) {
+    ASSERT_TRUE(pub.begin_coherent_changes());
+    for (const auto& sample : samples) ASSERT_TRUE(writer.write(sample));
+    ASSERT_TRUE(pub.end_coherent_changes());
+    run(20ms);
+  };
+  write_set({{"a", 1}, {"b", 2}});
+  write_set({{"a", 3}, {"b", 4}});
+  write_set({{"b", 5}, {"a", 6}});
+  EXPECT_THAT(taken(reader), ElementsAre(1, 3, 2, 4));
+  run(20ms);
+  EXPECT_THAT(taken(reader), ElementsAre(5, 6));
+  write_set({{"a", 7}, {"a", 8}, {"a", 9}});  // never fits
+  EXPECT_THAT(taken(reader), IsEmpty());
+  EXPECT_EQ(reader.sample_lost_status().total_count, 3);
+  EXPECT_EQ(reader.sample_rejected_status().total_count, 0);
+}
+
+TEST_P(Presenting, ASetWaitsWhileAnotherWriterHasAllInstances) {
+  const Presentation access{PresentationScope::topic, true, false};
+  auto& pub = publisher(access);
+  auto qos = reliable();
+  qos.history = {.kind = HistoryKind::keep_all};
+  auto& writer = **pub.create_datawriter<Reading>(*a.topic, qos);
+  auto& other = **pub.create_datawriter<Reading>(*a.topic, qos);
+  qos.resource_limits = {.max_samples = 100, .max_instances = 2, .max_samples_per_instance = 2};
+  auto& reader = **subscriber(access).create_datareader<Reading>(*b.topic, qos);
+  ASSERT_TRUE(match(writer, reader) && match(other, reader));
+  for (const auto* key : {"x", "y"}) ASSERT_TRUE(other.write({key, 1}));
+  run(20ms);
+  EXPECT_THAT(taken(reader), ElementsAre(1, 1));
+  ASSERT_TRUE(pub.begin_coherent_changes());
+  for (const auto* key : {"a", "b"}) ASSERT_TRUE(writer.write({key, 2}));
+  ASSERT_TRUE(pub.end_coherent_changes());
+  run(20ms);
+  EXPECT_THAT(taken(reader), IsEmpty());
+  ASSERT_TRUE(pub.delete_datawriter(other));
+  run(50ms);
+  (void)taken(reader);  // the ends of two instances
+  run(20ms);
+  EXPECT_THAT(taken(reader), ElementsAre(2, 2));
+  EXPECT_EQ(reader.sample_lost_status().total_count, 0);
+}
+
 TEST_P(Presenting, AReaderThatComesInTheMiddleOfASetGetsTheNext) {
   const Presentation access{PresentationScope::topic, true, false};
   auto& pub = publisher(access);

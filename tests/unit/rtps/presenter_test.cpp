@@ -22,12 +22,20 @@ struct Reader final : PresentedReader {
   std::vector<std::int64_t>* seen;
   std::size_t room = 100, most = 1000;
   std::size_t lost = 0;
-  std::vector<Limit> limits;  ///< that ended sets
+  mutable int asked = 0;          ///< how often for room
+  std::optional<int> takes = {};  ///< so many more, whatever room_for says
+  std::vector<Limit> limits;      ///< that ended sets
   explicit Reader(std::vector<std::int64_t>& to) : seen(&to) {}
-  Room room_for(std::size_t samples, std::size_t, const Guid&) const override {
-    return samples > most ? Room::never : samples > room ? Room::later : Room::now;
+  KeyHash instance_of(const Change& change) const override { return {change.payload.view()[0]}; }
+  Room room_for(const WantedRoom& wanted, const Guid&) const override {
+    ++asked;
+    return wanted.samples > most ? Room::never : wanted.samples > room ? Room::later : Room::now;
   }
-  void present(Change& change) override { seen->push_back(change.payload.view()[0]); }
+  bool present(Change& change) override {
+    if (takes && (*takes)-- <= 0) return false;
+    seen->push_back(change.payload.view()[0]);
+    return true;
+  }
   void lose(std::size_t samples) override { lost += samples; }
   void give_up(const Guid&, std::size_t samples, Limit limit) override {
     lose(samples);
@@ -70,6 +78,41 @@ TEST_F(Coherent, ASetEndsWithAMarkerAnotherSetOrNone) {
   EXPECT_THAT(take(), ElementsAre(4));
   put(6, 6, 0);
   EXPECT_THAT(take(), ElementsAre(5, 6));
+}
+
+// Its writer was told that it has arrived.
+TEST_F(Coherent, WhatTheReaderRefusesAfterAllWaits) {
+  one.takes = 1;
+  put(1, 1, 1), put(2, 2, 1), put(3, 3, 1), put(4, 0, 0), put(5, 5, 0);
+  EXPECT_THAT(take(), ElementsAre(1));
+  one.takes = 0;
+  presenter.release(now);
+  EXPECT_THAT(take(), IsEmpty());
+  one.takes.reset();
+  presenter.release(now);
+  EXPECT_THAT(take(), ElementsAre(2, 3, 5));
+  EXPECT_EQ(one.lost, 0u);
+  EXPECT_EQ(presenter.octets(), 0u);
+}
+
+TEST_F(Coherent, WhatTheReaderRefusesAfterAllIsLostWithItsWriter) {
+  one.takes = 1;
+  put(1, 1, 1), put(2, 2, 1), put(3, 3, 1), put(4, 0, 0);
+  presenter.remove(one, writer(1), now);
+  EXPECT_THAT(take(), ElementsAre(1));
+  EXPECT_EQ(one.lost, 2u);
+  EXPECT_EQ(presenter.octets(), 0u);
+}
+
+TEST_F(Coherent, ASetThatWaitsCostsNothingUntilTheReaderHasRoom) {
+  one.room = 1;
+  put(1, 1, 1), put(2, 2, 1), put(3, 0, 0);
+  const auto asked = one.asked;
+  for (int number = 4; number < 100; ++number) put(number, 4, number), (void)presenter.next_tick();
+  EXPECT_LE(one.asked, asked + 100) << "once for each further set, when it is complete";
+  one.room = 100;
+  presenter.release(now);
+  EXPECT_EQ(take().size(), 2u + 95);
 }
 
 TEST_F(Coherent, ASetWithAHoleIsNeverSeen) {

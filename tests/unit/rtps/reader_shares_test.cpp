@@ -114,10 +114,10 @@ TEST_F(Shares, NoIdentityTakesAllPlaces) {
   EXPECT_TRUE(put_octets(1, 1, 1).crowded);
   take();
   EXPECT_EQ(store(1, 10), 10u);
-  EXPECT_EQ(cache().room_for(kHalf - 20, 1, writer(1)), Room::now);
-  EXPECT_EQ(cache().room_for(kHalf, 1, writer(1)), Room::later);
-  EXPECT_EQ(cache().room_for(kHalf + 1, 1, writer(1)), Room::never);
-  EXPECT_EQ(cache().room_for(1, HeldInstances::kMostOctetsOfOne + 1, writer(1)), Room::never);
+  EXPECT_EQ(cache().room_for({kHalf - 20, 1}, writer(1)), Room::now);
+  EXPECT_EQ(cache().room_for({kHalf, 1}, writer(1)), Room::later);
+  EXPECT_EQ(cache().room_for({kHalf + 1, 1}, writer(1)), Room::never);
+  EXPECT_EQ(cache().room_for({1, HeldInstances::kMostOctetsOfOne + 1}, writer(1)), Room::never);
 }
 
 // Samples of a writer that is gone still count when TIME_BASED_FILTER releases them.
@@ -133,7 +133,7 @@ TEST_F(Shares, WhatIsKeptForLaterCountsForItsWriter) {
   now += std::chrono::seconds(2);
   EXPECT_TRUE(cache().release(moment()));
   EXPECT_LE(cache().octets(), HeldInstances::kMostOctetsOfOne + 100);
-  EXPECT_EQ(cache().room_for(1, kLarge, writer(3)), Room::now);
+  EXPECT_EQ(cache().room_for({1, kLarge}, writer(3)), Room::now);
 }
 
 TEST_F(ReaderCacheTest, MemoryIsBoundedWhateverTheLimits) {
