@@ -10,15 +10,17 @@ void Presenter::add(PresentedReader& reader, const Guid& writer, const std::opti
   const SourceKey key{grouped ? nullptr : &reader, grouped ? *group : writer};
   if (!source_of_.try_emplace({&reader, writer}, key).second) return;
   auto& source = sources_[key];
-  if (source.streams.empty()) source.identity = identity;
+  if (source.streams.empty() && source.ready.empty()) source.identity = identity;
   source.streams.try_emplace({&reader, writer});
+  source.leaving.erase({&reader, writer});  // it is back
 }
 
-void Presenter::remove(PresentedReader& reader, const Guid& writer, MonotonicTime now) {
+bool Presenter::remove(PresentedReader& reader, const Guid& writer, MonotonicTime now) {
   const StreamKey key{&reader, writer};
-  const auto at = source_of_.find(key);
-  if (at == source_of_.end()) return;
-  auto& source = sources_[at->second];
+  const auto known = source_of_.extract(key);
+  if (!known) return false;
+  const auto at = sources_.find(known.mapped());
+  auto& source = at->second;
   source.streams.erase(key);
   for (auto next = source.sets.begin(); next != source.sets.end();) {
     auto& [id, set] = *next++;
@@ -30,12 +32,35 @@ void Presenter::remove(PresentedReader& reader, const Guid& writer, MonotonicTim
     settle(source, id, now);
   }
   release(source, now);
-  if (source.streams.empty()) {
-    while (!source.sets.empty()) erase(source, source.sets.begin());
-    flush(source);
-    sources_.erase(at->second);
-  }
-  source_of_.erase(at);
+  const bool waits = starts_leaving(source, key);
+  forget_if_done(at);
+  return waits;
+}
+
+bool Presenter::starts_leaving(Source& source, const StreamKey& key) {
+  std::size_t items = 0;
+  for (const auto& [id, batch] : source.ready)
+    items += static_cast<std::size_t>(std::ranges::count_if(batch.items, [&](const Item& item) {
+      return item.reader == key.first && item.change.writer == key.second;
+    }));
+  if (items > 0) source.leaving[key] = items;
+  return items > 0;
+}
+
+void Presenter::note_presented(Source& source, const StreamKey& key) {
+  const auto at = source.leaving.find(key);
+  if (at == source.leaving.end() || --at->second > 0) return;
+  source.leaving.erase(at);
+  key.first->left(key.second);
+}
+
+// Returns the next source.
+std::map<Presenter::SourceKey, Presenter::Source>::iterator Presenter::forget_if_done(
+    std::map<SourceKey, Source>::iterator at) {
+  auto& source = at->second;
+  if (!source.streams.empty()) return std::next(at);
+  while (!source.sets.empty()) erase(source, source.sets.begin());
+  return source.ready.empty() ? sources_.erase(at) : std::next(at);
 }
 
 void Presenter::remove(PresentedReader& reader, MonotonicTime now) {
@@ -52,11 +77,14 @@ void Presenter::remove(PresentedReader& reader, MonotonicTime now) {
         return is_its(item);
       });
     for (auto& [id, batch] : source.ready) batch.wanted.erase(&reader);
+    std::erase_if(source.ready, [](const auto& entry) { return entry.second.items.empty(); });
+    std::erase_if(source.leaving, [&](const auto& entry) { return entry.first.first == &reader; });
   }
   std::vector<Guid> writers;
   for (const auto& [key, source] : source_of_)
     if (key.first == &reader) writers.push_back(key.second);
   for (const auto& writer : writers) remove(reader, writer, now);
+  for (auto at = sources_.begin(); at != sources_.end();) at = forget_if_done(at);
 }
 
 Presenter::Source* Presenter::find(PresentedReader& reader, const Guid& writer) {
@@ -287,8 +315,10 @@ bool Presenter::present(Source& source, Batch& batch) {
   auto next = batch.items.begin();
   for (; next != batch.items.end(); ++next) {
     const auto price = price_of(*next);
+    const StreamKey from{next->reader, next->change.writer};
     if (!next->reader->present(next->change)) break;
     refund(source, price);
+    note_presented(source, from);
   }
   const bool is_done = next == batch.items.end();
   batch.items.erase(batch.items.begin(), next);
@@ -309,13 +339,6 @@ void Presenter::release(Source& source, MonotonicTime now) {
   }
 }
 
-// Presents a complete set or nothing of it, also at the end.
-void Presenter::flush(Source& source) {
-  for (auto& [id, batch] : source.ready)
-    if (room_for(batch) != Room::now || !present(source, batch))
-      give_up(batch, source, PresentedReader::Limit::writer_end);
-}
-
 void Presenter::on_progress(PresentedReader& reader, const Guid& writer, SequenceNumber group,
                             MonotonicTime now) {
   auto* source = find(reader, writer);
@@ -331,7 +354,8 @@ void Presenter::pause(bool paused, MonotonicTime now) {
 }
 
 void Presenter::release(MonotonicTime now) {
-  for (auto& [key, source] : sources_) {
+  for (auto at = sources_.begin(); at != sources_.end(); at = forget_if_done(at)) {
+    auto& source = at->second;
     if (!source.ready.empty()) source.ready.begin()->second.is_blocked = false;
     release(source, now);
   }

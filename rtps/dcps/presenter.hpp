@@ -17,9 +17,8 @@ class PresentedReader {
  public:
   /// Why a set is given up.
   enum class Limit : std::uint8_t {
-    samples,     ///< the reader cannot hold so many samples or octets at once
-    share,       ///< its identity exceeds its share for open sets
-    writer_end,  ///< its writer ended before the reader had room for the set
+    samples,  ///< the reader cannot hold so many samples or octets at once
+    share,    ///< its identity exceeds its share for open sets
   };
 
   virtual ~PresentedReader() = default;
@@ -30,6 +29,8 @@ class PresentedReader {
   virtual Room room_for(const WantedRoom& wanted, const Guid& writer) const = 0;
   /// Returns false if there is no room for the change after all. Then it is as before.
   virtual bool present(Change& change) = 0;
+  /// A writer that was removed while its samples waited for room: the last of them was presented.
+  virtual void left(const Guid& writer) = 0;
   /// Reports samples of a set that will never be complete.
   virtual void lose(std::size_t samples) = 0;
   /// Reports samples of a set of that writer that is given up because of a limit.
@@ -59,9 +60,10 @@ class Presenter {
   /// writer uses.
   void add(PresentedReader& reader, const Guid& writer, const std::optional<Guid>& group,
            const GuidPrefix& identity);
-  /// Samples that are held of this writer or reader are lost if their set is incomplete or finds no
-  /// room.
-  void remove(PresentedReader& reader, const Guid& writer, MonotonicTime now);
+  /// Samples of the writer whose set is incomplete are lost. Others still wait for room, since the
+  /// writer was told that they have arrived: then this returns true, and the reader is told when
+  /// the writer has left.
+  bool remove(PresentedReader& reader, const Guid& writer, MonotonicTime now);
   void remove(PresentedReader& reader, MonotonicTime now);
 
   /// Takes the next change of a writer for a reader. Returns false if the change is refused for
@@ -116,6 +118,9 @@ class Presenter {
     std::map<SequenceNumber, Set> sets;
     std::multimap<SequenceNumber, Batch> ready;
     SequenceNumber presented;  ///< group sequence number; 0: none yet
+    /// Removed writers, with the number of their items in `ready`. The source is removed after the
+    /// last of them.
+    std::map<StreamKey, std::size_t> leaving;
   };
   using SourceKey = std::pair<PresentedReader*, Guid>;
   /// What is held of one identity.
@@ -150,7 +155,9 @@ class Presenter {
   void erase(Source& source, std::map<SequenceNumber, Set>::iterator at);
   void forget(Source& source, std::map<SequenceNumber, Set>::iterator at);
   void enqueue(Source& source, SequenceNumber at, Batch batch);
-  void flush(Source& source);
+  bool starts_leaving(Source& source, const StreamKey& key);
+  void note_presented(Source& source, const StreamKey& key);
+  std::map<SourceKey, Source>::iterator forget_if_done(std::map<SourceKey, Source>::iterator at);
   bool may_present(const Source& source, SequenceNumber first, const Batch& batch,
                    MonotonicTime now) const;
   static void note_wanted(Batch& batch);

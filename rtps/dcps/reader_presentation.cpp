@@ -22,8 +22,8 @@ void ReaderPresentation::add_writer(const Guid& writer, const std::optional<Guid
   if (holds_back()) presenter_->add(reader_, writer, group, identity);
 }
 
-void ReaderPresentation::remove_writer(const Guid& writer, MonotonicTime now) {
-  if (holds_back()) presenter_->remove(reader_, writer, now);
+bool ReaderPresentation::remove_writer(const Guid& writer, MonotonicTime now) {
+  return holds_back() && presenter_->remove(reader_, writer, now);
 }
 
 void ReaderPresentation::on_group(const Guid& writer, SequenceNumber group, MonotonicTime now) {

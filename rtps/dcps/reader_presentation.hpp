@@ -22,9 +22,10 @@ class ReaderPresentation {
   /// false: changes go to the reader's samples at once.
   bool holds_back() const { return presenter_ != nullptr; }
 
-  // These do nothing unless holds_back():
+  // These do nothing, and return false, unless holds_back():
   void add_writer(const Guid& writer, const std::optional<Guid>& group, const GuidPrefix& identity);
-  void remove_writer(const Guid& writer, MonotonicTime now);
+  /// Returns true if samples of the writer still wait (Presenter::remove).
+  bool remove_writer(const Guid& writer, MonotonicTime now);
   void on_group(const Guid& writer, SequenceNumber group, MonotonicTime now);
   void release(MonotonicTime now);
   /// Pauses the reader's own Presenter. The subscriber pauses its own.

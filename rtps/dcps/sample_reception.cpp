@@ -50,9 +50,13 @@ void SampleReception::add_writer(const EndpointData& writer) {
 }
 
 void SampleReception::remove_writer(const Guid& writer) {
-  presentation_.remove_writer(writer, context_.now());
-  if (samples_.cache().lose_writer(writer, true, context_.now())) note_data();
+  if (presentation_.remove_writer(writer, context_.now())) return;
+  left(writer);
   presentation_.release(context_.now());
+}
+
+void SampleReception::left(const Guid& writer) {
+  if (samples_.cache().lose_writer(writer, true, context_.now())) note_data();
   call_at(cache().next_tick());
 }
 
@@ -151,13 +155,12 @@ void SampleReception::report_crowded(const Guid& writer, SampleRejectedReason re
 void SampleReception::give_up(const Guid& writer, std::size_t samples, Limit limit) {
   on_lost(static_cast<std::int64_t>(samples));
   if (!std::has_single_bit(++given_up_)) return;
-  const auto expected =
-      limit == Limit::samples ? fmt::format(
-                                    "at most {} samples and {} octets, all of which the "
-                                    "reader can hold of one identity",
-                                    cache().most_samples_of_one(), HeldInstances::kMostOctetsOfOne)
-      : limit == Limit::share ? "open sets of one identity that take no more than is free"
-                              : "room in the reader before its writer ends";
+  const auto expected = limit == Limit::samples
+                            ? fmt::format(
+                                  "at most {} samples and {} octets, all of which the "
+                                  "reader can hold of one identity",
+                                  cache().most_samples_of_one(), HeldInstances::kMostOctetsOfOne)
+                            : "open sets of one identity that take no more than is free";
   context_.protocol().remote_participants().raise_about(
       Error(Code::rtps_set_given_up,
             {.document = "topic " + topic_.name(),

@@ -83,6 +83,7 @@ class SampleReception final : private PresentedReader, private Timed {
   KeyHash instance_of(const Change& change) const override;
   Room room_for(const WantedRoom& wanted, const Guid& writer) const override;
   bool present(Change& change) override { return store(change); }
+  void left(const Guid& writer) override;
   void lose(std::size_t samples) override { on_lost(static_cast<std::int64_t>(samples)); }
   void give_up(const Guid& writer, std::size_t samples, Limit limit) override;
   void on_time(MonotonicTime now) override;

@@ -89,6 +89,34 @@ TEST_P(Presenting, ASetWaitsForRoomInItsInstances) {
   EXPECT_EQ(reader.sample_rejected_status().total_count, 0);
 }
 
+// It has been told that they have arrived.
+TEST_P(Presenting, SetsThatWaitForRoomComeAfterTheirWriterHasLeft) {
+  const Presentation access{PresentationScope::topic, true, false};
+  auto& pub = publisher(access);
+  auto qos = reliable();
+  qos.history = {.kind = HistoryKind::keep_all};
+  auto& writer = **pub.create_datawriter<Reading>(*a.topic, qos);
+  qos.resource_limits = {.max_samples = 2, .max_instances = 2, .max_samples_per_instance = 2};
+  auto& reader = **subscriber(access).create_datareader<Reading>(*b.topic, qos);
+  ASSERT_TRUE(match(writer, reader));
+  for (int i = 0; i < 6; i += 2) {
+    ASSERT_TRUE(pub.begin_coherent_changes());
+    ASSERT_TRUE(writer.write({"a", i}) && writer.write({"a", i + 1}));
+    ASSERT_TRUE(pub.end_coherent_changes());
+  }
+  run(20ms);
+  ASSERT_TRUE(pub.delete_datawriter(writer));
+  run(50ms);
+  EXPECT_EQ(reader.subscription_matched_status().current_count, 0);
+  EXPECT_THAT(taken(reader), ElementsAre(0, 1));
+  EXPECT_THAT(taken(reader), ElementsAre(2, 3));
+  EXPECT_THAT(taken(reader), ElementsAre(4, 5));
+  EXPECT_EQ(reader.sample_lost_status().total_count, 0);
+  const auto end = reader.take_next_sample();
+  ASSERT_TRUE(end);
+  EXPECT_EQ(end->info.instance_state, InstanceState::not_alive_disposed);
+}
+
 TEST_P(Presenting, ASetWaitsWhileAnotherWriterHasAllInstances) {
   const Presentation access{PresentationScope::topic, true, false};
   auto& pub = publisher(access);

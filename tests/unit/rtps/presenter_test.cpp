@@ -36,6 +36,8 @@ struct Reader final : PresentedReader {
     seen->push_back(change.payload.view()[0]);
     return true;
   }
+  std::vector<Guid> gone = {};
+  void left(const Guid& writer) override { gone.push_back(writer); }
   void lose(std::size_t samples) override { lost += samples; }
   void give_up(const Guid&, std::size_t samples, Limit limit) override {
     lose(samples);
@@ -95,13 +97,44 @@ TEST_F(Coherent, WhatTheReaderRefusesAfterAllWaits) {
   EXPECT_EQ(presenter.octets(), 0u);
 }
 
-TEST_F(Coherent, WhatTheReaderRefusesAfterAllIsLostWithItsWriter) {
+TEST_F(Coherent, WhatWaitsIsKeptWhenItsWriterLeaves) {
   one.takes = 1;
-  put(1, 1, 1), put(2, 2, 1), put(3, 3, 1), put(4, 0, 0);
-  presenter.remove(one, writer(1), now);
+  put(1, 1, 1), put(2, 2, 1), put(3, 3, 1), put(4, 0, 0), put(5, 5, 5);
+  EXPECT_TRUE(presenter.remove(one, writer(1), now));
   EXPECT_THAT(take(), ElementsAre(1));
-  EXPECT_EQ(one.lost, 2u);
+  EXPECT_EQ(one.lost, 1u) << "the set that is open";
+  EXPECT_THAT(one.gone, IsEmpty());
+  one.takes.reset();
+  presenter.release(now);
+  EXPECT_THAT(take(), ElementsAre(2, 3));
+  EXPECT_THAT(one.gone, ElementsAre(writer(1)));
   EXPECT_EQ(presenter.octets(), 0u);
+  EXPECT_FALSE(presenter.remove(one, writer(1), now));
+}
+
+TEST_F(Coherent, AWriterThatComesBackBeforeHasNotLeft) {
+  one.room = 1;
+  put(1, 1, 1), put(2, 2, 1), put(3, 0, 0);
+  EXPECT_TRUE(presenter.remove(one, writer(1), now));
+  presenter.add(one, writer(1), {}, identity(2));
+  put(4, 4, 0);
+  one.room = 100;
+  presenter.release(now);
+  EXPECT_THAT(take(), ElementsAre(1, 2, 4));
+  EXPECT_THAT(one.gone, IsEmpty());
+  EXPECT_EQ(presenter.octets(), 0u);
+}
+
+TEST_F(Coherent, WhatWaitsOfAWriterThatLeftGoesWithTheReader) {
+  one.room = 1;
+  put(1, 1, 1), put(2, 2, 1), put(3, 0, 0);
+  EXPECT_TRUE(presenter.remove(one, writer(1), now));
+  presenter.remove(one, now);
+  EXPECT_EQ(presenter.octets(), 0u);
+  one.room = 100;
+  presenter.release(now);
+  EXPECT_THAT(take(), IsEmpty());
+  EXPECT_THAT(one.gone, IsEmpty());
 }
 
 TEST_F(Coherent, ASetThatWaitsCostsNothingUntilTheReaderHasRoom) {
@@ -200,13 +233,15 @@ TEST_F(Coherent, ASetThatTheReaderCannotHoldIsGivenUpWhole) {
   EXPECT_EQ(presenter.octets(), 0u);
 }
 
-TEST_F(Coherent, ASetWithoutRoomAtTheEndOfItsWriterIsNotSeenInPart) {
+TEST_F(Coherent, ASetWithoutRoomAtTheEndOfItsWriterIsSeenWholeLater) {
   one.room = 1;
   put(1, 1, 1), put(2, 2, 1), put(3, 0, 0);
   presenter.remove(one, writer(1), now);
   EXPECT_THAT(take(), IsEmpty());
-  EXPECT_EQ(one.lost, 2u);
-  EXPECT_THAT(one.limits, ElementsAre(Reader::Limit::writer_end));
+  one.room = 2;
+  presenter.release(now);
+  EXPECT_THAT(take(), ElementsAre(1, 2));
+  EXPECT_EQ(one.lost, 0u);
   EXPECT_EQ(presenter.octets(), 0u);
 }
 
