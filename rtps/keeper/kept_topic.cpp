@@ -21,9 +21,9 @@ constexpr MonotonicTime kRequest = std::chrono::milliseconds(500);
 constexpr Duration kLeastLease{{1, 0}};
 
 // The policies of the original writer, so that every reader that matches it also matches this
-// writer (unless it requests a lease of less than kLeastLease). With OWNERSHIP EXCLUSIVE, this
-// writer has the lowest strength. It has no limits of its own: DURABILITY_SERVICE limits what is
-// stored, and only that is served.
+// writer (unless it requests GROUP scope, or a lease of less than kLeastLease). With OWNERSHIP
+// EXCLUSIVE, this writer has the lowest strength. It has no limits of its own: DURABILITY_SERVICE
+// limits what is stored, and only that is served.
 Qos serving_qos(const Qos& original) {
   auto qos = original;
   qos.reliability.kind = ReliabilityKind::reliable;
@@ -32,7 +32,9 @@ Qos serving_qos(const Qos& original) {
   qos.resource_limits = {.max_samples = most, .max_samples_per_instance = most};
   qos.ownership_strength = std::numeric_limits<std::int32_t>::min();
   qos.liveliness.lease_duration = std::max(qos.liveliness.lease_duration, kLeastLease);
-  qos.presentation = {};
+  // Each sample by itself, in the order in which it was stored.
+  qos.presentation = {
+      .scope = PresentationScope::topic, .coherent_access = true, .ordered_access = true};
   qos.user_data.clear();
   return qos;
 }

@@ -21,6 +21,25 @@ TEST_P(KeeperTest, ALateJoinerGetsWhatAWriterThatIsGoneHasWritten) {
   EXPECT_EQ(late_joiner(*service, b, 3), (Values{0, 1, 2}));
 }
 
+TEST_P(KeeperTest, AReader_WithTheAccessOfTheWriter_GetsWhatIsKept) {
+  const auto service = keeper();
+  const GroupQos group{.presentation = {PresentationScope::topic, true, true}};
+  auto& publisher = **a.participant->create_publisher(group);
+  auto& writer =
+      **publisher.create_datawriter<Reading>(*a.topic, durable(DurabilityKind::transient));
+  ASSERT_TRUE(keeps(*service, 1));
+  ASSERT_TRUE(publisher.begin_coherent_changes());
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(writer.write({i == 1 ? "south" : "north", i}));
+  ASSERT_TRUE(publisher.end_coherent_changes());
+  both(*service);
+  ASSERT_TRUE(publisher.delete_contained_entities());
+  both(*service);
+  auto& subscriber = **b.participant->create_subscriber(group);
+  auto& reader = **subscriber.create_datareader<Reading>(*b.topic, late(DurabilityKind::transient));
+  both(*service);
+  EXPECT_EQ(taken(reader), (Values{0, 1, 2}));
+}
+
 TEST_P(KeeperTest, NothingComesTwiceWhileTheWriterIsThere) {
   const auto service = keeper();
   auto& stays = b.reader(late(DurabilityKind::transient));
