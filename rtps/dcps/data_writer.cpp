@@ -145,14 +145,14 @@ Result<InstanceHandle> AnyDataWriter::instance_of(const OctetWrite& change) {
 Status AnyDataWriter::wait_for_room(std::unique_lock<std::mutex>& lock, const OctetWrite& change) {
   const auto key = change.key.value_or(KeyHash{});
   const auto most = qos_.reliability.max_blocking_time.to_nanoseconds();
-  const auto room = [&] { return protocol().has_room(change.payload.size(), key); };
-  if (!context_.wait(lock, most, room))
-    return fail(Code::rtps_history_full, {.document = "writer " + guid_.to_string()});
   // Slow down gently: samples that do not fit in the receiver's buffers would have to be sent
   // twice.
   const auto may_go_on = [&] { return !protocol().is_ahead(context_.now()); };
   if (!may_go_on()) context_.wait(lock, std::min(most, kBrake), may_go_on);
-  return {};
+  // Last, because other threads write while this one waits.
+  const auto room = [&] { return protocol().has_room(change.payload.size(), key); };
+  if (context_.wait(lock, most, room)) return {};
+  return fail(Code::rtps_history_full, {.document = "writer " + guid_.to_string()});
 }
 
 Status AnyDataWriter::submit(const OctetWrite& request, StatusInfo status) {

@@ -1,4 +1,7 @@
 // Policies in force, end to end between two participants; the test moves the clock.
+#include <atomic>
+#include <thread>
+
 #include "tests/unit/rtps/dcps_fixture.hpp"
 
 namespace ddssec::rtps {
@@ -263,6 +266,28 @@ TEST_P(Policies, ResourceLimitsHoldAtTheWriter) {
   EXPECT_EQ(code_of(writer.write({"b", 1})), Code::rtps_history_full);
   EXPECT_EQ(code_of(writer.write({"c", 0})), Code::rtps_out_of_resources);
   EXPECT_EQ(code_of(writer.register_instance({"c"})), Code::rtps_out_of_resources);
+}
+
+// Each waits until the receiver has caught up a little, and only one may take the last place.
+TEST_P(Policies, ThreadsThatWriteTogether_LoseNothingThatIsNotAcknowledged) {
+  auto qos = reliable();
+  qos.history.kind = HistoryKind::keep_all;
+  qos.resource_limits.max_samples = 48;
+  qos.reliability.max_blocking_time = Duration::from(30ms);
+  auto& writer = a.writer(qos);
+  qos.resource_limits = {};
+  auto& reader = b.reader(qos);
+  ASSERT_TRUE(match(writer, reader));
+  const std::vector<std::uint8_t> octets(16'000);
+  std::atomic<int> written = 0;
+  const auto write = [&] { written += writer.write({"a", 1, octets}) ? 1 : 0; };
+  for (int i = 0; i < 40; ++i) write();  // as much as makes the writer slow down
+  std::vector<std::jthread> threads;
+  for (int i = 0; i < 16; ++i) threads.emplace_back(write);
+  threads.clear();
+  ASSERT_TRUE(eventually([&] { return writer.wait_for_acknowledgments(0ms).has_value(); }));
+  EXPECT_EQ(static_cast<int>(taken(reader).size()), written);
+  EXPECT_EQ(reader.sample_lost_status().total_count, 0);
 }
 
 TEST_P(Policies, ResourceLimitsHoldAtTheReaderAndNothingIsLost) {
