@@ -169,6 +169,7 @@ Status AnyDataWriter::submit(const OctetWrite& request, StatusInfo status) {
       durability_.wait_for_room(held, qos_.reliability.max_blocking_time.to_nanoseconds()));
   DDSSEC_RETURN_IF_ERROR(instance_of(request));
   DDSSEC_RETURN_IF_ERROR(wait_for_room(held, request));
+  DDSSEC_RETURN_IF_ERROR(instance_of(request));  // others may have removed it meanwhile
   Change change;
   const auto [now, wall] = context_.moment();
   DDSSEC_ASSIGN_OR_RETURN(

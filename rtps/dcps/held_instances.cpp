@@ -287,13 +287,16 @@ void HeldInstances::erase_all(HeldInstance& instance) {
   for (auto at = instance.held.begin(); at != instance.held.end();) at = erase(instance, at);
 }
 
-void HeldInstances::hold_back(HeldInstance& instance, std::optional<Change> change,
-                              const HeldShareOf& share) {
+bool HeldInstances::hold_back(HeldInstance& instance, Change& change, const HeldShareOf& share) {
+  Freed freed;
+  if (instance.held_back) freed.octets = instance.held_back->payload.size();
+  if (instance.share_of_held_back == share) freed.own = freed.octets;
+  if (!has_room_for_octets(change.payload.size(), share, freed)) return false;
   take_held_back(instance);
-  if (!change || !has_room_for_octets(change->payload.size(), share, {})) return;
-  hold(share, change->payload.size());
+  hold(share, change.payload.size());
   instance.held_back = std::move(change);
   instance.share_of_held_back = share;
+  return true;
 }
 
 std::optional<Change> HeldInstances::take_held_back(HeldInstance& instance) {

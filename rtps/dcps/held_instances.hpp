@@ -93,9 +93,9 @@ class HeldInstances {
   MonotonicTime next_expiry() const;
   void erase_all(HeldInstance& instance);
   void mark_read(HeldInstance& instance, HeldSample& sample);
-  /// Keeps a change for later, instead of the one kept before. Keeps none if there is no room.
-  void hold_back(HeldInstance& instance, std::optional<Change> change,
-                 const HeldShareOf& share = {});
+  /// Keeps a change for later, instead of the one kept before. Returns false if there is no room:
+  /// then nothing has changed.
+  bool hold_back(HeldInstance& instance, Change& change, const HeldShareOf& share = {});
   std::optional<Change> take_held_back(HeldInstance& instance);
 
   /// Does nothing if there is no room.

@@ -119,8 +119,8 @@ ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at, const H
   }
   if (by_source_ && instance != nullptr && is_too_old(held_, *instance, change)) return dropped;
   if (instance != nullptr && at.now < instance->quiet_until && change.is_alive()) {
-    if (reliable_) held_.hold_back(*instance, std::move(change), share);
-    return dropped;
+    if (!reliable_ || held_.hold_back(*instance, change, share)) return dropped;
+    return {Outcome::rejected, SampleRejectedReason::by_samples_limit, handle, true};
   }
   Payload key_value;
   if (instance == nullptr && key_of_) key_value = Payload::copy_of(key_of_(change));
@@ -156,14 +156,14 @@ void ReaderCache::store_alive(Instance& instance, HeldSample sample, MonotonicTi
   held_.insert(instance, std::move(sample));
   restart_deadline(instance, now);
   // The new sample replaces one that was held back.
-  held_.hold_back(instance, std::nullopt);
+  held_.take_held_back(instance);
   if (separation_.count() > 0) begin_quiet(instance, now, now + separation_);
 }
 
 // Handles a dispose, an unregister, or both at once.
 void ReaderCache::store_end(Instance& instance, const Change& change, MonotonicTime now) {
   const Recount recount(held_, instance);
-  held_.hold_back(instance, std::nullopt);
+  held_.take_held_back(instance);
   if (change.status.disposed) {
     held_.join(instance, change.writer, writer_of(change.writer).share);
     if (exclusive_) instance.latest = change.origin();
@@ -237,7 +237,7 @@ void ReaderCache::forget_ended(const KeyHash& key) {
   if (instance == nullptr || instance->state == InstanceState::alive) return;
   {
     const Recount recount(held_, *instance);
-    held_.hold_back(*instance, std::nullopt);
+    held_.take_held_back(*instance);
     held_.erase_all(*instance);
   }
   held_.forget(*instance);
@@ -259,7 +259,7 @@ bool ReaderCache::leave(Instance& instance, const Guid& writer, MonotonicTime no
   const bool ends = instance.writers.empty() && instance.state == InstanceState::alive;
   if (ends) {
     const Recount recount(held_, instance);
-    held_.hold_back(instance, std::nullopt);
+    held_.take_held_back(instance);
     end(instance, InstanceState::not_alive_no_writers, now);
     instance.due.leave();
     held_.insert_invalid(instance, writer, std::nullopt);
@@ -351,7 +351,7 @@ bool ReaderCache::release(const Moment& at) {
     any = any || outcome == Outcome::stored;
     if (outcome != Outcome::rejected) continue;
     begin_quiet(instance, at.now, at.now + std::max<MonotonicTime>(separation_, kLeastPause));
-    held_.hold_back(instance, std::move(change), share);
+    held_.hold_back(instance, *change, share);  // where it was before
   }
   return any;
 }

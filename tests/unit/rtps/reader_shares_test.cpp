@@ -136,6 +136,24 @@ TEST_F(Shares, WhatIsKeptForLaterCountsForItsWriter) {
   EXPECT_EQ(cache().room_for({1, kLarge}, writer(3)), Room::now);
 }
 
+TEST_F(Shares, WhatFindsNoRoomToBeKeptForLater_IsRejectedAndTheFormerStays) {
+  qos.time_based_filter = Duration::from(std::chrono::seconds(1));
+  made.reset();
+  qos.reliability.kind = ReliabilityKind::reliable;
+  cache().set_writer(writer(1), 0, kDurationInfinite, writer(1).prefix);
+  ASSERT_EQ(put_octets(1, 0, 1).outcome, Outcome::stored);
+  ASSERT_EQ(put_octets(1, 0, 2).outcome, Outcome::dropped);  // kept for later
+  std::uint8_t key = 1;
+  while (put_octets(1, key, kLarge).outcome == Outcome::stored) ++key;
+  EXPECT_EQ(put_octets(1, 0, kLarge).outcome, Outcome::rejected);
+  take();
+  now += std::chrono::seconds(2);
+  EXPECT_TRUE(cache().release(moment()));
+  const auto kept = take();
+  ASSERT_EQ(kept.size(), 1u);
+  EXPECT_EQ(kept[0].payload.size(), 2u);
+}
+
 TEST_F(ReaderCacheTest, MemoryIsBoundedWhateverTheLimits) {
   const auto large = [&](std::uint8_t key) {
     Change change;
