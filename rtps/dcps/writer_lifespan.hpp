@@ -2,9 +2,9 @@
 #pragma once
 
 #include <functional>
+#include <queue>
 
 #include "base/clock.hpp"
-#include "rtps/reliability/ring.hpp"
 #include "wire/numbers.hpp"
 #include "wire/time.hpp"
 
@@ -17,17 +17,18 @@ class WriterLifespan {
   static bool is_over(Duration lifespan, std::chrono::nanoseconds age) {
     return !lifespan.is_infinite() && age >= lifespan.to_nanoseconds();
   }
-  /// Adds a change that is `age` old at `now`. Changes must be added in the order in which they
-  /// expire.
+  /// Adds a change that is `age` old at `now`.
   void add(SequenceNumber change, Duration lifespan, MonotonicTime now,
            std::chrono::nanoseconds age = {});
   /// Calls `expired` once for each change that has expired.
   void expire(MonotonicTime now, const std::function<void(SequenceNumber)>& expired);
   /// Returns kNever if no change expires.
-  MonotonicTime next_tick() const { return expiring_.empty() ? kNever : expiring_.front().first; }
+  MonotonicTime next_tick() const { return expiring_.empty() ? kNever : expiring_.top().first; }
 
  private:
-  Ring<std::pair<MonotonicTime, SequenceNumber>> expiring_;  ///< oldest first
+  using Expiring = std::pair<MonotonicTime, SequenceNumber>;
+  /// The next one first: a policy that changes may let a later change expire earlier.
+  std::priority_queue<Expiring, std::vector<Expiring>, std::greater<>> expiring_;
 };
 
 }  // namespace ddssec::rtps

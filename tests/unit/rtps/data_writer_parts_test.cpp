@@ -111,6 +111,14 @@ TEST_F(WriterLifespanTest, Finite_ChangesExpireOnceInOrder) {
   EXPECT_EQ(lifespan.next_tick(), kNever);
 }
 
+TEST_F(WriterLifespanTest, Shortened_LaterChangesExpireBeforeEarlierOnes) {
+  lifespan.add({1}, Duration::from(milliseconds(500)), milliseconds(0));
+  lifespan.add({2}, Duration::from(milliseconds(10)), milliseconds(0));
+  EXPECT_EQ(lifespan.next_tick(), milliseconds(10));
+  EXPECT_THAT(expired_by(milliseconds(10)), ElementsAre(2));
+  EXPECT_EQ(lifespan.next_tick(), milliseconds(500));
+}
+
 TEST_F(WriterLifespanTest, Finite_AgeOfTheWholeLifespan_IsOver) {
   const auto lifetime = Duration::from(milliseconds(500));
   EXPECT_FALSE(WriterLifespan::is_over(lifetime, milliseconds(499)));
