@@ -118,8 +118,6 @@ Result<ExtendedByCa> extended_by_ca(const Bytes& old_octets, const pki::Certific
   DDSSEC_RETURN_IF_ERROR(check_moved(ca.paths, document.signer(), file));
   DDSSEC_ASSIGN_OR_RETURN(const auto old, named(own_permissions(document, renewed, now), file));
   DDSSEC_RETURN_IF_ERROR(check_current(document, file, ca));
-  DDSSEC_RETURN_IF_ERROR(
-      check_not_replaced(ca.paths, {renewed, document.content(), document.signed_at(), file}));
   if (old.grant.validity.not_after >= renewed.not_after()) return ExtendedByCa{};
   if (old.has_ended)
     return fail(
@@ -134,7 +132,7 @@ Result<ExtendedByCa> extended_by_ca(const Bytes& old_octets, const pki::Certific
   DDSSEC_ASSIGN_OR_RETURN(auto out, sign_permissions(ca.authority, xml, now, context.random));
   DDSSEC_RETURN_IF_ERROR(log_signed(ca, as_bytes(xml), file, now, old.text));
   NewlyListed listed;
-  listed.add(ca.paths, out);
+  listed.add(ca.paths, out, file);
   const auto written = listed.write(now);
   return ExtendedByCa{std::move(out), written ? std::nullopt : std::optional(written.error())};
 }

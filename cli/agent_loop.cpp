@@ -249,9 +249,9 @@ std::string Agent::renewals() const {
   if (hook_) return {};
   const std::filesystem::path given = arguments_.text("--ca");
   const auto crl = present_crl(ca_paths(given, "identity"));
-  const auto list = renewals_of(given, crl && *crl ? &**crl : nullptr);
-  if (!list || list->is_empty()) return {};
-  const auto text = list->text();
+  const auto list = renewals_of(given, crl && *crl ? &**crl : nullptr).list;
+  if (list.is_empty()) return {};
+  const auto text = list.text();
   return text && text->size() < kMaxAgentLine / 2 ? *text : std::string();
 }
 

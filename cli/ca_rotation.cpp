@@ -9,6 +9,7 @@
 #include "cli/held_folder.hpp"
 #include "cli/inputs.hpp"
 #include "cli/logged_certificate.hpp"
+#include "cli/notices.hpp"
 #include "cli/renewal_list.hpp"
 #include "cli/revocation_lists.hpp"
 #include "cli/signed_documents.hpp"
@@ -70,16 +71,6 @@ class SignerAnew {
     return former ? std::move(former) : std::move(document);
   }
 
-  /// Success if the CA's renewal list does not have other permissions of the follower.
-  Status check_rights(const Follower& follower, const fs::path& file,
-                      const DocumentOfCa& document) const {
-    if (file != follower.files.permissions) return {};
-    const auto certificate = read_certificate(follower.files.certificate);
-    if (!certificate) return {};  // of a token, which is not asked here
-    return check_not_replaced(change_.old.paths,
-                              {*certificate, as_bytes(document.text), document.signed_at, file});
-  }
-
   Status sign(const fs::path& file, const DocumentOfCa& document) {
     const auto now = context_.clock.now();
     const auto text = as_bytes(document.text);
@@ -88,7 +79,7 @@ class SignerAnew {
     lines_ += signed_line(change_.ca.certificate(), text, file, now);
     if (!document.is_logged) unlogged_.push_back(file.string());
     if (is_moving(change_) && file.stem() == "permissions")
-      renewals_.add(change_.old.paths, octets);
+      renewals_.add(change_.old.paths, octets, file);
     return out_.put(file, octets, 0644);
   }
 
@@ -278,8 +269,6 @@ Status sign_documents_of(const Follower& follower, const std::vector<fs::path>& 
     return std::unexpected(std::move(last));
   }
   for (const auto& [file, document] : documents.sound)
-    DDSSEC_RETURN_IF_ERROR(signer.check_rights(follower, file, document));
-  for (const auto& [file, document] : documents.sound)
     DDSSEC_RETURN_IF_ERROR(signer.sign(file, document));
   return {};
 }
@@ -310,7 +299,7 @@ Result<Followed> follow_with(Replacement& out, SignerAnew& signer, const Success
   followed.unlogged = signer.unlogged();
   DDSSEC_RETURN_IF_ERROR(log_signed(change.old.paths, signer.lines()));
   if (auto written = signer.renewals().write(signer.now()); !written)
-    followed.doubtful.push_back(std::move(written).error());
+    add_notice(std::move(written).error());
   return followed;
 }
 
@@ -473,7 +462,7 @@ Result<Followed> follow_identity_ca(Replacement& out, const Succession& change,
   DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   DDSSEC_RETURN_IF_ERROR(log_issued(paths, lines));
   if (auto written = renewals.write(context.clock.now()); !written)
-    followed.doubtful.push_back(std::move(written).error());
+    add_notice(std::move(written).error());
   return followed;
 }
 

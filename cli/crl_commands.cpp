@@ -237,8 +237,7 @@ struct Distribution {
   pki::Certificate ca;
   std::string ca_folder;
   WallTime now;
-  Result<pki::RenewalList> renewals;
-  std::vector<pki::Certificate> cas;  ///< whose they are
+  RenewalsOfCas renewals;
 };
 
 // The folder is opened first. The condition for which it was chosen must still be true.
@@ -263,14 +262,11 @@ struct Distributed {
 // Once the revocation list is in place: whatever is wrong with the renewal list must not keep it
 // from a folder.
 Status put_renewal_lists(Distributed& done, const Distribution& what) {
-  if (!what.renewals) {
-    done.errors.push_back(what.renewals.error());
-    return {};
-  }
+  std::ranges::copy(what.renewals.problems, std::back_inserter(done.errors));
   for (const auto& folder : done.folders) {
     Replacement out;
-    auto status =
-        put_renewals(out, pki::participant_folder(folder), {*what.renewals, what.cas, what.now});
+    auto status = put_renewals(out, pki::participant_folder(folder),
+                               {what.renewals.list, what.renewals.cas, what.now});
     if (status) {
       auto files = out.commit_each();
       if (files)
@@ -338,15 +334,6 @@ struct Outcome {
   Distributed done;
 };
 
-// The CAs of both roles, as far as they are here.
-std::vector<pki::Certificate> cas_of(const std::string& given) {
-  std::vector<pki::Certificate> out;
-  for (const auto* const role : {"identity", "permissions"})
-    if (auto cas = read_certificates(ca_paths(given, role).certificate))
-      std::ranges::move(*cas, std::back_inserter(out));
-  return out;
-}
-
 // A user who cannot open the CA's key has no lock. Meanwhile another command may have made and
 // distributed a newer list, which this command then replaced with an older one. The newer list is
 // in the CA's folder before it is in any other. So it is found there, and distributed after the
@@ -357,9 +344,8 @@ Result<Outcome> distribute(const CaPaths& paths, const std::string& given, WallT
   for (int round = 1;; ++round) {
     DDSSEC_ASSIGN_OR_RETURN(const auto ca, read_certificate(paths.certificate));
     DDSSEC_ASSIGN_OR_RETURN(auto list, list_to_distribute(paths, ca, given, now));
-    DDSSEC_ASSIGN_OR_RETURN(
-        auto done,
-        put_lists(folders, {list, ca, given, now, renewals_of(given, &list), cas_of(given)}));
+    DDSSEC_ASSIGN_OR_RETURN(auto done,
+                            put_lists(folders, {list, ca, given, now, renewals_of(given, &list)}));
     std::optional<pki::Crl> present;
     if (!is_alone) {
       DDSSEC_ASSIGN_OR_RETURN(present, present_crl(paths));
@@ -376,8 +362,8 @@ Result<Outcome> distribute(const CaPaths& paths, const std::string& given, WallT
 
 // The lists of both CAs are distributed together.
 void add_renewals(Report& report, const std::string& given, const pki::Crl& crl) {
-  // Why it cannot be read stands in the report already.
-  const auto renewals = renewals_of(given, &crl).value_or(pki::RenewalList{});
+  // Why one cannot be read stands in the report already.
+  const auto renewals = renewals_of(given, &crl).list;
   report.result["renewals"] = {{"certificates", renewals.certificates.size()},
                                {"permissions", renewals.permissions.size()}};
   if (!renewals.is_empty())

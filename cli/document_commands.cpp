@@ -68,16 +68,25 @@ Result<NumberedText> text_to_sign(const governance::Permissions&, BytesView xml,
   return NumberedText{to_bytes(xml)};
 }
 
-// What running peers of the participants learn of the document.
-Status list_signed(const governance::Governance&, const OpenCa&, BytesView, const Arguments&,
-                   WallTime) {
-  return {};
+// Whether sessions of the participants may go on with the document.
+bool extends_former(const governance::Governance&, const fs::path&, const OpenCa&, WallTime) {
+  return false;
 }
-Status list_signed(const governance::Permissions&, const OpenCa& ca, BytesView signed_octets,
-                   const Arguments& arguments, WallTime now) {
-  if (!arguments.has("--listed")) return {};
+bool extends_former(const governance::Permissions& document, const fs::path& to, const OpenCa& ca,
+                    WallTime now) {
+  auto former = listed_grants(ca.paths, now);
+  const auto proof = verified(to, ca.paths.certificate, now);
+  const auto log = read_signing_log(ca.paths);
+  if (proof && log &&
+      log->standing(proof->content(), proof->signer()) == pki::SigningLog::Standing::current)
+    if (auto old = governance::read_permissions(proof->content(), proof->first_line()))
+      std::ranges::move(old->grants, std::back_inserter(former));
+  return extends(document, former);
+}
+
+Status list_signed(const OpenCa& ca, BytesView signed_octets, const fs::path& to, WallTime now) {
   NewlyListed listed;
-  listed.add(ca.paths, signed_octets);
+  listed.add(ca.paths, signed_octets, to);
   return listed.write(now);
 }
 
@@ -109,15 +118,14 @@ Result<Report> sign(const Arguments& arguments, const Context& context) {
                                               !arguments.has("--no-lint"))
     return not_signed(from, {governance::too_long_for_peers(size)});
   DDSSEC_RETURN_IF_ERROR(check_result_place(to, arguments));
+  const bool is_extension = extends_former(document, to, ca, context.clock.now());
   DDSSEC_RETURN_IF_ERROR(
       log_signed(ca.paths, signed_line(ca.certificate(), text, to, context.clock.now())));
   DDSSEC_ASSIGN_OR_RETURN(auto written, write_result(to, signed_octets, arguments));
   report.files_written.push_back(std::move(written));
-  const auto listed = list_signed(document, ca, signed_octets, arguments, context.clock.now());
-  if (!listed) {
-    report.errors.push_back(listed.error());
-    report.exit = exit_of(listed.error().code());
-  }
+  const auto listed =
+      is_extension ? list_signed(ca, signed_octets, to, context.clock.now()) : Status();
+  if (!listed) report.errors.push_back(listed.error());
   report.text += fmt::format("{}  signed by {}\n", to.string(), ca.certificate().subject());
   report.result = {{"file", to.string()}, {"signer", ca.certificate().subject()}};
   if (text.revision != 0) {
@@ -254,10 +262,6 @@ std::vector<Option> signing_options() {
           kInsecureKeyMode};
 }
 
-const Option kListed{"--listed", "",
-                     "put it into the CA's renewal list too, which crl distribute gives to peers: "
-                     "other rights that it takes away stay away"};
-
 std::vector<Option> with_option(std::vector<Option> options, const Option& more) {
   options.push_back(more);
   return options;
@@ -285,7 +289,7 @@ std::vector<Command> document_commands() {
        .name = "sign",
        .summary = "Signs a permissions document that lint passes, in the form every vendor reads.",
        .positionals = {{"FILE", "the XML document"}},
-       .options = with_option(signing_options(), kListed),
+       .options = signing_options(),
        .examples = {"ddssec permissions sign permissions.xml --ca ca -o talker/permissions.p7s"},
        .run = sign<PermissionsKind>},
       {.group = "permissions",

@@ -84,13 +84,11 @@ Status check_not_ended(const OldPermissions& old, const pki::ParticipantFolder& 
 }
 
 // The folder's owner may have put back a document that gives more. The agent asks the log the same.
-Status check_not_superseded(const pki::ParticipantFolder& files, const OpenCa& ca,
-                            const pki::Certificate& renewed, WallTime now) {
+Status check_not_superseded(const pki::ParticipantFolder& files, const OpenCa& ca, WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(const auto proof, verified(files.permissions, ca.paths.certificate, now));
   DDSSEC_ASSIGN_OR_RETURN(const auto log, read_signing_log(ca.paths));
   if (log.standing(proof.content(), proof.signer()) != pki::SigningLog::Standing::superseded)
-    return check_not_replaced(ca.paths,
-                              {renewed, proof.content(), proof.signed_at(), files.permissions});
+    return {};
   return fail(
       tool_code::document_superseded,
       {.document = files.permissions,
@@ -121,7 +119,7 @@ Result<governance::Permissions> put_extended(Replacement& out, const Renewal& jo
   const auto now = job.now();
   DDSSEC_RETURN_IF_ERROR(check_same_ca(files, ca));
   DDSSEC_RETURN_IF_ERROR(check_moved(ca.paths, files.permissions, now));
-  DDSSEC_RETURN_IF_ERROR(check_not_superseded(files, ca, renewed, now));
+  DDSSEC_RETURN_IF_ERROR(check_not_superseded(files, ca, now));
   DDSSEC_ASSIGN_OR_RETURN(const auto old,
                           permissions_in(files, ca.paths.certificate, renewed, now));
   DDSSEC_RETURN_IF_ERROR(check_not_ended(old, files, job.arguments));
@@ -135,7 +133,7 @@ Result<governance::Permissions> put_extended(Replacement& out, const Renewal& jo
   DDSSEC_RETURN_IF_ERROR(
       log_signed(ca, as_bytes(xml), job.recorded / files.permissions.filename(), now, old.text));
   NewlyListed listed;
-  listed.add(ca.paths, octets);
+  listed.add(ca.paths, octets, files.permissions);
   if (const auto written = listed.write(now); !written) report.errors.push_back(written.error());
   return document;
 }

@@ -2,62 +2,65 @@
 
 #include <algorithm>
 #include <iterator>
+#include <optional>
 #include <set>
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/tool_code.hpp"
 #include "cli/documents.hpp"
 #include "cli/inputs.hpp"
-#include "governance/grant.hpp"
+#include "cli/notices.hpp"
 #include "governance/read.hpp"
 #include "governance/write.hpp"
 #include "pki/smime.hpp"
 #include "pki/smime_diagnosis.hpp"
-#include "pki/subject_name.hpp"
 
 namespace ddssec::cli {
 namespace {
 
 namespace fs = std::filesystem;
+using governance::Grant;
 
-// Its signature is not checked: the participants do that. Empty: it says nothing.
-std::optional<ListedDocument> look_into(const Bytes& file) {
+/// A permissions document of a list, by what it says of itself.
+struct ListedDocument {
+  Bytes file;
+  std::vector<Grant> grants = {};  ///< those that name their subject
+  WallTime end = {};               ///< of the last one
+};
+
+// Its signature is not checked: the participants do that. Empty: no grant names a subject.
+std::optional<ListedDocument> look_into(BytesView file) {
   const auto form = pki::examine_document(file);
   if (form.ambiguous) return std::nullopt;
   auto document = governance::read_permissions(form.unverified_text, form.first_line);
-  if (!document || document->grants.empty()) return std::nullopt;
-  ListedDocument out{.file = file, .grants = std::move(document->grants)};
-  for (const auto& grant : out.grants) {
-    out.begin = std::max(out.begin, grant.validity.not_before);
-    out.end = std::max(out.end, grant.validity.not_after);
-  }
-  return out;
+  if (!document) return std::nullopt;
+  ListedDocument out{.file = to_bytes(file), .grants = std::move(document->grants)};
+  std::erase_if(out.grants, [](const auto& grant) { return grant.subject_is_expression; });
+  for (const auto& grant : out.grants) out.end = std::max(out.end, grant.validity.not_after);
+  return out.grants.empty() ? std::nullopt : std::optional(std::move(out));
 }
 
-std::vector<ListedDocument> documents_of(const pki::RenewalList& list) {
-  std::vector<ListedDocument> out;
-  for (const auto& file : list.permissions)
-    if (auto one = look_into(file)) out.push_back(*std::move(one));
-  return out;
+std::string rights_in(Grant grant) {
+  grant.name = grant.subject_name = "X";
+  grant.subject_is_expression = grant.subject_has_line_breaks = false;
+  grant.validity = {};
+  return governance::to_xml(governance::Permissions{.grants = {std::move(grant)}});
 }
 
-// Each domain that `former` says something of, `next` does, too.
-bool covers(const governance::Grant& next, const governance::Grant& former) {
-  if (former.default_allow && !next.default_allow) return false;
-  return std::ranges::all_of(former.rules, [&](const auto& rule) {
-    return std::ranges::find(next.rules, rule.domains, &governance::Rule::domains) !=
-           next.rules.end();
-  });
+bool give_the_same(const Grant& a, const Grant& b) {
+  return a.subject_name == b.subject_name && rights_in(a) == rights_in(b);
 }
 
-bool replaces(const ListedDocument& next, const ListedDocument& former) {
-  if (next.begin < former.begin) return false;
+// One that begins in the future leaves the former in its place until then.
+bool replaces(const ListedDocument& next, const ListedDocument& former, WallTime now) {
   return std::ranges::all_of(former.grants, [&](const auto& old) {
     return std::ranges::any_of(next.grants, [&](const auto& grant) {
-      return grant.subject_name == old.subject_name &&
-             grant.subject_is_expression == old.subject_is_expression && covers(grant, old);
+      return grant.validity.not_after >= old.validity.not_after &&
+             grant.validity.not_before <= std::max(now, old.validity.not_before) &&
+             give_the_same(grant, old);
     });
   });
 }
@@ -69,149 +72,113 @@ std::size_t size_in_list(const Bytes& file) {
   return text + text / kLine + kAround;
 }
 
-// The octets that the certificates take.
-std::size_t keep_what_is_read(std::vector<pki::Certificate>& certificates) {
-  std::size_t octets = 0;
-  auto first = certificates.end();
-  for (std::size_t count = 0; first != certificates.begin() && count < pki::kMostRenewals;
-       ++count) {
-    const auto more = std::prev(first)->pem().size();
-    if (octets + more > pki::kMostRenewalListOctets) break;
-    octets += more;
-    --first;
-  }
-  certificates.erase(certificates.begin(), first);
-  return octets;
-}
-
-// Permissions that have ended leave first, longest ago first, and then those at the front. True:
-// some left that have not ended.
-bool keep_what_is_read(std::vector<ListedDocument>& documents, std::size_t octets, WallTime now) {
-  for (const auto& one : documents) octets += size_in_list(one.file);
-  bool out = false;
-  while (!documents.empty() &&
-         (documents.size() > pki::kMostRenewals || octets > pki::kMostRenewalListOctets)) {
-    auto first = std::ranges::min_element(documents, {}, &ListedDocument::end);
-    if (first->end > now) {
-      first = documents.begin();
-      out = true;
+/// The entries of a list, bounded as participants read it. Older ones come first.
+class Entries {
+ public:
+  /// Of permissions, those that name a subject.
+  void add(const pki::RenewalList& list, WallTime now) {
+    std::vector<pki::Certificate> certificates;
+    for (const auto& one : list.certificates)
+      if (one.not_after() > now) certificates.push_back(one);
+    std::erase_if(certificates_, [&](const auto& old) {
+      return std::ranges::find(certificates, old.subject_digest(),
+                               &pki::Certificate::subject_digest) != certificates.end();
+    });
+    std::ranges::move(certificates, std::back_inserter(certificates_));
+    for (const auto& file : list.permissions) {
+      auto next = look_into(file);
+      if (!next || next->end <= now) continue;
+      std::erase_if(documents_, [&](const auto& old) { return replaces(*next, old, now); });
+      documents_.push_back(*std::move(next));
     }
-    octets -= size_in_list(first->file);
-    documents.erase(first);
   }
-  return out;
-}
 
-struct Merged {
-  pki::RenewalList list = {};
-  bool is_cut_short = false;
+  /// Removes what is more than participants read.
+  void shorten() {
+    std::size_t octets = 0;
+    for (const auto& one : certificates_) octets += one.pem().size();
+    for (const auto& one : documents_) octets += size_in_list(one.file);
+    while (!documents_.empty() &&
+           (documents_.size() > pki::kMostRenewals || octets > pki::kMostRenewalListOctets)) {
+      const auto least = documents_.begin() + static_cast<std::ptrdiff_t>(least_document());
+      octets -= size_in_list(least->file);
+      for (const auto& grant : least->grants) left_out_.insert(grant.subject_name);
+      documents_.erase(least);
+    }
+    while (certificates_.size() > pki::kMostRenewals || octets > pki::kMostRenewalListOctets) {
+      const auto least = std::ranges::min_element(certificates_, {}, &pki::Certificate::not_after);
+      octets -= least->pem().size();
+      left_out_.insert(least->subject());
+      certificates_.erase(least);
+    }
+  }
+
+  pki::RenewalList list() const {
+    pki::RenewalList out{.certificates = certificates_};
+    for (const auto& one : documents_) out.permissions.push_back(one.file);
+    return out;
+  }
+  /// The subjects of what was removed.
+  const std::set<std::string>& left_out() const { return left_out_; }
+
+ private:
+  // Later documents are for the same subjects.
+  bool is_older(std::size_t index) const {
+    std::set<std::string_view> later;
+    for (std::size_t i = index + 1; i < documents_.size(); ++i)
+      for (const auto& grant : documents_[i].grants) later.insert(grant.subject_name);
+    return std::ranges::all_of(documents_[index].grants, [&](const auto& grant) {
+      return later.contains(grant.subject_name);
+    });
+  }
+  std::size_t least_document() const {
+    std::size_t ends_first = 0;
+    for (std::size_t i = 0; i < documents_.size(); ++i) {
+      if (is_older(i)) return i;
+      if (documents_[i].end < documents_[ends_first].end) ends_first = i;
+    }
+    return ends_first;
+  }
+
+  std::vector<pki::Certificate> certificates_;
+  std::vector<ListedDocument> documents_;
+  std::set<std::string> left_out_;
 };
 
-// `former` without what `next` replaces and certificates that have ended, and then `next`.
-Merged merged(const pki::RenewalList& former, const pki::RenewalList& next, WallTime now) {
-  Merged out;
-  const auto is_replaced = [&](const pki::Certificate& old) {
-    return std::ranges::find(next.certificates, old.subject_digest(),
-                             &pki::Certificate::subject_digest) != next.certificates.end();
-  };
-  auto& certificates = out.list.certificates;
-  for (const auto& old : former.certificates)
-    if (old.not_after() > now && !is_replaced(old)) certificates.push_back(old);
-  for (const auto& one : next.certificates)
-    if (one.not_after() > now) certificates.push_back(one);
-  const auto later = documents_of(next);
-  std::vector<ListedDocument> documents;
-  for (auto& old : documents_of(former))
-    if (std::ranges::none_of(later, [&](const auto& one) { return replaces(one, old); }))
-      documents.push_back(std::move(old));
-  documents.insert(documents.end(), later.begin(), later.end());
-  out.is_cut_short = keep_what_is_read(documents, keep_what_is_read(certificates), now);
-  for (auto& one : documents) out.list.permissions.push_back(std::move(one.file));
+Entries entries_of(const pki::RenewalList& former, const pki::RenewalList& next, WallTime now) {
+  Entries out;
+  out.add(former, now);
+  out.add(next, now);
+  out.shorten();
   return out;
 }
 
-Error cut_short(const fs::path& file) {
+Error too_long(const fs::path& file, const std::set<std::string>& left_out) {
+  constexpr std::size_t kMost = 4;
+  std::vector<std::string> shown(left_out.begin(), left_out.end());
+  const auto more = shown.size() > kMost ? shown.size() - kMost : 0;
+  shown.resize(shown.size() - more);
   return Error(
       Code::file_too_large,
       {.document = file,
        .expected = fmt::format("at most {} certificates, {} permissions documents and {} "
                                "octets, as participants read",
                                pki::kMostRenewals, pki::kMostRenewals, pki::kMostRenewalListOctets),
-       .found = "more: permissions that came first were left out",
-       .hint = "give each participant a document with its own grant only; a participant "
-               "that starts again no longer knows of those that were left out: to take "
-               "rights away for good, revoke the certificate"});
+       .found = fmt::format("more: entries of {}{} were left out", fmt::join(shown, "; "),
+                            more == 0 ? "" : fmt::format(" and {} more", more)),
+       .hint = "give each participant a document with its own grant only; peers of the "
+               "participants named authenticate again when the former documents end"});
 }
 
-// Whether both say something of one domain, whatever the tags are.
-bool meet_in_a_domain(const governance::Grant& a, const governance::Grant& b) {
-  const auto says = [](const governance::Grant& grant, DomainId id) {
-    return grant.default_allow || std::ranges::any_of(grant.rules, [id](const auto& rule) {
-             return governance::DomainSet{.ranges = rule.domains.ranges}.contains(id);
-           });
-  };
-  for (DomainId id = 0; id <= governance::kHighestDomainId; ++id)
-    if (says(a, id) && says(b, id)) return true;
-  return false;
-}
-
-std::string rights_in(governance::Grant grant) {
-  grant.name = grant.subject_name = "X";
-  grant.subject_is_expression = grant.subject_has_line_breaks = false;
-  grant.validity = {};
-  return governance::to_xml(governance::Permissions{.grants = {std::move(grant)}});
-}
-
-// What is there of CAs that the folder has: the others have no effect.
-pki::RenewalList of_trusted(pki::RenewalList list, const pki::ParticipantFolder& files,
-                            WallTime now) {
-  const auto identity_cas = read_certificates(files.identity_ca);
-  std::erase_if(list.certificates, [&](const auto& one) {
-    return !identity_cas || std::ranges::none_of(*identity_cas, [&](const auto& ca) {
-      return one.is_issued_by(ca);
-    });
-  });
-  auto permissions_cas = read_certificates(files.permissions_ca);
-  if (!permissions_cas) {
-    list.permissions.clear();
-    return list;
-  }
-  const auto verifier = pki::DocumentVerifier::make(*std::move(permissions_cas));
-  std::erase_if(list.permissions,
-                [&](const auto& one) { return !verifier || !verifier->verify(one, now); });
-  return list;
-}
-
-// The CAs' own lists have the certificates that are still to count of them. Permissions stay: they
-// take rights away, also when the CA's list was lost.
-pki::RenewalList without_those_of(const std::vector<pki::Certificate>& cas, pki::RenewalList list) {
-  std::erase_if(list.certificates, [&](const auto& one) {
-    return std::ranges::any_of(cas, [&](const auto& ca) { return one.is_issued_by(ca); });
-  });
-  return list;
-}
-
-std::vector<governance::Grant> grants_of(const std::vector<governance::Grant>& all,
-                                         const pki::Certificate& certificate) {
-  std::vector<governance::Grant> out;
-  const auto subject = pki::SubjectName::of(certificate);
-  std::ranges::copy_if(all, std::back_inserter(out),
-                       [&](const auto& grant) { return governance::is_for(grant, subject); });
-  return out;
-}
-
-// Empty: no CA of the file signed it.
-std::optional<WallTime> signing_time(const CaPaths& ca, const ListedDocument& document) {
-  auto cas = read_certificates(ca.certificate);
-  if (!cas) return std::nullopt;
-  const auto verifier = pki::DocumentVerifier::make(*cas);
-  if (!verifier) return std::nullopt;
-  // Also by a certificate that has ended.
-  for (const auto& one : *cas)
-    if (const auto proof =
-            verifier->verify(document.file, one.not_after() - std::chrono::seconds(1)))
-      return proof->signed_at().value_or(WallTime::min());
-  return std::nullopt;
+Error begun_anew(const fs::path& file, const Error& why) {
+  return Error(Code::renewal_list_malformed,
+               {.document = file,
+                .expected = "a renewal list",
+                .found = why.message(),
+                .note = "a new list was begun",
+                .hint = "nothing to do for participants that are renewed from now on; for the "
+                        "others, renew them again before their former documents end, or put a copy "
+                        "of the former list into the file's place"});
 }
 
 // No entries if the file does not exist.
@@ -221,27 +188,41 @@ Result<pki::RenewalList> read_renewals(const fs::path& file) {
   return named(pki::RenewalList::parse(octets), file);
 }
 
-// A damaged list is not taken for an empty one: then it would give back what it took away.
-Result<pki::RenewalList> read_list_of_ca(const fs::path& file) {
-  auto list = read_renewals(file);
-  if (list) return list;
-  auto details = list.error().details();
-  details.hint =
-      "put a copy of the file into its place, such as renewed.pem of a participant's folder; if it "
-      "is removed, participants that start again no longer know of rights that it took away";
-  return fail(list.error().code(), std::move(details));
-}
-
-Status add_to(const fs::path& file, const pki::RenewalList& entries, WallTime now) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto former, read_list_of_ca(file));
-  const auto [list, is_cut_short] = merged(former, entries, now);
+Status add_to(const fs::path& file, const pki::RenewalList& next, WallTime now) {
+  const auto former = read_renewals(file);
+  const auto entries = entries_of(former.value_or(pki::RenewalList{}), next, now);
+  const auto list = entries.list();
   if (list.is_empty()) return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto text, list.text());
   Replacement out;
   DDSSEC_RETURN_IF_ERROR(out.put_public(file, text));
   DDSSEC_RETURN_IF_ERROR(out.commit_each());
-  if (is_cut_short) return std::unexpected(cut_short(file));
+  if (!former) return std::unexpected(begun_anew(file, former.error()));
+  if (!entries.left_out().empty()) return std::unexpected(too_long(file, entries.left_out()));
   return {};
+}
+
+// What is there of CAs that the folder has: the others have no effect. Nothing of `without`.
+pki::RenewalList of_trusted(pki::RenewalList list, const pki::ParticipantFolder& files,
+                            WallTime now, const std::vector<pki::Certificate>& without = {}) {
+  const auto identity_cas = read_certificates(files.identity_ca);
+  std::erase_if(list.certificates, [&](const auto& one) {
+    const auto is_issuer = [&](const auto& ca) { return one.is_issued_by(ca); };
+    return std::ranges::any_of(without, is_issuer) || !identity_cas ||
+           std::ranges::none_of(*identity_cas, is_issuer);
+  });
+  auto permissions_cas = read_certificates(files.permissions_ca);
+  if (!permissions_cas) {
+    list.permissions.clear();
+    return list;
+  }
+  const auto verifier = pki::DocumentVerifier::make(*std::move(permissions_cas));
+  std::erase_if(list.permissions, [&](const auto& one) {
+    if (!verifier) return true;
+    const auto proof = verifier->verify(one, now);
+    return !proof || std::ranges::find(without, proof->signer()) != without.end();
+  });
+  return list;
 }
 
 }  // namespace
@@ -250,8 +231,11 @@ void NewlyListed::add(const CaPaths& ca, const pki::Certificate& renewed) {
   files_[ca.renewals].certificates.push_back(renewed);
 }
 
-void NewlyListed::add(const CaPaths& ca, BytesView signed_permissions) {
-  files_[ca.renewals].permissions.push_back(to_bytes(signed_permissions));
+void NewlyListed::add(const CaPaths& ca, BytesView signed_permissions, const fs::path& file) {
+  if (look_into(signed_permissions))
+    files_[ca.renewals].permissions.push_back(to_bytes(signed_permissions));
+  else
+    add_notice(Error(tool_code::permissions_unlisted, {.document = file}));
 }
 
 Status NewlyListed::write(WallTime now) const {
@@ -261,54 +245,63 @@ Status NewlyListed::write(WallTime now) const {
   return out;
 }
 
-Status check_not_replaced(const CaPaths& ca, const PermissionsAgain& again) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto list, read_list_of_ca(ca.renewals));
-  const auto old = governance::read_permissions(again.text, 1);
-  if (list.permissions.empty() || !old) return {};
-  const auto own = grants_of(old->grants, again.certificate);
-  const auto time = again.signed_at.value_or(WallTime::min());
-  for (const auto& document : documents_of(list)) {
-    const auto signed_at = signing_time(ca, document);
-    if (!signed_at) continue;
-    for (const auto& later : grants_of(document.grants, again.certificate))
-      for (const auto& grant : own)
-        if (!later.subject_is_expression && meet_in_a_domain(later, grant) &&
-            rights_in(later) != rights_in(grant) &&
-            std::pair(later.validity.not_before, *signed_at) >
-                std::pair(grant.validity.not_before, time))
-          return fail(tool_code::document_superseded,
-                      {.document = again.file,
-                       .expected = "the rights of the last document for " +
-                                   again.certificate.subject() + " in " + ca.renewals.string(),
-                       .found = "other rights",
-                       .hint = "put the later document into its place; if this one is meant after "
-                               "all, sign its XML anew: ddssec permissions sign; without "
-                               "--permissions only the certificate is renewed"});
-  }
-  return {};
+std::vector<Grant> listed_grants(const CaPaths& ca, WallTime now) {
+  std::vector<Grant> out;
+  for (const auto& file : read_renewals(ca.renewals).value_or(pki::RenewalList{}).permissions)
+    if (auto document = look_into(file))
+      std::ranges::copy_if(document->grants, std::back_inserter(out),
+                           [&](const auto& grant) { return grant.validity.not_after > now; });
+  return out;
 }
 
-Result<pki::RenewalList> renewals_of(const fs::path& given, const pki::Crl* revoked) {
-  const auto identity = ca_paths(given, "identity").renewals;
-  const auto permissions = ca_paths(given, "permissions").renewals;
-  DDSSEC_ASSIGN_OR_RETURN(auto out, read_list_of_ca(identity));
-  if (permissions != identity) {
-    DDSSEC_ASSIGN_OR_RETURN(auto more, read_list_of_ca(permissions));
-    std::ranges::move(more.permissions, std::back_inserter(out.permissions));
+bool extends(const governance::Permissions& next, const std::vector<Grant>& former) {
+  return std::ranges::none_of(next.grants, &Grant::subject_is_expression) &&
+         std::ranges::any_of(next.grants, [&](const auto& grant) {
+           return std::ranges::any_of(former, [&](const auto& old) {
+             return grant.validity.not_after > old.validity.not_after && give_the_same(grant, old);
+           });
+         });
+}
+
+RenewalsOfCas renewals_of(const fs::path& given, const pki::Crl* revoked) {
+  RenewalsOfCas out;
+  std::set<fs::path> seen;
+  for (const auto* const role : {"identity", "permissions"}) {
+    const auto paths = ca_paths(given, role);
+    if (!is_there(paths.renewals) || !seen.insert(paths.renewals).second) continue;
+    auto list = read_renewals(paths.renewals);
+    auto cas = read_certificates(paths.certificate);
+    if (!list || !cas) {
+      out.problems.push_back(list ? cas.error() : list.error());
+      continue;
+    }
+    std::ranges::move(list->certificates, std::back_inserter(out.list.certificates));
+    std::ranges::move(list->permissions, std::back_inserter(out.list.permissions));
+    std::ranges::move(*cas, std::back_inserter(out.cas));
   }
-  if (revoked == nullptr) return out;
-  DDSSEC_ASSIGN_OR_RETURN(const auto entries, revoked->revoked());
   std::set<std::string> serials;
-  for (const auto& entry : entries) serials.insert(entry.serial);
-  std::erase_if(out.certificates, [&](const auto& one) { return serials.contains(one.serial()); });
+  if (revoked != nullptr) {
+    const auto entries = revoked->revoked();
+    if (!entries) {
+      out.problems.push_back(entries.error());
+      out.list.certificates.clear();
+      out.cas.clear();
+    } else {
+      for (const auto& entry : *entries) serials.insert(entry.serial);
+    }
+  }
+  std::erase_if(out.list.certificates,
+                [&](const auto& one) { return serials.contains(one.serial()); });
   return out;
 }
 
 Status put_renewals(Replacement& out, const pki::ParticipantFolder& files,
                     const RenewalsForFolder& what) {
-  auto former = read_renewals(files.renewals).value_or(pki::RenewalList{});
-  former = without_those_of(what.cas, of_trusted(std::move(former), files, what.now));
-  const auto list = merged(former, of_trusted(what.entries, files, what.now), what.now).list;
+  const auto former = of_trusted(read_renewals(files.renewals).value_or(pki::RenewalList{}), files,
+                                 what.now, what.cas);
+  const auto entries = entries_of(former, of_trusted(what.entries, files, what.now), what.now);
+  if (!entries.left_out().empty()) add_notice(too_long(files.renewals, entries.left_out()));
+  const auto list = entries.list();
   if (list.is_empty()) return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto text, list.text());
   const auto present = read_file(files.renewals, pki::kMostRenewalListOctets);

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 #include <map>
-#include <optional>
+#include <string>
 #include <vector>
 
 #include "cli/ca_folder.hpp"
@@ -15,62 +15,55 @@
 
 namespace ddssec::cli {
 
-/// The permissions documents of a list, by what they say of themselves.
-struct ListedDocument {
-  Bytes file;
-  std::vector<governance::Grant> grants = {};
-  WallTime begin = {}, end = {};  ///< of its last grant
-};
-
 /// What commands add to the lists of CAs. Each CA has a list of its own, renewed.pem beside its
 /// certificate: that of an identity CA has certificates, that of a permissions CA permissions. The
 /// caller holds the lock of each (OpenCa).
 class NewlyListed {
  public:
   void add(const CaPaths& ca, const pki::Certificate& renewed);
-  void add(const CaPaths& ca, BytesView signed_permissions);
+  /// Permissions, signed for `file`. Those that name no subject are left out, with a notice:
+  /// permissions_unlisted.
+  void add(const CaPaths& ca, BytesView signed_permissions, const std::filesystem::path& file);
   /// Adds them to the files. A certificate replaces former ones of its subject, and permissions
-  /// replace those that are for none but their subjects and say nothing of other domains, and do
-  /// not begin later. Certificates that have ended leave; permissions stay, since former ones must
-  /// not count again. If a list has more than is read, permissions that have ended leave first, and
-  /// then the first entries. A file that cannot be read stays as it is. Errors, after the other
-  /// files are written: those of read_file, RenewalList::parse and Replacement; file_too_large, if
-  /// permissions that have not ended were left out.
+  /// replace those that give the same and do not end later. What has ended leaves. A file that
+  /// cannot be read is begun anew. If a list has more than is read, older permissions of a subject
+  /// that has later ones leave first, and then what ends first. Errors, after the files are
+  /// written: renewal_list_malformed (begun anew), file_too_large (something left); those of
+  /// Replacement.
   Status write(WallTime now) const;
 
  private:
   std::map<std::filesystem::path, pki::RenewalList> files_;
 };
 
-/// Permissions that are to be signed again.
-struct PermissionsAgain {
-  const pki::Certificate& certificate;  ///< the participant's
-  BytesView text;
-  std::optional<WallTime> signed_at;  ///< empty: not known
-  const std::filesystem::path& file;
+/// The grants in the CA's list that have not ended. None if it cannot be read.
+std::vector<governance::Grant> listed_grants(const CaPaths& ca, WallTime now);
+
+/// True if all grants of `next` name their subjects, and one of them gives the same as a former
+/// grant of its subject, and ends later.
+bool extends(const governance::Permissions& next, const std::vector<governance::Grant>& former);
+
+/// The lists of the CAs in a folder.
+struct RenewalsOfCas {
+  pki::RenewalList list = {};
+  std::vector<pki::Certificate> cas = {};  ///< whose lists were read
+  std::vector<Error> problems = {};  ///< of the others: those of read_file and RenewalList::parse
 };
-
-/// Success if the CA's list has no later permissions for the subject that give other rights in a
-/// domain that they are about: else the list would give back what it took away. Errors:
-/// document_superseded, those of read_file and RenewalList::parse.
-Status check_not_replaced(const CaPaths& ca, const PermissionsAgain& again);
-
 /// The lists of both CAs at `given`, as one. Without certificates that `revoked` names, the present
-/// list of the identity CA; null: it has none. Errors: those of read_file, RenewalList::parse and
-/// Crl::revoked.
-Result<pki::RenewalList> renewals_of(const std::filesystem::path& given, const pki::Crl* revoked);
+/// list of the identity CA; null: it has none.
+RenewalsOfCas renewals_of(const std::filesystem::path& given, const pki::Crl* revoked);
 
 /// Entries for a participant's folder.
 struct RenewalsForFolder {
   const pki::RenewalList& entries;
-  std::vector<pki::Certificate> cas;  ///< whose entries they are; empty: not known
+  const std::vector<pki::Certificate>& cas;  ///< these have no other entries; may be empty
   WallTime now;
 };
 
 /// Drafts the renewal list of a participant's folder: the entries, and those that are there of
-/// other CAs that the folder has. Permissions that are there leave only if they are replaced; so do
-/// certificates if the CAs are not known. A list that cannot be read is made anew. Nothing if the
-/// list is there already. Errors: those of Replacement::put.
+/// other CAs that the folder has, as NewlyListed::write adds them. A list that cannot be read is
+/// made anew. Nothing if the list is there already. A notice (file_too_large) if something was left
+/// out. Errors: those of Replacement::put.
 Status put_renewals(Replacement& out, const pki::ParticipantFolder& files,
                     const RenewalsForFolder& what);
 

@@ -90,8 +90,7 @@ Result<DocumentOfCa> document_of(const fs::path& file, const OpenCa& ca, const p
   if (!proof) return logged_text(file, log, proof.error());
   const auto standing = log.standing(proof->content(), proof->signer());
   if (!takes_unlogged) DDSSEC_RETURN_IF_ERROR(check_standing(standing, file, ca));
-  DocumentOfCa out{std::string(as_text(proof->content())), standing == Standing::current,
-                   proof->signed_at()};
+  DocumentOfCa out{std::string(as_text(proof->content())), standing == Standing::current};
   std::erase(out.text, '\r');
   return out;
 }
@@ -102,7 +101,7 @@ Result<DocumentOfCa> document_of_former_key(const fs::path& file, const fs::path
   DDSSEC_ASSIGN_OR_RETURN(const auto anchors, read_certificates(trusted));
   DDSSEC_ASSIGN_OR_RETURN(const auto proof, verified(file, trusted, within(anchors.front(), now)));
   DDSSEC_RETURN_IF_ERROR(check_standing(log.standing(proof.content(), proof.signer()), file, ca));
-  DocumentOfCa out{std::string(as_text(proof.content())), true, proof.signed_at()};
+  DocumentOfCa out{std::string(as_text(proof.content())), true};
   std::erase(out.text, '\r');
   return out;
 }

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <string>
 
 #include "cli/ca_folder.hpp"
@@ -30,9 +29,8 @@ Result<pki::SigningLog> read_signing_log(const CaPaths& ca);
 
 /// A document in a participant's folder that the CA's key signed.
 struct DocumentOfCa {
-  std::string text;                        ///< line ends LF
-  bool is_logged = true;                   ///< false: accepted because of an option
-  std::optional<WallTime> signed_at = {};  ///< empty: not known
+  std::string text;       ///< line ends LF
+  bool is_logged = true;  ///< false: accepted because of an option
 };
 
 /// Reads a document for the CA's successor. It is verified as the plugins verify it, but at a time

@@ -134,40 +134,19 @@ Status verify_with(const Certificate& ca, CMS_ContentInfo* cms, BytesView conten
   return verify_cms(cms, trusted.get(), bio.get(), kFlags, "signer " + ca.subject());
 }
 
-// A signed attribute: call it after the signature was verified.
-std::optional<WallTime> signing_time(CMS_SignerInfo* signer) {
-  constexpr int kOnlyOne = -3;
-  for (const int type : {V_ASN1_UTCTIME, V_ASN1_GENERALIZEDTIME}) {
-    const auto* time = static_cast<const ASN1_TIME*>(
-        CMS_signed_get0_data_by_OBJ(signer, OBJ_nid2obj(NID_pkcs9_signingTime), kOnlyOne, type));
-    if (time == nullptr) continue;
-    const auto out = to_wall_time(time);
-    if (out) return *out;
-  }
-  take_openssl_reason();
-  return std::nullopt;
-}
-
-/// The signer of a document, and when it signed.
-struct Verified {
-  Certificate signer;
-  std::optional<WallTime> time;
-};
-
-Result<Verified> verified_signer(const std::vector<Certificate>& cas, BytesView signature,
-                                 BytesView content) {
+Result<Certificate> verified_signer(const std::vector<Certificate>& cas, BytesView signature,
+                                    BytesView content) {
   DDSSEC_ASSIGN_OR_RETURN(CmsPtr cms, decode_signature(signature));
   DDSSEC_ASSIGN_OR_RETURN(auto* signer, only_signer(cms.get()));
   DDSSEC_RETURN_IF_ERROR(check_digest(signer));
   DDSSEC_ASSIGN_OR_RETURN(const auto possible, candidates(signer, cas));
   Status status = verify_with(possible.front(), cms.get(), content);
-  const auto time = signing_time(signer);
-  if (status) return Verified{possible.front(), time};
+  if (status) return possible.front();
   for (std::size_t i = 1; i < possible.size(); ++i) {
     // A structure remembers the certificate it was tried with: each further one gets a fresh one.
     DDSSEC_ASSIGN_OR_RETURN(cms, decode_signature(signature));
     status = verify_with(possible[i], cms.get(), content);
-    if (status) return Verified{possible[i], time};
+    if (status) return possible[i];
   }
   return std::unexpected(status.error());
 }
@@ -181,12 +160,11 @@ Result<DocumentVerifier> DocumentVerifier::make(std::vector<Certificate> permiss
 
 Result<SignedDocument> DocumentVerifier::verify(BytesView file, WallTime now) const {
   DDSSEC_ASSIGN_OR_RETURN(auto document, read_document(file));
-  DDSSEC_ASSIGN_OR_RETURN(
-      const auto verified,
-      verified_signer(permissions_cas(), document.signature, document.signed_octets));
-  DDSSEC_ASSIGN_OR_RETURN(auto proof, chain_.verify(verified.signer, now));
+  DDSSEC_ASSIGN_OR_RETURN(const auto signer, verified_signer(permissions_cas(), document.signature,
+                                                             document.signed_octets));
+  DDSSEC_ASSIGN_OR_RETURN(auto proof, chain_.verify(signer, now));
   return SignedDocument(std::move(document.signed_octets), document.header_octets,
-                        document.first_line, std::move(proof), verified.time);
+                        document.first_line, std::move(proof));
 }
 
 }  // namespace ddssec::pki

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "base/bytes.hpp"
@@ -26,23 +25,18 @@ class SignedDocument {
   const Certificate& signer() const { return proof_.certificate(); }
   /// The earliest end of validity on the signer's path.
   WallTime signer_not_after() const { return proof_.not_after(); }
-  /// When it was signed, by the signer's word; empty: the signature does not say.
-  std::optional<WallTime> signed_at() const { return signed_at_; }
 
  private:
   friend class DocumentVerifier;
-  SignedDocument(Bytes octets, std::size_t header, int first_line, ChainValid proof,
-                 std::optional<WallTime> signed_at)
+  SignedDocument(Bytes octets, std::size_t header, int first_line, ChainValid proof)
       : signed_octets_(std::move(octets)),
         header_octets_(header),
         first_line_(first_line),
-        proof_(std::move(proof)),
-        signed_at_(signed_at) {}
+        proof_(std::move(proof)) {}
   Bytes signed_octets_;
   std::size_t header_octets_;
   int first_line_;
   ChainValid proof_;
-  std::optional<WallTime> signed_at_;
 };
 
 /// Verifies documents against one permissions CA file. Thread-safe.

@@ -23,11 +23,10 @@ class Engines {
       : documents_(documents_shown(&environment.events)),
         calendar_(environment.clock, environment.events),
         authentication_(authentication::make_authentication(judging(environment))),
-        access_control_(access_control::make_access_control(
-            judging(environment), {.host_revises_keys = true,
-                                   .host_has_pre_shared_keys = true,
-                                   .host_changes_protection = true,
-                                   .listed_rights_wait = std::chrono::seconds(15)})),
+        access_control_(access_control::make_access_control(judging(environment),
+                                                            {.host_revises_keys = true,
+                                                             .host_has_pre_shared_keys = true,
+                                                             .host_changes_protection = true})),
         cryptography_(cryptography::make_cryptography(environment)) {}
 
   /// Takes the property org.ddssec.clock_step_grace: how long a system clock that was set is not

@@ -39,8 +39,6 @@ class Plugin final : public spi::AccessControl {
                                                        std::string_view domain_tag) override {
     auto holder = load_local(context(), identity, domain_id, properties, domain_tag);
     if (!holder) return refuse_us(holder.error());
-    for (const auto& event : (*holder)->read_list(documents_, environment_.clock))
-      environment_.events.raise(event_about({}, event));
     DDSSEC_ASSIGN_OR_RETURN(const auto handle, add(*holder));
     note_documents(handle);
     return handle;
@@ -261,7 +259,7 @@ Result<PermissionsHandle> Plugin::validate_remote_permissions(spi::IdentityHandl
   if (!facts.peer_keeps_session) holder->note_seen(local, facts);
   // So that next_expiry knows its end before the first check; an error will come again there.
   if (holder->has_document()) static_cast<void>(judgement_.grant_now(*holder));
-  if (const auto listed = holder->follow_list(environment_.clock.now(), true))
+  if (const auto listed = holder->follow_list(environment_.clock.now()))
     environment_.events.raise(event_about(holder->peer_subject(), *listed));
   return add(std::move(holder));
 }

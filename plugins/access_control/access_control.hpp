@@ -1,7 +1,6 @@
 // The access control plugin DDS:Access:Permissions (DDS-Security 1.2, clause 10.4).
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -34,9 +33,6 @@ struct Options {
   /// The host gives endpoints that exist the protection of a pending governance document, and then
   /// applies it. Otherwise a document that changes the protection of topics in use is refused.
   bool host_changes_protection = false;
-  /// How long a peer's session goes on after the renewal list has other rights for it. A host whose
-  /// peers show renewed permissions within their sessions gives them this time for it.
-  std::chrono::seconds listed_rights_wait{0};
   /// Whether the host presents renewed permissions to peers; asked for each local participant. If
   /// not, the permissions that it began with stay in force: what it does not present must not
   /// count.

@@ -39,18 +39,7 @@ PermissionsDocument::PermissionsDocument(governance::Permissions permissions,
     : permissions_(std::make_shared<const governance::Permissions>(std::move(permissions))),
       signer_not_before_(document.signer().not_before()),
       signer_not_after_(document.signer_not_after()),
-      signer_(document.signer()),
-      signed_at_(document.signed_at().value_or(WallTime::min())) {}
-
-WallTime PermissionsDocument::signed_at() const {
-  const std::lock_guard lock(mutex_);
-  return signed_at_;
-}
-
-void PermissionsDocument::note_signed_at(std::optional<WallTime> time) {
-  const std::lock_guard lock(mutex_);
-  if (time) signed_at_ = std::max(signed_at_, *time);
-}
+      signer_(document.signer()) {}
 
 Status PermissionsDocument::check_signer(WallTime now) const {
   const bool early = now < signer_not_before_;
@@ -74,19 +63,6 @@ Result<Grant> PermissionsDocument::grant_for(const pki::SubjectName& subject,
   DDSSEC_ASSIGN_OR_RETURN(const governance::Grant* grant,
                           governance::find_grant(*permissions_, subject, shown, now));
   return compiled(*grant, domain, tag);
-}
-
-Grant PermissionsDocument::begun_grant_for(const pki::SubjectName& subject, DomainId domain,
-                                           const std::string& tag, WallTime now) {
-  const governance::Grant* last = nullptr;
-  for (const auto& grant : permissions_->grants) {
-    if (now < grant.validity.not_before || grant.subject_is_expression ||
-        !governance::is_for(grant, subject))
-      continue;
-    if (grant.validity.contains(now)) return compiled(grant, domain, tag);
-    if (last == nullptr || grant.validity.not_before > last->validity.not_before) last = &grant;
-  }
-  return last == nullptr ? nullptr : compiled(*last, domain, tag);
 }
 
 Grant PermissionsDocument::compiled(const governance::Grant& grant, DomainId domain,
@@ -113,7 +89,6 @@ Result<std::shared_ptr<PermissionsDocument>> DocumentCache::permissions(const Pe
   const Sha256Digest text =
       sha256({ca.digest(), document.signer().fingerprint(), document.content()});
   if (auto known = find(by_text_, text)) {
-    known->note_signed_at(document.signed_at());
     add_form(text, form);
     return known;
   }

@@ -54,11 +54,6 @@ class PermissionsDocument {
   /// certificate_not_yet_valid for the CA certificate that signed.
   Result<Grant> grant_for(const pki::SubjectName& subject, std::string_view shown, DomainId domain,
                           const std::string& tag, WallTime now);
-  /// The same of the grants with the subject's name, not of those with an expression; or else the
-  /// one of these that began last, although it has ended or the signer's certificate has. Null:
-  /// none has begun.
-  Grant begun_grant_for(const pki::SubjectName& subject, DomainId domain, const std::string& tag,
-                        WallTime now);
   /// True if it has a grant for the subject, whatever its validity.
   bool has_grant_for(const pki::SubjectName& subject) const;
   /// Success while the signer's certificate is valid. Errors: certificate_expired,
@@ -66,10 +61,6 @@ class PermissionsDocument {
   Status check_signer(WallTime now) const;
   WallTime signer_not_after() const { return signer_not_after_; }
   const pki::Certificate& signer() const { return signer_; }
-  /// When it was signed, the last time if it was several times; the earliest time if that is not
-  /// known.
-  WallTime signed_at() const;
-  void note_signed_at(std::optional<WallTime> time);
 
   void set_partition_match(governance::PartitionMatch match) { partition_match_ = match; }
 
@@ -85,7 +76,6 @@ class PermissionsDocument {
   pki::Certificate signer_;
   governance::PartitionMatch partition_match_ = governance::PartitionMatch::all;
   mutable std::mutex mutex_;
-  WallTime signed_at_ = WallTime::min();
   std::map<std::tuple<const governance::Grant*, DomainId, std::string>, Grant> compiled_;
 };
 

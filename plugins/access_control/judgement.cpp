@@ -26,11 +26,9 @@ std::vector<governance::DataTag> data_tags_of(const EndpointRequest& request) {
 Status Judgement::participant(PermissionsHolder& holder) const {
   const auto basis = holder.participant()->basis();
   if (!basis->governance->domain_rule().enable_join_access_control) return {};
-  DDSSEC_ASSIGN_OR_RETURN(const auto grants, grants_now(holder));
-  for (const auto& grant : grants) {
-    const auto verdict = grant->judge_participant();
-    if (!verdict.allowed) return std::unexpected(participant_denied(holder, *grant, verdict));
-  }
+  DDSSEC_ASSIGN_OR_RETURN(const Grant grant, grant_now(holder));
+  const auto verdict = grant->judge_participant();
+  if (!verdict.allowed) return std::unexpected(participant_denied(holder, *grant, verdict));
   return {};
 }
 
@@ -41,13 +39,10 @@ Status Judgement::topic(PermissionsHolder& holder, std::string_view name) const 
   const auto* rule = basis->governance->topic_rule(name);
   if (!rule) return std::unexpected(topic_not_covered(participant, name));
   if (!rule->enable_read_access_control || !rule->enable_write_access_control) return {};
-  DDSSEC_ASSIGN_OR_RETURN(const auto grants, grants_now(holder));
-  for (const auto& grant : grants) {
-    const auto publish = grant->judge_topic(Action::publish, name);
-    if (publish.allowed || grant->judge_topic(Action::subscribe, name).allowed) continue;
-    return std::unexpected(topic_denied(holder, *grant, publish, name));
-  }
-  return {};
+  DDSSEC_ASSIGN_OR_RETURN(const Grant grant, grant_now(holder));
+  const auto publish = grant->judge_topic(Action::publish, name);
+  if (publish.allowed || grant->judge_topic(Action::subscribe, name).allowed) return {};
+  return std::unexpected(topic_denied(holder, *grant, publish, name));
 }
 
 Status Judgement::endpoint(PermissionsHolder& holder, Action action,
@@ -62,13 +57,11 @@ Status Judgement::by(const governance::CompiledGovernance& rules, PermissionsHol
   const auto* rule = rules.topic_rule(request.topic_name);
   if (!rule) return std::unexpected(topic_not_covered(participant, request.topic_name));
   if (!is_access_controlled(*rule, action)) return {};
-  DDSSEC_ASSIGN_OR_RETURN(const auto grants, grants_now(holder));
+  DDSSEC_ASSIGN_OR_RETURN(const Grant grant, grant_now(holder));
   const auto tags = data_tags_of(request);
-  for (const auto& grant : grants) {
-    const auto verdict = grant->judge(action, {request.topic_name, request.partitions, tags});
-    if (!verdict.allowed)
-      return std::unexpected(endpoint_denied(holder, *grant, verdict, action, request));
-  }
+  const auto verdict = grant->judge(action, {request.topic_name, request.partitions, tags});
+  if (!verdict.allowed)
+    return std::unexpected(endpoint_denied(holder, *grant, verdict, action, request));
   return {};
 }
 
@@ -95,14 +88,12 @@ bool Judgement::may_as_announced(PermissionsHolder& holder, Action action,
 
 /// Only what a <relay> element allows: a default is not meant for relays.
 bool Judgement::may_relay(PermissionsHolder& holder, const EndpointRequest& request) const {
-  const auto grants = grants_now(holder);
-  if (!grants) return false;
+  const auto grant = grant_now(holder);
+  if (!grant) return false;
   const auto tags = data_tags_of(request);
-  return std::ranges::all_of(*grants, [&](const Grant& grant) {
-    const auto verdict =
-        grant->judge(Action::relay, {request.topic_name, request.partitions, tags});
-    return verdict.allowed && verdict.criteria;
-  });
+  const auto verdict =
+      (*grant)->judge(Action::relay, {request.topic_name, request.partitions, tags});
+  return verdict.allowed && verdict.criteria;
 }
 
 Result<spi::AccessControl::RemoteDatareader> Judgement::reader(

@@ -15,9 +15,6 @@ class Judgement {
       : clock_(clock), accept_relays_(accept_relays) {}
 
   Result<Grant> grant_now(PermissionsHolder& holder) const { return holder.grant(clock_.now()); }
-  Result<std::vector<Grant>> grants_now(PermissionsHolder& holder) const {
-    return holder.grants(clock_.now());
-  }
   Status participant(PermissionsHolder& holder) const;
   Status topic(PermissionsHolder& holder, std::string_view name) const;
   Status endpoint(PermissionsHolder& holder, governance::Action action,

@@ -1,4 +1,4 @@
-// Peers whose permissions the renewal list has in a later form.
+// Peers whose permissions the renewal list extends.
 #pragma once
 
 #include "base/event.hpp"
@@ -6,7 +6,7 @@
 
 namespace ddssec::access_control {
 
-/// The peers among these are judged by the later permissions of their participants' lists, as
+/// The permissions of the peers among these are extended by the lists of their participants, as
 /// PermissionsHolder::follow_list has it. If one of them ends, the lists are read once more before.
 /// Raises the events about both.
 void follow_renewal_lists(const Entries& entries, DocumentCache& documents,

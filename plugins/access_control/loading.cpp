@@ -8,7 +8,6 @@
 #include "governance/read.hpp"
 #include "pki/source.hpp"
 #include "plugins/access_control/allowed_algorithms.hpp"
-#include "plugins/access_control/listed_permissions.hpp"
 #include "plugins/access_control/protection.hpp"
 #include "plugins/spi/files_poll_interval.hpp"
 #include "plugins/spi/property_names.hpp"
@@ -141,28 +140,6 @@ Status check_own_size(const DocumentPlaces& places, BytesView file) {
                        "with expressions such as Sensor*"});
 }
 
-// What the renewal list took away does not come back when that has ended.
-Status check_not_former(const Participant& local, const Subject& subject,
-                        const ListedPermissions::Found& presented, WallTime now) {
-  const auto all = local.listed();
-  if (!all) return {};
-  const auto listed = all->latest(
-      {subject.name, subject.shown, local.domain, local.domain_tag, *local.basis()->ca, now});
-  if (!listed || is_valid(*listed, now) || !supersedes(*listed, presented) ||
-      give_the_same(listed->grant->grant(), presented.grant->grant(), local.domain,
-                    local.domain_tag))
-    return {};
-  const auto& ended = listed->grant->grant().validity;
-  return fail(
-      Code::peer_permissions_replaced,
-      {.field = "not_before",
-       .expected = "permissions that begin or were signed later than those of the renewal "
-                   "list, which begin on " +
-                   to_string(ended.not_before) + " and ended on " + to_string(ended.not_after),
-       .found = to_string(presented.grant->grant().validity.not_before),
-       .hint = "sign permissions anew, and put them into the peer's folder"});
-}
-
 }  // namespace
 
 Result<VerifiedGovernance> compile_governance(const GovernanceContext& context, BytesView file,
@@ -191,7 +168,6 @@ Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context
   participant->domain_tag = domain_tag;
   DDSSEC_ASSIGN_OR_RETURN(participant->warn_before_end, spi::warning_days(properties));
   participant->governance_name = places.governance_name;
-  participant->listed_rights_wait = context.options.listed_rights_wait;
   DDSSEC_ASSIGN_OR_RETURN(const auto interval, spi::files_poll_interval(properties));
   auto own = std::make_unique<OwnDocuments>(places, context.options, interval);
   DDSSEC_ASSIGN_OR_RETURN(
@@ -258,10 +234,8 @@ Result<std::shared_ptr<PermissionsDocument>> judge_remote(const LoadContext& con
   }
   DDSSEC_ASSIGN_OR_RETURN(auto document,
                           context.documents.permissions(*local.basis()->ca, *file, context.now));
-  DDSSEC_ASSIGN_OR_RETURN(auto grant, document->grant_for(subject.name, subject.shown, local.domain,
-                                                          local.domain_tag, context.now));
-  DDSSEC_RETURN_IF_ERROR(
-      check_not_former(local, subject, {document, std::move(grant)}, context.now));
+  DDSSEC_RETURN_IF_ERROR(document->grant_for(subject.name, subject.shown, local.domain,
+                                             local.domain_tag, context.now));
   return document;
 }
 

@@ -300,44 +300,32 @@ void OwnDocuments::renew_permissions(const Renewal& now, std::vector<Error>& eve
 // ---- the renewal list
 
 /// What was verified before is not verified again.
-Result<ListedPermissions::Entry> OwnDocuments::entry_of(const Renewal& now, BytesView file) const {
+Result<OwnDocuments::Listed> OwnDocuments::listed(const Renewal& now, BytesView file) const {
   const auto ca = now.participant.basis()->ca;
-  const auto digest = digest_of_file(as_text(file));
-  const auto known = std::ranges::find(listed_, digest, &ListedPermissions::Entry::file);
+  const auto digest = sha256(file);
+  const auto known = std::ranges::find(listed_, digest, &Listed::file);
   if (known != listed_.end() && ca->holds(known->document->signer())) return *known;
   DDSSEC_ASSIGN_OR_RETURN(auto document, now.documents.permissions(*ca, file, now.clock.now()));
-  return ListedPermissions::Entry{digest, std::move(document)};
+  return Listed{digest, std::move(document)};
 }
 
 /// An entry that no CA of the file signed does not count.
 Status OwnDocuments::take_list(const Renewal& now, const pki::RenewalList& list) {
-  const auto ca = now.participant.basis()->ca;
-  std::vector<ListedPermissions::Entry> next;
+  std::vector<Listed> next;
   std::optional<Error> first;
   for (const auto& file : list.permissions) {
-    auto entry = entry_of(now, file);
-    if (entry)
-      next.push_back(*std::move(entry));
+    auto one = listed(now, file);
+    if (one)
+      next.push_back(*std::move(one));
     else if (!first)
-      first = std::move(entry).error();
+      first = std::move(one).error();
   }
   if (next.empty() && first) return std::unexpected(*first);
-  for (const auto& former : listed_) {
-    const bool is_there =
-        std::ranges::find(next, former.file, &ListedPermissions::Entry::file) != next.end();
-    if (!is_there && next.size() < pki::kMostRenewals && ca->holds(former.document->signer()))
-      next.push_back(former);
-  }
   listed_ = std::move(next);
-  now.participant.set_listed(std::make_shared<const ListedPermissions>(listed_));
+  ListedPermissions::Documents documents;
+  for (const auto& one : listed_) documents.push_back(one.document);
+  now.participant.set_listed(std::make_shared<const ListedPermissions>(std::move(documents)));
   return {};
-}
-
-std::vector<Error> OwnDocuments::read_list(PermissionsHolder& holder, Participant& participant,
-                                           DocumentCache& documents, const Clock& clock) {
-  std::vector<Error> events;
-  renew_list({holder, participant, documents, clock}, events);
-  return events;
 }
 
 void OwnDocuments::renew_list(const Renewal& now, std::vector<Error>& events) {

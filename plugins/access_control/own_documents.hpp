@@ -37,9 +37,6 @@ class OwnDocuments {
 
   /// The next renew() reads the renewal list.
   void look_at_list_now() { renewal_list_.look_now(); }
-  /// Reads the renewal list, as renew() does.
-  std::vector<Error> read_list(PermissionsHolder& holder, Participant& participant,
-                               DocumentCache& documents, const Clock& clock);
 
   /// These octets are in force.
   void note_read(Bytes governance, BytesView permissions);
@@ -58,8 +55,7 @@ class OwnDocuments {
   ///   them.
   /// - Further identity CAs, where the governance restricts algorithms. Authentication decides
   ///   which of them are trusted, and reports a file that cannot be used.
-  /// - Permissions of peers in the renewal list, as Participant::listed has them. Those that were
-  ///   there before stay, so that a former list does not bring back former rights. Authentication
+  /// - Permissions of peers in the renewal list, as Participant::listed has them. Authentication
   ///   reports a list that cannot be read.
   /// Returns events: what was taken, and what cannot be used (once as long as the file stays the
   /// same). What cannot be used changes nothing.
@@ -74,7 +70,12 @@ class OwnDocuments {
   void renew_permissions(const Renewal& now, std::vector<Error>& events);
   void renew_identity_authorities(const Renewal& now);
   void renew_list(const Renewal& now, std::vector<Error>& events);
-  Result<ListedPermissions::Entry> entry_of(const Renewal& now, BytesView file) const;
+  /// A signed file of the renewal list and what it holds.
+  struct Listed {
+    Sha256Digest file;
+    std::shared_ptr<PermissionsDocument> document;
+  };
+  Result<Listed> listed(const Renewal& now, BytesView file) const;
   Status take_list(const Renewal& now, const pki::RenewalList& list);
   Status take_authorities(const Renewal& now, const std::vector<pki::Certificate>& next);
   /// A governance document that may take the place of the one in force.
@@ -96,7 +97,7 @@ class OwnDocuments {
   DocumentWatch permissions_;
   DocumentWatch identity_authorities_;
   pki::RenewalListWatch renewal_list_;
-  std::vector<ListedPermissions::Entry> listed_;  ///< newest first
+  std::vector<Listed> listed_;
   Bytes governance_in_force_;
   std::optional<Bytes> governance_waiting_;
 };

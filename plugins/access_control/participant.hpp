@@ -1,7 +1,6 @@
 // A local participant: what it goes by, and the topics that it uses.
 #pragma once
 
-#include <chrono>
 #include <memory>
 #include <mutex>
 #include <set>
@@ -43,7 +42,6 @@ class Participant {
   std::string domain_tag = {};
   std::string governance_name = {};  ///< the document's name in errors
   spi::WarningDays warn_before_end = {};
-  std::chrono::seconds listed_rights_wait{0};  ///< as Options has it
 
   std::shared_ptr<const Basis> basis() const;
   /// The same for a host that asks how a topic is protected, and keeps the answer. Error:

@@ -8,14 +8,15 @@
 namespace ddssec::access_control {
 namespace {
 
-Error replaced(const std::string& document, const Grant& former, const Grant& listed) {
-  return Error(Code::peer_permissions_replaced,
-               {.document = document,
-                .field = "not_before",
-                .expected = to_string(former->grant().validity.not_before),
-                .found = to_string(listed->grant().validity.not_before),
-                .hint = "put the later permissions into the peer's folder: as long as it presents "
-                        "the former ones, only what both allow is allowed"});
+/// The digest of a signed file, as authentication has it (session_facts.hpp).
+Sha256Digest digest_of_file(std::string_view text) {
+  constexpr std::string_view kNone("", 1);
+  if (text.ends_with('\0')) text.remove_suffix(1);
+  return sha256(as_bytes(text.empty() ? kNone : text));
+}
+
+bool is_over(const Grant& grant, const PermissionsDocument& document, WallTime now) {
+  return now >= grant->grant().validity.not_after || now > document.signer_not_after();
 }
 
 }  // namespace
@@ -35,19 +36,14 @@ void PermissionsHolder::note_seen(std::shared_ptr<const PermissionsHolder> own,
   own_ = std::move(own);
 }
 
-std::shared_ptr<PermissionsDocument> PermissionsHolder::presented(
-    const std::optional<Sha256Digest>& digest) const {
+GrantOfDocument PermissionsHolder::presented(const std::optional<Sha256Digest>& digest) const {
   const std::lock_guard lock(mutex_);
-  if (former_.empty() || (digest && *digest == digest_)) return document_;
+  if (former_.empty() || (digest && *digest == digest_)) return {document_, grant_};
   if (digest) {
     const auto found = std::ranges::find(former_, *digest, &Former::digest);
-    if (found != former_.end()) return found->document;
+    if (found != former_.end()) return found->permissions;
   }
-  return former_.front().document;
-}
-
-bool PermissionsHolder::is_over(WallTime now) const {
-  return now >= grant_->grant().validity.not_after || now > document_->signer_not_after();
+  return former_.front().permissions;
 }
 
 std::shared_ptr<PermissionsDocument> PermissionsHolder::document() const {
@@ -61,21 +57,51 @@ Result<Grant> PermissionsHolder::grant_in(PermissionsDocument& document, WallTim
 }
 
 /// Of a peer. Our own documents are judged before other CAs come into force.
-Status PermissionsHolder::check_signer() {
+Status PermissionsHolder::check_signer(const PermissionsDocument& document) const {
   const auto ca = participant_->basis()->ca;
-  if (!remote_ || ca == accepted_by_) return {};
-  for (const auto& document : {document_, presented_ ? presented_->document : document_})
-    if (!ca->holds(document->signer()))
-      return fail(Code::permissions_ca_withdrawn,
-                  {.document = document_name_,
-                   .expected = "signed by " + pki::describe(ca->verifier().permissions_cas()),
-                   .found = "signed by " + pki::describe({document->signer()})});
-  accepted_by_ = ca;
-  return {};
+  if (ca->holds(document.signer())) return {};
+  return fail(Code::permissions_ca_withdrawn,
+              {.document = document_name_,
+               .expected = "signed by " + pki::describe(ca->verifier().permissions_cas()),
+               .found = "signed by " + pki::describe({document.signer()})});
 }
 
-bool PermissionsHolder::give_the_same_here(const Grant& a, const Grant& b) const {
-  return give_the_same(a->grant(), b->grant(), participant_->domain, participant_->domain_tag);
+/// The lock is held.
+Result<Grant> PermissionsHolder::presented_grant(WallTime now) {
+  if (const auto ca = participant_->basis()->ca; remote_ && ca != accepted_by_) {
+    DDSSEC_RETURN_IF_ERROR(check_signer(*document_));
+    accepted_by_ = ca;
+  }
+  if (grant_ && !is_over(grant_, *document_, now)) return grant_;
+  auto found = grant_in(*document_, now);
+  if (!found) return std::unexpected(found.error().in(document_name_));
+  // Hosts do not judge again what they have matched.
+  if (remote_ && grant_ &&
+      !give_the_same(grant_->grant(), (*found)->grant(), participant_->domain,
+                     participant_->domain_tag))
+    if (auto ended = governance::check_validity(grant_->grant(), now); !ended)
+      return std::unexpected(ended.error().in(document_name_));
+  grant_ = *found;
+  return grant_;
+}
+
+/// The lock is held. One that was valid has not ended because the clock goes back.
+Status PermissionsHolder::check_extension(WallTime now) const {
+  const auto& [document, grant] = *extension_;
+  DDSSEC_RETURN_IF_ERROR(check_signer(*document));
+  if (!is_over(grant, *document, now)) return {};
+  DDSSEC_RETURN_IF_ERROR(governance::check_validity(grant->grant(), now));
+  return document->check_signer(now);
+}
+
+/// The lock is held. The extension gives the same, so either may allow what the peer does.
+Result<Grant> PermissionsHolder::valid_grant(WallTime now) {
+  if (!document_) return fail(Code::peer_has_no_permissions);
+  if (!extension_) return presented_grant(now);
+  const auto status = check_extension(now);
+  if (status) return extension_->grant;
+  if (auto presented = presented_grant(now)) return presented;
+  return std::unexpected(status.error().in(document_name_));
 }
 
 Result<Grant> PermissionsHolder::grant(WallTime now) {
@@ -83,50 +109,23 @@ Result<Grant> PermissionsHolder::grant(WallTime now) {
   return valid_grant(now);
 }
 
-Result<std::vector<Grant>> PermissionsHolder::grants(WallTime now) {
-  const std::lock_guard lock(mutex_);
-  DDSSEC_ASSIGN_OR_RETURN(auto grant, valid_grant(now));
-  std::vector<Grant> out{std::move(grant)};
-  if (presented_) out.push_back(presented_->grant);
+/// The lock is held. Of the documents whose CAs are in the file; empty: none.
+std::optional<WallTime> PermissionsHolder::last_end() const {
+  const auto ca = participant_->basis()->ca;
+  std::optional<WallTime> out;
+  const auto add = [&](const GrantOfDocument& one) {
+    if (remote_ && !ca->holds(one.document->signer())) return;
+    out = std::max(out.value_or(WallTime::min()), end_of(one));
+  };
+  add({document_, grant_});
+  if (extension_) add(*extension_);
   return out;
-}
-
-/// The lock is held.
-Status PermissionsHolder::check_presented(WallTime now) const {
-  if (!presented_) return {};
-  auto status = governance::check_validity(presented_->grant->grant(), now);
-  if (status) status = presented_->document->check_signer(now);
-  if (!status) return std::unexpected(status.error().in(document_name_));
-  return {};
-}
-
-/// The lock is held.
-Result<Grant> PermissionsHolder::valid_grant(WallTime now) {
-  if (!document_) return fail(Code::peer_has_no_permissions);
-  if (replaced_) return std::unexpected(*replaced_);
-  DDSSEC_RETURN_IF_ERROR(check_signer());
-  DDSSEC_RETURN_IF_ERROR(check_presented(now));
-  if (grant_ && !is_over(now)) return grant_;
-  auto found = grant_in(*document_, now);
-  if (!found) return std::unexpected(found.error().in(document_name_));
-  // Hosts do not judge again what they have matched.
-  if (remote_ && grant_ && !give_the_same_here(grant_, *found))
-    if (auto ended = governance::check_validity(grant_->grant(), now); !ended)
-      return std::unexpected(ended.error().in(document_name_));
-  grant_ = *found;
-  return grant_;
 }
 
 std::optional<WallTime> PermissionsHolder::ends() const {
   const std::lock_guard lock(mutex_);
   if (!grant_ || reported_) return std::nullopt;
-  // A certificate is valid up to and including its last second.
-  const auto end_of = [](const Grant& grant, const PermissionsDocument& document) {
-    return std::min(grant->grant().validity.not_after,
-                    document.signer_not_after() + std::chrono::seconds(1));
-  };
-  const auto end = end_of(grant_, *document_);
-  return presented_ ? std::min(end, end_of(presented_->grant, *presented_->document)) : end;
+  return last_end().value_or(end_of({document_, grant_}));
 }
 
 std::optional<Error> PermissionsHolder::newly_ended(WallTime now) {
@@ -190,12 +189,6 @@ void PermissionsHolder::look_at_list_now() {
   if (own_documents_) own_documents_->look_at_list_now();
 }
 
-std::vector<Error> PermissionsHolder::read_list(DocumentCache& documents, const Clock& clock) {
-  const std::lock_guard lock(renewal_mutex_);
-  if (!own_documents_) return {};
-  return own_documents_->read_list(*this, *participant_, documents, clock);
-}
-
 /// The lock is held.
 Status PermissionsHolder::check_follows(const Grant& renewed) const {
   // The host has cut the participant off, and keeps to that.
@@ -216,10 +209,9 @@ Result<bool> PermissionsHolder::take_shown(std::shared_ptr<PermissionsDocument> 
   const std::lock_guard lock(mutex_);
   if (document == document_) return false;
   DDSSEC_RETURN_IF_ERROR(check_follows(renewed));
-  DDSSEC_RETURN_IF_ERROR(check_not_former({document, renewed}, now));
   document_ = std::move(document);
   grant_ = std::move(renewed);
-  presented_.reset();
+  extension_.reset();
   accepted_by_.reset();
   return true;
 }
@@ -232,7 +224,7 @@ Status PermissionsHolder::take(std::shared_ptr<PermissionsDocument> document, By
   DDSSEC_RETURN_IF_ERROR(check_follows(renewed));
   constexpr std::size_t kMostFormer = 8;
   if (former_.size() == kMostFormer) former_.erase(former_.begin() + 1);
-  former_.push_back({digest_, std::move(document_)});
+  former_.push_back({digest_, {std::move(document_), std::move(grant_)}});
   document_ = std::move(document);
   grant_ = std::move(renewed);
   digest_ = digest_of_file(text);
@@ -243,67 +235,30 @@ Status PermissionsHolder::take(std::shared_ptr<PermissionsDocument> document, By
 
 // ---- permissions of the renewal list
 
-std::optional<ListedPermissions::Found> PermissionsHolder::latest_listed(WallTime now) const {
+std::optional<GrantOfDocument> PermissionsHolder::extension_of(const Grant& presented,
+                                                               WallTime now) const {
   const auto listed = participant_->listed();
-  if (!listed) return std::nullopt;
-  return listed->latest({subject_.name, subject_.shown, participant_->domain,
-                         participant_->domain_tag, *participant_->basis()->ca, now});
+  if (!listed || !presented) return std::nullopt;
+  return listed->extension_of({subject_.name, subject_.shown, participant_->domain,
+                               participant_->domain_tag, presented->grant()},
+                              *participant_->basis()->ca, now);
 }
 
-/// The lock is held. What the list took away does not come back by showing former permissions.
-Status PermissionsHolder::check_not_former(const ListedPermissions::Found& shown,
-                                           WallTime now) const {
-  const auto listed = latest_listed(now);
-  if (!listed || !supersedes(*listed, shown) || give_the_same_here(listed->grant, shown.grant))
-    return {};
-  return fail(Code::permissions_renewal_refused,
-              {.field = "not_before",
-               .expected = "those of the renewal list, which give other rights and begin on " +
-                           to_string(listed->grant->grant().validity.not_before) +
-                           ", or permissions that begin or were signed later",
-               .found = to_string(shown.grant->grant().validity.not_before)});
-}
-
-std::optional<Error> PermissionsHolder::follow_list(WallTime now, bool is_new) {
+std::optional<Error> PermissionsHolder::follow_list(WallTime now) {
   const std::lock_guard lock(mutex_);
-  if (!remote_ || !grant_ || reported_ || replaced_) return std::nullopt;
-  const ListedPermissions::Found present{document_, grant_};
-  auto found = latest_listed(now);
-  const bool is_other =
-      found && supersedes(*found, present) && !give_the_same_here(found->grant, grant_);
-  if (!is_other) other_rights_since_.reset();
-  if (!is_other && (!found || !is_later(*found, present) || !is_valid(*found, now) ||
-                    !give_the_same_here(found->grant, grant_)))
-    return std::nullopt;
-  if (is_other && (!is_new || !is_valid(*found, now))) {
-    if (!other_rights_since_) other_rights_since_ = now;
-    if (now - *other_rights_since_ >= participant_->listed_rights_wait)
-      replaced_ = replaced(document_name_, grant_, found->grant);
-    return std::nullopt;
-  }
-  if (is_other) presented_ = present;
-  document_ = std::move(found->document);
-  grant_ = std::move(found->grant);
-  accepted_by_.reset();
+  if (!remote_ || !grant_ || reported_) return std::nullopt;
+  auto found = extension_of(grant_, now);
+  if (!found) return std::nullopt;
+  if (const auto end = last_end(); end && end_of(*found) <= *end) return std::nullopt;
+  extension_ = std::move(found);
   return Error(
       Code::peer_permissions_listed,
-      {.document = document_name_,
-       .field = "not_after",
-       .found = to_string(grant_->grant().validity.not_after),
-       .note = is_other ? "they give other rights than those that the peer presented: only "
-                          "what both allow is allowed, until the first of them ends"
-                        : ""});
-}
-
-bool PermissionsHolder::is_listed() const {
-  const auto listed = participant_->listed();
-  const std::lock_guard lock(mutex_);
-  return listed && listed->holds(digest_);
+      {.document = document_name_, .field = "not_after", .found = to_string(end_of(*extension_))});
 }
 
 std::optional<Error> PermissionsHolder::outlived(WallTime now) {
   std::shared_ptr<const PermissionsHolder> own;
-  std::shared_ptr<PermissionsDocument> seen;
+  std::optional<GrantOfDocument> seen;
   bool reads_lists = false;
   {
     const std::lock_guard lock(mutex_);
@@ -312,14 +267,13 @@ std::optional<Error> PermissionsHolder::outlived(WallTime now) {
     seen = seen_;
     reads_lists = reads_lists_;
   }
-  if (!own || !seen || own->document() == seen) return std::nullopt;
-  const auto still = own->grant_in(*seen, now);
+  if (!own || !seen || own->document() == seen->document) return std::nullopt;
+  const auto still = own->grant_in(*seen->document, now);
   if (still) return std::nullopt;
-  // If the peer has no such list, it ends the session, and we follow.
-  if (reads_lists && own->is_listed()) {
-    auto present = own->document();
+  // The peer goes on by its list. If it has no such list, it ends the session, and we follow.
+  if (auto extended = reads_lists ? own->extension_of(seen->grant, now) : std::nullopt) {
     const std::lock_guard lock(mutex_);
-    seen_ = std::move(present);
+    seen_ = std::move(extended);
     return std::nullopt;
   }
   auto details = still.error().details();

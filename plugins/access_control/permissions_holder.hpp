@@ -57,8 +57,6 @@ class PermissionsHolder {
   /// Of a local participant: the next renew() reads the files, whatever the poll interval is.
   void look_now();
   void look_at_list_now();  ///< the same for the renewal list alone
-  /// Of a local participant: reads the renewal list, before the first peer is judged. As renew().
-  std::vector<Error> read_list(DocumentCache& documents, const Clock& clock);
   /// Renewed permissions, with the file, come into force if they have a grant for the subject that
   /// is valid now and does not begin earlier than the one in force: an older document that was put
   /// back would give again what was taken away. They may give less, and end earlier. Error:
@@ -67,12 +65,11 @@ class PermissionsHolder {
   /// Of a peer: the same for permissions that it has shown within its session. True: they are
   /// others than those in force.
   Result<bool> take_shown(std::shared_ptr<PermissionsDocument> document, WallTime now);
-  /// Of a peer: permissions of the participant's renewal list come into force, if they are later
-  /// and give the same; an event says so. If they give something else, the peer ends, because hosts
-  /// do not judge again what they have matched: newly_ended says peer_permissions_replaced.
-  /// `is_new`: nothing is matched yet. Then later ones that give something else come into force,
-  /// too, but only as far as those that the peer presented allow the same, and until these end.
-  std::optional<Error> follow_list(WallTime now, bool is_new = false);
+  /// Of a peer: permissions of the participant's renewal list extend those that the peer presented,
+  /// if they give the same and end later, or if the CA of the others has left its file
+  /// (ListedPermissions::extension_of). They count until their own end, whatever the list has then.
+  /// The event: peer_permissions_listed.
+  std::optional<Error> follow_list(WallTime now);
   /// How often it has taken permissions.
   std::uint64_t renewals() const;
 
@@ -90,9 +87,6 @@ class PermissionsHolder {
   /// it may have is judged when it comes again. Errors: those of PermissionsDocument::grant_for,
   /// peer_has_no_permissions, permissions_ca_withdrawn.
   Result<Grant> grant(WallTime now);
-  /// All that must allow what the subject does: that grant, and of a peer that is judged by the
-  /// renewal list the one that it presented, if that gives something else. Errors: those of grant.
-  Result<std::vector<Grant>> grants(WallTime now);
 
   /// When the grant found last ends, if it was not reported as ended.
   std::optional<WallTime> ends() const;
@@ -113,19 +107,17 @@ class PermissionsHolder {
   const std::string document_name_;
   AnnouncedEndpoints announced_;
 
-  bool is_over(WallTime now) const;
-  Status check_signer();
+  Status check_signer(const PermissionsDocument& document) const;
+  Status check_extension(WallTime now) const;
+  Result<Grant> presented_grant(WallTime now);
   Result<Grant> valid_grant(WallTime now);
-  Status check_presented(WallTime now) const;
-  bool give_the_same_here(const Grant& a, const Grant& b) const;
+  std::optional<WallTime> last_end() const;
   std::shared_ptr<PermissionsDocument> document() const;
-  std::shared_ptr<PermissionsDocument> presented(const std::optional<Sha256Digest>& digest) const;
+  GrantOfDocument presented(const std::optional<Sha256Digest>& digest) const;
   Result<Grant> grant_in(PermissionsDocument& document, WallTime now) const;
   Status check_follows(const Grant& renewed) const;
   std::optional<Error> outlived(WallTime now);
-  bool is_listed() const;
-  std::optional<ListedPermissions::Found> latest_listed(WallTime now) const;
-  Status check_not_former(const ListedPermissions::Found& shown, WallTime now) const;
+  std::optional<GrantOfDocument> extension_of(const Grant& presented, WallTime now) const;
 
   DocumentPart permissions_part() const;
 
@@ -133,23 +125,20 @@ class PermissionsHolder {
   std::unique_ptr<OwnDocuments> own_documents_;
   mutable std::mutex mutex_;
   std::shared_ptr<const PermissionsHolder> own_;  ///< of a peer: what we are to it
-  std::shared_ptr<PermissionsDocument> seen_;     ///< and what it has seen of that
+  std::optional<GrantOfDocument> seen_;           ///< and what it has seen of that
   bool reads_lists_ = false;                      ///< as SessionFacts has it
-  std::optional<WallTime> other_rights_since_;    ///< the list has other rights of the peer
-  std::optional<Error> replaced_;                 ///< and the time to show them is over
   std::shared_ptr<PermissionsDocument> document_;
-  /// Of a peer: what it presented, which gives something else than the listed ones in force.
-  std::optional<ListedPermissions::Found> presented_;
+  std::optional<GrantOfDocument> extension_;  ///< of a peer, by the renewal list
   std::string text_;
   Sha256Digest digest_ = {};  ///< of text_, as session_facts.hpp counts it
   struct Former {
     Sha256Digest digest;
-    std::shared_ptr<PermissionsDocument> document;
+    GrantOfDocument permissions;
   };
   /// Those renewed since: the first, and the last few, which handshakes under way still present.
   std::vector<Former> former_;
   std::uint64_t renewals_ = 0;
-  std::shared_ptr<const PermissionsCa> accepted_by_;  ///< of a peer
+  std::shared_ptr<const PermissionsCa> accepted_by_;  ///< of a peer: what it presented
   Grant grant_;
   bool reported_ = false;
   spi::EndWarning warning_;

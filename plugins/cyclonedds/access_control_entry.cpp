@@ -12,10 +12,8 @@ DDSSEC_EXPORT int init_access_control(const char*, void** context, ddsi_domaingv
   return cyclonedds::init<AccessControlAdapter, dds_security_access_control>(
       context, domain, __builtin_return_address(0), [](const Environment& environment) {
         // A stock authentication presents the permissions that a participant began with.
-        // A peer that is given other rights takes them from its own folder meanwhile.
         return access_control::make_access_control(
-            environment, {.listed_rights_wait = std::chrono::seconds(15),
-                          .presents_renewed_permissions = cyclonedds::has_our_authentication});
+            environment, {.presents_renewed_permissions = cyclonedds::has_our_authentication});
       });
 }
 

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """The lists of renewed certificates and permissions: what commands write into them, and where they go."""
 
+import base64
+import datetime
 import re
-import time
 
 from agent_folders import checked_events
 from transcript import Transcript, main
@@ -64,71 +65,105 @@ class RenewalList(Transcript):
         self.assertNotIn(certificate, (self.at / "demo/listener/renewed.pem").read_text())
         self.assertIn(certificate, (self.at / "demo/ca/identity/renewed.pem").read_text())
 
-    def test_PermissionsSign_ListsTheDocument_IfToldTo(self):
-        words = ("permissions", "sign", "demo/talker/permissions.xml", "--ca", "demo", "-o", "signed.p7s", "--replace")
-        self.run_program("permissions", "new", "--cert", "demo/talker/cert.pem", "--publish", "Square",
-                         "-o", "demo/talker/permissions.xml", "--replace")
-        self.run_program(*words)
-        self.assertEqual(self.labels("demo/ca/permissions/renewed.pem"), [])
-        self.run_program(*words, "--listed")
-        self.assertEqual(self.labels("demo/ca/permissions/renewed.pem"), [PERMISSIONS])
+    # ---- permissions sign
+
+    def xml_of(self, path):
+        signed = (self.at / path).read_bytes().decode("latin-1").replace("\r", "")
+        return re.search(r"<\?xml.*?</dds>\n?", signed, re.DOTALL)[0]
+
+    def sign(self, xml, to, *words, exit=0):
+        (self.at / "next.xml").write_text(xml)
+        return self.run_program("permissions", "sign", "next.xml", "--ca", "demo", "-o", to, *words, exit=exit)
+
+    @staticmethod
+    def until(xml, year):
+        return re.sub(r"<not_after>.*?</not_after>", f"<not_after>{year}-01-01T00:00:00</not_after>", xml)
+
+    @staticmethod
+    def of_nine_days(xml):
+        begin = datetime.datetime.fromisoformat(re.search("<not_before>(.*?)Z?</not_before>", xml)[1])
+        end = (begin + datetime.timedelta(days=9)).isoformat()
+        return re.sub(r"<not_after>.*?</not_after>", f"<not_after>{end}</not_after>", xml)
+
+    def test_PermissionsSign_ListsAnExtension_AndNothingElse(self):
+        ca, talker = "demo/ca/permissions/renewed.pem", "demo/talker/permissions.p7s"
+        xml = self.xml_of(talker)
+        narrow = xml.replace("<topic>*</topic>", "<topic>Square</topic>")
+        self.assertNotEqual(narrow, xml)
+        for number, other in enumerate((self.until(narrow, 2051), self.of_nine_days(xml), xml, re.sub(r"<subject_name>(.*?)</subject_name>",
+                r"<subject_name_expression>\1</subject_name_expression>", self.until(xml, 2051)))):
+            self.sign(other, f"other{number}.p7s", "--no-lint")
+            self.assertEqual(self.labels(ca), [])
+        # The last document for the place is extended.
+        self.sign(self.until(xml, 2051), talker, "--replace", "--no-lint")
+        self.assertEqual(self.labels(ca), [PERMISSIONS])
+        # So is one that is listed, wherever the new one goes.
+        self.sign(self.until(xml, 2052), "elsewhere.p7s", "--replace", "--no-lint")
+        self.assertEqual(self.labels(ca), [PERMISSIONS])
+        self.assertIn("2052-01-01", self.listed(ca)[0])
+        # A narrow one takes the place of none, and an extension of it counts beside the wide one.
+        self.sign(self.until(narrow, 2060), talker, "--replace", "--no-lint")
+        self.assertEqual(self.labels(ca), [PERMISSIONS])
+        self.sign(self.until(narrow, 2061), talker, "--replace", "--no-lint")
+        self.assertEqual(self.labels(ca), [PERMISSIONS] * 2)
         self.run_program("governance", "sign", "demo/governance.xml", "--ca", "demo", "--replace")
+        self.assertEqual(self.labels(ca), [PERMISSIONS] * 2)
+
+    def listed(self, path):
+        """The signed texts of a list."""
+        blocks = [found[0] for found in PEM.finditer((self.at / path).read_text()) if found[1] == PERMISSIONS]
+        return [base64.b64decode("".join(one.split("\n")[1:-2])).decode("latin-1") for one in blocks]
+
+    # Before, a document that was signed for later, or elsewhere, kept the agent from any extension.
+    def test_PermissionsThatAreSignedElsewhere_StopNoExtension(self):
+        xml = self.xml_of("demo/talker/permissions.p7s").replace("<topic>*</topic>", "<topic>Square</topic>")
+        self.sign(xml, "narrow.p7s")
+        self.sign(re.sub(r"<not_before>.*?</not_before>", "<not_before>2040-01-01T00:00:00</not_before>",
+                         self.until(xml, 2051)), "planned.p7s", "--no-lint")
+        self.renew("talker", "--permissions")
+        (event,) = checked_events(self.run_program("agent", "demo/talker", "--ca", "demo", "--permissions", "--once",
+                                                   "--now", "+600d").stdout)
+        self.assertTrue(event["permissions_extended"])
         self.assertEqual(self.labels("demo/ca/permissions/renewed.pem"), [PERMISSIONS])
 
-    def sign(self, name, topic, to, *words, exit=0, listed=True):
-        self.run_program("permissions", "new", "--cert", f"demo/{name}/cert.pem", "--publish", topic, "-o", f"{to}.xml")
-        return self.run_program("permissions", "sign", f"{to}.xml", "--ca", "demo", "-o", f"{to}.p7s",
-                                *(["--listed"] if listed else []), *words, exit=exit)
-
-    def test_RightsThatTheListTookAway_AreNotSignedAgain(self):
-        time.sleep(1.1)  # signing times have seconds
-        self.sign("talker", "Square", "narrow")
-        self.distribute()
-        self.assertEqual(self.labels("demo/listener/renewed.pem"), [PERMISSIONS])
-        before = (self.at / "demo/listener/renewed.pem").read_bytes()
+    def test_PermissionsThatAreReplacedInTheirPlace_AreNotExtended(self):
+        talker = self.at / "demo/talker/permissions.p7s"
+        wide = talker.read_bytes()
+        self.sign(self.xml_of("demo/talker/permissions.p7s").replace("<topic>*</topic>", "<topic>Square</topic>"),
+                  "demo/talker/permissions.p7s", "--replace")
+        talker.write_bytes(wide)
         words = ("identity", "renew", "demo/talker", "--ca", "demo", "--days", "700", "--permissions")
         self.assertIn("document_superseded", self.run_program(*words, exit=(1, 3, 4)).stderr)
-        out = self.run_program("agent", "demo/talker", "--ca", "demo", "--permissions", "--once", "--now", "+300d",
-                               exit=(0, 1)).stdout
-        self.assertIn("document_superseded", out)
-        self.run_program("ca", "rotate", "demo", "--role", "permissions", "--overlap", "1d")
-        moved = self.run_program("ca", "rotate", "demo", "--role", "permissions", "--move", exit=(1, 3, 4))
-        self.assertIn("document_superseded", moved.stdout + moved.stderr)
-        self.distribute()
-        narrow = PEM.search(before.decode())[0]
-        self.assertIn(narrow, (self.at / "demo/listener/renewed.pem").read_text())
-        (self.at / "demo/talker/permissions.p7s").write_bytes((self.at / "narrow.p7s").read_bytes())
-        self.run_program("ca", "rotate", "demo", "--role", "permissions", "--move")
+        self.assertEqual(self.labels("demo/ca/permissions/renewed.pem"), [])
 
-    def test_LaterPermissionsThatAreNotListed_AreExtended(self):
-        self.sign("talker", "Square", "narrow")
-        time.sleep(1.1)
-        self.sign("talker", "Circle", "later", listed=False)
-        (self.at / "demo/talker/permissions.p7s").write_bytes((self.at / "later.p7s").read_bytes())
-        self.renew("talker", "--permissions")
-
-    def test_PermissionsThatHaveEnded_StayInTheList_UntilTheyAreReplaced(self):
-        self.sign("talker", "Square", "narrow")
-        xml = (self.at / "narrow.xml").read_text()
-        ended = re.sub(r"<not_after>.*?</not_after>", "<not_after>2020-01-02T00:00:00</not_after>",
-                       re.sub(r"<not_before>.*?</not_before>", "<not_before>2020-01-01T00:00:00</not_before>", xml))
-        (self.at / "demo/ca/permissions/renewed.pem").unlink()
-        (self.at / "ended.xml").write_text(ended)
-        self.run_program("permissions", "sign", "ended.xml", "--ca", "demo", "--no-lint", "--listed")
+    def test_PermissionsThatHaveEnded_LeaveTheList(self):
+        talker = "demo/talker/permissions.p7s"
+        xml = self.xml_of(talker)
+        for year in (2051, 2052):
+            self.sign(self.until(xml, year), talker, "--replace", "--no-lint")
+        listed = self.at / "demo/ca/permissions/renewed.pem"
+        ended = self.until(re.sub(r"<not_before>.*?</not_before>", "<not_before>2019-01-01T00:00:00</not_before>", xml), 2020)
+        self.sign(ended, "ended.p7s", "--no-lint")
+        listed.write_text(listed.read_text() + self.block("ended.p7s"))
         self.renew("listener", "--permissions")
-        self.distribute()
-        for file in ("demo/ca/permissions/renewed.pem", "demo/listener/renewed.pem"):
-            self.assertEqual(self.labels(file).count(PERMISSIONS), 2)
-        self.sign("talker", "Square", "next")
         self.assertEqual(self.labels("demo/ca/permissions/renewed.pem"), [PERMISSIONS] * 2)
+        self.assertNotIn("2020-01-01", "".join(self.listed("demo/ca/permissions/renewed.pem")))
 
-    def test_PermissionsForAnotherDomain_ReplaceNone(self):
-        self.sign("talker", "Square", "narrow")
-        xml = (self.at / "narrow.xml").read_text()
-        (self.at / "other.xml").write_text(re.sub(r"<domains>.*?</domains>", "<domains><id>7</id></domains>", xml,
-                                                  flags=re.DOTALL))
-        self.run_program("permissions", "sign", "other.xml", "--ca", "demo", "--no-lint", "--listed")
-        self.assertEqual(self.labels("demo/ca/permissions/renewed.pem"), [PERMISSIONS] * 2)
+    def block(self, path):
+        text = base64.encodebytes((self.at / path).read_bytes()).decode().replace("\n", "")
+        lines = [text[i:i + 64] for i in range(0, len(text), 64)]
+        return "\n".join([f"-----BEGIN {PERMISSIONS}-----", *lines, f"-----END {PERMISSIONS}-----", ""])
+
+    def test_AMove_LeavesOutPermissionsForAnExpression_AndSaysSo(self):
+        xml = re.sub(r"<subject_name>(.*?)</subject_name>", r"<subject_name_expression>\1</subject_name_expression>",
+                     self.xml_of("demo/talker/permissions.p7s"))
+        self.sign(xml, "demo/talker/permissions.p7s", "--replace", "--no-lint")
+        self.run_program("ca", "rotate", "demo", "--role", "permissions", "--overlap", "1d")
+        done = self.run_program("ca", "rotate", "demo", "--role", "permissions", "--move", exit=(0, 1))
+        self.assertIn("warning[permissions_unlisted]", done.stderr)
+        self.assertEqual(self.labels("demo/ca/permissions/renewed.pem"), [PERMISSIONS])
+
+    # ---- lists that are damaged, full, or in the way
 
     def revoke_and_distribute(self, exit):
         self.run_program("identity", "revoke", "demo/talker", "--ca", "demo", exit=(0, 1, 3, 4))
@@ -137,20 +172,27 @@ class RenewalList(Transcript):
                          (self.at / "demo/ca/identity/crl.pem").read_bytes())
         return out
 
-    def test_ADamagedListOfTheCa_KeepsNoRevocationBack_AndIsNotTakenForAnEmptyOne(self):
-        file = self.at / "demo/ca/permissions/renewed.pem"
-        self.sign("listener", "Square", "narrow")
+    def test_ADamagedListOfACa_KeepsNothingBack_AndTheNextRenewalBeginsANewOne(self):
+        self.renew("listener", "--permissions")
         self.distribute()
-        before = (self.at / "demo/listener/renewed.pem").read_bytes()
-        for octets, code in ((b"x" * (9 << 20), "file_too_large"), (file.read_bytes()[:300], "renewal_list_malformed")):
+        file, before = self.at / "demo/ca/permissions/renewed.pem", self.labels("demo/listener/renewed.pem")
+        for days, octets in ((800, b"x" * (9 << 20)), (810, file.read_bytes()[:300]), (820, b"")):
             file.write_bytes(octets)
-            self.assertIn(code, self.revoke_and_distribute(exit=(1, 3, 4)).stderr)
-            self.assertIn(code, self.sign("listener", "Square", f"after_{code}", exit=(1, 3, 4)).stderr)
-            self.assertEqual(file.read_bytes(), octets)
-            self.assertEqual((self.at / "demo/listener/renewed.pem").read_bytes(), before)
-        file.unlink()
-        self.distribute()
-        self.assertEqual((self.at / "demo/listener/renewed.pem").read_bytes(), before)
+            self.revoke_and_distribute(exit=(1, 3, 4))
+            self.assertEqual(self.labels("demo/listener/renewed.pem"), before)
+            done = self.run_program("identity", "renew", "demo/listener", "--ca", "demo", "--days", days, "--permissions")
+            self.assertIn("warning[renewal_list_malformed]", done.stderr)
+            self.assertIn("a new list was begun", done.stderr)
+            self.assertEqual(self.labels("demo/ca/permissions/renewed.pem"), [PERMISSIONS])
+            self.distribute()
+
+    def test_ADamagedListOfACa_StopsNoAgent(self):
+        (self.at / "demo/ca/permissions/renewed.pem").write_bytes(b"")
+        words = ("agent", "demo/talker", "demo/listener", "--ca", "demo", "--permissions", "--once", "--now")
+        events = checked_events(self.run_program(*words, "+300d", exit=(0, 1)).stdout)
+        self.assertEqual([event["permissions_extended"] for event in events], [True] * 2)
+        self.assertEqual(["problem" in event for event in events], [True, False], "it is said once")
+        self.assertEqual(self.labels("demo/ca/permissions/renewed.pem"), [PERMISSIONS] * 2)
 
     def test_AListOfAFolderThatCannotBeWritten_KeepsNoRevocationFromIt(self):
         self.renew("listener")
@@ -162,17 +204,36 @@ class RenewalList(Transcript):
         self.distribute()
         self.assertEqual(self.labels("demo/listener/renewed.pem"), [CERTIFICATE])
 
-    def test_TheListOfACa_HasNoMoreOctetsThanAreRead(self):
-        self.sign("listener", "Square", "one")
-        xml = (self.at / "one.xml").read_text()
+    def fill_list(self, fifth):
+        """Eight documents, with no room for another one: of x0 to x7, of which x3 ends first, but for the fifth one."""
+        xml = self.xml_of("demo/listener/permissions.p7s")
         subject = re.search(r"<subject_name>(.*?)</subject_name>", xml)[1]
-        for i in range(9):
-            (self.at / f"p{i}.xml").write_text(xml.replace(subject, f"CN=x{i}").replace(
-                "<publish>", "<!--" + "x" * 730_000 + "--><publish>", 1))
-            done = self.run_program("permissions", "sign", f"p{i}.xml", "--ca", "demo", "--no-lint", "--listed", exit=(0, 3))
-        self.assertIn("left out", done.stderr)
+
+        def document(i, size):
+            text = (self.of_nine_days(xml) if i == 3 else self.until(xml, 2052)).replace(subject, f"CN=x{fifth if i == 5 else i}")
+            if i == 5:
+                text = text.replace("<topic>*</topic>", "<topic>Square</topic>")
+            self.sign(text.replace("<publish>", "<!--" + "x" * size + "--><publish>", 1), f"p{i}.p7s", "--no-lint", "--replace")
+            return self.block(f"p{i}.p7s")
+
+        blocks = [document(i, 760_000) for i in range(8)]
+        rest = (8 << 20) - sum(map(len, blocks))
+        blocks[7] = document(7, 760_000 + (rest - 1000) * 3 // 4 * 64 // 65)
+        (self.at / "demo/ca/permissions/renewed.pem").write_text("".join(blocks))
+
+    def subjects(self):
+        return [re.search(r"<subject_name>(.*?)</subject_name>", one)[1]
+                for one in self.listed("demo/ca/permissions/renewed.pem")]
+
+    def test_AFullListOfACa_LeavesOutFormerOnes_ThenThoseThatEndFirst_AndNamesThem(self):
+        words = ("identity", "renew", "demo/listener", "--ca", "demo", "--permissions", "--days")
+        for days, fifth, left in (("700", 0, [1, 2, 3, 4, 0, 6, 7]), ("701", 5, [0, 1, 2, 4, 5, 6, 7])):
+            self.fill_list(fifth)
+            gone = 3 if fifth else 0
+            self.assertRegex(self.run_program(*words, days).stderr,
+                             rf"file_too_large(.|\n)*entries of CN=x{gone} were left out")
+            self.assertEqual(self.subjects(), [*(f"CN=x{i}" for i in left), "CN=listener"])
         self.assertLessEqual((self.at / "demo/ca/permissions/renewed.pem").stat().st_size, 8 << 20)
-        self.assertEqual(self.labels("demo/ca/permissions/renewed.pem"), [PERMISSIONS] * 8)
         self.distribute()
 
     def test_OfAnotherCa_StaysWhereTheFolderTrustsIt_AndGoesWhereItDoesNot(self):

@@ -20,7 +20,6 @@ OUT = 2.0      # seconds after its end until a participant that is not renewed i
 SLOW = 8.0     # seconds that a loaded machine may add to it
 WAIT = 60.0    # seconds until an event on a loaded machine
 LONG = 3600
-LISTED = ("--listed",)
 GAP_MS = 1000  # the longest time without a sample of the renewed one
 
 
@@ -28,7 +27,7 @@ class Story:
     def __init__(self, build, at):
         self.peers, self.space = {}, None
         self.folders = Folders(build, at, NAMES, list(TOPICS.values()), "short")
-        self.folders.put_permissions(RENEWED, PERMISSIONS, LISTED)
+        self.folders.put_permissions(RENEWED, PERMISSIONS)
         self.permissions_end = time.time() + PERMISSIONS
         ends = self.folders.put_certificates([RENEWED, LEFT, REVOKED], CERTIFICATE)
         self.certificate_end, self.left_end = ends[RENEWED], ends[LEFT]
@@ -69,7 +68,7 @@ class Story:
     def renew(self):
         for name in (RENEWED, REVOKED):
             self.folders.ddssec("identity", "renew", f"demo/{name}", "--ca", "demo", "--days", "5")
-        self.folders.put_permissions(RENEWED, LONG, LISTED)
+        self.folders.put_permissions(RENEWED, LONG)
         self.folders.ddssec("crl", "distribute", "--ca", "demo")
         self.until("the list is taken", lambda: self.said(WATCHER, "renewal_list_taken"))
         check("renewed in time", time.time() < self.certificate_end)

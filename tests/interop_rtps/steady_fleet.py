@@ -116,14 +116,14 @@ class Folders:
         for name in names:
             replace_file(self[name] / "governance.p7s", (self.at / "demo/governance.p7s").read_bytes())
 
-    def put_permissions(self, name, seconds=0, more=()):
+    def put_permissions(self, name, seconds=0):
         xml = self.at / f"{name}.permissions.xml"
         topics = {kind: "".join(f"<topic>{topic}</topic>" for topic in self.topics
                                 if (kind, topic) != self.denied.get(name)) for kind in ("publish", "subscribe")}
         end = in_utc(time.time() + (seconds or self.permissions))
         xml.write_text(PERMISSIONS_XML.format(name=name, domain=DOMAIN, end=end, **topics))
         self.ddssec("permissions", "sign", str(xml), "--ca", "demo", "-o", str(self[name] / "permissions.p7s"),
-                    "--replace", "-q", *more)
+                    "--replace", "-q")
 
     def put_certificate(self, name, seconds):
         """A certificate of seconds, which no command of ddssec issues by itself, and its line in the CA's log. Returns

@@ -5,6 +5,7 @@
 
 #include <gmock/gmock.h>
 
+#include "pki/renewal_list.hpp"
 #include "plugins/access_control/participant.hpp"
 #include "tests/support/recorded_document.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -62,6 +63,8 @@ class AuthorityRenewal : public AccessControlTest {
     set(spi::property::kPermissionsCa, path_);
     set(spi::property::kGovernance, folder_.write("governance.p7s", governance(first())));
     set(spi::property::kPermissions, folder_.write("permissions.p7s", permissions(first())));
+    all.push_back({std::string(spi::property::kRenewalList),
+                   "file:" + folder_.path() + "/renewed.pem", false});
     return plugin->validate_local_permissions(kLocalIdentity, 0, all);
   }
   std::vector<spi::PermissionsHandle> look() {
@@ -195,6 +198,25 @@ TEST_F(AuthorityRenewal, CaThatLeaves_EndsItsPeers) {
   EXPECT_CODE(plugin->check_remote_participant(*former, 0), permissions_ca_withdrawn);
   EXPECT_TRUE(plugin->check_remote_participant(*moved, 0));
   EXPECT_FALSE(accepts(first()));
+}
+
+TEST_F(AuthorityRenewal, CaThatLeaves_KeepsAPeerWhosePermissionsTheNextOneListed) {
+  const auto next = permissions(second(), kListener);
+  const pki::RenewalList list{.permissions = {to_bytes(as_bytes(next))}};
+  folder_.replace("renewed.pem", list.text().value());
+  put({&first(), &second()});
+  sign_all(second());
+  codes_after_looking();
+  const auto former = remote(permissions(first(), kListener));
+  ASSERT_TRUE(former);
+  put({&second()});
+  EXPECT_THAT(codes_after_looking(),
+              ElementsAre(Code::permissions_ca_renewed, Code::peer_permissions_listed));
+  EXPECT_TRUE(plugin->check_remote_participant(*former, 0));
+  folder_.replace("renewed.pem", "-");
+  put({&second()});
+  EXPECT_THAT(codes_after_looking(), IsEmpty());
+  EXPECT_TRUE(plugin->check_remote_participant(*former, 0));
 }
 
 TEST_F(AuthorityRenewal, CaWithoutOverlap_IsTakenTogetherWithOurDocuments) {

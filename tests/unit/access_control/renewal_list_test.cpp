@@ -1,4 +1,4 @@
-// Later permissions of peers, in a renewal list.
+// Permissions of peers that a renewal list extends.
 #include "pki/renewal_list.hpp"
 
 #include <gmock/gmock.h>
@@ -12,13 +12,13 @@ namespace {
 using testing::Contains;
 using testing::ElementsAre;
 using testing::IsEmpty;
+using testing::Not;
 
 /// The talker is ours and has a list; the listener is the peer, whose permissions end 20 s from
 /// now.
 class ListedPeers : public AccessControlTest {
  protected:
-  explicit ListedPeers(Options options = {}) {
-    make(std::move(options));
+  ListedPeers() {
     own_ = ours({}, "").value_or(spi::PermissionsHandle{});
     EXPECT_TRUE(own_);
     meet(document({"t"}));
@@ -45,9 +45,13 @@ class ListedPeers : public AccessControlTest {
     out.validity = {kNow + from, kNow + until};
     return signed_permissions({out});
   }
-  void put(const std::vector<std::string>& documents) {
+  Status show(const std::string& text) {
+    return plugin->renew_remote_permissions(peer_, permissions_token(),
+                                            credential(authorities().listener, text));
+  }
+  void put(const std::vector<std::string>& files) {
     pki::RenewalList list;
-    for (const auto& one : documents) list.permissions.push_back(to_bytes(as_bytes(one)));
+    for (const auto& one : files) list.permissions.push_back(to_bytes(as_bytes(one)));
     folder_.replace("renewed.pem", list.text().value());
   }
   std::vector<spi::PermissionsHandle> look(std::chrono::seconds after = 5s) {
@@ -75,18 +79,20 @@ class ListedPeers : public AccessControlTest {
   spi::PermissionsHandle own_, peer_;
 };
 
-TEST_F(ListedPeers, LaterPermissionsThatGiveTheSame_KeepThePeer) {
-  put({document({"t"}, 0s, 24h)});
+TEST_F(ListedPeers, TheSameRights_KeepThePeer) {
+  put({document({"t"}, 0s, 12h)});
   EXPECT_THAT(look(), IsEmpty());
   ASSERT_EQ(log.events.size(), 1u);
   const auto& event = log.events.front();
   EXPECT_EQ(event.error.code(), Code::peer_permissions_listed);
   EXPECT_EQ(event.severity, Severity::informational);
   EXPECT_EQ(event.peer_subject, kListener);
-  EXPECT_EQ(event.error.details().found, to_string(kNow + 24h));
+  EXPECT_EQ(event.error.details().found, to_string(kNow + 12h));
   EXPECT_THAT(pass_the_end(), IsEmpty());
+  EXPECT_EQ(log.events.size(), 1u);
   EXPECT_TRUE(may_publish("t"));
-  EXPECT_EQ(plugin->next_expiry(), kNow + 24h);
+  EXPECT_FALSE(may_publish("u"));
+  EXPECT_EQ(plugin->next_expiry(), kNow + 12h);
 }
 
 TEST_F(ListedPeers, WithoutAList_ThePeerEndsInTime) {
@@ -101,74 +107,213 @@ TEST_F(ListedPeers, AListOfTheLastSecond_Counts) {
   EXPECT_THAT(look(1s), IsEmpty());
 }
 
-TEST_F(ListedPeers, PermissionsThatEndLater_AreTakenIfTheyBeginAtTheSameTime) {
-  put({document({"t"}, -24h, 24h)});
-  EXPECT_THAT(pass_the_end(), IsEmpty());
+TEST_F(ListedPeers, AListThatIsThereAtTheStart_KeepsThePeer) {
+  (void)plugin->return_permissions_handle(peer_);
+  (void)plugin->return_permissions_handle(own_);
+  put({document({"t"}, 0s, 24h)});
+  own_ = ours({}, "").value();
+  meet(document({"t"}));
+  EXPECT_THAT(look(20s), IsEmpty());
 }
 
-TEST_F(ListedPeers, OtherRightsThatBeginAtTheSameTime_AreNotLater) {
-  put({document({"t", "u"}, -24h, 24h)});
-  EXPECT_THAT(pass_the_end(), ElementsAre(peer_));
+TEST_F(ListedPeers, TheBeginOfTheSameRights_SaysNothing) {
+  put({document({"t"}, -25h, 40s)});
+  EXPECT_THAT(look(20s), IsEmpty());
+  put({document({"t"}, -24h, 60s)});
+  EXPECT_THAT(look(20s), IsEmpty());
+  EXPECT_THAT(look(20s), ElementsAre(peer_));
+}
+
+TEST_F(ListedPeers, TheSameRightsThatEndEarlier_ChangeNothing) {
+  put({document({"t"}, 0s, 10s)});
+  EXPECT_THAT(look(19s), IsEmpty());
+  EXPECT_THAT(look(1s), ElementsAre(peer_));
   EXPECT_THAT(codes(), ElementsAre(Code::grant_expired));
 }
 
-// As of documents for one certificate.
-TEST_F(ListedPeers, OtherRightsThatBeginAtTheSameTime_CountIfTheyWereSignedLater) {
-  auto out = grant(kListener, {publish_rule(true, {"u"})});
-  out.validity = {kNow - 24h, kNow + 20s};
-  const auto xml = governance::to_xml(governance::Permissions{.grants = {out}});
-  const auto file =
-      authorities().permissions_ca.sign_document(as_bytes(xml), kNow + 1s, test_random());
-  ASSERT_TRUE(file);
-  put({std::string(as_text(*file))});
-  EXPECT_THAT(look(), ElementsAre(peer_));
-  EXPECT_THAT(codes(), ElementsAre(Code::peer_permissions_replaced));
-  meet(document({"t"}));
-  EXPECT_FALSE(may_publish("u")) << "the list gives nothing more";
+TEST_F(ListedPeers, TheSameRightsInTheFuture_CountOnceTheyBegin) {
+  put({document({"t"}, 15s, 24h)});
+  look(10s);
+  EXPECT_THAT(codes(), IsEmpty());
+  EXPECT_THAT(pass_the_end(), IsEmpty());
+  EXPECT_THAT(codes(), ElementsAre(Code::peer_permissions_listed));
+}
+
+TEST_F(ListedPeers, TheSameRightsAfterTheEnd_AreTooLate) {
+  put({document({"t"}, 21s, 24h)});
+  EXPECT_THAT(look(20s), ElementsAre(peer_));
+  EXPECT_THAT(pass_the_end(), IsEmpty());
   EXPECT_FALSE(may_publish("t"));
 }
 
-TEST_F(ListedPeers, OtherRights_LastNoLongerThanThosePresented) {
-  put({document({"t", "u"}, 0s, 24h)});
-  look();
-  meet(document({"t", "v"}));
-  EXPECT_TRUE(may_publish("t"));
-  EXPECT_FALSE(may_publish("u"));
-  EXPECT_FALSE(may_publish("v"));
-  EXPECT_EQ(plugin->next_expiry(), kNow + 20s);
-  EXPECT_THAT(pass_the_end(), Contains(peer_));
+TEST_F(ListedPeers, AnExtension_EndsWithItsOwnTimeInTheEvent) {
+  put({document({"t"}, 0s, 40s)});
+  EXPECT_THAT(look(39s), IsEmpty());
+  log.events.clear();
+  EXPECT_THAT(look(1s), ElementsAre(peer_));
+  ASSERT_EQ(log.events.size(), 1u);
+  EXPECT_EQ(log.events.front().error.code(), Code::grant_expired);
+  EXPECT_THAT(log.events.front().error.to_sentence(), testing::HasSubstr(to_string(kNow + 40s)));
 }
 
-TEST_F(ListedPeers, LessRightsThatHaveEnded_StillBarTheFormerOnes) {
-  const auto wide = document({"t", "u"}, -24h, 1000h);
+TEST_F(ListedPeers, AClockThatGoesBack_EndsNoExtension) {
+  put({document({"t"}, 0s, 24h)});
+  look(30s);
+  clock.set(kNow + 1s);
+  EXPECT_THAT(plugin->expire(), IsEmpty());
+  clock.set(kNow - 1s);
+  EXPECT_THAT(plugin->expire(), IsEmpty());
+  EXPECT_TRUE(may_publish("t"));
+}
+
+TEST_F(ListedPeers, OfSeveral_TheOneThatEndsLastCounts) {
+  put({document({"t"}, 0s, 40s), document({"t"}, -1h, 12h), document({"t"}, 2s, 30s)});
+  look();
+  EXPECT_EQ(plugin->next_expiry(), kNow + 12h);
+}
+
+TEST_F(ListedPeers, AListThatNoLongerHasIt_LeavesAnExtensionUntilItsEnd) {
   put({document({"t"}, 0s, 60s)});
   look();
-  meet(wide);
-  EXPECT_FALSE(may_publish("u"));
-  EXPECT_THAT(pass_the_end(), Contains(peer_));
+  put({document({"t"}, 0s, 24h, kTalker)});
+  EXPECT_THAT(look(54s), IsEmpty());
+  EXPECT_THAT(look(1s), ElementsAre(peer_));
+}
+
+// It is signed, and holds until its end. What takes it away is the revocation of the certificate.
+TEST_F(ListedPeers, ALaterEntryWithLessRights_LeavesThePeerUntilTheWideOneEnds) {
+  meet(document({"t", "u"}));
+  const auto wide = document({"t", "u"}, 0s, 60s);
+  put({wide});
+  look();
+  put({wide, document({"t"}, 5s, 24h)});
+  EXPECT_THAT(look(50s), Not(Contains(peer_)));
+  EXPECT_TRUE(may_publish("u"));
+  EXPECT_THAT(look(5s), Contains(peer_));
+}
+
+TEST_F(ListedPeers, AFormerListWithTheSameRights_GivesNoTimeBack) {
+  const auto former = document({"t"}, 0s, 40s);
+  put({former});
+  look();
+  put({document({"t"}, 0s, 60s)});
+  look();
+  put({former});
+  EXPECT_THAT(look(49s), IsEmpty());
+  EXPECT_THAT(look(1s), ElementsAre(peer_));
+}
+
+// ---- other rights
+
+/// What the list has for a peer that presents "t" and "u".
+class OtherRights : public ListedPeers,
+                    public testing::WithParamInterface<std::vector<std::string>> {
+ protected:
+  OtherRights() {
+    (void)plugin->return_permissions_handle(peer_);
+    meet(presented());
+    log.events.clear();
+  }
+  std::string presented(std::chrono::seconds from = -24h, std::chrono::seconds until = 20s) const {
+    return document({"t", "u"}, from, until);
+  }
+  std::string listed(std::chrono::seconds from, std::chrono::seconds until) const {
+    if (!GetParam().empty()) return document(GetParam(), from, until);
+    auto out = grant(kListener, {});
+    out.validity = {kNow + from, kNow + until};
+    return signed_permissions({out});
+  }
+  void expect_as_presented() {
+    EXPECT_TRUE(may_publish("t"));
+    EXPECT_TRUE(may_publish("u"));
+    EXPECT_FALSE(may_publish("v"));
+    log.events.clear();
+  }
+};
+
+TEST_P(OtherRights, HaveNoEffect) {
+  put({listed(0s, 24h)});
+  EXPECT_THAT(look(), IsEmpty());
+  EXPECT_THAT(codes(), IsEmpty());
+  expect_as_presented();
+  EXPECT_THAT(look(14s), IsEmpty());
+  EXPECT_THAT(look(1s), ElementsAre(peer_)) << "in time";
+  EXPECT_THAT(codes(), ElementsAre(Code::grant_expired));
+  meet(presented(-24h, 24h));
+  EXPECT_THAT(codes(), IsEmpty());
+  expect_as_presented();
+}
+
+TEST_P(OtherRights, ThatHaveEnded_HaveNoEffect) {
+  put({listed(0s, 5s)});
+  look(6s);
+  EXPECT_THAT(codes(), IsEmpty());
+  expect_as_presented();
+  meet(presented());
+  EXPECT_THAT(codes(), IsEmpty());
+  expect_as_presented();
+}
+
+TEST_P(OtherRights, BesideTheSame_KeepThePeerByThese) {
+  put({listed(0s, 48h), presented(-1h, 24h), listed(1s, 72h)});
+  EXPECT_THAT(pass_the_end(), IsEmpty());
+  EXPECT_THAT(codes(), ElementsAre(Code::peer_permissions_listed));
+  expect_as_presented();
+}
+
+TEST_P(OtherRights, RefuseNothingThatThePeerShows) {
+  put({listed(0s, 24h)});
+  look();
+  EXPECT_TRUE(show(presented(-23h, 24h)));
+  expect_as_presented();
+  EXPECT_TRUE(show(document({"v"}, -22h, 24h)));
+  EXPECT_TRUE(may_publish("v"));
+  EXPECT_FALSE(may_publish("t"));
+  EXPECT_THAT(pass_the_end(), IsEmpty());
+}
+
+INSTANTIATE_TEST_SUITE_P(All, OtherRights,
+                         testing::Values(std::vector<std::string>{"t"},
+                                         std::vector<std::string>{"t", "u", "v"},
+                                         std::vector<std::string>{"v"},
+                                         std::vector<std::string>{"*"},
+                                         std::vector<std::string>{}));
+
+// Before, the end of the listed ones locked the participant out for good.
+TEST_F(ListedPeers, MoreRightsForAWhile_LockNoParticipantOut) {
+  const auto own = document({"circle"}, -24h, 1000h);
+  meet(own);
+  put({document({"circle", "square"}, 0s, 30s)});
+  look();
+  EXPECT_TRUE(may_publish("circle"));
+  EXPECT_FALSE(may_publish("square")) << "the peer does not present it";
+  look(30s);
   log.events.clear();
-  EXPECT_FALSE(remote(wide).has_value());
-  EXPECT_THAT(codes(), ElementsAre(Code::peer_permissions_replaced));
-  meet(document({"u"}, 61s, 1000h));
+  EXPECT_TRUE(may_publish("circle"));
+  meet(own);
+  EXPECT_TRUE(may_publish("circle"));
+  EXPECT_THAT(codes(), IsEmpty());
+}
+
+// Before, rights that were given back had no effect as long as they began before the listed ones.
+TEST_F(ListedPeers, RightsThatAreGivenBack_CountAtOnce) {
+  const auto full = document({"t", "u"}, -24h, 1000h);
+  const auto narrow = document({"t"}, 0s, 60s);
+  put({narrow});
+  look();
+  meet(narrow);
+  EXPECT_FALSE(may_publish("u"));
+  put({narrow, full});
+  look();
+  meet(full);
+  EXPECT_TRUE(may_publish("u"));
+  look(60s);
+  EXPECT_TRUE(may_publish("u"));
+  meet(full);
   EXPECT_TRUE(may_publish("u"));
 }
 
-TEST_F(ListedPeers, LessRightsThatHadEndedAtTheStart_BarTheFormerOnes) {
-  clock.advance(2min);
-  put({document({"t"}, 0s, 60s)});
-  look();
-  EXPECT_FALSE(remote(document({"t", "u"}, -24h, 1000h)).has_value());
-}
-
-TEST_F(ListedPeers, TheSameRightsThatHaveEnded_EndNothing) {
-  put({document({"t"}, 0s, 10s)});
-  look();
-  clock.advance(7s);
-  meet(document({"t"}, -24h, 1000h));
-  EXPECT_TRUE(may_publish("t"));
-}
-
-TEST_F(ListedPeers, PermissionsForAnotherDomain_ChangeNothing) {
+TEST_F(ListedPeers, ForAnotherDomain_ChangeNothing) {
   auto rule = publish_rule(true, {"t"});
   rule.domains.ranges = {{7, 7}};
   auto out = grant(kListener, {rule});
@@ -176,18 +321,8 @@ TEST_F(ListedPeers, PermissionsForAnotherDomain_ChangeNothing) {
   put({signed_permissions({out})});
   EXPECT_THAT(look(), IsEmpty());
   EXPECT_THAT(codes(), IsEmpty());
-  meet(document({"t"}));
   EXPECT_TRUE(may_publish("t"));
-}
-
-TEST_F(ListedPeers, PermissionsWithAnExpression_ChangeNothing) {
-  auto out = grant("CN=*,O=Example", {publish_rule(true, {"u"})});
-  out.subject_is_expression = true;
-  out.validity = {kNow, kNow + 24h};
-  put({signed_permissions({out})});
-  EXPECT_THAT(look(), IsEmpty());
-  meet(document({"t"}));
-  EXPECT_TRUE(may_publish("t"));
+  EXPECT_THAT(look(15s), ElementsAre(peer_));
 }
 
 TEST_F(ListedPeers, ARuleForAnotherDomain_IsNoOtherRight) {
@@ -200,18 +335,23 @@ TEST_F(ListedPeers, ARuleForAnotherDomain_IsNoOtherRight) {
   EXPECT_TRUE(may_publish("t"));
 }
 
-TEST_F(ListedPeers, AListThatIsThereAtTheStart_CountsForTheFirstPeer) {
-  (void)plugin->return_permissions_handle(own_);
-  put({document({"t"}, 0s, 24h)});
-  own_ = ours({}, "").value();
-  meet(document({"t", "u"}, -24h, 24h));
-  EXPECT_TRUE(may_publish("t"));
-  EXPECT_FALSE(may_publish("u"));
+TEST_F(ListedPeers, WithAnExpression_ChangeNothing) {
+  auto out = grant("CN=*,O=Example", {publish_rule(true, {"t"})});
+  out.subject_is_expression = true;
+  out.validity = {kNow, kNow + 24h};
+  put({signed_permissions({out})});
+  EXPECT_THAT(look(19s), IsEmpty());
+  EXPECT_THAT(look(1s), ElementsAre(peer_));
 }
 
-TEST_F(ListedPeers, OlderPermissions_AreARollBack) {
-  put({document({"t"}, -25h, 24h)});
-  EXPECT_THAT(pass_the_end(), ElementsAre(peer_));
+TEST_F(ListedPeers, AnExpressionThatIsPresented_IsExtendedByTheNameAlone) {
+  (void)plugin->return_permissions_handle(peer_);
+  auto out = grant("CN=*,O=Example", {publish_rule(true, {"t"})});
+  out.subject_is_expression = true;
+  out.validity = {kNow - 24h, kNow + 20s};
+  meet(signed_permissions({out}));
+  put({document({"t"}, 0s, 24h)});
+  EXPECT_THAT(pass_the_end(), IsEmpty());
 }
 
 TEST_F(ListedPeers, OfAnotherSubject_AreOfNoUse) {
@@ -219,58 +359,41 @@ TEST_F(ListedPeers, OfAnotherSubject_AreOfNoUse) {
   EXPECT_THAT(pass_the_end(), ElementsAre(peer_));
 }
 
-TEST_F(ListedPeers, LessRights_EndThePeerAtOnce) {
-  meet(document({"t", "u"}));
-  put({document({"t"}, 0s, 24h)});
-  EXPECT_THAT(look(), Contains(peer_));
-  EXPECT_THAT(codes(), Contains(Code::peer_permissions_replaced));
-  EXPECT_FALSE(may_publish("u"));
-  EXPECT_FALSE(may_publish("t")) << "until it comes again";
-}
+// ---- what a peer shows within its session
 
-TEST_F(ListedPeers, APeerThatComesAgain_IsJudgedByTheList) {
+TEST_F(ListedPeers, ShownPermissionsThatBeginBeforeTheExtension_AreTaken) {
   put({document({"t"}, 0s, 24h)});
   look();
-  log.events.clear();
-  meet(document({"t", "u"}, -24h, 24h));
-  EXPECT_THAT(codes(), ElementsAre(Code::peer_permissions_listed));
-  EXPECT_TRUE(may_publish("t"));
-  EXPECT_FALSE(may_publish("u"));
+  EXPECT_TRUE(show(document({"t"}, -23h, 60s)));
+  EXPECT_THAT(pass_the_end(), IsEmpty());
 }
 
-TEST_F(ListedPeers, APeerWithLaterPermissions_IsJudgedByThese) {
-  put({document({"t"}, -1h, 24h)});
+TEST_F(ListedPeers, ShownPermissionsWithOtherRights_AreNotExtendedByTheFormer) {
+  put({document({"t"}, 0s, 24h)});
   look();
-  log.events.clear();
-  meet(document({"u"}, 0s, 24h));
-  EXPECT_THAT(codes(), IsEmpty());
+  EXPECT_TRUE(show(document({"u"}, -23h, 60s)));
   EXPECT_TRUE(may_publish("u"));
+  EXPECT_FALSE(may_publish("t"));
+  EXPECT_THAT(pass_the_end(), ElementsAre(peer_));
 }
 
-TEST_F(ListedPeers, AFormerList_BringsNoFormerRightsBack) {
-  put({document({"t"}, 0s, 24h)});
-  look();
-  put({document({"t", "u"}, -1h, 24h)});
-  look();
-  meet(document({"t", "u"}, -1h, 24h));
-  EXPECT_FALSE(may_publish("u"));
-  EXPECT_TRUE(may_publish("t"));
-}
+// ---- lists that cannot be used
 
 TEST_F(ListedPeers, SignedByAnotherCa_IsOneEventAndChangesNothing) {
-  put({document({"t"}, 0s, 24h)});
+  put({document({"t"}, 0s, 12h)});
   look();
   log.events.clear();
-  auto out = grant(kListener, {publish_rule(true, {"t", "u"})});
+  auto out = grant(kListener, {publish_rule(true, {"t"})});
   out.validity = {kNow + 1s, kNow + 48h};
   const auto forged = signed_by(authorities().other_ca,
                                 governance::to_xml(governance::Permissions{.grants = {out}}));
   put({forged});
   EXPECT_THAT(pass_the_end(), IsEmpty());
   EXPECT_THAT(codes(), ElementsAre(Code::renewal_list_permissions_refused));
-  EXPECT_FALSE(may_publish("u"));
-  put({forged, document({"t"}, 0s, 72h)});
+  EXPECT_EQ(plugin->next_expiry(), kNow + 12h);
+  put({forged, document({"t"}, 0s, 18h)});
   EXPECT_THAT(pass_the_end(), IsEmpty());
+  EXPECT_EQ(plugin->next_expiry(), kNow + 18h);
 }
 
 // Authentication reports such a list.
@@ -283,88 +406,12 @@ TEST_F(ListedPeers, AListThatCannotBeRead_ChangesNothing) {
   EXPECT_THAT(log.events, IsEmpty());
 }
 
-// ---- a host whose peers show renewed permissions
-
-class PatientHost : public ListedPeers {
- protected:
-  PatientHost() : ListedPeers({.listed_rights_wait = 10s}) {}
-
-  /// All begin at the same time, as those for one certificate.
-  std::string signed_at(std::chrono::seconds when, std::vector<std::string> names) const {
-    auto out = grant(kListener, {publish_rule(true, std::move(names))});
-    out.validity = {kNow - 24h, kNow + 24h};
-    const auto xml = governance::to_xml(governance::Permissions{.grants = {out}});
-    const auto file =
-        authorities().permissions_ca.sign_document(as_bytes(xml), kNow + when, test_random());
-    return file ? std::string(as_text(*file)) : std::string();
-  }
-  Status show(const std::string& text) {
-    return plugin->renew_remote_permissions(peer_, permissions_token(),
-                                            credential(authorities().listener, text));
-  }
-};
-
-TEST_F(PatientHost, OtherRights_EndThePeerAfterTheWait) {
-  put({document({"u"}, 0s, 24h)});
-  EXPECT_THAT(look(), IsEmpty());
-  EXPECT_TRUE(may_publish("t"));
-  EXPECT_THAT(look(), IsEmpty());
-  EXPECT_THAT(look(), ElementsAre(peer_));
-}
-
-TEST_F(PatientHost, APeerThatShowsThemMeanwhile_Stays) {
-  const auto next = document({"u"}, 0s, 24h);
-  put({next});
-  EXPECT_THAT(look(), IsEmpty());
-  ASSERT_TRUE(plugin->renew_remote_permissions(peer_, permissions_token(),
-                                               credential(authorities().listener, next)));
-  EXPECT_THAT(pass_the_end(), IsEmpty());
-  EXPECT_TRUE(may_publish("u"));
-}
-
-TEST_F(PatientHost, APeerThatShowsFormerPermissions_IsNotGivenThemBack) {
-  const auto wide = signed_at(0s, {"t", "u"});
-  const auto narrow = signed_at(10s, {"t"});
-  meet(wide);
-  put({narrow});
-  look();
-  EXPECT_TRUE(show(narrow));
-  log.events.clear();
-  EXPECT_FALSE(show(wide));
-  EXPECT_THAT(codes(), ElementsAre(Code::permissions_renewal_refused));
-  EXPECT_FALSE(may_publish("u"));
-  EXPECT_THAT(pass_the_end(), testing::Not(Contains(peer_)));
-  EXPECT_FALSE(may_publish("u"));
-}
-
-TEST_F(PatientHost, APeerThatShowsFormerPermissions_GetsNoMoreTime) {
-  const auto wide = signed_at(0s, {"t", "u"});
-  meet(wide);
-  put({signed_at(10s, {"t"})});
-  look();
-  EXPECT_FALSE(show(signed_at(5s, {"t", "u", "v"})));
-  look();
-  EXPECT_TRUE(show(wide)) << "that is in force";
-  EXPECT_THAT(look(), Contains(peer_));
-}
-
-TEST_F(PatientHost, AfterItCameAgain_APeerIsNotGivenFormerPermissions) {
-  const auto wide = signed_at(0s, {"t", "u"});
-  put({signed_at(10s, {"t"})});
-  look();
-  meet(wide);
-  EXPECT_FALSE(may_publish("u"));
-  EXPECT_FALSE(show(signed_at(5s, {"t", "u"})) && may_publish("u"));
-  EXPECT_TRUE(show(signed_at(20s, {"t", "u"})));
-  EXPECT_TRUE(may_publish("u")) << "later ones count";
-}
-
 // ---- ours, which the peer has seen
 
 class OwnListedPermissions : public ListedPeers {
  protected:
   /// Ours end first, and are renewed; the peer has seen the former ones.
-  void begin(bool peer_reads_lists) {
+  void begin(bool peer_reads_lists, const char* next_topic = "*") {
     (void)plugin->return_permissions_handle(peer_);
     (void)plugin->return_permissions_handle(own_);
     const auto first = open(-24h, 20s);
@@ -372,13 +419,14 @@ class OwnListedPermissions : public ListedPeers {
     meet(open_permissions(kListener), {.presented_permissions = sha256(as_bytes(first)),
                                        .peer_keeps_session = false,
                                        .peer_reads_lists = peer_reads_lists});
-    next_ = open(0s, 24h);
+    next_ = open(0s, 24h, next_topic);
     folder_.replace("permissions.p7s", next_);
     look();
     log.events.clear();
   }
-  std::string open(std::chrono::seconds from, std::chrono::seconds until) const {
-    auto out = grant(kTalker, {publish_rule(true, {"*"})});
+  std::string open(std::chrono::seconds from, std::chrono::seconds until,
+                   const char* topic = "*") const {
+    auto out = grant(kTalker, {publish_rule(true, {topic})});
     out.validity = {kNow + from, kNow + until};
     return signed_permissions({out});
   }
@@ -389,6 +437,20 @@ TEST_F(OwnListedPermissions, RenewedPermissionsOnTheList_KeepTheSession) {
   begin(true);
   put({next_});
   EXPECT_THAT(pass_the_end(), IsEmpty());
+}
+
+TEST_F(OwnListedPermissions, AnExtensionOfWhatThePeerHasSeen_KeepsTheSession) {
+  begin(true);
+  put({open(1s, 12h)});
+  EXPECT_THAT(pass_the_end(), IsEmpty()) << "the peer goes by it, too";
+}
+
+// The peer does not go by them.
+TEST_F(OwnListedPermissions, RenewedPermissionsWithOtherRights_EndTheSession) {
+  begin(true, "t");
+  put({next_});
+  EXPECT_THAT(pass_the_end(), ElementsAre(peer_));
+  EXPECT_THAT(codes(), ElementsAre(Code::session_outlived_documents));
 }
 
 TEST_F(OwnListedPermissions, WithoutAList_TheSessionEnds) {
