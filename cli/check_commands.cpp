@@ -4,6 +4,7 @@
 #include <iterator>
 #include <optional>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -16,6 +17,7 @@
 #include "cli/options.hpp"
 #include "cli/pre_shared_keys.hpp"
 #include "cli/products.hpp"
+#include "cli/renewal_list_check.hpp"
 #include "governance/doctor/diagnosis.hpp"
 #include "governance/doctor/stock_spelling.hpp"
 #include "governance/model.hpp"
@@ -151,6 +153,18 @@ void warn_of_readings(std::initializer_list<const doctor::LoadedFolder*> folders
   }
 }
 
+// A first meeting needs no list, so that it does not change the answer.
+void warn_of_renewal_lists(const std::pair<const doctor::LoadedFolder*, doctor::Vendor> (&sides)[2],
+                           const doctor::Settings& settings, Report& report) {
+  for (const auto& [folder, vendor] : sides) {
+    if (vendor != doctor::Vendor::ours) continue;
+    doctor::Diagnosis lists(settings.lineup);
+    check_renewal_list(*folder, settings, lists);
+    for (const auto& one : lists.checks())
+      report.findings.insert(report.findings.end(), one.findings.begin(), one.findings.end());
+  }
+}
+
 Result<Report> check(const Arguments& arguments, const Context& context) {
   const fs::path folders[] = {arguments.text("A"), arguments.text("B")};
   doctor::NamedProduct products[] = {{doctor::Vendor::ours}, {doctor::Vendor::ours}};
@@ -198,9 +212,9 @@ Result<Report> check(const Arguments& arguments, const Context& context) {
   const bool asked = arguments.has("--explain") && !arguments.has("--vendor");
   std::ranges::copy_if(meeting.notes, std::back_inserter(report.findings),
                        [&](const Finding& note) { return asked || note.rule != Rule::DOC083; });
-  if (!arguments.has("--vendor"))
-    warn_of_readings({&a, &b}, {.now = now, .domain = domain, .lineup = installed_lineup()},
-                     report);
+  const doctor::Settings settings{.now = now, .domain = domain, .lineup = installed_lineup()};
+  if (!arguments.has("--vendor")) warn_of_readings({&a, &b}, settings, report);
+  warn_of_renewal_lists({{&a, products[0].vendor}, {&b, products[1].vendor}}, settings, report);
   return report;
 }
 

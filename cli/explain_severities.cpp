@@ -14,6 +14,7 @@ constexpr OtherSeverity kOthers[] = {
     {"DOC023", warning, "where the list is missing or the CA has a newer one"},
     {"DOC024", warning, "where the successor of its CA revoked it"},
     {"DOC112", warning, "where the participant starts without it"},
+    {"DOC115", note, "where a part of the entries has no effect"},
     {"DOC037 DOC055", error, "where a product refuses the document, or a denial does not hold"},
     {"DOC042", error, "where Fast DDS and the others disagree now"},
     {"DOC043", error, "where Cyclone DDS takes the grant of another subject"},

@@ -16,6 +16,7 @@
 #include "cli/keystore.hpp"
 #include "cli/logged_certificate.hpp"
 #include "cli/products.hpp"
+#include "cli/renewal_list_check.hpp"
 #include "cli/transaction.hpp"
 #include "governance/doctor/diagnosis.hpp"
 #include "governance/doctor/lint_checks.hpp"
@@ -224,6 +225,7 @@ Result<Report> keystore_verify(const Arguments& arguments, const Context& contex
     auto diagnosis = doctor::diagnose(loaded, settings);
     doctor::check_ros_rights(loaded, settings, diagnosis);
     doctor::check_lint(loaded, settings, diagnosis);
+    check_renewal_list(loaded, settings, diagnosis);
     Json verdicts = Json::object();
     std::string words;
     for (const auto vendor : doctor::kVendors) {

@@ -9,6 +9,7 @@
 #include "cli/ocsp_checks.hpp"
 #include "cli/own_start.hpp"
 #include "cli/pre_shared_keys.hpp"
+#include "cli/renewal_list_check.hpp"
 #include "governance/doctor/cyclonedds_configuration.hpp"
 #include "governance/doctor/domain_tag.hpp"
 #include "governance/doctor/effective_security.hpp"
@@ -278,6 +279,7 @@ doctor::Diagnosis diagnosis_beyond_folder(const LoadedFolder& folder,
   doctor::Diagnosis out(settings.lineup);
   check_pre_shared_keys(folder, settings, out);
   check_ocsp(folder, settings, out);
+  check_renewal_list(folder, settings, out);
   check_own_start(folder, settings, doctor::Diagnosis(out), out);
   check_environment(folder, settings, out);
   check_profiles_file(folder, settings, out);

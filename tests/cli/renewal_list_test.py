@@ -236,6 +236,46 @@ class RenewalList(Transcript):
         self.assertLessEqual((self.at / "demo/ca/permissions/renewed.pem").stat().st_size, 8 << 20)
         self.distribute()
 
+    # ---- what doctor says
+
+    def about(self, *words):
+        out = self.json("doctor", "demo/listener", *words, exit=(0, 1))
+        return [(one["severity"], one["message"]) for one in out["diagnostics"] if one["id"] == "DOC115"]
+
+    def test_Doctor_SaysWhatIsWrongWithAList(self):
+        self.renew("talker", "--permissions")
+        self.distribute()
+        self.assertEqual(self.about(), [])
+        file = self.at / "demo/listener/renewed.pem"
+        good = file.read_text()
+        for text in ("garbage", ""):
+            file.write_text(text)
+            ((severity, message),) = self.about()
+            self.assertEqual(severity, "warning")
+            self.assertRegex(message, "^renewed.pem: ")
+        self.run_program("init", "other", "--participant", "foreign")
+        self.run_program("identity", "renew", "other/foreign", "--ca", "other", "--days", "700", "--permissions")
+        foreign = "".join((self.at / f"other/ca/{role}/renewed.pem").read_text() for role in ("identity", "permissions"))
+        file.write_text(good + foreign)
+        ((severity, message),) = self.about()
+        self.assertEqual(severity, "note")
+        self.assertRegex(message, "^renewed.pem: 2 of 4 entries have no effect: CN=foreign: ")
+        file.write_text(foreign)
+        ((severity, message),) = self.about()
+        self.assertEqual(severity, "warning")
+        check = self.json("check", "demo/talker", "demo/listener", exit=(0, 1))
+        self.assertIn("DOC115", [one["id"] for one in check["diagnostics"]])
+        file.write_text(good)
+        ((severity, message),) = self.about("--now", "+800d")
+        self.assertRegex(message, "2 of 2 entries have no effect: CN=talker: .*expired")
+
+    def test_KeystoreVerify_SaysWhatIsWrongWithAList(self):
+        self.run_program("keystore", "create", "ks", "--no-passphrase")
+        self.run_program("keystore", "enclave", "ks", "/talker", "--allow-all")
+        (self.at / "ks/enclaves/talker/renewed.pem").write_text("garbage")
+        said = [one for one in self.json("keystore", "verify", "ks", exit=(0, 1))["diagnostics"] if one["id"] == "DOC115"]
+        self.assertEqual([one["severity"] for one in said], ["warning"])
+
     def test_OfAnotherCa_StaysWhereTheFolderTrustsIt_AndGoesWhereItDoesNot(self):
         self.run_program("init", "other", "--participant", "foreign")
         self.run_program("identity", "renew", "other/foreign", "--ca", "other", "--days", "700")
