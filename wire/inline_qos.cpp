@@ -1,5 +1,8 @@
 #include "wire/inline_qos.hpp"
 
+#include <algorithm>
+#include <array>
+
 #include "wire/submessage.hpp"
 
 namespace ddssec::rtps {
@@ -48,6 +51,46 @@ constexpr SequenceNumber Coherence::*number_of(ParameterId id) {
   }
 }
 
+/// What is read. Each has one value.
+constexpr std::array kKnown = {
+    pid::kKeyHash,        pid::kStatusInfo,      pid::kCoherentSet,        pid::kGroupCoherentSet,
+    pid::kGroupSeqNum,    pid::kWriterGroupInfo, pid::kOriginalWriterInfo, pid::kSourceTime,
+    pid::kMemoryReference};
+
+/// Numbers of ours may mean something else to another vendor. Then the length differs.
+bool is_of_another_vendor(const Parameter& parameter) {
+  const auto size = parameter.value.size();
+  return (parameter.id == pid::kSourceTime && size < 8) ||
+         (parameter.id == pid::kMemoryReference && size != kMemoryReferenceSize);
+}
+
+/// Reads one of kKnown.
+Status take(const Parameter& parameter, InlineQos& qos) {
+  const auto& [id, value, endian] = parameter;
+  if (id == pid::kKeyHash) {
+    if (value.size() < 16) return fail(Code::rtps_parameter_invalid);
+    std::copy_n(value.begin(), 16, qos.key_hash.emplace().begin());
+  } else if (id == pid::kStatusInfo) {
+    if (value.size() < 4) return fail(Code::rtps_parameter_invalid);
+    qos.status = {(value[3] & kDisposed) != 0, (value[3] & kUnregistered) != 0,
+                  (value[3] & kFiltered) != 0};
+  } else if (const auto number = number_of(id)) {
+    if (value.size() < 8) return fail(Code::rtps_parameter_invalid);
+    DDSSEC_ASSIGN_OR_RETURN(qos.coherence.*number, read_number(value, endian));
+  } else if (id == pid::kWriterGroupInfo) {
+    if (value.size() < 4) return fail(Code::rtps_parameter_invalid);
+    std::copy_n(value.begin(), 4, qos.coherence.writers.begin());
+  } else if (id == pid::kOriginalWriterInfo) {
+    DDSSEC_ASSIGN_OR_RETURN(qos.original, read_original(value, endian));
+  } else if (id == pid::kSourceTime) {
+    Reader reader(value, endian);
+    DDSSEC_ASSIGN_OR_RETURN(qos.source_time, read_time(reader));
+  } else {
+    DDSSEC_ASSIGN_OR_RETURN(qos.memory, read_memory_reference(value, endian));
+  }
+  return {};
+}
+
 void write_number(SpanWriter& out, ParameterId id, SequenceNumber number) {
   if (number.value == 0) return;
   const ParameterScope scope(out, id);
@@ -59,32 +102,15 @@ void write_number(SpanWriter& out, ParameterId id, SequenceNumber number) {
 Result<InlineQos> read_inline_qos(BytesView list, Endian endian) {
   InlineQos qos;
   ParameterReader parameters(list, endian);
+  SingleParameters single;
   while (true) {
     DDSSEC_ASSIGN_OR_RETURN(const auto parameter, parameters.next());
     if (!parameter) break;
 
-    const auto& value = parameter->value;
-    if (parameter->id == pid::kKeyHash) {
-      if (value.size() < 16) return fail(Code::rtps_parameter_invalid);
-      std::copy_n(value.begin(), 16, qos.key_hash.emplace().begin());
-    } else if (parameter->id == pid::kStatusInfo) {
-      if (value.size() < 4) return fail(Code::rtps_parameter_invalid);
-      qos.status = {(value[3] & kDisposed) != 0, (value[3] & kUnregistered) != 0,
-                    (value[3] & kFiltered) != 0};
-    } else if (const auto number = number_of(parameter->id)) {
-      if (value.size() < 8) return fail(Code::rtps_parameter_invalid);
-      DDSSEC_ASSIGN_OR_RETURN(qos.coherence.*number, read_number(value, endian));
-    } else if (parameter->id == pid::kWriterGroupInfo) {
-      if (value.size() < 4) return fail(Code::rtps_parameter_invalid);
-      std::copy_n(value.begin(), 4, qos.coherence.writers.begin());
-    } else if (parameter->id == pid::kOriginalWriterInfo) {
-      DDSSEC_ASSIGN_OR_RETURN(qos.original, read_original(value, endian));
-    } else if (parameter->id == pid::kSourceTime && value.size() >= 8) {
-      Reader reader(value, endian);
-      DDSSEC_ASSIGN_OR_RETURN(qos.source_time, read_time(reader));
-    } else if (parameter->id == pid::kMemoryReference && value.size() == kMemoryReferenceSize) {
-      // Of another length it is of another vendor, which may give the number another meaning.
-      DDSSEC_ASSIGN_OR_RETURN(qos.memory, read_memory_reference(value, endian));
+    const auto place = std::ranges::find(kKnown, parameter->id);
+    if (place != kKnown.end() && !is_of_another_vendor(*parameter)) {
+      DDSSEC_RETURN_IF_ERROR(single.take(static_cast<std::size_t>(place - kKnown.begin())));
+      DDSSEC_RETURN_IF_ERROR(take(*parameter, qos));
     } else if (must_be_understood(parameter->id)) {
       return fail(Code::rtps_parameter_not_understood);
     }

@@ -63,8 +63,8 @@ struct InlineQos {
   bool operator==(const InlineQos&) const = default;
 };
 
-/// Errors: those of ParameterReader, rtps_parameter_invalid (a value is too short),
-/// rtps_number_invalid, rtps_parameter_not_understood.
+/// Errors: those of ParameterReader and SingleParameters, rtps_parameter_invalid (a value is too
+/// short), rtps_number_invalid, rtps_parameter_not_understood.
 Result<InlineQos> read_inline_qos(BytesView list, Endian endian);
 /// Writes the list, including its sentinel.
 void write(SpanWriter& out, const InlineQos& qos);

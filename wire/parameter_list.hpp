@@ -1,6 +1,7 @@
 // Parameter lists: inline QoS and PL_CDR (RTPS 9.4.2.11, 9.6.3).
 #pragma once
 
+#include <bitset>
 #include <optional>
 #include <string_view>
 
@@ -33,6 +34,27 @@ class ParameterReader {
  private:
   Reader reader_;
   bool done_ = false;
+};
+
+/// The rule for an id that comes again. A list may repeat an id to give several values of one kind,
+/// such as locators (RTPS 2.5, 9.4.2.11). All other parameters have one value: of two, neither
+/// counts, and the list is refused. Otherwise two readers of a list could take different values
+/// from it. Cyclone DDS has the same rule.
+class SingleParameters {
+ public:
+  static constexpr std::size_t kMost = 64;
+
+  /// A parameter with one value has come. `index`: of its id in a table of at most kMost. Error:
+  /// rtps_parameter_invalid (it came before).
+  Status take(std::size_t index) {
+    if (has(index)) return fail(Code::rtps_parameter_invalid);
+    taken_.set(index);
+    return {};
+  }
+  bool has(std::size_t index) const { return taken_[index]; }
+
+ private:
+  std::bitset<kMost> taken_;
 };
 
 /// Returns the list at the beginning of `octets`, including its sentinel; the length of every

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -133,11 +134,15 @@ bool is_of_fast_dds(BytesView participant_data) {
 SignedDomain domain_in_participant_data(BytesView participant_data) {
   constexpr std::array<std::uint8_t, 2> kCyclone = {0x01, 0x10}, kOurs = {0x01, 0xd5};
   Reader reader(participant_data, Endian::big);
+  constexpr std::array kIds = {pid::kVendorId, pid::kDomainId, pid::kDomainTag};
+  std::array<bool, kIds.size()> seen{};
   SignedDomain out{.id = {}, .tag = {}, .may_lack_tag = true};
   for (;;) {
     const auto parameter = next_parameter(reader);
     if (!parameter || !*parameter) break;
     const auto& [id, value] = **parameter;
+    if (const auto known = std::ranges::find(kIds, id); known != kIds.end())
+      out.is_ambiguous |= std::exchange(seen[static_cast<std::size_t>(known - kIds.begin())], true);
     if (id == pid::kVendorId && value.size() >= 2) {
       const auto vendor = value.first(2);
       out.may_lack_tag =
@@ -155,9 +160,10 @@ SignedDomain domain_in_participant_data(BytesView participant_data) {
 Status check_same_domain(const SignedDomain& peer, const SignedDomain& own) {
   const bool is_same_id = !peer.id || !own.id || *peer.id == *own.id;
   const bool is_same_tag = peer.tag == own.tag || (peer.tag.empty() && peer.may_lack_tag);
-  if (is_same_id && is_same_tag) return {};
+  if (is_same_id && is_same_tag && !peer.is_ambiguous) return {};
   const auto text = [&](const SignedDomain& one) {
-    return fmt::format("domain {}, tag \"{}\"", one.id.value_or(own.id.value_or(0)), one.tag);
+    return fmt::format("domain {}, tag \"{}\"{}", one.id.value_or(own.id.value_or(0)), one.tag,
+                       one.is_ambiguous ? ", with a parameter that comes twice" : "");
   };
   return fail(Code::rtps_domain_differs, {.document = "what the peer signed",
                                           .field = "DOMAIN_ID and DOMAIN_TAG of c.pdata",

@@ -40,9 +40,10 @@ struct SignedDomain {
   std::optional<std::uint32_t> id;  ///< PID_DOMAIN_ID; empty if it is missing or unreadable
   std::string tag;                  ///< PID_DOMAIN_TAG; empty if it is missing or unreadable
   bool may_lack_tag;                ///< the vendor leaves a tag out
+  bool is_ambiguous = false;        ///< one of the parameters that say this comes twice
 };
 SignedDomain domain_in_participant_data(BytesView participant_data);
-/// Success unless the peer's c.pdata names another domain than one's own. Error:
+/// Success unless the peer's c.pdata names another domain than one's own, or two. Error:
 /// rtps_domain_differs.
 Status check_same_domain(const SignedDomain& peer, const SignedDomain& own);
 

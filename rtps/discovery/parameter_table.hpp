@@ -1,7 +1,6 @@
 // One table for each builtin type: each parameter's id, and how it is read and written.
 #pragma once
 
-#include <bitset>
 #include <span>
 #include <string>
 #include <vector>
@@ -23,7 +22,7 @@ struct ParameterRow {
   Status (*read)(Reader& reader, T& value);
   /// Writes the whole parameter, or nothing if the value is the default.
   void (*write)(SpanWriter& out, const T& value);
-  bool repeatable = false;
+  bool repeatable = false;  ///< a list may give several values (SingleParameters)
   bool required = false;
 };
 
@@ -33,12 +32,13 @@ void write_pl_cdr_encapsulation(SpanWriter& out);
 /// those of open_payload, rtps_encapsulation_unsupported.
 Result<SerializedPayload> open_pl_cdr(BytesView payload);
 
-/// Errors: those of ParameterReader and of the rows, rtps_parameter_invalid (an id occurs twice),
+/// Errors: those of ParameterReader, of SingleParameters and of the rows,
 /// rtps_parameter_not_understood, rtps_parameter_missing.
 template <class T>
 Result<T> read_parameters(std::span<const ParameterRow<T>> table, BytesView list, Endian endian) {
   T value{};
-  std::bitset<64> seen;
+  SingleParameters single;
+  std::bitset<SingleParameters::kMost> seen;
   ParameterReader parameters(list, endian);
   for (;;) {
     const auto parameter = parameters.next();
@@ -52,8 +52,9 @@ Result<T> read_parameters(std::span<const ParameterRow<T>> table, BytesView list
       continue;
     }
     const auto index = static_cast<std::size_t>(row - table.begin());
-    if (seen[index] && !row->repeatable) return fail(Code::rtps_parameter_invalid);
     seen.set(index);
+    if (!row->repeatable)
+      if (auto status = single.take(index); !status) return std::unexpected(status.error());
     auto reader = (*parameter)->reader();
     if (auto status = row->read(reader, value); !status) return std::unexpected(status.error());
   }

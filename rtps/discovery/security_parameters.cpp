@@ -65,15 +65,19 @@ void write_ciphers(SpanWriter& out, const std::optional<spi::CipherMask>& requir
 Result<Guid> read_guid_key(BytesView payload, ParameterId id) {
   DDSSEC_ASSIGN_OR_RETURN(const auto opened, open_pl_cdr(payload));
   ParameterReader parameters(opened.body, opened.endian);
-  while (true) {
-    DDSSEC_ASSIGN_OR_RETURN(const auto parameter, parameters.next());
-    if (!parameter) break;
-
-    if (parameter->id != id) continue;
-    auto reader = parameter->reader();
-    return read_guid(reader);
+  SingleParameters single;
+  std::optional<Guid> found;
+  for (;;) {
+    const auto parameter = parameters.next();
+    if (!parameter && !found) return std::unexpected(parameter.error());
+    if (!parameter || !*parameter) break;  // a key may lack its sentinel
+    if ((*parameter)->id != id) continue;
+    DDSSEC_RETURN_IF_ERROR(single.take(0));
+    auto reader = (*parameter)->reader();
+    DDSSEC_ASSIGN_OR_RETURN(found, read_guid(reader));
   }
-  return fail(Code::rtps_parameter_missing);
+  if (!found) return fail(Code::rtps_parameter_missing);
+  return *found;
 }
 
 void write_guid_key(SpanWriter& out, ParameterId id, const Guid& guid) {

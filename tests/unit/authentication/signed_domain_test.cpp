@@ -85,6 +85,27 @@ TEST(SignedDomain, ReplierAlone_RefusesToo) {
             std::pair(std::optional<Code>(), std::optional(Code::rtps_domain_differs)));
 }
 
+// The first value is the honest one, and then the last: neither counts.
+TEST(SignedDomain, ParameterThatComesTwice_IsRefused) {
+  const auto own = domain_in_participant_data(Bytes{0, 0x0f, 0, 4, 0, 0, 0, 7});
+  ASSERT_OK(check_same_domain(own, own));
+  const Bytes seven = {0, 0x0f, 0, 4, 0, 0, 0, 7}, eight = {0, 0x0f, 0, 4, 0, 0, 0, 8};
+  const Bytes tag = {0x40, 0x14, 0, 8, 0, 0, 0, 1, 0, 0, 0, 0},
+              vendor = {0, 0x16, 0, 4, 1, 15, 0, 0};
+  const auto joined = [](const Bytes& one, const Bytes& other) {
+    Bytes out = one;
+    out.insert(out.end(), other.begin(), other.end());
+    return out;
+  };
+  for (const auto& list : {joined(seven, eight), joined(eight, seven), joined(seven, seven),
+                           joined(tag, tag), joined(vendor, vendor)}) {
+    const auto refused = check_same_domain(domain_in_participant_data(list), own);
+    ASSERT_FALSE(refused) << to_hex(list);
+    EXPECT_EQ(refused.error().code(), Code::rtps_domain_differs);
+    EXPECT_THAT(refused.error().to_sentence(), testing::HasSubstr("comes twice"));
+  }
+}
+
 TEST(SignedDomain, Refusal_NamesBothDomains) {
   const auto refused = check_same_domain({7, "real", false}, {8, "", false});
   ASSERT_FALSE(refused);

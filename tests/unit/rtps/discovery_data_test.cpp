@@ -212,6 +212,21 @@ TEST(DiscoveryData, TheSameParameterTwiceIsRefused) {
             Code::rtps_parameter_invalid);
 }
 
+// A dispose that names two endpoints ends neither.
+TEST(DiscoveryData, TwoKeysInOneAreRefused) {
+  std::array<std::uint8_t, 64> buffer{};
+  SpanWriter out(buffer);
+  write_endpoint_key(out, publication().guid);
+  constexpr std::size_t kEncapsulation = 4, kSentinel = 4;
+  auto octets = to_bytes(out.view());
+  octets.resize(octets.size() - kSentinel);
+  EXPECT_EQ(read_endpoint_key(octets), publication().guid) << "without a sentinel";
+  const auto parameter = to_bytes(BytesView(octets).subspan(kEncapsulation));
+  octets.insert(octets.end(), parameter.begin(), parameter.end());
+  octets.back() ^= 1;
+  EXPECT_EQ(code_of(read_endpoint_key(octets)), Code::rtps_parameter_invalid);
+}
+
 TEST(DiscoveryData, EnumerationsBeyondTheirRangeAreRefused) {
   EXPECT_EQ(code_of(read_publication_data(
                 replaced(payload_of(publication()), {0x1a, 0, 12, 0, 2}, {0x1a, 0, 12, 0, 3}))),

@@ -203,6 +203,45 @@ TEST(InlineQos, RefusesWhatItMustUnderstandAndShortValues) {
             Code::rtps_parameter_invalid);
 }
 
+// Neither the first nor the last of two counts (SingleParameters).
+TEST(InlineQos, AParameterThatComesTwice_IsRefused) {
+  InlineQos qos;
+  qos.key_hash.emplace().fill(7);
+  qos.status.disposed = true;
+  qos.coherence = {{5}, {6}, {7}, {1, 2, 3, 4}};
+  qos.original = {{GuidPrefix::from(Bytes(12, 7)), EntityId{{1, 2, 3, 4}}}, {6}};
+  qos.source_time = Time{{7, 0}};
+  std::array<std::uint8_t, 256> buffer{};
+  SpanWriter out(buffer);
+  write(out, qos);
+  const BytesView whole = out.view();
+  ASSERT_EQ(read_inline_qos(whole, Endian::little), qos);
+  ParameterReader parameters(whole, Endian::little);
+  int repeated = 0;
+  for (std::size_t at = 0;;) {
+    const auto parameter = parameters.next();
+    ASSERT_TRUE(parameter);
+    if (!*parameter) break;
+    auto twice = to_bytes(whole.subspan(at, parameters.consumed() - at));
+    twice.insert(twice.end(), whole.begin(), whole.end());
+    EXPECT_EQ(code_of(read_inline_qos(twice, Endian::little)), Code::rtps_parameter_invalid)
+        << (*parameter)->id;
+    at = parameters.consumed();
+    ++repeated;
+  }
+  EXPECT_EQ(repeated, 8);
+}
+
+TEST(InlineQos, AnUnknownParameterThatComesTwice_IsSkipped) {
+  EXPECT_TRUE(
+      read_inline_qos(list({{0x05, 0x77, 0, 0}, {0x05, 0x77, 0, 0}, kSentinel}), Endian::big)
+          ->empty());
+  // Numbers of ours, with lengths that are not ours.
+  EXPECT_TRUE(
+      read_inline_qos(list({{0x8d, 0x5e, 0, 0}, {0x8d, 0x5e, 0, 0}, kSentinel}), Endian::big)
+          ->empty());
+}
+
 TEST(InlineQos, StatusIsBigEndianInEitherList) {
   const Bytes octets = {0x71, 0, 4, 0, 0, 0, 0, 3, 1, 0, 0, 0};
   EXPECT_EQ(read_inline_qos(octets, Endian::little)->status, (StatusInfo{true, true}));
