@@ -50,6 +50,7 @@ class PkiDh final : public spi::Authentication {
                                               IdentityHandle replier,
                                               BytesView participant_data) override;
   Result<HandshakeStep> process_handshake(HandshakeHandle handshake, const Token& message) override;
+  Outline outline(const Token& message) const override;
   Result<std::shared_ptr<const spi::SharedSecret>> shared_secret(
       HandshakeHandle handshake) override;
   Result<Token> authenticated_peer_credential_token(HandshakeHandle handshake) override;

@@ -98,6 +98,21 @@ Token PkiDh::shown(const Token& message, const Pair& pair, const Presented& own)
   return with_ocsp_response(message, *pair.local, own, environment_.clock.now());
 }
 
+PkiDh::Outline PkiDh::outline(const Token& message) const {
+  const auto octets = [&](std::string_view name) {
+    const auto* found = spi::find_binary_property(message, name);
+    return found == nullptr ? BytesView() : BytesView(*found);
+  };
+  Outline out{.challenge1 = octets(kChallenge1),
+              .challenge2 = octets(kChallenge2),
+              .participant_data = octets(kParticipantDataName)};
+  const auto claimed = claimed_class_of(message.class_id);
+  if (claimed == TokenClass::request) out.kind = Outline::Kind::request;
+  if (claimed == TokenClass::reply) out.kind = Outline::Kind::reply;
+  if (claimed == TokenClass::final) out.kind = Outline::Kind::final;
+  return out;
+}
+
 Result<PkiDh::HandshakeStep> PkiDh::begin_handshake_request(IdentityHandle initiator,
                                                             IdentityHandle replier,
                                                             BytesView participant_data) {

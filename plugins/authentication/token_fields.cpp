@@ -33,8 +33,11 @@ const ClassRow& row_of(TokenClass token_class) {
 
 /// Names of fields whose length is bounded by their own rule.
 constexpr std::array<std::string_view, 13> kKnownNames = {
-    "c.id",    "c.perm",  "c.pdata",   "c.dsign_algo", "c.kagree_algo",  kHashC1,        kHashC2,
-    kDh1.name, kDh2.name, kChallenge1, kChallenge2,    kFutureChallenge, kSignature.name};
+    "c.id",         "c.perm",        kParticipantDataName,
+    "c.dsign_algo", "c.kagree_algo", kHashC1,
+    kHashC2,        kDh1.name,       kDh2.name,
+    kChallenge1,    kChallenge2,     kFutureChallenge,
+    kSignature.name};
 
 bool fits(const spi::BinaryProperty& property) {
   if (property.name.size() > kMostTextOctets) return false;
@@ -65,6 +68,12 @@ std::string range(const FieldRule& rule) {
 std::string_view class_id_of(TokenClass token_class) { return row_of(token_class).class_id; }
 
 std::string_view document_name(TokenClass token_class) { return row_of(token_class).document; }
+
+std::optional<TokenClass> claimed_class_of(std::string_view class_id) {
+  for (const auto& row : kClasses)
+    if (!row.suffix.empty() && class_id.ends_with(row.suffix)) return row.token_class;
+  return std::nullopt;
+}
 
 std::optional<TokenClass> token_class_of(std::string_view class_id) {
   if (!class_id.starts_with(kNameAndMajor)) return std::nullopt;

@@ -30,6 +30,10 @@ std::string_view class_id_of(TokenClass token_class);
 /// clause 10.3.2.1).
 std::optional<TokenClass> token_class_of(std::string_view class_id);
 
+/// The kind by the end of the class id alone, whatever is before it: what a token of another plugin
+/// or version wants to be. Empty for an unknown end.
+std::optional<TokenClass> claimed_class_of(std::string_view class_id);
+
 /// The longest class id, property name or text property, in octets.
 inline constexpr std::size_t kMostTextOctets = 4096;
 /// The longest binary property with an unknown name, in octets.
@@ -71,6 +75,7 @@ class TokenFields {
 inline constexpr FieldRule kDh1{"dh1", 1, 1024};
 inline constexpr FieldRule kDh2{"dh2", 1, 1024};
 inline constexpr FieldRule kSignature{"signature", 1, 2048};
+inline constexpr std::string_view kParticipantDataName = "c.pdata";
 inline constexpr std::string_view kChallenge1 = "challenge1";
 inline constexpr std::string_view kChallenge2 = "challenge2";
 inline constexpr std::string_view kHashC1 = "hash_c1";

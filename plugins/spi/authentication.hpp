@@ -65,6 +65,15 @@ class Authentication {
     ValidationResult result;
     std::optional<Token> message;  ///< to be sent to the peer
   };
+  /// What a host has to know of a handshake message before it spends work on it: what it is, and
+  /// which message of its own it answers. Nothing of it is judged. The views are into the message;
+  /// empty: missing.
+  struct Outline {
+    enum class Kind : std::uint8_t { other, request, reply, final };
+    Kind kind = Kind::other;
+    BytesView challenge1 = {}, challenge2 = {};
+    BytesView participant_data = {};  ///< the sender's ParticipantBuiltinTopicData
+  };
 
   virtual ~Authentication() = default;
 
@@ -128,6 +137,10 @@ class Authentication {
   /// An error concerns this one message only.
   virtual Result<HandshakeStep> process_handshake(HandshakeHandle handshake,
                                                   const Token& message) = 0;
+
+  /// Hosts leave the form of handshake messages to this function. It works on messages of either
+  /// side, raises no event and takes no lock.
+  virtual Outline outline(const Token& message) const = 0;
 
   /// The result of the key agreement (DDS-Security 1.2, clause 9.3.2.11.7). It may outlive the
   /// handshake. Error: handshake_not_finished before ok or ok_final_message.

@@ -5,18 +5,19 @@
 namespace ddssec::rtps {
 namespace {
 
-/// True if both tokens have this property with the same value.
-bool same(const spi::Token& a, const spi::Token& b, std::string_view name) {
-  const auto* in_a = spi::find_binary_property(a, name);
-  const auto* in_b = spi::find_binary_property(b, name);
-  return in_a != nullptr && in_b != nullptr && *in_a == *in_b;
-}
+bool same(BytesView a, BytesView b) { return !a.empty() && std::ranges::equal(a, b); }
 
 }  // namespace
 
-bool HandshakeAnswer::is_answered_by(const spi::Token& final) const {
-  const auto& token = reply.data.front();
-  return same(final, token, "challenge1") && same(final, token, "challenge2");
+std::vector<const HandshakeAnswer*> HandshakeAnswers::answered_by(
+    const spi::Authentication::Outline& final) const {
+  std::vector<const HandshakeAnswer*> out;
+  for (const auto& answer : answers_) {
+    const auto reply = plugin_.outline(answer.reply.data.front());
+    if (same(final.challenge1, reply.challenge1) && same(final.challenge2, reply.challenge2))
+      out.push_back(&answer);
+  }
+  return out;
 }
 
 HandshakeAnswer* HandshakeAnswers::to(const Sha256Digest& request) {

@@ -17,9 +17,6 @@ struct HandshakeAnswer {
   Bytes peer_data;  ///< c.pdata of the request
   MonotonicTime since;
   std::size_t octets = 0;  ///< size of the request, which the plugin keeps until the final message
-
-  /// True if `final` repeats both challenges.
-  bool is_answered_by(const spi::Token& final) const;
 };
 
 /// The replies to different requests, oldest first. Only one of the requests is honest. An attacker
@@ -52,6 +49,8 @@ class HandshakeAnswers {
   /// Return nullptr if there is none.
   HandshakeAnswer* to(const Sha256Digest& request);
   HandshakeAnswer* with(spi::HandshakeHandle handle);
+  /// Those of which `final` repeats both challenges.
+  std::vector<const HandshakeAnswer*> answered_by(const spi::Authentication::Outline& final) const;
 
   /// Makes room for an answer to a request with that challenge. Returns false if the others are too
   /// young to be removed.

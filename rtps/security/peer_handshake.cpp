@@ -9,20 +9,11 @@ namespace {
 
 constexpr int kMostDoublings = 5;
 
-bool ends_with(const spi::Token& token, std::string_view suffix) {
-  return token.class_id.ends_with(suffix);
-}
+using Kind = spi::Authentication::Outline::Kind;
 
 Bytes octets_of(const spi::Token& token, std::string_view name) {
   const auto* found = spi::find_binary_property(token, name);
   return found != nullptr ? *found : Bytes();
-}
-
-/// True if both tokens have this property with the same value.
-bool repeats(const spi::Token& a, const spi::Token& b, std::string_view name) {
-  const auto* in_a = spi::find_binary_property(a, name);
-  const auto* in_b = spi::find_binary_property(b, name);
-  return in_a != nullptr && in_b != nullptr && *in_a == *in_b;
 }
 
 /// Sum of the sizes of its values.
@@ -192,16 +183,19 @@ std::optional<GenericMessage> PeerHandshake::auth_request() const {
 PeerHandshake::Weighed PeerHandshake::weigh(const GenericMessage& message) const {
   if (message.data.size() != 1 || failure_) return {};
   const auto& token = message.data.front();
-  if (begins()) return ends_with(token, "+Reply") ? weigh_reply(token) : Weighed{};
-  if (ends_with(token, "+Req")) return weigh_request(token);
-  const bool is_echo =
-      ends_with(token, "+Final") &&
-      std::ranges::any_of(answers_.all(), [&](const auto& a) { return a.is_answered_by(token); });
+  const auto outline = plugin_.outline(token);
+  if (begins()) return outline.kind == Kind::reply ? weigh_reply(token, outline) : Weighed{};
+  if (outline.kind == Kind::request) return weigh_request(token);
+  const bool is_echo = outline.kind == Kind::final && !answers_.answered_by(outline).empty();
   return {is_echo ? Effort::echo : Effort::none};
 }
 
-PeerHandshake::Weighed PeerHandshake::weigh_reply(const spi::Token& token) const {
-  const bool is_echo = request_ && repeats(token, request_->message.data.front(), "challenge1");
+PeerHandshake::Weighed PeerHandshake::weigh_reply(
+    const spi::Token& token, const spi::Authentication::Outline& outline) const {
+  const bool is_echo =
+      request_ && !outline.challenge1.empty() &&
+      std::ranges::equal(outline.challenge1,
+                         plugin_.outline(request_->message.data.front()).challenge1);
   if (!is_echo && !finished_) return {};
   const auto digest = digest_of(token);
   if (is_echo) return {Effort::echo, digest};
@@ -250,7 +244,8 @@ void PeerHandshake::repeat_known(const GenericMessage& message, const Sha256Dige
 bool PeerHandshake::on_request(const GenericMessage& message, const Sha256Digest& digest,
                                MonotonicTime now, Messages& out) {
   const auto& token = message.data.front();
-  auto challenge = octets_of(token, "challenge1");
+  const auto outline = plugin_.outline(token);
+  auto challenge = to_bytes(outline.challenge1);
   if (!answers_.make_room(challenge, now)) return false;
   auto step = plugin_.begin_handshake_reply(token, identity_->handle(), sides_.own, *own_data_);
   refusals_ += step ? 0 : 1;
@@ -268,7 +263,7 @@ bool PeerHandshake::on_request(const GenericMessage& message, const Sha256Digest
                 .reply = std::move(reply),
                 .request = digest,
                 .challenge = std::move(challenge),
-                .peer_data = octets_of(token, "c.pdata"),
+                .peer_data = to_bytes(outline.participant_data),
                 .since = now,
                 .octets = octets_in(token)});
   next_ = std::min(next_, now + kResend);
@@ -286,18 +281,17 @@ void PeerHandshake::on_reply(const GenericMessage& message, const Sha256Digest& 
   out.push_back(final);
   const auto handle = request_->handle;
   request_.reset();
-  finish({handle, digest, std::move(final)}, octets_of(token, "c.pdata"));
+  finish({handle, digest, std::move(final)}, to_bytes(plugin_.outline(token).participant_data));
 }
 
 // Uses the answer that the final message belongs to.
 void PeerHandshake::on_final(const GenericMessage& message) {
   const auto& token = message.data.front();
-  for (const auto& answer : answers_.all()) {
-    if (!answer.is_answered_by(token)) continue;
-    const auto step = plugin_.process_handshake(answer.handle, token);
+  for (const auto* answer : answers_.answered_by(plugin_.outline(token))) {
+    const auto step = plugin_.process_handshake(answer->handle, token);
     if (!step || step->result != spi::ValidationResult::ok) continue;
-    const Finished finished{answer.handle, answer.request, std::nullopt};
-    auto peer_data = answer.peer_data;
+    const Finished finished{answer->handle, answer->request, std::nullopt};
+    auto peer_data = answer->peer_data;
     answers_.finish(finished.handle);
     return finish(finished, std::move(peer_data));
   }

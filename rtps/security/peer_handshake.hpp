@@ -155,7 +155,7 @@ class PeerHandshake {
   void start(MonotonicTime now, Messages& out);
   void become_overdue(MonotonicTime now);
   bool make_request(MonotonicTime until);
-  Weighed weigh_reply(const spi::Token& token) const;
+  Weighed weigh_reply(const spi::Token& token, const spi::Authentication::Outline& outline) const;
   Weighed weigh_request(const spi::Token& token) const;
   void repeat_known(const GenericMessage& message, const Sha256Digest& digest, Messages& out);
   bool on_request(const GenericMessage& message, const Sha256Digest& digest, MonotonicTime now,

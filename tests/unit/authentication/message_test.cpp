@@ -1,4 +1,5 @@
-// The wire form of every message, cut anywhere, is refused by the token reader.
+// The wire form of every message, cut anywhere, is refused by the token reader. What a host learns
+// of a message before any work.
 #include "tests/unit/authentication/fixture.hpp"
 
 namespace ddssec::authentication {
@@ -27,6 +28,38 @@ TEST_P(Truncation, AtEveryOctetIsRefused) {
     Reader reader(writer.view(), endian);
     EXPECT_EQ(*spi::read_token(reader), tokens.at(GetParam()));
   }
+}
+
+using Kind = spi::Authentication::Outline::Kind;
+
+TEST(Outline, OfEachMessage_SaysWhatItIsAndAnswers) {
+  Pairing pairing;
+  const auto& engine = **pairing.two.low.engine;
+  const auto request = pairing.two.request();
+  const auto reply = pairing.two.reply(*request->message);
+  const auto final = pairing.two.at_low(request->handle, *reply->message);
+  ASSERT_OK(final);
+  const auto first = engine.outline(*request->message);
+  const auto second = engine.outline(*reply->message);
+  const auto third = engine.outline(*final->message);
+  EXPECT_EQ(first.kind, Kind::request);
+  EXPECT_EQ(second.kind, Kind::reply);
+  EXPECT_EQ(third.kind, Kind::final);
+  EXPECT_EQ(to_bytes(first.participant_data), pairing.two.low.data);
+  EXPECT_EQ(to_bytes(second.participant_data), pairing.two.high.data);
+  EXPECT_FALSE(first.challenge1.empty());
+  EXPECT_TRUE(first.challenge2.empty());
+  EXPECT_TRUE(std::ranges::equal(first.challenge1, second.challenge1));
+  EXPECT_TRUE(std::ranges::equal(second.challenge2, third.challenge2));
+}
+
+// The host still passes them on, so that the plugin says why it refuses them.
+TEST(Outline, OfAnotherPluginsMessage_GoesByTheEndOfItsClass) {
+  Pairing pairing;
+  const auto& engine = **pairing.two.low.engine;
+  EXPECT_EQ(engine.outline({"com.example:9.9+Req"}).kind, Kind::request);
+  for (const auto* other : {"", "DDS:Auth:PKI-DH:1.0", "DDS:Auth:PKI-DH:1.0+AuthReq", "+Requ"})
+    EXPECT_EQ(engine.outline({other}).kind, Kind::other) << other;
 }
 
 }  // namespace

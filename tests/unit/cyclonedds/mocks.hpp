@@ -1,4 +1,5 @@
-// Engines whose answers a test writes. Their constructors are in mocks.cpp, because compiling them takes long.
+// Engines whose answers a test writes. Their constructors are in mocks.cpp, because compiling them
+// takes long.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -31,6 +32,7 @@ class MockAuthentication : public spi::Authentication {
               (const spi::Token&, spi::IdentityHandle, spi::IdentityHandle, BytesView), (override));
   MOCK_METHOD(Result<HandshakeStep>, process_handshake, (spi::HandshakeHandle, const spi::Token&),
               (override));
+  MOCK_METHOD(Outline, outline, (const spi::Token&), (const, override));
   MOCK_METHOD(Result<std::shared_ptr<const spi::SharedSecret>>, shared_secret,
               (spi::HandshakeHandle), (override));
   MOCK_METHOD(Result<spi::Token>, authenticated_peer_credential_token, (spi::HandshakeHandle),

@@ -49,6 +49,7 @@ class ForwardingAuthentication : public spi::Authentication {
                                           const spi::Token& message) override {
     return real_->process_handshake(handshake, message);
   }
+  Outline outline(const spi::Token& message) const override { return real_->outline(message); }
   Result<std::shared_ptr<const spi::SharedSecret>> shared_secret(
       spi::HandshakeHandle handshake) override {
     return real_->shared_secret(handshake);
