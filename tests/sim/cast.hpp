@@ -24,6 +24,7 @@ enum class Role : std::uint8_t {
   borrower,   ///< a certificate, and the signed permissions of an honest participant
   foreign,    ///< a certificate of another CA of the same name, with an honest subject
   elsewhere,  ///< honest, with all permissions, in another domain tag
+  sibling,    ///< one of many participants with one certificate, without endpoints
 };
 
 struct Subject {

@@ -5,11 +5,26 @@
 #include "wire/data_frag.hpp"
 #include "wire/gap.hpp"
 #include "wire/info_source.hpp"
+#include "wire/parameter_list.hpp"
 
 namespace ddssec::rtps::sim {
 namespace {
 
 using testing::forged;
+
+/// The parameters of a list in little-endian, with their headers, without the sentinel.
+std::vector<BytesView> parameters_of(BytesView list) {
+  std::vector<BytesView> out;
+  ParameterReader reader(list, Endian::little);
+  for (std::size_t at = 0;;) {
+    const auto parameter = reader.next();
+    if (!parameter || !*parameter) return out;
+    out.push_back(list.subspan(at, reader.consumed() - at));
+    at = reader.consumed();
+  }
+}
+
+}  // namespace
 
 std::vector<BytesView> submessages_of(BytesView datagram) {
   std::vector<BytesView> out;
@@ -21,8 +36,6 @@ std::vector<BytesView> submessages_of(BytesView datagram) {
   }
   return out;
 }
-
-}  // namespace
 
 Bytes splice(BytesView one, BytesView other, Dice& dice) {
   if (one.size() < kHeaderSize) return to_bytes(other);
@@ -66,7 +79,16 @@ std::span<const Forger::Kind> Forger::kinds() {
 }
 
 std::vector<Forger::Forgery> Forger::burst(std::size_t nodes) {
-  const auto& kind = dice_.of(kinds());
+  return burst_of(dice_.of(kinds()), nodes);
+}
+
+std::vector<Forger::Forgery> Forger::announcements(std::size_t nodes) {
+  static constexpr std::array kAnnouncements = {Kind{&Forger::local_address, 10},
+                                                Kind{&Forger::repeated_parameter, 10}};
+  return burst_of(dice_.of(kAnnouncements), nodes);
+}
+
+std::vector<Forger::Forgery> Forger::burst_of(const Kind& kind, std::size_t nodes) {
   std::vector<Forgery> out;
   const auto count = 1 + dice_.below(kind.most);
   const auto one_source = address_of(dice_.below(nodes + 3));
@@ -120,67 +142,6 @@ Bytes Forger::in_the_name_of_another() {
   auto out = forged({}, source);
   out.insert(out.end(), datagram.begin() + kHeaderSize, datagram.end());
   return {out.begin() + kHeaderSize, out.end()};
-}
-
-const Datagram* Forger::protected_by(const KeyId& sender) {
-  for (int attempt = 0; attempt < 300; ++attempt) {
-    const auto& datagram = dice_.of(recorded_);
-    if (!std::ranges::search(datagram.octets, sender.octets).empty()) return &datagram;
-  }
-  return nullptr;
-}
-
-std::vector<KeyId> Forger::receivers_of(BytesView datagram) {
-  std::vector<KeyId> out;
-  for (const auto& part : submessages_of(datagram)) {
-    constexpr std::size_t kFixed = kSubmessageHeaderSize + 16 + 4, kEach = 20;
-    const bool ends = part[0] == static_cast<std::uint8_t>(SubmessageId::secure_postfix) ||
-                      part[0] == static_cast<std::uint8_t>(SubmessageId::secure_rtps_postfix);
-    for (auto at = kFixed; ends && at + kEach <= part.size(); at += kEach)
-      out.push_back(KeyId::from(part.subspan(at, 4)));
-  }
-  return out;
-}
-
-// An IV that its owner will use soon: its receivers remember those that they had.
-cryptography::SendStart Forger::after(BytesView datagram, const KeyId& sender) {
-  const auto found = std::ranges::search(datagram, sender.octets);
-  const auto at = static_cast<std::size_t>(found.end() - datagram.begin());
-  cryptography::Iv iv{};
-  if (at + iv.size() > datagram.size()) return {5, 6};
-  std::ranges::copy(datagram.subspan(at, iv.size()), iv.begin());
-  const auto [session, suffix] = cryptography::parts_of(iv);
-  return {session, suffix + 1000 + dice_.below(100'000)};
-}
-
-// By a key that its owner gave to all its receivers.
-Bytes Forger::by_stolen_key(const spi::Token& token) {
-  auto material = cryptography::read_crypto_token(token);
-  if (!material || material->is_none()) return {};
-  const auto* heard = protected_by(material->sender_key_id);
-  if (heard == nullptr) return {};
-  auto macs = receivers_of(heard->octets);
-  if (material->has_receiver_key()) macs.push_back(material->receiver_key_id);
-  if (!material->has_receiver_key() || dice_.chance(200)) macs.clear();
-  const bool whole = dice_.chance(500);
-  auto datagram =
-      sample_of(endpoint_guid(true, GuidPrefix::from(BytesView(heard->octets).subspan(8, 12))));
-  const auto header = to_bytes(BytesView(datagram).first(kHeaderSize));
-  Bytes content(datagram.begin() + kHeaderSize, datagram.end());
-  if (whole) {
-    InfoSource source;
-    source.source.prefix = GuidPrefix::from(BytesView(header).subspan(8, 12));
-    content = forged({}, source);
-    content.erase(content.begin(), content.begin() + kHeaderSize);
-    content.insert(content.end(), datagram.begin() + kHeaderSize, datagram.end());
-  }
-  const auto start = after(heard->octets, material->sender_key_id);
-  cryptography::testing::Insider insider(std::move(*material), start);
-  const auto group = insider.group(
-      whole ? cryptography::kMessageFrame : cryptography::kSubmessageFrame, content, macs);
-  auto out = header;
-  out.insert(out.end(), group.begin(), group.end());
-  return out;
 }
 
 Bytes Forger::stranger() {
@@ -290,6 +251,8 @@ Bytes Forger::endpoint_end() {
   data.payload = out.view();
   return forged(guid.prefix, data);
 }
+
+Bytes Forger::sample_by(const GuidPrefix& writer) { return sample_of(endpoint_guid(true, writer)); }
 
 Bytes Forger::sample_of(const Guid& writer) {
   const auto later = dice_.chance(600) ? 0 : dice_.below(3);
@@ -436,6 +399,38 @@ Bytes Forger::other_destination() {
     source.source.prefix = name();
     write(out, source);
   });
+}
+
+// Where no other machine can be.
+Bytes Forger::local_address() {
+  return changed_announcement([&](ParticipantData& data) {
+    const Locator here = Locator::udp_v4({127, 0, 0, dice_.octet()}, 7400);
+    data.metatraffic_unicast.assign(1 + dice_.below(2), here);
+    if (dice_.chance(500))
+      data.metatraffic_unicast.push_back(Locator::udp_v4({192, 0, 2, 7}, 7400));
+    if (dice_.chance(500)) data.default_unicast = {here};
+  });
+}
+
+// One of its parameters once more, with the value that it has in another announcement.
+Bytes Forger::repeated_parameter() {
+  const auto one = heard(kSpdpWriter), other = heard(kSpdpWriter);
+  constexpr std::size_t kEncapsulation = 4;
+  if (one.size() < kEncapsulation || other.size() < kEncapsulation) return {};
+  const auto first = parameters_of(BytesView(one).subspan(kEncapsulation));
+  const auto more = parameters_of(BytesView(other).subspan(kEncapsulation));
+  if (first.empty() || more.empty()) return {};
+  const auto place = dice_.below(first.size());
+  Bytes payload(one.begin(), one.begin() + kEncapsulation);
+  const auto add = [&](BytesView octets) {
+    payload.insert(payload.end(), octets.begin(), octets.end());
+  };
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    if (i == place) add(dice_.of(more));
+    add(first[i]);
+  }
+  add(Bytes{1, 0, 0, 0});
+  return forged(name(), Data{kSpdpReader, kSpdpWriter, {1}, {}, PayloadKind::data, payload});
 }
 
 Bytes Forger::garbage() {

@@ -1,13 +1,14 @@
 // What somebody without keys can make of octets it has heard, and of names it knows.
 #pragma once
 
-#include "plugins/cryptography/send_key.hpp"
 #include "tests/sim/invariants.hpp"
 #include "tests/sim/mangle.hpp"
 #include "tests/sim/network.hpp"
 
 namespace ddssec::rtps::sim {
 
+/// The submessages of a datagram, as far as it can be read. Owned by `datagram`.
+std::vector<BytesView> submessages_of(BytesView datagram);
 /// Header of one datagram, and submessages of both in some order.
 Bytes splice(BytesView one, BytesView other, Dice& dice);
 
@@ -24,9 +25,13 @@ class Forger {
   std::vector<Forgery> burst(std::size_t nodes);
   /// Submessages of another participant, for a message that somebody protects.
   Bytes in_the_name_of_another();
-  /// A sample of its owner's, protected by what each receiver of `token` holds. Empty: it has no
-  /// key.
-  Bytes by_stolen_key(const spi::Token& token);
+  /// Announcements of kinds that were added later, so that `burst` draws what it did before: with
+  /// loopback addresses, or with a parameter that comes twice.
+  std::vector<Forgery> announcements(std::size_t nodes);
+  /// Clear DATA of a user's writer of that participant.
+  Bytes sample_by(const GuidPrefix& writer);
+  /// Of a user's endpoint that was there once, of that participant if it had one.
+  Guid endpoint_guid(bool writes, const std::optional<GuidPrefix>& whose = {});
 
  private:
   using Make = Bytes (Forger::*)();
@@ -35,6 +40,7 @@ class Forger {
     std::size_t most;  ///< in one burst
   };
   static std::span<const Kind> kinds();
+  std::vector<Forgery> burst_of(const Kind& kind, std::size_t nodes);
 
   Bytes stranger();            ///< an announcement in a new name, like that of a member
   Bytes false_address();       ///< a recorded announcement with other addresses
@@ -55,16 +61,10 @@ class Forger {
   Bytes other_time();         ///< a recorded datagram behind INFO_TS
   Bytes other_destination();  ///< a recorded datagram behind INFO_DST
   Bytes garbage();
+  Bytes local_address();       ///< an announcement of addresses of the machine that hears it
+  Bytes repeated_parameter();  ///< a recorded announcement
 
-  /// A recorded datagram that was protected by that key; nullptr: none was heard.
-  const Datagram* protected_by(const KeyId& sender);
-  /// Where that sender may go on after a datagram of its own.
-  cryptography::SendStart after(BytesView datagram, const KeyId& sender);
-  /// Whose MACs a datagram bears.
-  static std::vector<KeyId> receivers_of(BytesView datagram);
   GuidPrefix name();
-  /// Of a user's endpoint that was there once, of that participant if it had one.
-  Guid endpoint_guid(bool writes, const std::optional<GuidPrefix>& whose = {});
   /// The payload of a recorded submessage of that writer; empty: none was heard.
   Bytes heard(const EntityId& writer);
   Bytes changed_announcement(const std::function<void(ParticipantData&)>& change);

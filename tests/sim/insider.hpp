@@ -10,7 +10,8 @@ namespace ddssec::rtps::sim {
 /// What the hostile participants of a world share.
 struct Malice {
   Dice dice{0};
-  unsigned tampers = 0;  ///< with so many in a thousand of its messages
+  unsigned tampers = 0;     ///< with so many in a thousand of its messages
+  unsigned false_keys = 0;  ///< in a thousand steps: keys in another's name, by a stolen key
   std::vector<GuidPrefix> names = {};
   std::function<Bytes()> submessages = {};  ///< of others, to be sent in a message of its own
   testing::KeyThief::Stolen stolen = {};

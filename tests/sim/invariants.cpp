@@ -78,7 +78,8 @@ void Invariants::check_content(const End& reader, const Change& change) {
     return fail(invariant::kForged, name + " is of another topic");
   const auto* own = ledger_.life(reader.guid.prefix);
   const auto since = protection_.dates_readers || own == nullptr ? reader.since : own->born;
-  if (written->when < since) return fail(invariant::kFresh, name + " is older than the reader");
+  if (written->when < since && !reader.durable)
+    return fail(invariant::kFresh, name + " is older than the reader");
   if (!std::ranges::equal(written->payload, change.payload.view()))
     return fail(invariant::kForged, name + " has another payload");
   if (written->status != change.status)

@@ -20,6 +20,8 @@ struct End {
   bool writes = false;
   Guid guid = {};
   MonotonicTime since{};  ///< its beginning
+  bool durable = false;   ///< TRANSIENT_LOCAL; a reader then matches only such writers
+  bool reliable = true;
 };
 
 // The names that failures print.
@@ -32,9 +34,11 @@ inline constexpr std::string_view kHidden = "nothing protected is readable on th
 inline constexpr std::string_view kAstray = "samples are sent only where their readers are";
 inline constexpr std::string_view kLife = "a dead writer gives no sign of life";
 inline constexpr std::string_view kMemory = "memory stays within its bound";
+inline constexpr std::string_view kShare = "one certificate takes at most half of the places";
 inline constexpr std::string_view kWork = "work stays within its bound";
 inline constexpr std::string_view kReflection = "little is sent to addresses that never answered";
 inline constexpr std::string_view kReunion = "honest pairs match once the network is fair";
+inline constexpr std::string_view kNewcomer = "honest pairs match while attackers only add";
 inline constexpr std::string_view kKept = "honest pairs stay matched while nothing is kept back";
 inline constexpr std::string_view kGone = "a dead participant is forgotten";
 inline constexpr std::string_view kLoss = "a matched reliable reader gets every sample";

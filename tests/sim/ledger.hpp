@@ -38,13 +38,26 @@ class Ledger {
 
   /// Numbers begin at 1 and have no holes.
   void write(const Guid& writer, Written what) { written_[writer].push_back(std::move(what)); }
-  /// nullptr: it never wrote that many.
+  /// A durable writer, which does not `write`, still holds that number; the last call has its last.
+  void hold(const Guid& writer, SequenceNumber number, Written what) {
+    held_[writer].insert_or_assign(number, std::move(what));
+  }
+  /// What a durable writer holds; others hold nothing.
+  const std::map<SequenceNumber, Written>& held(const Guid& writer) const {
+    static const std::map<SequenceNumber, Written> nothing;
+    const auto at = held_.find(writer);
+    return at == held_.end() ? nothing : at->second;
+  }
+  /// nullptr: it never wrote that many, or holds it no longer.
   const Written* written(const Guid& writer, SequenceNumber number) const {
+    const auto& durable = held(writer);
+    if (const auto one = durable.find(number); one != durable.end()) return &one->second;
     const auto at = written_.find(writer);
     const bool known = at != written_.end() && number.value >= 1 && number.value <= count(writer);
     return known ? &at->second[static_cast<std::size_t>(number.value - 1)] : nullptr;
   }
   std::int64_t count(const Guid& writer) const {
+    if (const auto& durable = held(writer); !durable.empty()) return durable.rbegin()->first.value;
     const auto at = written_.find(writer);
     return at == written_.end() ? 0 : static_cast<std::int64_t>(at->second.size());
   }
@@ -52,6 +65,7 @@ class Ledger {
  private:
   std::map<GuidPrefix, Life> lives_;
   std::map<Guid, std::vector<Written>> written_;
+  std::map<Guid, std::map<SequenceNumber, Written>> held_;
 };
 
 /// Stands in every sample, so that it is found wherever it should not be readable.

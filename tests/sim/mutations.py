@@ -73,14 +73,14 @@ FAULTS = [
     ("that nothing clear unsays what was announced securely", "rtps/participant/discovery.cpp",
      "secure || known == remote->endpoints.end() ||", "FAULT || secure || known == remote->endpoints.end() ||"),
     ("that secure announcements replace clear ones", "rtps/participant/discovery.cpp",
-     "    return secure || known == remote->endpoints.end() ||",
-     "    if (FAULT && known != remote->endpoints.end() && known->second.data.by_secure_discovery != secure) return false;\n"
-     "    return secure || known == remote->endpoints.end() ||"),
+     "    const auto known = remote->endpoints.find(id);\n",
+     "    const auto known = remote->endpoints.find(id);\n"
+     "    if (FAULT && known != remote->endpoints.end() && known->second.data.by_secure_discovery != secure) return false;\n"),
     ("that old samples are not delivered", "rtps/reliability/stateful_reader.cpp",
      "data.sequence_number < proxy->next()) return false;\n  // DDS",
      "(data.sequence_number < proxy->next() && !FAULT)) return false;\n"
      "  if (FAULT && data.sequence_number < proxy->next()) {\n"
-     "    auto again = received_change(from, data, time);\n    return common_.deliver(again);\n  }\n  // DDS"),
+     "    auto again = received_change(from, data, time, Payload::copy_of(data.payload));\n    return common_.deliver(again);\n  }\n  // DDS"),
     ("that old heartbeats are no news", "rtps/reliability/writer_proxy.cpp",
      "  if (!is_new) return false;\n", "  if (!is_new) return FAULT;\n"),
     ("the bound on participants", "rtps/participant/remote_participants.cpp",
@@ -120,7 +120,7 @@ FAULTS = [
      "  if (FAULT) return core_.host.on_ended(GuidPrefix(peer.prefix()));\n"),
     ("that key exchange is protected", "rtps/security/keyring_transform.cpp",
      "      local.is_volatile ? prefix == remote.prefix &&\n",
-     "      local.is_volatile ? FAULT || prefix == remote.prefix &&\n"),
+     "      local.is_volatile ? FAULT ? true : prefix == remote.prefix &&\n"),
     ("that announcements need the pre-shared key", "rtps/security/keyring_messages.cpp",
      "if (pre_shared_.are_due())", "if (pre_shared_.are_due() && !FAULT)"),
     ("the tag of encrypted messages", "plugins/cryptography/transform_decode.cpp",
@@ -132,33 +132,54 @@ FAULTS = [
      "if (X509_verify_cert(context.get()) != 1) {", "if (X509_verify_cert(context.get()) != 1 && !FAULT) {"),
     ("the signature of permissions", "pki/smime.cpp",
      "  DDSSEC_ASSIGN_OR_RETURN(auto* signer, only_signer(cms.get()));\n",
-     "  if (FAULT) return cas.front();\n  DDSSEC_ASSIGN_OR_RETURN(auto* signer, only_signer(cms.get()));\n"),
+     "  if (FAULT) return Verified{cas.front(), std::nullopt};\n  DDSSEC_ASSIGN_OR_RETURN(auto* signer, only_signer(cms.get()));\n"),
+    ("that the key of the pair protects key exchange", "rtps/security/keyring_transform.cpp",
+     "(entity == kVolatileMessageWriter || entity == kVolatileMessageReader)",
+     "(FAULT || entity == kVolatileMessageWriter || entity == kVolatileMessageReader)"),
+    ("that loopback addresses count only if they are announced here", "rtps/participant/discovery.cpp",
+     "  if (core.is_from_elsewhere)\n    std::erase_if(", "  if (core.is_from_elsewhere && !FAULT)\n    std::erase_if("),
+    ("one GAP for all numbers that were used up", "rtps/reliability/retransmissions.cpp",
+     "return skip(number, from_.history_.next_held(number));",
+     "return skip(number, FAULT ? number.next() : from_.history_.next_held(number));"),
+    ("that history costs what is held", "rtps/reliability/stateful_writer.cpp",
+     "       number = history_.previous_held(number)) {\n",
+     "       number = FAULT ? SequenceNumber{number.value - 1} : history_.previous_held(number)) {\n"
+     "    if (FAULT && history_.find(number) == nullptr) continue;\n"),
+    ("that the source with most invented participants gives way", "rtps/participant/unproven_participants.cpp",
+     "return at == shares_.end() ? std::nullopt : std::optional(at->first);",
+     "if (FAULT) return newcomer;\n  return at == shares_.end() ? std::nullopt : std::optional(at->first);"),
+    ("that sources with few requests have a budget", "rtps/budget/source_budget.hpp",
+     "return (at->second.take(now) ? few_ : many_).take(now);",
+     "return (FAULT || at->second.take(now) ? few_ : many_).take(now);"),
+    ("the share of one certificate in the places", "rtps/budget/subject_shares.hpp",
+     "{ return count(prefix) < places_ - taken_; }", "{ return FAULT || count(prefix) < places_ - taken_; }"),
     ("that permissions are for the subject of the certificate", "governance/grant.cpp",
      "    if (!is_for(grant, subject)) continue;\n    auto status",
      "    if (!is_for(grant, subject) && !FAULT) continue;\n    auto status"),
 ]
 
 
-def check_texts(root):
-    """Each fault's text stands in its file once; a change of the product must change it here, too."""
-    wrong = [f"{what}: {name} holds its text {count} times" for what, name, old, _ in FAULTS
-             if (count := (root / name).read_text(encoding="utf-8").count(old)) != 1]
+def patched(root):
+    """{name of a file: its text with all faults}. Each fault's text must stand in its file once, also when the faults
+    before it are in; a change of the product must change it here, too."""
+    texts, wrong = {}, []
+    for number, (what, name, old, new) in enumerate(FAULTS, 1):
+        original = (root / name).read_text(encoding="utf-8")
+        text = texts.get(name, original)
+        if original.count(old) != 1 or text.count(old) != 1:
+            wrong.append(f"{what}: {name} holds its text {original.count(old)} times, and {text.count(old)} times with"
+                         " the faults before it")
+        texts[name] = text.replace(old, new.replace("FAULT", f"::ddssec_fault({number})"))
     if wrong:
         sys.exit("\n".join(wrong))
+    return texts
 
 
 def patch(scratch):
-    check_texts(scratch)
+    texts = patched(scratch)
     (scratch / "base/fault.hpp").write_text(HEADER)
-    for number, (what, name, old, new) in enumerate(FAULTS, 1):
-        file = scratch / name
-        text = file.read_text(encoding="utf-8")
-        if old not in text:
-            sys.exit(f"{what}: an earlier fault has changed its text in {name}")
-        text = text.replace(old, new.replace("FAULT", f"::ddssec_fault({number})"))
-        if "base/fault.hpp" not in text:
-            text = '#include "base/fault.hpp"\n' + text
-        file.write_text(text, encoding="utf-8")
+    for name, text in texts.items():
+        (scratch / name).write_text('#include "base/fault.hpp"\n' + text, encoding="utf-8")
 
 
 def copy(root, scratch):
@@ -222,7 +243,7 @@ def main():
     parser.add_argument("--binary", type=pathlib.Path, help="of a changed copy that was built already")
     options = parser.parse_args()
     if options.check:
-        check_texts(options.root)
+        patched(options.root)
         print(f"{len(FAULTS)} faults fit the sources")
         return 0
     if options.scratch is None and options.binary is None:

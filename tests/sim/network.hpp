@@ -18,7 +18,10 @@ struct Datagram {
 /// Where everybody announces itself.
 inline const Locator kGroup = Locator::udp_v4({239, 255, 0, 1}, 7400);
 inline Locator address_of(std::size_t node) {
-  return Locator::udp_v4({10, 0, 0, static_cast<std::uint8_t>(node + 1)}, 7400);
+  constexpr std::size_t kOfNetwork = 250;
+  return Locator::udp_v4({10, 0, static_cast<std::uint8_t>(node / kOfNetwork),
+                          static_cast<std::uint8_t>(node % kOfNetwork + 1)},
+                         7400);
 }
 
 class Network {

@@ -3,13 +3,17 @@
 namespace ddssec::rtps::sim {
 namespace {
 
-EndpointRequest request_of(std::string_view topic, bool writes) {
-  Qos qos = writes ? default_writer_qos() : default_reader_qos();
-  qos.reliability.kind = ReliabilityKind::reliable;
+EndpointRequest request_of(const End& end) {
+  Qos qos = end.writes ? default_writer_qos() : default_reader_qos();
+  qos.reliability.kind = end.reliable ? ReliabilityKind::reliable : ReliabilityKind::best_effort;
   qos.history.kind = HistoryKind::keep_all;
-  if (topic == kTopics[0]) qos.liveliness.lease_duration = Duration{{3, 0}};
-  if (!writes) qos.liveliness.lease_duration = kDurationInfinite;
-  return {std::string(topic), "ShapeType", std::move(qos), true};
+  if (end.durable) {
+    qos.durability = DurabilityKind::transient_local;
+    if (end.writes) qos.history = {HistoryKind::keep_last, 1};
+  }
+  if (end.topic == kTopics[0]) qos.liveliness.lease_duration = Duration{{3, 0}};
+  if (!end.writes) qos.liveliness.lease_duration = kDurationInfinite;
+  return {std::string(end.topic), "ShapeType", std::move(qos), true};
 }
 
 }  // namespace
@@ -91,6 +95,9 @@ ParticipantConfig Node::config(const GuidPrefix& prefix) {
                         .default_unicast = {address()},
                         .announce_to = {kGroup},
                         .address_secret = sha256(prefix.octets)};
+  auto here = address();
+  here.port = 0;
+  if (around_.has_interfaces) out.interfaces = {{"net0", here, 16, true}};
   out.first_entity = static_cast<std::uint32_t>(1 + dice_.below(1000));
   return out;
 }
@@ -112,6 +119,7 @@ void Node::start(const GuidPrefix& name) {
     return around_.invariants.fail("a participant starts", secured.error().to_sentence());
   if (subject_.role != Role::impostor)
     around_.ledger.enter(prefix, {&subject_, around_.now, kNever});
+  if (is_sibling()) return;
   for (const auto topic : kTopics)
     for (const bool writes : {true, false}) add_endpoint(topic, writes);
 }
@@ -129,11 +137,41 @@ void Node::stop(bool says_so) {
 }
 
 void Node::add_endpoint(std::string_view topic, bool writes) {
+  add_endpoint(End{&subject_, topic, writes, {}, around_.now});
+}
+
+void Node::add_durable_reader(std::string_view topic, bool reliable) {
+  add_endpoint(End{&subject_, topic, false, {}, around_.now, true, reliable});
+}
+
+// One sample of one instance, and then many of another one.
+void Node::add_sparse_writer(std::string_view topic, std::int64_t numbers) {
+  for (std::size_t i = endpoints_.size(); i-- > 0;)
+    if (const auto& end = endpoints_[i]->end(); !end.writes && end.topic == topic)
+      remove_endpoint(i);
+  add_endpoint(End{&subject_, topic, true, {}, around_.now, true});
   const Charge charge(cost_);
-  auto endpoint =
-      std::make_unique<Endpoint>(around_, End{&subject_, topic, writes, {}, around_.now});
-  auto request = request_of(topic, writes);
-  const auto guid = writes
+  const auto guid = endpoints_.back()->end().guid;
+  auto* writer = participant_->local_endpoints().writer(guid);
+  if (writer == nullptr) return;
+  const auto time = Time::from(clock_.wall());
+  for (std::int64_t number = 1; number <= numbers; ++number) {
+    const bool stays = number == 1 || number == numbers;
+    const auto octets = stays ? payload_of(guid, {number}) : Bytes{0, 1, 0, 0};
+    if (stays) around_.ledger.hold(guid, {number}, {topic, octets, {}, time, around_.now});
+    Change change;
+    change.source_time = time;
+    change.key_hash = KeyHash{static_cast<std::uint8_t>(number == 1)};
+    change.payload = Payload::copy_of(octets);
+    writer->write(std::move(change), around_.now);
+  }
+}
+
+void Node::add_endpoint(const End& end) {
+  const Charge charge(cost_);
+  auto endpoint = std::make_unique<Endpoint>(around_, end);
+  auto request = request_of(end);
+  const auto guid = end.writes
                         ? participant_->create_writer(std::move(request), *endpoint, around_.now)
                         : participant_->create_reader(std::move(request), *endpoint, around_.now);
   if (!guid) return;
@@ -199,7 +237,7 @@ Bytes Node::payload_of(const Guid& writer, SequenceNumber number) {
 void Node::write(Endpoint& endpoint) {
   const auto& guid = endpoint.end().guid;
   auto* writer = participant_->local_endpoints().writer(guid);
-  if (writer == nullptr || !endpoint.end().writes) return;
+  if (writer == nullptr || !endpoint.end().writes || endpoint.end().durable) return;
   const SequenceNumber number{around_.ledger.count(guid) + 1};
   const auto octets = payload_of(guid, number);
   if (!writer->has_room(octets.size())) return;

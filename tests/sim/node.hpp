@@ -17,6 +17,7 @@ struct Surroundings {
   Invariants& invariants;
   Malice& malice;
   Wire& wire;
+  bool has_interfaces = false;  ///< participants know the address of their machine
 };
 
 /// An endpoint and its owner.
@@ -57,6 +58,7 @@ class Node final : private Transport, private EventSink {
 
   const Subject& subject() const { return subject_; }
   bool is_honest() const { return subject_.role == Role::honest; }
+  bool is_sibling() const { return subject_.role == Role::sibling; }
   bool is_running() const { return participant_ != nullptr; }
   const GuidPrefix& prefix() const { return participant_->prefix(); }
   const Participant& participant() const { return *participant_; }
@@ -79,6 +81,10 @@ class Node final : private Transport, private EventSink {
   /// A writer or reader of any topic.
   void add_endpoint(std::string_view topic, bool writes);
   void remove_endpoint(std::size_t index);
+  /// A durable writer that has used up `numbers` and holds the first and the last of them. It takes
+  /// the place of the node's readers of the topic, which would get each sample at once.
+  void add_sparse_writer(std::string_view topic, std::int64_t numbers);
+  void add_durable_reader(std::string_view topic, bool reliable);
 
  private:
   /// The plugins, which end after their participant.
@@ -95,6 +101,7 @@ class Node final : private Transport, private EventSink {
   ParticipantConfig config(const GuidPrefix& prefix);
   void call(std::size_t octets, const std::function<void()>& what);
   Bytes payload_of(const Guid& writer, SequenceNumber number);
+  void add_endpoint(const End& end);
 
   const Surroundings& around_;
   const Subject& subject_;

@@ -71,6 +71,7 @@ void Outsider::act(MonotonicTime now, std::size_t nodes) {
     silenced_[address_of(dice_.below(nodes))] = now + milliseconds(dice_.below(120'000));
   if (dice_.chance(temper_.replay)) replay(now, nodes);
   if (dice_.chance(temper_.forge)) forge(now, nodes);
+  if (further_.chance(temper_.announce)) announce(now, nodes);
 }
 
 // To whom they were sent, or to anybody, from where they came, or from anywhere.
@@ -90,6 +91,14 @@ void Outsider::forge(MonotonicTime now, std::size_t nodes) {
     const bool to_all = dice_.chance(100);
     inject({from, to_all ? kGroup : victim, std::move(octets)}, now);
   }
+}
+
+// A machine takes no datagram from the network that claims to come from itself.
+void Outsider::announce(MonotonicTime now, std::size_t nodes) {
+  Forger forger(ledger_, invariants_, recorded_, further_);
+  for (auto& [octets, from] : forger.announcements(nodes))
+    if (const auto to = address_of(further_.below(nodes)); to != from)
+      inject({from, to, std::move(octets)}, now);
 }
 
 std::vector<GuidPrefix> Outsider::names() const {

@@ -11,17 +11,22 @@ namespace ddssec::rtps::sim {
 /// How often it does what: in a thousand datagrams, or in a thousand steps for what it adds.
 struct Temper {
   unsigned drop = 0, duplicate = 0, delay = 0, mangle = 0, cut_short = 0, splice = 0;  // datagrams
-  unsigned bridge = 0;   ///< exchanges the domain tags
-  unsigned muffle = 0;   ///< drops handshake messages
-  unsigned silence = 0;  ///< cuts all connections of a node for some time
-  unsigned replay = 0;   ///< a burst of recorded datagrams
-  unsigned forge = 0;    ///< a burst of forgeries of one kind
+  unsigned bridge = 0;    ///< exchanges the domain tags
+  unsigned muffle = 0;    ///< drops handshake messages
+  unsigned silence = 0;   ///< cuts all connections of a node for some time
+  unsigned replay = 0;    ///< a burst of recorded datagrams
+  unsigned forge = 0;     ///< a burst of forgeries of one kind
+  unsigned announce = 0;  ///< a burst of Forger::announcements
 };
 
 class Outsider {
  public:
   Outsider(const Ledger& ledger, const Invariants& invariants, Network& network, Dice dice)
-      : ledger_(ledger), invariants_(invariants), network_(network), dice_(dice) {}
+      : ledger_(ledger),
+        invariants_(invariants),
+        network_(network),
+        dice_(dice),
+        further_(dice.fork("further")) {}
 
   /// What becomes of a datagram.
   void carry(Datagram datagram, MonotonicTime now);
@@ -46,6 +51,7 @@ class Outsider {
   MonotonicTime arrival(MonotonicTime now);
   void replay(MonotonicTime now, std::size_t nodes);
   void forge(MonotonicTime now, std::size_t nodes);
+  void announce(MonotonicTime now, std::size_t nodes);
   Bytes spliced(const Bytes& octets);
   std::vector<GuidPrefix> names() const;
 
@@ -53,6 +59,7 @@ class Outsider {
   const Invariants& invariants_;
   Network& network_;
   Dice dice_;
+  Dice further_;  ///< for kinds of attacks that were added later
   Temper temper_;
   std::vector<Datagram> recorded_;
   std::map<Locator, MonotonicTime> silenced_;

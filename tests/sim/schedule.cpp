@@ -32,23 +32,50 @@ unsigned some(Dice& dice, unsigned most) {
   return dice.chance(500) ? 0 : static_cast<unsigned>(1 + dice.below(most));
 }
 
+/// One certificate with more participants than it may have places, and no other attack.
+void add_siblings(Plan& plan) {
+  constexpr std::size_t kSiblings = Handshakes::kMaxAuthenticated / 2 + 20;
+  for (std::size_t i = 0; i < kSiblings; ++i) plan.cast.push_back({"sybil", Role::sibling});
+  plan.temper = plan.siege = {};
+  plan.tampers = plan.false_keys = 0;
+  plan.restarts = plan.sleeps = plan.calendars = plan.endpoints = 0;
+  plan.hostile_steps = 6000;
+  plan.siege_steps = 100;
+  plan.siege_restart = true;
+}
+
+/// What was added later is drawn apart, so that the other draws of a seed stay.
+void add_further_attacks(Plan& plan) {
+  auto dice = Dice(plan.seed).fork("further");
+  plan.false_keys = dice.chance(300) ? static_cast<unsigned>(1 + dice.below(100)) : 0;
+  if (dice.chance(250)) {
+    plan.temper.announce = static_cast<unsigned>(1 + dice.below(50));
+    plan.siege.announce = static_cast<unsigned>(1 + dice.below(50));
+  }
+  plan.sparse = dice.chance(100);
+  if (dice.chance(10)) add_siblings(plan);
+}
+
 class Run {
  public:
   explicit Run(const Plan& plan)
       : plan_(plan),
         dice_(Dice(plan.seed).fork("run")),
-        world_(*plan.protection, plan.cast, Dice(plan.seed).fork("world")) {}
+        world_(*plan.protection, plan.cast, Dice(plan.seed).fork("world"),
+               plan.temper.announce > 0) {}
 
   Outcome operator()() {
     for (const auto& node : world_.nodes()) world_.start(*node);
     if (plan_.meets_first) repeat(300, [] { return false; });
     world_.malice().tampers = plan_.tampers;
+    world_.malice().false_keys = plan_.false_keys;
     world_.outsider().behave(plan_.temper);
     world_.set_hostile(true);
     for (int i = 0; i < plan_.hostile_steps && !is_over(); ++i) hostile_step();
     world_.set_hostile(false);
     revive();
-    if (!is_over()) reunite();
+    if (plan_.sparse && !is_over()) add_sparse_writer();
+    if (!is_over()) reunite(invariant::kReunion);
     if (!is_over()) exchange();
     if (!is_over()) withstand();
     return outcome();
@@ -106,6 +133,13 @@ class Run {
       if (!node->is_running()) world_.start(*node);
     }
   }
+  /// And readers that come after all that it wrote. The first nodes are honest.
+  void add_sparse_writer() {
+    constexpr std::int64_t kNumbers = 1'000'000;
+    world_.nodes()[1]->add_sparse_writer(kTopics[1], kNumbers);
+    for (const bool reliable : {true, false})
+      world_.nodes()[0]->add_durable_reader(kTopics[1], reliable);
+  }
   /// Calls `f(writer, reader)` for each honest pair, each writer with the node that owns it.
   void each_pair(const std::function<void(Node&, Endpoint&, Endpoint&)>& f) {
     for (const auto& a : world_.nodes())
@@ -114,7 +148,8 @@ class Run {
         for (const auto& writer : a->endpoints())
           for (const auto& reader : b->endpoints())
             if (writer->end().writes && !reader->end().writes &&
-                writer->end().topic == reader->end().topic)
+                writer->end().topic == reader->end().topic &&
+                (writer->end().durable || !reader->end().durable))
               f(*a, *writer, *reader);
       }
   }
@@ -142,13 +177,20 @@ class Run {
     }
     return out;
   }
-  void reunite() {
+  void reunite(std::string_view invariant) {
     const auto begin = world_.now();
     if (!repeat(static_cast<int>(Invariants::kMaxReunion / World::kStep),
                 [&] { return unmatched().empty(); }) &&
         !is_over())
-      world_.invariants().fail(invariant::kReunion, unmatched() + relations());
-    reunion_ = world_.now() - begin;
+      world_.invariants().fail(invariant, unmatched() + relations());
+    reunion_ = std::max(reunion_, world_.now() - begin);
+  }
+  /// A reader that gets what was written before it.
+  bool has_all_held(const Endpoint& reader, const Guid& writer) {
+    const bool gets_all = reader.end().durable && reader.end().reliable;
+    return !gets_all || std::ranges::all_of(world_.ledger().held(writer), [&](const auto& one) {
+      return reader.has(writer, one.first);
+    });
   }
   std::string missing() {
     std::string out;
@@ -158,6 +200,10 @@ class Run {
                                   reader.matched_since(writer.end().guid));
       if (since == kNever) return;
       const auto& guid = writer.end().guid;
+      if (writer.end().durable) {
+        if (!has_all_held(reader, guid)) out = "what is held for " + describe(reader.end());
+        return;
+      }
       for (std::int64_t i = world_.ledger().count(guid); i > 0; --i) {
         const auto* sample = world_.ledger().written(guid, {i});
         if (sample->when <= since) break;
@@ -184,6 +230,7 @@ class Run {
     world_.set_hostile(true);
     world_.outsider().behave(plan_.siege);
     world_.malice().tampers = plan_.tampers;
+    world_.malice().false_keys = plan_.false_keys;
     world_.invariants().set_besieged(true);
     if (plan_.siege_restart) {
       auto& victim = *world_.nodes().front();
@@ -191,6 +238,7 @@ class Run {
       world_.start(victim);
     }
     repeat(plan_.siege_steps, [] { return false; });
+    if (!is_over()) reunite(invariant::kNewcomer);
     if (!is_over()) exchange();
     world_.invariants().set_besieged(false);
     if (!is_over()) world_.check_dead();
@@ -254,6 +302,7 @@ Plan plan_of(std::uint64_t seed, int steps) {
   plan.sleeps = some(dice, 4);
   plan.calendars = some(dice, 4);
   plan.endpoints = some(dice, 30);
+  add_further_attacks(plan);
   return plan;
 }
 
@@ -261,7 +310,9 @@ std::string describe(const Plan& plan) {
   std::string out = "seed " + std::to_string(plan.seed) + ", " +
                     std::string(plan.protection->name) + ", " + std::to_string(plan.hostile_steps) +
                     " hostile steps:";
-  for (const auto& subject : plan.cast) out += " " + subject.name;
+  for (const auto& subject : plan.cast)
+    if (subject.role != Role::sibling) out += " " + subject.name;
+  if (plan.cast.back().role == Role::sibling) out += " siblings";
   const auto add = [&](const char* name, unsigned value) {
     if (value > 0) out += std::string("; ") + name + " " + std::to_string(value);
   };
@@ -269,14 +320,16 @@ std::string describe(const Plan& plan) {
   add("drop", t.drop), add("duplicate", t.duplicate), add("delay", t.delay);
   add("mangle", t.mangle), add("cut short", t.cut_short), add("splice", t.splice);
   add("bridge", t.bridge), add("muffle", t.muffle), add("silence", t.silence),
-      add("replay", t.replay), add("forge", t.forge);
+      add("replay", t.replay), add("forge", t.forge), add("announce", t.announce);
   const auto& s = plan.siege;
   add(plan.siege_steps >= kLongSiege ? "long siege" : "siege",
       static_cast<unsigned>(plan.siege_steps));
   add("duplicate", s.duplicate), add("splice", s.splice), add("replay", s.replay),
-      add("forge", s.forge);
+      add("forge", s.forge), add("announce", s.announce);
   add("tamper", plan.tampers), add("restart", plan.restarts), add("sleep", plan.sleeps);
   add("calendar", plan.calendars), add("endpoints", plan.endpoints);
+  add("false keys", plan.false_keys);
+  if (plan.sparse) out += "; sparse history";
   if (plan.siege_restart) out += "; restart in the siege";
   out += plan.meets_first ? "; meets first" : "; meets late";
   return out;

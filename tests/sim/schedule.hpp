@@ -18,6 +18,8 @@ struct Plan {
   unsigned tampers = 0;        ///< see Malice
   int hostile_steps = 0;
   bool meets_first = false;  ///< before the network is hostile
+  bool sparse = false;       ///< late readers of a writer that has used up a million numbers
+  unsigned false_keys = 0;   ///< see Malice
   // In a thousand steps.
   unsigned writes = 0, restarts = 0, sleeps = 0, calendars = 0, endpoints = 0;
 };

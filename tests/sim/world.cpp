@@ -1,15 +1,17 @@
 #include "tests/sim/world.hpp"
 
-#include "tests/sim/forgeries.hpp"
+#include "tests/sim/stolen_keys.hpp"
 
 namespace ddssec::rtps::sim {
 
-World::World(const Protection& protection, std::span<const Subject> cast, Dice dice)
+World::World(const Protection& protection, std::span<const Subject> cast, Dice dice,
+             bool has_interfaces)
     : invariants_(ledger_, protection, now_),
       outsider_(ledger_, invariants_, network_, dice.fork("outsider")),
       malice_{.dice = dice.fork("insider")},
-      around_{protection, now_, ledger_, invariants_, malice_, *this},
-      protection_(protection) {
+      around_{protection, now_, ledger_, invariants_, malice_, *this, has_interfaces},
+      protection_(protection),
+      further_(dice.fork("further")) {
   malice_.submessages = [this] {
     return Forger(ledger_, invariants_, outsider_.recorded(), malice_.dice)
         .in_the_name_of_another();
@@ -31,7 +33,7 @@ void World::set_hostile(bool hostile) {
   hostile_ = hostile;
   if (hostile) return;
   outsider_.behave({});
-  malice_.tampers = 0;
+  malice_.tampers = malice_.false_keys = 0;
   network_.lose_all();
 }
 
@@ -43,6 +45,8 @@ void World::carry(const Subject& from, Datagram datagram, bool for_honest) {
                          });
   if (for_honest && !somewhere)
     invariants_.fail(invariant::kAstray, from.name + " sent a sample to " + to_string(to));
+  if (around_.has_interfaces && from.is_honest() && to.is_loopback())
+    invariants_.fail(invariant::kAstray, from.name + " sent to a service of its own machine");
   auto& flow = flows_[datagram.from];
   flow.lost += somewhere ? 0 : datagram.octets.size();
   if (from.is_honest() && flow.lost > 3 * flow.in + Invariants::kMaxReflected)
@@ -54,10 +58,15 @@ void World::carry(const Subject& from, Datagram datagram, bool for_honest) {
     network_.post(std::move(datagram), now_ + Network::kLatency);
 }
 
+// Nothing depends on what siblings say to one another.
 void World::deliver(const Datagram& datagram) {
+  const bool by_sibling = has_siblings() && std::ranges::any_of(nodes_, [&](const auto& node) {
+                            return node->is_sibling() && node->address() == datagram.from;
+                          });
   for (const auto& node : nodes_) {
     const bool own = node->address() == datagram.from && datagram.to == kGroup;
     if (own || (datagram.to != kGroup && datagram.to != node->address())) continue;
+    if (by_sibling && node->is_sibling()) continue;
     ++delivered_;
     flows_[node->address()].in += datagram.octets.size();
     node->receive(datagram);
@@ -73,6 +82,7 @@ void World::step() {
   now_ += kStep;
   if (hostile_) outsider_.act(now_, nodes_.size());
   if (hostile_ && malice_.dice.chance(malice_.tampers)) use_stolen_key();
+  if (hostile_ && further_.chance(malice_.false_keys)) send_false_keys();
   for (const auto& datagram : network_.arrived(now_)) deliver(datagram);
   for (const auto& node : nodes_) node->advance(kStep);
   check_tables();
@@ -84,10 +94,34 @@ void World::use_stolen_key() {
   if (!protection_.tells_readers_from_writers || tokens.empty() || outsider_.recorded().empty())
     return;
   Forger forger(ledger_, invariants_, outsider_.recorded(), malice_.dice);
-  auto octets = forger.by_stolen_key(malice_.dice.of(tokens));
+  StolenKeys keys(forger, outsider_.recorded(), malice_.dice);
+  auto octets = keys.sample(malice_.dice.of(tokens));
   const auto at = malice_.dice.below(nodes_.size() + 3);
   if (!octets.empty())
     outsider_.inject({address_of(at), address_of(malice_.dice.below(nodes_.size())), octets}, now_);
+}
+
+void World::send_false_keys() {
+  const auto& tokens = malice_.stolen.all;
+  const auto& victim = *further_.of(nodes_);
+  if (tokens.empty() || outsider_.recorded().empty() || !victim.is_running()) return;
+  Forger forger(ledger_, invariants_, outsider_.recorded(), further_);
+  StolenKeys keys(forger, outsider_.recorded(), further_);
+  auto octets = keys.key_exchange(further_.of(tokens), victim.prefix());
+  const auto from = address_of(further_.below(nodes_.size() + 3));
+  if (!octets.empty()) outsider_.inject({from, victim.address(), std::move(octets)}, now_);
+}
+
+void World::check_shares(const Node& node) {
+  std::map<std::string_view, std::size_t> of_certificate;
+  for (const auto& [prefix, remote] : node.participant().remote_participants().all()) {
+    const auto* life = ledger_.life(prefix);
+    if (life == nullptr || !node.participant().is_authenticated(prefix)) continue;
+    const auto taken = ++of_certificate[life->subject->name];
+    if (taken > Handshakes::kMaxAuthenticated / 2)
+      invariants_.fail(invariant::kShare, life->subject->name + " has " + std::to_string(taken) +
+                                              " places at " + node.subject().name);
+  }
 }
 
 void World::check_tables() {
@@ -95,6 +129,7 @@ void World::check_tables() {
     if (!node->is_honest() || !node->is_running()) continue;
     const auto& known = node->participant().remote_participants().all();
     const auto& name = node->subject().name;
+    if (has_siblings()) check_shares(*node);
     if (known.size() > RemoteParticipants::kMostParticipants)
       invariants_.fail(invariant::kMemory,
                        name + " knows " + std::to_string(known.size()) + " participants");

@@ -10,7 +10,9 @@ class World final : private Wire {
  public:
   static constexpr MonotonicTime kStep = milliseconds(10);
 
-  World(const Protection& protection, std::span<const Subject> cast, Dice dice);
+  /// `has_interfaces`: see Surroundings.
+  World(const Protection& protection, std::span<const Subject> cast, Dice dice,
+        bool has_interfaces);
 
   /// The outsider takes the network, or the network is fair.
   void set_hostile(bool hostile);
@@ -36,7 +38,12 @@ class World final : private Wire {
   void deliver(const Datagram& datagram);
   /// An insider forges with a key that it was given.
   void use_stolen_key();
+  /// It sends keys of its own in the name of the key's owner.
+  void send_false_keys();
+  /// They come last.
+  bool has_siblings() const { return nodes_.back()->is_sibling(); }
   void check_tables();
+  void check_shares(const Node& node);
   void note(BytesView octets);
 
   /// Octets that arrived at a node, and that it sent to addresses where nobody is.
@@ -52,6 +59,7 @@ class World final : private Wire {
   Malice malice_;
   const Surroundings around_;
   const Protection& protection_;
+  Dice further_;  ///< for kinds of attacks that were added later
   std::vector<std::unique_ptr<Node>> nodes_;
   bool hostile_ = false;
   std::uint64_t fingerprint_ = 0;

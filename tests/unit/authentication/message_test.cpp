@@ -34,14 +34,14 @@ using Kind = spi::Authentication::Outline::Kind;
 
 TEST(Outline, OfEachMessage_SaysWhatItIsAndAnswers) {
   Pairing pairing;
-  const auto& engine = **pairing.two.low.engine;
+  auto& engine = *pairing.two.low.engine;
   const auto request = pairing.two.request();
   const auto reply = pairing.two.reply(*request->message);
   const auto final = pairing.two.at_low(request->handle, *reply->message);
   ASSERT_OK(final);
-  const auto first = engine.outline(*request->message);
-  const auto second = engine.outline(*reply->message);
-  const auto third = engine.outline(*final->message);
+  const auto first = engine->outline(*request->message);
+  const auto second = engine->outline(*reply->message);
+  const auto third = engine->outline(*final->message);
   EXPECT_EQ(first.kind, Kind::request);
   EXPECT_EQ(second.kind, Kind::reply);
   EXPECT_EQ(third.kind, Kind::final);
@@ -56,10 +56,10 @@ TEST(Outline, OfEachMessage_SaysWhatItIsAndAnswers) {
 // The host still passes them on, so that the plugin says why it refuses them.
 TEST(Outline, OfAnotherPluginsMessage_GoesByTheEndOfItsClass) {
   Pairing pairing;
-  const auto& engine = **pairing.two.low.engine;
-  EXPECT_EQ(engine.outline({"com.example:9.9+Req"}).kind, Kind::request);
+  auto& engine = *pairing.two.low.engine;
+  EXPECT_EQ(engine->outline({"com.example:9.9+Req"}).kind, Kind::request);
   for (const auto* other : {"", "DDS:Auth:PKI-DH:1.0", "DDS:Auth:PKI-DH:1.0+AuthReq", "+Requ"})
-    EXPECT_EQ(engine.outline({other}).kind, Kind::other) << other;
+    EXPECT_EQ(engine->outline({other}).kind, Kind::other) << other;
 }
 
 }  // namespace
