@@ -12,8 +12,8 @@
 #include <fmt/format.h>
 
 #include "base/hash.hpp"
+#include "cli/frame/transaction.hpp"
 #include "cli/inputs.hpp"
-#include "cli/transaction.hpp"
 
 namespace ddssec::cli {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "base/bytes.hpp"
 #include "base/result.hpp"
-#include "cli/report.hpp"
+#include "cli/frame/report.hpp"
 
 namespace ddssec::cli {
 

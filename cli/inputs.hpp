@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "cli/command.hpp"
+#include "cli/frame/command.hpp"
 #include "pki/authority.hpp"
 #include "pki/private_key.hpp"
 

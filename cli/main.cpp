@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "base/text.hpp"
-#include "cli/agent_worker.hpp"
+#include "cli/agent/agent_worker.hpp"
+#include "cli/frame/notices.hpp"
+#include "cli/frame/parse.hpp"
+#include "cli/frame/progress.hpp"
+#include "cli/frame/transaction.hpp"
 #include "cli/inputs.hpp"
-#include "cli/notices.hpp"
-#include "cli/parse.hpp"
-#include "cli/progress.hpp"
-#include "cli/transaction.hpp"
 #include "pki/token_logins.hpp"
 
 namespace {

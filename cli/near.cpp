@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "cli/ca_folder.hpp"
+#include "cli/ca/ca_folder.hpp"
+#include "cli/frame/suggestions.hpp"
 #include "cli/inputs.hpp"
-#include "cli/keystore.hpp"
-#include "cli/suggestions.hpp"
+#include "cli/participant/keystore.hpp"
 #include "pki/participant_folder.hpp"
 #include "pki/source.hpp"
 

@@ -1,0 +1,47 @@
+// The CA in a folder of this machine, as the agent uses it.
+#pragma once
+
+#include <filesystem>
+
+#include "cli/agent/agent_messages.hpp"
+#include "cli/frame/command.hpp"
+#include "pki/chain.hpp"
+
+namespace ddssec::cli {
+
+/// Issues the certificate that follows the one in a participant's folder, by the rules of `identity
+/// renew`: the CA (--ca) issued the old one for this folder and did not revoke it. Subject and key
+/// stay; with --rekey the key is the request's. It is valid for --days, or as long as the old one.
+/// With --permissions, permissions that end before it are extended; if they cannot be, the answer
+/// says why. They must be the last that the CA signed for a file (signed.jsonl). Errors: those of
+/// CaOpener, check_issued_for, check_renewal_request, Authority::sign_request; outlives_ca.
+Result<RenewalAnswer> renew_by_ca(const RenewalRequest& request,
+                                  const std::filesystem::path& folder, const Arguments& arguments,
+                                  const Context& context);
+
+/// Success if the passphrase of the options opens the keys of --ca (with --permissions both), as
+/// far as that can be tried. Not tried: a key in a token, which a wrong PIN may lock; a passphrase
+/// that is typed or comes from a pipe. Errors: those of passphrase() and read_key.
+Status prove_passphrase(const Arguments& arguments);
+
+/// The revocation lists in a file. Errors: those of read_file and Crl::all_from.
+Result<std::vector<pki::Crl>> read_lists(const std::filesystem::path& file);
+
+/// Error: certificate_revoked, if a list of the verifier, from `file`, names the certificate.
+Status check_not_on(const pki::ChainVerifier& verifier, const pki::Certificate& certificate,
+                    const std::filesystem::path& file);
+
+/// Which certificates an agent with a hook renews.
+struct TrustedAskers {
+  std::filesystem::path trust;  ///< a file with CAs; empty: of all CAs
+  /// Revocation lists of these CAs; empty: crl.pem beside `trust`, if there is one.
+  std::filesystem::path lists;
+};
+/// Success if a request may be given to a hook: it has the subject of the certificate in the folder
+/// and, unless `is_rekeying`, its key. One of the trusted CAs must have issued the certificate, and
+/// none of the lists names it. Else the owner of a folder could ask for any name, or go on after a
+/// revocation. Errors: those of check_renewal_request, check_trust_file, read_certificates and
+/// read_lists; issuer_unknown, certificate_revoked.
+Status check_asker(const RenewalRequest& request, const TrustedAskers& trusted, bool is_rekeying);
+
+}  // namespace ddssec::cli

@@ -1,0 +1,172 @@
+#include "cli/agent/agent_hook.hpp"
+
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <system_error>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include "base/tool_code.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using End = ChildProcess::End;
+
+constexpr int kNotStarted = 127;
+
+std::unexpected<Error> no_hook(std::string expected, std::string found) {
+  return fail(Code::usage, {.field = "--hook",
+                            .expected = std::move(expected),
+                            .found = '"' + std::move(found) + '"',
+                            .note = "no shell reads it: write a script for more"});
+}
+
+Result<std::vector<std::string>> words_of(const std::string& text) {
+  constexpr std::string_view kOfShells = "\"'\\$`;|&<>()*?[]{}~#!\n\r\t";
+  if (text.find_first_of(kOfShells) != text.npos)
+    return no_hook("words that are separated by blanks, without characters of a shell", text);
+  std::vector<std::string> out;
+  for (std::size_t at = 0; (at = text.find_first_not_of(' ', at)) != text.npos;) {
+    const auto end = std::min(text.find(' ', at), text.size());
+    out.push_back(text.substr(at, end - at));
+    at = end;
+  }
+  if (out.empty() || !out.front().starts_with('/'))
+    return no_hook("the absolute path of a program, and its arguments", text);
+  return out;
+}
+
+Result<std::vector<std::string>> variables_of(const Arguments& arguments) {
+  std::vector<std::string> out;
+  for (const auto& name : arguments.all("--hook-env")) {
+    const char* value = std::getenv(name.c_str());
+    if (value == nullptr)
+      return fail(Code::usage, {.field = "--hook-env",
+                                .expected = "the name of a variable that is set",
+                                .found = '"' + name + '"'});
+    out.push_back(name + '=' + value);
+  }
+  return out;
+}
+
+bool is_trusted(const struct stat& status) {
+  return status.st_uid == 0 || status.st_uid == ::geteuid();
+}
+
+// In a folder with the sticky bit only the owner of a file can replace it. A link is one that was
+// put there after the path was resolved.
+Status check_place(const fs::path& file, Code unsafe) {
+  for (auto folder = file.parent_path();; folder = folder.parent_path()) {
+    struct stat status {};
+    const bool is_known = ::lstat(folder.c_str(), &status) == 0 && S_ISDIR(status.st_mode);
+    const bool is_open = (status.st_mode & 022) != 0 && (status.st_mode & S_ISVTX) == 0;
+    if (!is_known || !is_trusted(status) || is_open)
+      return fail(
+          unsafe,
+          {.document = folder,
+           .expected = fmt::format("a folder of root or of this user that no other user can write, "
+                                   "since {} is in it",
+                                   file.string()),
+           .found = fmt::format("user {}, mode {:04o}", status.st_uid, status.st_mode & 07777)});
+    if (folder == folder.root_path()) return {};
+  }
+}
+
+// `file` has no links.
+Status check_file(const fs::path& file, Code unsafe, Code unreadable) {
+  struct stat status {};
+  if (::lstat(file.c_str(), &status) != 0)
+    return fail(unreadable, {.document = file, .note = std::generic_category().message(errno)});
+  if (S_ISREG(status.st_mode) && is_trusted(status) && (status.st_mode & 022) == 0)
+    return check_place(file, unsafe);
+  return fail(unsafe, {.document = file,
+                       .expected = "a file of root or of this user that no other user can write",
+                       .found = fmt::format("user {}, mode {:04o}", status.st_uid,
+                                            status.st_mode & 07777)});
+}
+
+std::vector<char*> pointers_to(std::vector<std::string>& texts) {
+  std::vector<char*> out;
+  for (auto& text : texts) out.push_back(text.data());
+  out.push_back(nullptr);
+  return out;
+}
+
+int become_hook(Hook hook, const fs::path& program, const HookRequest& request, int in, int out) {
+  constexpr rlimit kNoCore = {.rlim_cur = 0, .rlim_max = 0};
+  auto variables = std::move(hook.variables);
+  variables.emplace_back("PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin");
+  variables.emplace_back("LC_ALL=C.UTF-8");
+  variables.push_back("DDSSEC_FOLDER=" + request.folder.string());
+  variables.push_back("DDSSEC_SUBJECT=" + request.subject);
+  ::signal(SIGPIPE, SIG_DFL);
+  ::setrlimit(RLIMIT_CORE, &kNoCore);
+  if (::chdir("/") != 0 || ::dup2(in, STDIN_FILENO) < 0 || ::dup2(out, STDOUT_FILENO) < 0)
+    return kNotStarted;
+  ::close(in);
+  ::close(out);
+  ::execve(program.c_str(), pointers_to(hook.words).data(), pointers_to(variables).data());
+  return kNotStarted;
+}
+
+std::unexpected<Error> ended(End end, const Hook& hook) {
+  const auto& program = hook.words.front();
+  if (end == End::stopped) return fail(Code::interrupted);
+  if (end == End::too_long)
+    return fail(
+        tool_code::hook_too_long,
+        {.document = program, .expected = fmt::format("at most {} octets", kMaxHookAnswer)});
+  return fail(
+      tool_code::hook_too_slow,
+      {.document = program, .expected = fmt::format("an end within {} s", hook.timeout.count())});
+}
+
+}  // namespace
+
+Result<Hook> hook_of(const Arguments& arguments) {
+  constexpr int kLongest = 3600;
+  DDSSEC_ASSIGN_OR_RETURN(auto words, words_of(arguments.text("--hook")));
+  DDSSEC_ASSIGN_OR_RETURN(auto variables, variables_of(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const int seconds, arguments.number("--hook-timeout", 1, kLongest));
+  return Hook{std::move(words), std::move(variables), std::chrono::seconds(seconds)};
+}
+
+Status check_trust_file(const fs::path& file) {
+  std::error_code error;
+  const auto path = fs::canonical(file, error);
+  if (error) return fail(Code::file_unreadable, {.document = file, .note = error.message()});
+  return check_file(path, tool_code::trust_unsafe, Code::file_unreadable);
+}
+
+// A hook need not read the request, so an end of its input is no failure.
+Result<std::string> run_hook(const Hook& hook, const HookRequest& request, HeldSignals& signals) {
+  std::error_code error;
+  const auto program = fs::canonical(hook.words.front(), error);
+  if (error)
+    return fail(tool_code::hook_failed, {.document = hook.words.front(), .note = error.message()});
+  // A user who can change the program has the rights of the agent.
+  DDSSEC_RETURN_IF_ERROR(check_file(program, tool_code::hook_unsafe, tool_code::hook_failed));
+  const auto deadline = std::chrono::steady_clock::now() + hook.timeout;
+  DDSSEC_ASSIGN_OR_RETURN(auto child, ChildProcess::start(signals, [&](int in, int out) {
+                            return become_hook(hook, program, request, in, out);
+                          }));
+  const auto sent = child.write(request.pem, deadline);
+  if (sent != End::done && sent != End::closed) return ended(sent, hook);
+  child.end_input();
+  std::string out;
+  if (const auto end = child.read_all(out, kMaxHookAnswer, deadline); end != End::done)
+    return ended(end, hook);
+  if (const auto end = child.wait(deadline); end != End::done) return ended(end, hook);
+  if (child.failure().empty()) return out;
+  return fail(
+      tool_code::hook_failed,
+      {.document = hook.words.front(), .expected = "exit code 0", .found = child.failure()});
+}
+
+}  // namespace ddssec::cli

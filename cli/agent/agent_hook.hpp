@@ -1,0 +1,47 @@
+// The command that gets a certificate from a CA elsewhere: it reads a request (PKCS#10, PEM) from
+// standard input and writes the certificate (PEM) to standard output.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "cli/agent/agent_process.hpp"
+#include "cli/frame/command.hpp"
+
+namespace ddssec::cli {
+
+/// The longest answer of a hook, in octets: a certificate and its chain.
+inline constexpr std::size_t kMaxHookAnswer = 64 * 1024;
+
+/// A hook from the command line.
+struct Hook {
+  std::vector<std::string> words;      ///< first the program, by its absolute path
+  std::vector<std::string> variables;  ///< NAME=VALUE, besides those that each hook gets
+  std::chrono::seconds timeout;
+};
+
+/// The hook of --hook, --hook-env and --hook-timeout. Words are separated by blanks. Characters
+/// that mean something to a shell are refused, because none reads them. Error: usage.
+Result<Hook> hook_of(const Arguments& arguments);
+
+/// Success if no user but this one and root can change the file of --trust. Errors: trust_unsafe,
+/// file_unreadable.
+Status check_trust_file(const std::filesystem::path& file);
+
+/// The request that a hook is run for.
+struct HookRequest {
+  std::filesystem::path folder;  ///< of the participant, DDSSEC_FOLDER
+  std::string subject;           ///< RFC 2253, DDSSEC_SUBJECT
+  std::string pem;
+};
+
+/// Runs the hook and returns what it wrote, not yet checked. It is run with the rights of this
+/// process, in the folder "/", with no other variables than PATH, LC_ALL, the two above and those
+/// of
+/// --hook-env, and with the standard error of this process. Errors: hook_unsafe, hook_failed,
+/// hook_too_slow, hook_too_long; interrupted.
+Result<std::string> run_hook(const Hook& hook, const HookRequest& request, HeldSignals& signals);
+
+}  // namespace ddssec::cli

@@ -1,0 +1,56 @@
+// The lines that the agent's processes send to each other. A process with fewer rights may have
+// sent anything, so each line is checked as it is read.
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "base/bytes.hpp"
+#include "cli/frame/report.hpp"
+
+namespace ddssec::cli {
+
+/// The longest line, in octets: a signed permissions document in hexadecimal, and more.
+inline constexpr std::size_t kMaxAgentLine = 4 * 1024 * 1024;
+
+/// A participant's wish for a new certificate.
+struct RenewalRequest {
+  std::string request;               ///< PKCS#10, PEM
+  std::string certificate;           ///< the one in place, PEM
+  Bytes permissions = {};            ///< the ones in place, to be extended; empty: they stay
+  std::chrono::seconds lifetime{1};  ///< of the certificate
+};
+
+/// The CA's answer to it.
+struct RenewalAnswer {
+  std::string certificate;            ///< PEM
+  Bytes permissions = {};             ///< signed; empty: those in place stay
+  std::optional<Error> problem = {};  ///< why permissions could not be extended
+};
+
+/// One line without its end. Errors of reading: internal.
+std::string to_line(const Json& value);
+Result<Json> json_from(std::string_view line);
+
+/// Writes one line into a pipe. Returns 0, or 1 if no process reads it.
+int send_line(int out, const Json& value);
+/// What a process sends in place of a result.
+Json error_line(const Error& error);
+
+Json to_json(const RenewalRequest& request);
+Result<RenewalRequest> request_from(const Json& json);
+Json to_json(const RenewalAnswer& answer);
+Result<RenewalAnswer> answer_from(const Json& json);
+
+/// An error with all of its details. One whose code is unknown is read as `internal`.
+Json error_to_json(const Error& error);
+Error error_from(const Json& json);
+
+/// The text of a member; empty if there is none of that name, or it is no text.
+std::string text_in(const Json& json, std::string_view name);
+/// The number of a member; 0 if there is none of that name, or it is no whole number.
+std::int64_t number_in(const Json& json, std::string_view name);
+
+}  // namespace ddssec::cli

@@ -1,0 +1,366 @@
+#include "cli/agent/agent_participant.hpp"
+
+#include <algorithm>
+#include <sys/stat.h>
+
+#include <fmt/format.h>
+
+#include "base/tool_code.hpp"
+#include "cli/agent/agent_ca.hpp"
+#include "cli/agent/agent_response.hpp"
+#include "cli/agent/agent_schedule.hpp"
+#include "cli/ca/ca_folder.hpp"
+#include "cli/ca/renewal_list.hpp"
+#include "cli/documents/documents.hpp"
+#include "cli/documents/extended_permissions.hpp"
+#include "cli/frame/held_folder.hpp"
+#include "cli/frame/transaction.hpp"
+#include "governance/grant.hpp"
+#include "governance/read.hpp"
+#include "pki/chain.hpp"
+#include "pki/participant_folder.hpp"
+#include "pki/subject_name.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The paths by the folder's name, of the files that the open folder has.
+pki::ParticipantFolder files_in(const fs::path& folder) {
+  auto out = pki::participant_folder(as_held(folder));
+  for (auto* path : {&out.identity_ca, &out.certificate, &out.key, &out.permissions_ca,
+                     &out.governance, &out.permissions, &out.crl, &out.renewals, &out.properties})
+    *path = folder / path->filename();
+  out.folder = folder;
+  return out;
+}
+
+/// A file that is to be replaced keeps its mode, apart from rights that no document needs.
+Result<unsigned> mode_of(const fs::path& file, unsigned most) {
+  struct stat status {};
+  const int folder = folder_descriptor(file.parent_path());
+  if (::fstatat(folder, file.filename().c_str(), &status, AT_SYMLINK_NOFOLLOW) != 0)
+    return unwritable(file, errno);
+  if (!S_ISREG(status.st_mode))
+    return fail(Code::would_overwrite, {.document = file, .note = "it is not a plain file"});
+  return (status.st_mode & most) | 0600U;
+}
+
+/// A participant as its folder has it.
+struct Participant {
+  const AgentTask& task;
+  const Context& context;
+  pki::ParticipantFolder files;
+  pki::Certificate certificate;
+  Bytes permissions = {};  ///< signed by the folder's permissions CA; empty: not to be extended
+  std::optional<WallTime> permissions_end = {};
+
+  WallTime now() const { return context.clock.now(); }
+};
+
+/// A permissions document with a grant for this participant.
+struct Permissions {
+  governance::Grant grant;
+  std::string text;
+};
+
+Result<Permissions> verified_permissions(const Participant& self, BytesView octets) {
+  const auto& files = self.files;
+  DDSSEC_ASSIGN_OR_RETURN(auto certificates, read_certificates(files.permissions_ca));
+  DDSSEC_ASSIGN_OR_RETURN(const auto verifier,
+                          pki::DocumentVerifier::make(std::move(certificates)));
+  DDSSEC_ASSIGN_OR_RETURN(const auto document,
+                          named(verifier.verify(octets, self.now()), files.permissions));
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto own, named(own_permissions(document, self.certificate, self.now()), files.permissions));
+  std::string text(as_text(document.content()));
+  std::erase(text, '\r');
+  return Permissions{std::move(own.grant), std::move(text)};
+}
+
+// Permissions that cannot be read are none to extend; `doctor` says what is wrong with them.
+void read_permissions_of(Participant& self) {
+  if (!self.task.takes_permissions || !is_there(self.files.permissions)) return;
+  auto octets = read_file(self.files.permissions, pki::kMostSentPermissionsOctets);
+  if (!octets) return;
+  const auto found = verified_permissions(self, *octets);
+  if (!found) return;
+  self.permissions = *std::move(octets);
+  self.permissions_end = found->grant.validity.not_after;
+}
+
+Result<pki::Certificate> certificate_to_renew(const fs::path& file) {
+  auto out = read_certificate(file);
+  if (out || out.error().code() != Code::file_not_found) return out;
+  return fail(
+      Code::file_not_found,
+      {.document = file,
+       .note = "there is no certificate to renew",
+       .hint = "name the folder of a participant, or issue its certificate: ddssec identity "
+               "issue NAME --ca CA -o FOLDER"});
+}
+
+Result<Participant> read_participant(const AgentTask& task, const LockedFolder* locked,
+                                     const Context& context) {
+  DDSSEC_RETURN_IF_ERROR(hold_folder(task.folder));
+  if (locked != nullptr)
+    DDSSEC_RETURN_IF_ERROR(locked->check_same(folder_descriptor(task.folder), task.folder));
+  DDSSEC_ASSIGN_OR_RETURN(const auto owner,
+                          check_folder(folder_descriptor(task.folder), task.folder));
+  DDSSEC_RETURN_IF_ERROR(become(owner));
+  DDSSEC_RETURN_IF_ERROR(finish_interrupted(as_held(task.folder)));
+  auto files = files_in(task.folder);
+  if (files.certificate.extension() == ".p11")
+    return fail(Code::key_in_token, {.document = files.certificate,
+                                     .note = "the certificate is in a token, not in a file"});
+  DDSSEC_ASSIGN_OR_RETURN(auto certificate, certificate_to_renew(files.certificate));
+  Participant out{task, context, std::move(files), std::move(certificate)};
+  read_permissions_of(out);
+  return out;
+}
+
+WallTime due_by_certificate(const Participant& self) {
+  return self.task.known == to_hex(self.certificate.fingerprint()) ? self.task.known_renewal
+                                                                   : renewal_time(self.certificate);
+}
+
+// With permissions that end before the certificate, as early as for a certificate of that end.
+// Those that have ended are not given again unasked.
+WallTime due_time(const Participant& self) {
+  if (is_from_the_future(self.certificate, self.now())) return self.now();
+  const auto by_certificate = due_by_certificate(self);
+  if (!self.permissions_end || *self.permissions_end <= self.now()) return by_certificate;
+  const auto before = self.certificate.not_after() - *self.permissions_end;
+  return before.count() > 0 ? by_certificate - before : by_certificate;
+}
+
+Json event_of(std::string_view event, const pki::Certificate& certificate, WallTime next) {
+  return {{"event", event},
+          {"subject", certificate.subject()},
+          {"serial", certificate.serial()},
+          {"not_after", to_string(certificate.not_after())},
+          {"next", to_string(next)}};
+}
+
+Result<pki::PrivateKey> key_for_request(const Participant& self) {
+  const auto& files = self.files;
+  if (self.task.is_rekeying) {
+    if (files.key.extension() == ".p11") return fail(Code::key_in_token, {.document = files.key});
+    DDSSEC_ASSIGN_OR_RETURN(const auto present, read_key(files.key, nullptr));
+    DDSSEC_RETURN_IF_ERROR(named(present.matches(self.certificate), files.key));
+    const auto kind = self.certificate.key_algorithm();
+    return pki::PrivateKey::generate(kind.kind, kind.bits);
+  }
+  if (self.task.uses_no_token && files.key.extension() == ".p11")
+    return fail(Code::pkcs11_pin_wrong,
+                {.document = files.key, .note = "not tried: a token has refused a PIN before"});
+  DDSSEC_ASSIGN_OR_RETURN(auto key, read_key(files.key, nullptr));
+  DDSSEC_RETURN_IF_ERROR(named(key.matches(self.certificate), files.key));
+  return key;
+}
+
+std::unexpected<Error> unfit(const Participant& self, std::string expected, std::string found) {
+  return fail(tool_code::renewal_unfit, {.document = self.files.certificate,
+                                         .expected = std::move(expected),
+                                         .found = std::move(found)});
+}
+
+Status check_dates(const Participant& self, const pki::Certificate& renewed) {
+  const auto& old = self.certificate;
+  if (is_from_the_future(old, self.now())) return {};
+  ErrorDetails details{.document = self.files.certificate};
+  if (renewed.not_before() < old.not_before()) {
+    details.expected = "a begin not before " + to_string(old.not_before());
+    details.found = to_string(renewed.not_before());
+  } else if (renewed.not_after() <= old.not_after()) {
+    details.expected = "an end after " + to_string(old.not_after());
+    details.found = to_string(renewed.not_after());
+  } else {
+    return {};
+  }
+  return fail(tool_code::renewal_goes_back, std::move(details));
+}
+
+// A list of the folder that has expired says nothing about today, but what it revokes stays so:
+// verify() does not look for that in such a list.
+Result<pki::ChainVerifier> verifier_of(const Participant& self) {
+  const auto& files = self.files;
+  DDSSEC_ASSIGN_OR_RETURN(auto anchors, read_certificates(files.identity_ca));
+  std::vector<pki::Crl> lists;
+  if (is_there(files.crl)) {
+    DDSSEC_ASSIGN_OR_RETURN(lists, read_lists(files.crl));
+  }
+  return named(
+      pki::ChainVerifier::make(std::move(anchors), std::move(lists), pki::CrlPolicy::soft_fail),
+      files.identity_ca);
+}
+
+Status check_chain(const Participant& self, const pki::Certificate& renewed) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto verifier, verifier_of(self));
+  DDSSEC_RETURN_IF_ERROR(named(verifier.verify(renewed, self.now()), self.files.certificate));
+  // The one in place too: the issuer of the next one may not know of the list.
+  DDSSEC_RETURN_IF_ERROR(check_not_on(verifier, self.certificate, self.files.crl));
+  return check_not_on(verifier, renewed, self.files.crl);
+}
+
+Result<pki::Certificate> checked(const Participant& self, const std::string& pem,
+                                 const pki::PrivateKey& key) {
+  const auto& file = self.files.certificate;
+  DDSSEC_ASSIGN_OR_RETURN(const auto renewed,
+                          named(pki::Certificate::from_pem(as_bytes(pem)), file));
+  if (renewed.subject_digest() != self.certificate.subject_digest())
+    return unfit(self, self.certificate.subject(),
+                 renewed.subject() == self.certificate.subject()
+                     ? "the same text in another encoding"
+                     : renewed.subject());
+  if (renewed.is_ca()) return unfit(self, "the certificate of a participant", "one of a CA");
+  DDSSEC_RETURN_IF_ERROR(named(key.matches(renewed), file));
+  DDSSEC_RETURN_IF_ERROR(check_chain(self, renewed));
+  DDSSEC_RETURN_IF_ERROR(check_dates(self, renewed));
+  return renewed;
+}
+
+// The key, then its certificate, as `identity renew` does.
+Status put_certificate(const Participant& self, const pki::Certificate& renewed,
+                       const pki::PrivateKey& key, Replacement& out) {
+  const auto& files = self.files;
+  if (self.task.is_rekeying) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto mode, mode_of(files.key, 0640));
+    DDSSEC_ASSIGN_OR_RETURN(const auto pem, key.to_pem());
+    DDSSEC_RETURN_IF_ERROR(
+        pem.expose([&](BytesView octets) { return out.put(files.key, octets, mode); }));
+  }
+  DDSSEC_ASSIGN_OR_RETURN(const auto mode, mode_of(files.certificate, 0644));
+  return out.put(files.certificate, as_bytes(renewed.pem()), mode);
+}
+
+Status put_permissions(const Participant& self, const Bytes& octets, Replacement& out) {
+  const auto& file = self.files.permissions;
+  DDSSEC_ASSIGN_OR_RETURN(auto permissions, verified_permissions(self, octets));
+  const auto text = std::move(permissions).text;
+  const auto plain = fs::path(file).replace_extension("xml");
+  if (is_there(plain)) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto mode, mode_of(plain, 0644));
+    DDSSEC_RETURN_IF_ERROR(out.put(plain, as_bytes(text), mode));
+  }
+  DDSSEC_ASSIGN_OR_RETURN(const auto mode, mode_of(file, 0644));
+  return out.put(file, octets, mode);
+}
+
+Json to_json(const std::vector<WrittenFile>& files) {
+  Json out = Json::array();
+  for (const auto& file : files)
+    out.push_back({{"path", file.path}, {"mode", file.mode}, {"sha256", file.sha256}});
+  return out;
+}
+
+// A certificate whose validity began long ago is renewed after two thirds of what is left of it.
+WallTime renewal_from(const pki::Certificate& renewed, WallTime now) {
+  return std::max(renewal_time(renewed), now + (renewed.not_after() - now) * 2 / 3);
+}
+
+Status put_list_of_ca(const Participant& self) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto list, pki::RenewalList::parse(as_bytes(self.task.renewals)));
+  Replacement out;
+  DDSSEC_RETURN_IF_ERROR(put_renewals(out, self.files, {list, {}, self.now()}));
+  DDSSEC_RETURN_IF_ERROR(out.commit_each());
+  return {};
+}
+
+// A list that cannot be put there does not undo a renewal.
+void keep_renewals(const Participant& self, Json& event) {
+  if (self.task.renewals.empty()) return;
+  const auto status = put_list_of_ca(self);
+  if (!status && !event.contains("problem")) event["problem"] = error_to_json(status.error());
+}
+
+Result<Json> renew(const Participant& self, const AskCa& ask) {
+  DDSSEC_RETURN_IF_ERROR(mode_of(self.files.certificate, 0));  // before the CA is asked
+  DDSSEC_ASSIGN_OR_RETURN(const auto key, key_for_request(self));
+  DDSSEC_ASSIGN_OR_RETURN(auto pem, pki::make_request(key, self.certificate));
+  // Before the CA issues anything: one behind a hook may not know of the list.
+  DDSSEC_ASSIGN_OR_RETURN(const auto verifier, verifier_of(self));
+  DDSSEC_RETURN_IF_ERROR(check_not_on(verifier, self.certificate, self.files.crl));
+  const RenewalRequest request{std::move(pem), self.certificate.pem(), self.permissions,
+                               lifetime(self.certificate)};
+  DDSSEC_ASSIGN_OR_RETURN(const auto answer, ask(request));
+  // Else the certificate alone would be renewed again and again, for the permissions.
+  if (answer.permissions.empty() && answer.problem && due_by_certificate(self) > self.now())
+    return std::unexpected(*answer.problem);
+  DDSSEC_ASSIGN_OR_RETURN(const auto renewed, checked(self, answer.certificate, key));
+  Replacement out;
+  DDSSEC_RETURN_IF_ERROR(put_certificate(self, renewed, key, out));
+  if (!answer.permissions.empty())
+    DDSSEC_RETURN_IF_ERROR(put_permissions(self, answer.permissions, out));
+  DDSSEC_ASSIGN_OR_RETURN(const auto files, out.commit());
+  auto event = event_of("renewed", renewed, renewal_from(renewed, self.now()));
+  event["rekeyed"] = self.task.is_rekeying;
+  event["permissions_extended"] = !answer.permissions.empty();
+  event["restart_needed"] = self.certificate.not_after() <= self.now();
+  event["files"] = to_json(files);
+  event["sha256"] = to_hex(renewed.fingerprint());
+  if (answer.problem) event["problem"] = error_to_json(*answer.problem);
+  keep_response({self.files, renewed, self.now(), self.task.responders}, event);
+  keep_renewals(self, event);
+  return event;
+}
+
+// A key in a token is not tried: each time costs a PIN.
+Status check_key(const Participant& self) {
+  if (self.files.key.extension() == ".p11") return {};
+  DDSSEC_ASSIGN_OR_RETURN(const auto key, read_key(self.files.key, nullptr));
+  return named(key.matches(self.certificate), self.files.key);
+}
+
+Status check_permissions(const Participant& self) {
+  const auto& file = self.files.permissions;
+  if (!self.task.takes_permissions || !is_there(file)) return {};
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMostSentPermissionsOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto permissions, verified_permissions(self, octets));
+  const auto end = permissions.grant.validity.not_after;
+  if (end > self.now()) return {};
+  return fail(
+      Code::grant_expired,
+      {.document = file,
+       .found = "an end on " + to_string(end),
+       .note = "the participant cannot start, and rights that have ended are not given "
+               "again unasked",
+       .hint = fmt::format("give them again: ddssec identity renew {} --ca CA --permissions "
+                           "--ended-permissions; then start the participant again",
+                           self.files.folder.string())});
+}
+
+// A certificate that is not due says nothing about the files beside it, without which the
+// participant does not start and the renewal will fail.
+Status check_fit(const Participant& self) {
+  DDSSEC_RETURN_IF_ERROR(check_key(self));
+  DDSSEC_RETURN_IF_ERROR(check_chain(self, self.certificate));
+  return check_permissions(self);
+}
+
+Json not_renewed(const Participant& self, WallTime due) {
+  auto event = event_of(due > self.now() ? "current" : "due", self.certificate, due);
+  if (const auto fit = check_fit(self); !fit) event["problem"] = error_to_json(fit.error());
+  return event;
+}
+
+}  // namespace
+
+Result<Json> tend_folder(const AgentTask& task, const LockedFolder* locked, const AskCa& ask,
+                         const Context& context) {
+  ::umask(022);
+  DDSSEC_ASSIGN_OR_RETURN(const auto self, read_participant(task, locked, context));
+  const auto due = due_time(self);
+  if (due > self.now()) {
+    auto event = not_renewed(self, due);
+    if (task.is_dry_run) return event;
+    keep_response({self.files, self.certificate, self.now(), task.responders}, event);
+    keep_renewals(self, event);
+    return event;
+  }
+  if (task.is_dry_run) return not_renewed(self, due);
+  return renew(self, ask);
+}
+
+}  // namespace ddssec::cli

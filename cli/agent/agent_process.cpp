@@ -1,0 +1,235 @@
+#include "cli/agent/agent_process.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/signalfd.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <system_error>
+#include <unistd.h>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace ddssec::cli {
+namespace {
+
+using Woken = HeldSignals::Woken;
+using End = ChildProcess::End;
+using std::chrono::steady_clock;
+
+constexpr std::chrono::seconds kTimeToEnd{2};
+
+int milliseconds_until(Deadline deadline) {
+  constexpr std::chrono::milliseconds kLongest{60'000};  // poll does not count a machine's sleep
+  const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - steady_clock::now());
+  return static_cast<int>(std::clamp(left, std::chrono::milliseconds(0), kLongest).count());
+}
+
+std::unexpected<Error> no_process(int error) {
+  return fail(Code::internal,
+              {.field = "a process", .note = std::generic_category().message(error)});
+}
+
+// The header of glibc 2.36 declares it as a function of C++.
+int open_process(pid_t pid) { return static_cast<int>(::syscall(SYS_pidfd_open, pid, 0)); }
+
+void close_between(int first, int last) {
+  if (first <= last) ::close_range(static_cast<unsigned>(first), static_cast<unsigned>(last), 0);
+}
+
+void close_all_but(std::array<int, 3> kept) {
+  std::ranges::sort(kept);
+  int first = STDERR_FILENO + 1;
+  for (const int one : kept) {
+    if (one < first) continue;
+    close_between(first, one - 1);
+    first = one + 1;
+  }
+  ::close_range(static_cast<unsigned>(first), ~0U, 0);
+}
+
+[[noreturn]] void run_child(const HeldSignals& signals, const ChildProcess::Body& body, int in,
+                            int out, int kept) {
+  ::setsid();  // with the terminal, its user could be made to run commands
+  // Without the agent there is no work for it. It reads its own files to their end.
+  ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+  ::signal(SIGPIPE, SIG_IGN);
+  ::sigprocmask(SIG_SETMASK, &signals.former(), nullptr);
+  const int nothing = ::open("/dev/null", O_RDWR | O_CLOEXEC);
+  if (nothing >= 0) ::dup2(nothing, STDIN_FILENO);
+  close_all_but({in, out, kept});
+  ::_exit(body(in, out));
+}
+
+}  // namespace
+
+HeldSignals::HeldSignals() {
+  sigset_t held;
+  ::sigemptyset(&held);
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) ::sigaddset(&held, signal);
+  ::sigprocmask(SIG_BLOCK, &held, &former_);
+  file_ = ::signalfd(-1, &held, SFD_CLOEXEC | SFD_NONBLOCK);
+}
+
+HeldSignals::~HeldSignals() {
+  take();
+  ::close(file_);
+  ::sigprocmask(SIG_SETMASK, &former_, nullptr);
+}
+
+void HeldSignals::take() {
+  signalfd_siginfo one{};
+  while (::read(file_, &one, sizeof one) == static_cast<ssize_t>(sizeof one))
+    (one.ssi_signo == static_cast<unsigned>(SIGHUP) ? is_reload_ : is_stopped_) = true;
+}
+
+bool HeldSignals::take_reload() { return std::exchange(is_reload_, false); }
+
+Woken HeldSignals::wait(int file, short events, Deadline deadline, bool for_reload) {
+  while (true) {
+    take();
+    if (is_stopped_) return Woken::stop;
+    if (for_reload && is_reload_) return Woken::time;
+    std::array<pollfd, 2> files{pollfd{file_, POLLIN, 0}, pollfd{file, events, 0}};
+    if (::poll(files.data(), files.size(), milliseconds_until(deadline)) > 0) {
+      if (files[1].revents != 0) return Woken::ready;
+    } else if (steady_clock::now() >= deadline) {
+      return Woken::time;
+    }
+  }
+}
+
+Result<ChildProcess> ChildProcess::start(HeldSignals& signals, const Body& body, int kept) {
+  std::array<int, 2> down{}, up{};
+  if (::pipe2(down.data(), O_CLOEXEC) != 0) return no_process(errno);
+  if (::pipe2(up.data(), O_CLOEXEC) != 0) {
+    const int error = errno;
+    for (const int file : down) ::close(file);
+    return no_process(error);
+  }
+  const pid_t pid = ::fork();
+  if (pid == 0) run_child(signals, body, down[0], up[1], kept);
+  const int error = errno;
+  ::close(down[0]);
+  ::close(up[1]);
+  ChildProcess out(signals, pid, down[1], up[0]);
+  if (pid < 0) return no_process(error);
+  for (const int file : {out.in_, out.out_}) ::fcntl(file, F_SETFL, O_NONBLOCK);
+  return out;
+}
+
+End ChildProcess::write(std::string_view text, Deadline deadline) {
+  while (!text.empty()) {
+    const auto woken = signals_.wait(in_, POLLOUT, deadline);
+    if (woken == Woken::stop) return End::stopped;
+    if (woken == Woken::time) return End::too_slow;
+    const auto written = ::write(in_, text.data(), text.size());
+    if (written > 0)
+      text.remove_prefix(static_cast<std::size_t>(written));
+    else if (errno != EAGAIN && errno != EINTR)
+      return End::closed;
+  }
+  return End::done;
+}
+
+void ChildProcess::end_input() {
+  if (in_ >= 0) ::close(std::exchange(in_, -1));
+}
+
+// `done`: there is more than before in the buffer.
+End ChildProcess::fill(std::size_t most, Deadline deadline) {
+  std::array<char, 4096> part{};
+  while (true) {
+    const auto woken = signals_.wait(out_, POLLIN, deadline);
+    if (woken == Woken::stop) return End::stopped;
+    if (woken == Woken::time) return End::too_slow;
+    const auto size = ::read(out_, part.data(), part.size());
+    if (size < 0 && (errno == EAGAIN || errno == EINTR)) continue;
+    if (size <= 0) return End::closed;
+    buffer_.append(part.data(), static_cast<std::size_t>(size));
+    return buffer_.size() > most ? End::too_long : End::done;
+  }
+}
+
+End ChildProcess::read_line(std::string& line, std::size_t most, Deadline deadline) {
+  while (true) {
+    if (const auto end = buffer_.find('\n'); end != buffer_.npos) {
+      line = buffer_.substr(0, end);
+      buffer_.erase(0, end + 1);
+      return End::done;
+    }
+    if (const auto end = fill(most, deadline); end != End::done) return end;
+  }
+}
+
+End ChildProcess::read_all(std::string& text, std::size_t most, Deadline deadline) {
+  while (true) {
+    const auto end = fill(most, deadline);
+    if (end == End::done) continue;
+    text = std::move(buffer_);
+    return end == End::closed ? End::done : end;
+  }
+}
+
+End ChildProcess::wait(Deadline deadline) {
+  const int file = open_process(pid_);
+  if (file < 0) return End::too_slow;
+  const auto woken = signals_.wait(file, POLLIN, deadline);
+  ::close(file);
+  if (woken != Woken::ready) return woken == Woken::stop ? End::stopped : End::too_slow;
+  end_group();
+  return End::done;
+}
+
+// The process itself too: it may not have made its group yet.
+void ChildProcess::signal_group(int signal) const {
+  ::kill(-pid_, signal);
+  ::kill(pid_, signal);
+}
+
+// What the process left running goes with it. As long as it is not reaped, no other group can have
+// its number.
+void ChildProcess::end_group() {
+  signal_group(SIGKILL);
+  int status = 0;
+  if (::waitpid(pid_, &status, 0) == pid_) status_ = status;
+}
+
+// A stop that came before must not cut this wait short, so it does not look at the signals.
+void ChildProcess::stop() {
+  if (pid_ <= 0 || status_) return;
+  signal_group(SIGTERM);
+  if (const int file = open_process(pid_); file >= 0) {
+    pollfd one{file, POLLIN, 0};
+    ::poll(&one, 1, static_cast<int>(std::chrono::milliseconds(kTimeToEnd).count()));
+    ::close(file);
+  }
+  end_group();
+}
+
+std::string ChildProcess::failure() const {
+  if (!status_ || *status_ == 0) return {};
+  return WIFSIGNALED(*status_) ? fmt::format("signal {}", WTERMSIG(*status_))
+                               : fmt::format("exit code {}", WEXITSTATUS(*status_));
+}
+
+ChildProcess::~ChildProcess() {
+  stop();
+  end_input();
+  if (out_ >= 0) ::close(out_);
+}
+
+ChildProcess::ChildProcess(ChildProcess&& other) noexcept
+    : signals_(other.signals_),
+      pid_(std::exchange(other.pid_, -1)),
+      in_(std::exchange(other.in_, -1)),
+      out_(std::exchange(other.out_, -1)),
+      buffer_(std::move(other.buffer_)),
+      status_(other.status_) {}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,103 @@
+#include "cli/agent/agent_response.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include "base/tool_code.hpp"
+#include "cli/agent/agent_messages.hpp"
+#include "cli/ca/ca_folder.hpp"
+#include "cli/ca/ocsp_response.hpp"
+#include "cli/documents/documents.hpp"
+#include "cli/frame/transaction.hpp"
+#include "cli/inputs.hpp"
+#include "pki/chain.hpp"
+#include "pki/ocsp_fetch.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+constexpr std::chrono::minutes kRetry{5};
+
+/// At half of its life: a responder may be down for the other half.
+WallTime half_life(const pki::OcspGood& response) {
+  return response.this_update() + (response.until() - response.this_update()) / 2;
+}
+
+Result<pki::OcspGood> response_in_place(const ResponseTask& task) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets,
+                          read_file(ocsp_file(task.files), pki::kMostOcspOctets));
+  DDSSEC_ASSIGN_OR_RETURN(auto anchors, read_certificates(task.files.identity_ca));
+  DDSSEC_ASSIGN_OR_RETURN(const auto verifier, pki::ChainVerifier::make(std::move(anchors)));
+  return pki::judge_ocsp(octets, task.certificate, verifier, task.now);
+}
+
+Status check_issued_by_own(const ResponseTask& task) {
+  const auto& asked = task.asked;
+  const auto refused = [&] {
+    return fail(Code::issuer_unknown,
+                {.document = task.files.certificate,
+                 .expected = "a certificate that a CA of " + asked.of_cas_from + " has issued",
+                 .found = "one of " + task.certificate.issuer(),
+                 .note = "so the OCSP responder that it names is not asked"});
+  };
+  if (asked.none) return refused();
+  if (asked.of_cas.empty()) return {};
+  DDSSEC_ASSIGN_OR_RETURN(const auto cas,
+                          pki::Certificate::bundle_from_pem(as_bytes(asked.of_cas)));
+  const auto is_issuer = [&](const auto& ca) { return task.certificate.is_issued_by(ca); };
+  if (std::ranges::none_of(cas, is_issuer)) return refused();
+  return {};
+}
+
+Status check_may_ask(const ResponseTask& task) {
+  DDSSEC_RETURN_IF_ERROR(check_issued_by_own(task));
+  const auto url = pki::ocsp_responder_of(task.certificate);
+  const auto& not_now = task.asked.not_now;
+  if (std::ranges::find(not_now, url) == not_now.end()) return {};
+  return fail(tool_code::ocsp_fetch_failed,
+              {.found = url,
+               .note = "it did not answer another folder's request; it is asked again within five "
+                       "minutes"});
+}
+
+Result<pki::OcspGood> renew(const ResponseTask& task, Json& event) {
+  DDSSEC_RETURN_IF_ERROR(check_may_ask(task));
+  const auto fetched = fetch_response({task.files, task.certificate}, task.now);
+  if (!fetched) {
+    if (fetched.error().code() == tool_code::ocsp_fetch_failed)
+      event["ocsp_silent"] = pki::ocsp_responder_of(task.certificate);
+    return std::unexpected(fetched.error());
+  }
+  Replacement out;
+  DDSSEC_RETURN_IF_ERROR(out.put(ocsp_file(task.files), fetched->octets, 0644));
+  DDSSEC_ASSIGN_OR_RETURN(const auto written, out.commit());
+  for (const auto& file : written)
+    event["files"].push_back({{"path", file.path}, {"mode", file.mode}, {"sha256", file.sha256}});
+  return fetched->good;
+}
+
+/// The time of a renewed certificate stays: it is what the agent remembers it by.
+void look_again_at(WallTime time, Json& event) {
+  if (event["event"] == "renewed") return;
+  const auto next = time_from(text_in(event, "next"));
+  if (!next || time < *next) event["next"] = to_string(time);
+}
+
+}  // namespace
+
+void keep_response(const ResponseTask& task, Json& event) {
+  if (pki::ocsp_responder_of(task.certificate).empty()) return;
+  auto response = response_in_place(task);
+  if (!response || half_life(*response) <= task.now) {
+    response = renew(task, event);
+    if (response && event["event"] == "current") event["event"] = "ocsp_renewed";
+  }
+  if (response) {
+    event["ocsp_until"] = to_string(response->until());
+    return look_again_at(std::max(half_life(*response), task.now + kRetry), event);
+  }
+  if (!event.contains("problem")) event["problem"] = error_to_json(response.error());
+  look_again_at(task.now + kRetry, event);
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,118 @@
+// A CA in a folder: certificate, key, log of issued certificates, revocation list.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/frame/command.hpp"
+#include "cli/frame/file_lock.hpp"
+#include "cli/frame/new_folder.hpp"
+#include "cli/frame/transaction.hpp"
+#include "cli/inputs.hpp"
+#include "pki/authority.hpp"
+#include "pki/issue_log.hpp"
+
+namespace ddssec::cli {
+
+/// The paths of a CA's files.
+struct CaPaths {
+  std::filesystem::path certificate;  ///< the current certificate first, then others that it needs
+  std::filesystem::path key;
+  std::filesystem::path log;  ///< pki::IssueLog
+  std::filesystem::path crl;
+  std::filesystem::path signed_log;  ///< pki::SigningLog, of a permissions CA
+  std::filesystem::path renewals;    ///< pki::RenewalList
+};
+
+/// The files of a CA below its folder (ca.pem, ca.key.pem, issued.jsonl, crl.pem,
+/// signed.jsonl).
+CaPaths ca_paths_in(const std::filesystem::path& folder);
+
+/// The files of the CA with that role ("identity", "permissions"). `given` is the result of `ca
+/// create`, `init` or `keystore create`, or a folder with ca.pem.
+CaPaths ca_paths(const std::filesystem::path& given, std::string_view role);
+
+/// The certificate of a CA; `given` is the certificate, or anything that ca_paths() accepts.
+std::filesystem::path ca_certificate_path(const std::filesystem::path& given,
+                                          std::string_view role);
+
+/// The value of --role, which must be one of the two roles. Error: usage.
+Result<std::string> one_role(const Arguments& arguments);
+
+/// A CA that can sign.
+struct OpenCa {
+  CaPaths paths;
+  pki::Authority authority;
+  /// All certificates in the certificate's file: the trust anchors that participants need.
+  std::string trust_pem;
+  /// The lock, taken before the files were read: see lock_records.
+  std::optional<FileLock> lock = {};
+
+  const pki::Certificate& certificate() const { return authority.certificate(); }
+};
+
+/// Opens CAs for one command; asks for the passphrase once.
+class CaOpener {
+ public:
+  explicit CaOpener(const Arguments& arguments) : arguments_(arguments) {}
+
+  /// Opens the CA of these files for exclusive use as long as the result lives. It waits for
+  /// another command that signs or rotates, and only then reads the files. The key is used only if
+  /// no other user can read it, unless --insecure-key-mode is given. If both CAs are needed, open
+  /// the identity CA first, so that two commands do not wait for each other. Errors:
+  /// key_readable_by_others, those of passphrase() for an encrypted key, of lock_records,
+  /// read_file, Authority::load.
+  Result<OpenCa> open(const CaPaths& paths);
+  /// Opens the CA of --ca with that role. Errors as above, and those of check_signing_ca.
+  Result<OpenCa> open(std::string_view role);
+
+  /// The passphrase that opened an encrypted key so far; null if none was encrypted.
+  const pki::Passphrase* used_passphrase() const { return passphrase_ ? &*passphrase_ : nullptr; }
+
+ private:
+  Status prepare(const std::filesystem::path& key);
+  Result<pki::PrivateKey> key(const std::filesystem::path& path);
+
+  const Arguments& arguments_;
+  std::optional<pki::Passphrase> passphrase_;
+};
+
+/// All certificates of a file, as PEM text without any text between them. Errors: those of
+/// read_file and Certificate::bundle_from_pem.
+Result<std::vector<pki::Certificate>> read_certificates(const std::filesystem::path& path);
+std::string to_pem(const std::vector<pki::Certificate>& certificates);
+
+/// The log of what a CA issued; empty if it has no log. Unreadable lines become notices
+/// (notice_unreadable_lines). Errors: those of read_file.
+Result<pki::IssueLog> read_issue_log(const CaPaths& paths);
+
+/// Success if every command can read these lines of a log. Error: length_out_of_range.
+Status check_log_lines(const std::filesystem::path& log, std::string_view lines);
+
+/// Appends lines to the log of what a CA issued. Errors: length_out_of_range, those of
+/// append_lines.
+Status log_issued(const CaPaths& paths, std::string_view lines);
+
+/// Locks the CA's files: while the lock lives, no other command signs, revokes, rotates or lists
+/// anything of this CA. Take it before reading the first file whose content decides what is
+/// written. The lock is on the key, which only its owner can open, so that no other user can hold
+/// it. Empty if the key is not here or not readable for this user: then the command cannot change
+/// the CA. Errors: those of FileLock::of.
+Result<std::optional<FileLock>> lock_records(const CaPaths& paths);
+
+/// Adds a new key to a new folder: as `name`, or if it is in a token, its URI as a *.p11 file in
+/// that place.
+Status add_key(NewFolder& folder, const std::filesystem::path& name, const NewKey& key,
+               const pki::Passphrase* passphrase = nullptr);
+
+/// The subject of a new CA, "CN=TITLE ROLE CA" (the role may be empty). Special characters in the
+/// title are escaped.
+std::string ca_subject(std::string_view title, std::string_view role);
+
+/// Adds a new CA's certificate and key to a new folder.
+Status add_ca(NewFolder& folder, const CaPaths& names, std::string_view trust_pem,
+              const NewKey& key, const pki::Passphrase* passphrase);
+
+}  // namespace ddssec::cli

@@ -1,0 +1,59 @@
+// A CA and its successor side by side, while participants move from one to the other.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/ca/ca_folder.hpp"
+#include "pki/crl.hpp"
+
+namespace ddssec::cli {
+
+/// Both are in the CA's file, the successor first. A stock Cyclone DDS reads only the first
+/// certificate of a CA file, so in a participant's file the CA of its own documents comes first.
+struct Overlap {
+  std::vector<pki::Certificate> next;    ///< the successor, and the CAs above it
+  std::vector<pki::Certificate> former;  ///< what only the former CA needs
+  WallTime until;                        ///< the date on which the former CA should end
+
+  std::string next_only() const { return to_pem(next); }
+  /// For a participant that has moved, and for the CA's own file.
+  std::string next_first() const { return to_pem(next) + to_pem(former); }
+  /// For a participant that has not.
+  std::string former_first() const { return to_pem(former) + to_pem(next); }
+};
+
+/// The overlap that begins with a successor. `former`: the CA's file before.
+Overlap overlap_of(std::vector<pki::Certificate> next, const std::vector<pki::Certificate>& former,
+                   WallTime until);
+
+/// The file with the date and the former CA's fingerprints, beside the CA's certificate.
+std::filesystem::path overlap_file(const CaPaths& ca);
+std::string overlap_text(const Overlap& overlap);
+
+/// The overlap that is under way; empty if there is none, also if the CA was replaced since.
+/// Errors: those of read_certificates and read_file; overlap_unreadable.
+Result<std::optional<Overlap>> read_overlap(const CaPaths& ca);
+
+/// The file with the folders that the end of a rotation did not find, beside the CA's certificate.
+std::filesystem::path unreached_file(const CaPaths& ca);
+std::string unreached_text(const std::vector<std::string>& folders);
+/// The folders in that file; none if it cannot be read.
+std::vector<std::string> read_unreached(const CaPaths& ca);
+
+/// The lists in the CA's file that its former key signed.
+Result<std::vector<pki::Crl>> lists_of_former(const CaPaths& ca, const Overlap& overlap);
+/// The CA's file of lists with its next list: in an overlap the lists of its former key stay.
+Result<std::string> file_of_lists(const CaPaths& ca, const pki::Crl& next);
+
+/// Success unless the former CA of an overlap signed the document, and its successor did not: the
+/// participant must move first, with all its documents. Error: not_moved_yet.
+Status check_moved(const CaPaths& ca, const std::filesystem::path& document, WallTime now);
+
+/// The same for a document that has been verified, with its signer.
+Status check_moved(const CaPaths& ca, const pki::Certificate& signer,
+                   const std::filesystem::path& document);
+
+}  // namespace ddssec::cli

@@ -1,0 +1,185 @@
+#include "cli/ca/ca_progress.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include "cli/ca/logged_certificate.hpp"
+#include "cli/documents/documents.hpp"
+#include "cli/documents/signed_documents.hpp"
+#include "cli/inputs.hpp"
+#include "pki/key_digest.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+template <class Predicate>
+std::vector<Follower> those(const std::vector<Follower>& followers, Predicate predicate) {
+  std::vector<Follower> out;
+  std::ranges::copy_if(followers, std::back_inserter(out), predicate);
+  return out;
+}
+
+Json names_of(const std::vector<Follower>& followers) {
+  Json out = Json::array();
+  for (const auto& follower : followers) out.push_back(follower.name);
+  return out;
+}
+
+}  // namespace
+
+Result<RotationProgress> RotationProgress::of(const fs::path& given, const std::string& role,
+                                              WallTime now) {
+  RotationProgress out;
+  out.paths_ = ca_paths(given, "identity");
+  out.is_identity_ = role == "identity";
+  out.now_ = now;
+  DDSSEC_ASSIGN_OR_RETURN(out.log_, read_issue_log(out.paths_));
+  const auto own = ca_paths(given, role);
+  DDSSEC_ASSIGN_OR_RETURN(out.overlap_, read_overlap(own));
+  DDSSEC_ASSIGN_OR_RETURN(out.next_, read_certificates(own.certificate));
+  if (out.overlap_) out.next_ = out.overlap_->next;
+  return out;
+}
+
+const fs::path& RotationProgress::ca_file(const Follower& follower) const {
+  return is_identity_ ? follower.files.identity_ca : follower.files.permissions_ca;
+}
+
+bool RotationProgress::is_same_ca(const pki::Certificate& other) const {
+  return other.subject() == next_.front().subject() &&
+         pki::key_digest(other) == pki::key_digest(next_.front());
+}
+
+bool RotationProgress::accepts_successor(const Follower& follower) const {
+  const auto& file = ca_file(follower);
+  if (!is_there(file)) return true;  // a rotation makes no file that is missing
+  const auto trusted = read_certificates(file);
+  return trusted && std::ranges::any_of(*trusted, [&](const auto& one) { return is_same_ca(one); });
+}
+
+bool RotationProgress::trusts_former(const Follower& follower) const {
+  const auto& file = ca_file(follower);
+  if (!is_there(file)) return false;
+  const auto trusted = read_certificates(file);
+  return !trusted || std::ranges::any_of(*trusted, [&](const auto& one) {
+    return one.subject() == next_.front().subject() && !is_same_ca(one);
+  });
+}
+
+bool RotationProgress::has_moved(const Follower& follower) const {
+  const auto& files = follower.files;
+  if (is_identity_) {
+    const auto certificate = read_certificate(files.certificate);
+    return certificate && certificate->is_issued_by(next_.front());
+  }
+  return std::ranges::all_of(
+      std::vector{files.permissions, files.governance},
+      [&](const auto& one) { return !is_there(one) || is_signed_by(one, to_pem(next_), now_); });
+}
+
+// A revoked participant gets no certificate of the successor.
+bool RotationProgress::is_revoked(const Follower& follower) const {
+  if (!is_identity_) return false;
+  const auto certificate = read_certificate(follower.files.certificate);
+  if (!certificate) return false;
+  const auto serial = revoked_serial(*certificate, paths_, log_, NextKey::same);
+  return serial && !serial->empty();
+}
+
+std::vector<Follower> RotationProgress::without_successor(
+    const std::vector<Follower>& followers) const {
+  return those(followers,
+               [&](const auto& one) { return !accepts_successor(one) && !is_revoked(one); });
+}
+
+std::vector<Follower> RotationProgress::not_moved(const std::vector<Follower>& followers) const {
+  return those(followers, [&](const auto& one) { return !has_moved(one) && !is_revoked(one); });
+}
+
+std::vector<Follower> RotationProgress::not_ended(const std::vector<Follower>& followers) const {
+  return those(followers, [&](const auto& one) {
+    const bool is_of_ca = is_there(ca_file(one)) && accepts_successor(one);
+    return (trusts_former(one) || (is_of_ca && !has_moved(one))) && !is_revoked(one);
+  });
+}
+
+std::vector<std::string> not_reached(const CaPaths& ca, const KnownFollowers& known) {
+  const auto unreached = read_unreached(ca);
+  std::vector<std::string> out;
+  std::ranges::copy_if(known.gone, std::back_inserter(out), [&](const std::string& folder) {
+    return std::ranges::find(unreached, folder) != unreached.end();
+  });
+  return out;
+}
+
+std::string moved_words(std::size_t moved, std::size_t all) {
+  return fmt::format("{} of {} {} moved", moved, counted(all, "folder"),
+                     moved == 1 ? "has" : "have");
+}
+
+namespace {
+
+struct Remaining {
+  bool is_overlap;
+  bool is_here_left;  ///< a folder of this machine has not moved, or not ended
+  bool is_elsewhere;  ///< a folder is not where the log has it
+};
+
+std::string next_step(const std::string& command, const std::string& role,
+                      const Remaining& remaining) {
+  const bool moves = remaining.is_overlap && (remaining.is_here_left || remaining.is_elsewhere);
+  const auto step = moves ? "--move" : "--end";
+  if (!remaining.is_elsewhere || (remaining.is_overlap && remaining.is_here_left))
+    return fmt::format("  next   {} --role {} {}\n", command, role, step);
+  const auto then =
+      remaining.is_overlap ? fmt::format("  then   {} --role {} --end\n", command, role) : "";
+  return fmt::format(
+      "  next   {} PLACES --role {} {}\n"
+      "         PLACES: where the folders that are not here are now. A participant on another "
+      "machine can also be issued again.\n{}",
+      command, role, step, then);
+}
+
+}  // namespace
+
+Result<ShownRotation> shown_rotation(const fs::path& given, const std::string& role, WallTime now) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto progress, RotationProgress::of(given, role, now));
+  DDSSEC_ASSIGN_OR_RETURN(const auto known, known_followers(given, now));
+  const auto& overlap = progress.overlap();
+  const auto left = overlap ? progress.not_moved(known.here) : progress.not_ended(known.here);
+  const auto away =
+      overlap ? std::vector<std::string>() : not_reached(ca_paths(given, role), known);
+  if (!overlap && left.empty() && away.empty()) return ShownRotation{"", Json()};
+  const auto all = known.here.size();
+  Json former = Json::array();
+  if (overlap)
+    for (const auto& one : overlap->former) former.push_back(to_hex(one.fingerprint()));
+  ShownRotation out;
+  out.result = {{"until", overlap ? Json(to_string(overlap->until)) : Json()},
+                {"former", former},
+                {"folders", all},
+                {"left", names_of(left)},
+                {"elsewhere", known.elsewhere}};
+  out.text = overlap ? fmt::format(
+                           "overlap  this is the successor; the former CA counts beside it "
+                           "until {}; {}\n",
+                           date(overlap->until), moved_words(all - left.size(), all))
+                     : fmt::format(
+                           "rotation not finished: {} still {} what an earlier key of this CA "
+                           "issued or signed, or trusts that key\n",
+                           counted(left.size() + away.size(), "folder"),
+                           left.size() + away.size() == 1 ? "has" : "have");
+  for (const auto& one : left) out.text += fmt::format("  left   {}\n", one.name);
+  for (const auto& one : known.elsewhere) out.text += fmt::format("  not here  {}\n", one);
+  out.text += next_step(fmt::format("ddssec ca rotate {}", given.string()), role,
+                        {.is_overlap = overlap.has_value(),
+                         .is_here_left = !left.empty(),
+                         .is_elsewhere = overlap ? !known.elsewhere.empty() : !away.empty()});
+  return out;
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,66 @@
+// How far the participants of a CA are in its rotation, by the files in their folders.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/ca/ca_followers.hpp"
+#include "cli/ca/ca_overlap.hpp"
+#include "pki/issue_log.hpp"
+
+namespace ddssec::cli {
+
+/// Judges folders by the CA's own files. A file that cannot be read counts as one that is left.
+class RotationProgress {
+ public:
+  /// Errors: those of read_overlap, read_certificates and read_issue_log.
+  static Result<RotationProgress> of(const std::filesystem::path& given, const std::string& role,
+                                     WallTime now);
+
+  /// The overlap that is under way, if there is one.
+  const std::optional<Overlap>& overlap() const { return overlap_; }
+  /// The CA's file after the end of the overlap; the CA's own certificate is the first.
+  const std::vector<pki::Certificate>& next() const { return next_; }
+
+  /// Those whose CA file lacks the CA, or its successor in an overlap.
+  std::vector<Follower> without_successor(const std::vector<Follower>& followers) const;
+  /// Those with a certificate or documents that the CA's present key did not issue or sign.
+  std::vector<Follower> not_moved(const std::vector<Follower>& followers) const;
+  /// Those that trust a former CA of the same name, or trust this one and have not moved. A
+  /// participant of a CA of another name is none of them.
+  std::vector<Follower> not_ended(const std::vector<Follower>& followers) const;
+
+ private:
+  bool accepts_successor(const Follower& follower) const;
+  bool has_moved(const Follower& follower) const;
+  bool trusts_former(const Follower& follower) const;
+  bool is_revoked(const Follower& follower) const;
+  bool is_same_ca(const pki::Certificate& other) const;
+  const std::filesystem::path& ca_file(const Follower& follower) const;
+
+  CaPaths paths_;
+  bool is_identity_ = false;
+  WallTime now_;
+  pki::IssueLog log_;
+  std::optional<Overlap> overlap_;
+  std::vector<pki::Certificate> next_;
+};
+
+/// The folders that the last end of a rotation did not find, and that are still not here.
+std::vector<std::string> not_reached(const CaPaths& ca, const KnownFollowers& known);
+
+/// "1 of 4 folders has moved".
+std::string moved_words(std::size_t moved, std::size_t all);
+
+/// The rotation of a CA as `ca show` tells it.
+struct ShownRotation {
+  std::string text;  ///< complete lines; empty if there is nothing to tell
+  Json result;       ///< null if there is nothing to tell
+};
+/// Errors: those of RotationProgress::of and known_followers.
+Result<ShownRotation> shown_rotation(const std::filesystem::path& given, const std::string& role,
+                                     WallTime now);
+
+}  // namespace ddssec::cli

@@ -1,0 +1,469 @@
+#include "cli/ca/ca_rotation.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <map>
+
+#include "base/tool_code.hpp"
+#include "cli/ca/logged_certificate.hpp"
+#include "cli/ca/renewal_list.hpp"
+#include "cli/ca/revocation_lists.hpp"
+#include "cli/documents/documents.hpp"
+#include "cli/documents/signed_documents.hpp"
+#include "cli/frame/held_folder.hpp"
+#include "cli/frame/notices.hpp"
+#include "cli/inputs.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Links = Replacement::Links;
+
+/// The former CA may end that much later than planned.
+constexpr int kListDaysAfterOverlap = 90;
+
+bool is_file_or_link(const fs::path& path) {
+  std::error_code ignored;
+  return fs::symlink_status(path, ignored).type() > fs::file_type::not_found;
+}
+
+/// Peers may go on with what is issued and signed anew. After the theft of a key they begin again.
+bool is_moving(const Succession& change) {
+  return change.step == Step::move || change.step == Step::end;
+}
+
+Status put_key_of_ca(Replacement& out, const Succession& change) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto pem, change.ca.key().to_pem(change.passphrase));
+  return pem.expose([&](BytesView octets) {
+    return out.put(change.old.paths.key, octets, 0600, Links::replaced);
+  });
+}
+
+Status put_ca(Replacement& out, const Succession& change) {
+  const auto& paths = change.old.paths;
+  const bool is_begin = change.step == Step::begin;
+  if (change.step == Step::move || change.is_repeated) return {};
+  if (is_begin || change.step == Step::replace) DDSSEC_RETURN_IF_ERROR(put_key_of_ca(out, change));
+  const auto trust = is_begin ? change.overlap->next_first() : change.trust_pem;
+  DDSSEC_RETURN_IF_ERROR(out.put(paths.certificate, as_bytes(trust), 0644, Links::replaced));
+  if (!is_begin) return {};
+  return out.put_public(overlap_file(paths), overlap_text(*change.overlap));
+}
+
+/// Signs the documents of the old CA with the new one.
+class SignerAnew {
+ public:
+  SignerAnew(Replacement& out, const Succession& change, const pki::SigningLog& log,
+             const Context& context)
+      : out_(out), change_(change), log_(log), context_(context) {}
+
+  /// The document of a file, for sign(). Errors: those of document_of().
+  Result<DocumentOfCa> read(const fs::path& file) const {
+    return document_of(file, change_.old, log_, change_.takes_unlogged, context_.clock.now());
+  }
+  /// The same for a follower, which an earlier rotation may not have reached.
+  Result<DocumentOfCa> read(const fs::path& file, const Follower& follower) const {
+    auto document = read(file);
+    if (document) return document;
+    auto former =
+        document_of_former_key(file, follower.files.permissions_ca, change_.old, log_, now());
+    return former ? std::move(former) : std::move(document);
+  }
+
+  Status sign(const fs::path& file, const DocumentOfCa& document) {
+    const auto now = context_.clock.now();
+    const auto text = as_bytes(document.text);
+    DDSSEC_ASSIGN_OR_RETURN(const auto octets,
+                            change_.ca.sign_document(text, now, context_.random));
+    lines_ += signed_line(change_.ca.certificate(), text, file, now);
+    if (!document.is_logged) unlogged_.push_back(file.string());
+    if (is_moving(change_) && file.stem() == "permissions")
+      renewals_.add(change_.old.paths, octets, file);
+    return out_.put(file, octets, 0644);
+  }
+
+  WallTime now() const { return context_.clock.now(); }
+  const std::string& lines() const { return lines_; }
+  const std::vector<std::string>& unlogged() const { return unlogged_; }
+  const NewlyListed& renewals() const { return renewals_; }
+
+ private:
+  Replacement& out_;
+  const Succession& change_;
+  const pki::SigningLog& log_;
+  const Context& context_;
+  std::string lines_;
+  std::vector<std::string> unlogged_;
+  NewlyListed renewals_;
+};
+
+// Symbolic links stay unchanged, and missing files are not created. A folder in the place is an
+// error.
+bool is_to_be_replaced(const fs::path& path) {
+  std::error_code ignored;
+  const auto type = fs::symlink_status(path, ignored).type();
+  return type > fs::file_type::not_found && type != fs::file_type::symlink;
+}
+
+Status put_if_there(Replacement& out, const fs::path& file, const std::string& text) {
+  return is_to_be_replaced(file) ? out.put_public(file, text) : Status{};
+}
+
+// If an earlier rotation could not write the folder, it still contains a certificate of the CA
+// before. The log contains that certificate.
+Status check_of_old_ca(const Follower& follower, const pki::Certificate& certificate,
+                       const Succession& change, const pki::IssueLog& log) {
+  const auto& before = change.old.certificate();
+  const auto is_issuer = [&](const auto& ca) { return certificate.is_issued_by(ca); };
+  if (is_issuer(before) || is_logged(certificate, log)) return {};
+  if (change.overlap && std::ranges::any_of(change.overlap->former, is_issuer)) return {};
+  return fail(Code::issuer_unknown,
+              {.document = follower.files.certificate,
+               .expected = "one that the old CA, " + before.subject() + ", issued",
+               .found = "one of " + certificate.issuer()});
+}
+
+// The old key may have signed certificates that the CA never issued.
+Status check_follows(const Follower& follower, const pki::Certificate& certificate,
+                     const Succession& change, const pki::IssueLog& log) {
+  const auto& paths = change.old.paths;
+  const auto belonging = belonging_of(certificate, follower.files.folder, paths, log);
+  if (belonging == Belonging::moved && follower.is_named) return {};
+  const bool is_unlogged = log.find(certificate.serial()) == nullptr;
+  if (is_unlogged && change.takes_unlogged) return {};
+  const auto own = check_own(certificate, follower.files.folder, paths, log, {});
+  if (own) return {};
+  auto details = own.error().details();
+  details.note = "left as it is";
+  details.hint = is_unlogged
+                     ? "if the CA issued it before it had a log, or with another tool: ddssec "
+                       "ca rotate --unlogged; of a ROS 2 keystore: ddssec keystore import first"
+                     : "the participant gets a certificate of the new CA by ddssec identity "
+                       "issue --replace, when you know how this one came into its folder";
+  return fail(own.error().code(), std::move(details));
+}
+
+}  // namespace
+
+pki::Validity life_like(const pki::Certificate& old, WallTime now) {
+  return {now - kBackdated, now + (old.not_after() - old.not_before())};
+}
+
+Result<pki::Authority> new_root(const pki::Certificate& old, const std::string& subject,
+                                const Context& context) {
+  const auto key = old.key_algorithm();
+  return pki::Authority::create_root(subject, {key.kind, key.bits},
+                                     life_like(old, context.clock.now()), context.random);
+}
+
+namespace {
+
+/// The documents of a follower that are its own.
+struct OwnDocuments {
+  std::map<fs::path, DocumentOfCa> sound;
+  std::vector<Error> doubtful;  ///< one is enough to leave all as they are
+};
+
+OwnDocuments documents_of(const Follower& follower, const std::vector<fs::path>& shared,
+                          const SignerAnew& signer) {
+  const auto& files = follower.files;
+  OwnDocuments out;
+  const auto add = [&](const fs::path& file) {
+    auto document = signer.read(file, follower);
+    if (document)
+      out.sound.emplace(file, *std::move(document));
+    else
+      out.doubtful.push_back(std::move(document).error());
+  };
+  if (is_file_or_link(files.permissions)) add(files.permissions);
+  const bool is_shared = std::ranges::find(shared, files.governance) != shared.end();
+  if (is_to_be_replaced(files.governance) && !is_shared) add(files.governance);
+  return out;
+}
+
+// Adds the consequence for every follower that keeps its old files.
+Error left_behind(const Error& error, const std::string& lead_out) {
+  auto details = error.details();
+  if (details.hint.empty()) details.hint = lead_out;
+  return Error(error.code(), std::move(details));
+}
+
+bool is_unwritable(const Error& error) {
+  return error.code() == Code::file_unwritable || error.code() == Code::would_overwrite ||
+         error.code() == tool_code::link_untrusted;
+}
+
+Followed nothing_yet(const Succession& change) {
+  Followed out;
+  if (!change.lead_out.empty()) out.lead_out = change.lead_out;
+  return out;
+}
+
+/// Drafts the files of the followers one after the other: all files of a follower, or none.
+class Following {
+ public:
+  Following(Replacement& out, Followed& followed) : out_(out), followed_(followed) {}
+
+  /// `draft` puts the files of a follower. Error: interrupted.
+  template <class DraftFiles>
+  Status add(const Follower& follower, DraftFiles draft) {
+    out_.begin_folder(follower.name);
+    Status drafted = hold_folder(follower.files.folder);
+    if (drafted) drafted = draft();
+    if (drafted) {
+      followed_.again.push_back(follower.name);
+      return {};
+    }
+    out_.abandon_folder();
+    const auto& error = drafted.error();
+    if (error.code() == Code::interrupted) return drafted;
+    auto& left = is_unwritable(error) ? followed_.unwritten : followed_.doubtful;
+    left.push_back(is_unwritable(error) ? left_behind(error, followed_.lead_out) : error);
+    return {};
+  }
+
+  /// Success if a participant follows the new CA, or none had to.
+  Status check() const {
+    if (!followed_.again.empty()) return {};
+    for (const auto* left : {&followed_.doubtful, &followed_.unwritten})
+      if (!left->empty()) return std::unexpected(left->front());
+    return {};
+  }
+
+ private:
+  Replacement& out_;
+  Followed& followed_;
+};
+
+}  // namespace
+
+Result<std::vector<WrittenFile>> put_in_place(Replacement& out, Followed& followed) {
+  DDSSEC_ASSIGN_OR_RETURN(auto files, out.commit());
+  for (const auto& [name, error] : out.failures()) {
+    std::erase(followed.again, name);
+    followed.unwritten.push_back(left_behind(error, followed.lead_out));
+  }
+  return files;
+}
+
+void add_left(const Followed& followed, Report& report) {
+  for (const auto& error : followed.doubtful) report.errors.push_back(error);
+  if (!followed.doubtful.empty()) report.exit = Exit::no;
+  for (const auto& error : followed.unwritten) {
+    report.errors.push_back(error);
+    report.exit = std::max(report.exit, exit_of(error.code()));
+  }
+}
+
+namespace {
+
+// If any document of a follower is not its own, none is signed.
+Status sign_documents_of(const Follower& follower, const std::vector<fs::path>& shared,
+                         SignerAnew& signer, Followed& followed) {
+  auto documents = documents_of(follower, shared, signer);
+  if (!documents.doubtful.empty()) {
+    auto last = std::move(documents.doubtful.back());
+    documents.doubtful.pop_back();
+    std::ranges::move(documents.doubtful, std::back_inserter(followed.doubtful));
+    return std::unexpected(std::move(last));
+  }
+  for (const auto& [file, document] : documents.sound)
+    DDSSEC_RETURN_IF_ERROR(signer.sign(file, document));
+  return {};
+}
+
+/// It has moved already, or does not move in this step.
+bool keeps_documents(const Follower& follower, const Succession& change, WallTime now) {
+  if (change.step == Step::replace) return false;
+  if (change.step == Step::begin) return true;
+  const auto& own = change.ca.certificate().pem();
+  const auto is_of_next = [&](const fs::path& file) {
+    return !is_file_or_link(file) || is_signed_by(file, own, now);
+  };
+  return is_of_next(follower.files.permissions) && is_of_next(follower.files.governance);
+}
+
+Result<Followed> follow_with(Replacement& out, SignerAnew& signer, const Succession& change,
+                             const std::vector<Follower>& followers,
+                             const std::vector<fs::path>& shared) {
+  auto followed = nothing_yet(change);
+  Following following(out, followed);
+  for (const auto& follower : followers)
+    DDSSEC_RETURN_IF_ERROR(following.add(follower, [&]() -> Status {
+      if (!keeps_documents(follower, change, signer.now()))
+        DDSSEC_RETURN_IF_ERROR(sign_documents_of(follower, shared, signer, followed));
+      return put_if_there(out, follower.files.permissions_ca, change.trust_pem);
+    }));
+  DDSSEC_RETURN_IF_ERROR(following.check());
+  followed.unlogged = signer.unlogged();
+  DDSSEC_RETURN_IF_ERROR(log_signed(change.old.paths, signer.lines()));
+  if (auto written = signer.renewals().write(signer.now()); !written)
+    add_notice(std::move(written).error());
+  return followed;
+}
+
+}  // namespace
+
+Result<Followed> follow_permissions_ca(Replacement& out, const Succession& change,
+                                       const std::vector<Follower>& followers,
+                                       const std::vector<fs::path>& shared,
+                                       const Context& context) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_signing_log(change.old.paths));
+  SignerAnew signer(out, change, log, context);
+  DDSSEC_RETURN_IF_ERROR(put_ca(out, change));
+  const bool is_first_step =
+      !change.is_repeated && (change.step == Step::replace || change.step == Step::begin);
+  for (const auto& file : is_first_step ? shared : std::vector<fs::path>()) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto document, signer.read(file));
+    DDSSEC_RETURN_IF_ERROR(signer.sign(file, document));
+  }
+  return follow_with(out, signer, change, followers, shared);
+}
+
+namespace {
+
+bool is_of_ca(const Follower& follower, std::string_view trust_pem, WallTime now) {
+  const auto& files = follower.files;
+  for (const auto& file : {files.permissions, files.governance})
+    if (is_file_or_link(file) && !is_signed_by(file, trust_pem, now)) return false;
+  if (!is_to_be_replaced(files.permissions_ca)) return true;
+  const auto trusted = read_certificates(files.permissions_ca);
+  return trusted && to_pem(*trusted) == trust_pem;
+}
+
+}  // namespace
+
+std::vector<Follower> left_with_another_ca(const std::vector<Follower>& followers,
+                                           std::string_view trust_pem, WallTime now) {
+  std::vector<Follower> out;
+  std::ranges::copy_if(followers, std::back_inserter(out), [&](const Follower& follower) {
+    return !is_of_ca(follower, trust_pem, now);
+  });
+  return out;
+}
+
+Result<Followed> follow_present_permissions_ca(Replacement& out, const Succession& change,
+                                               const std::vector<Follower>& followers,
+                                               const std::vector<fs::path>& shared,
+                                               const Context& context) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_signing_log(change.old.paths));
+  SignerAnew signer(out, change, log, context);
+  return follow_with(out, signer, change, followers, shared);
+}
+
+namespace {
+
+/// The new files for the followers of an identity CA.
+struct Reissue {
+  const Succession& change;
+  const pki::IssueLog& log;
+  const pki::Crl& crl;
+  const std::vector<pki::Certificate>& trusted;  ///< the certificates of change.trust_pem
+  const std::vector<pki::Crl>& lists_of_former;  ///< in an overlap
+  const Context& context;
+  NewlyListed& renewals;
+
+  // Only what the follower trusts.
+  Status put_trust(Replacement& out, const Follower& follower,
+                   const pki::Certificate& certificate) const {
+    const auto& files = follower.files;
+    DDSSEC_RETURN_IF_ERROR(put_if_there(out, files.identity_ca, change.trust_pem));
+    if (!is_to_be_replaced(files.crl)) return {};
+    // With the old list alone no peer of the new CA would be accepted, and the other way round.
+    return put_list(out, files.crl,
+                    {crl, change.ca.certificate(), "", &certificate, trusted, context.clock.now(),
+                     lists_of_former});
+  }
+
+  // The line for the log; none if the certificate stays.
+  Result<std::string> put(Replacement& out, const Follower& follower,
+                          const pki::Certificate& certificate) const {
+    const auto& files = follower.files;
+    const auto now = context.clock.now();
+    DDSSEC_RETURN_IF_ERROR(check_of_old_ca(follower, certificate, change, log));
+    const bool has_moved = certificate.is_issued_by(change.ca.certificate());
+    if (change.step == Step::begin || has_moved) {
+      DDSSEC_RETURN_IF_ERROR(put_trust(out, follower, certificate));
+      return std::string();
+    }
+    DDSSEC_RETURN_IF_ERROR(check_follows(follower, certificate, change, log));
+    const auto life = validity_after(certificate, {now - kBackdated, certificate.not_after()}, now);
+    DDSSEC_ASSIGN_OR_RETURN(const auto again, change.ca.reissue(certificate, life, context.random));
+    DDSSEC_RETURN_IF_ERROR(out.put_public(files.certificate, again.pem()));
+    DDSSEC_RETURN_IF_ERROR(put_trust(out, follower, again));
+    if (is_moving(change)) renewals.add(change.old.paths, again);
+    const auto folder = recorded_folder(certificate, files.folder, change.old.paths, log);
+    return pki::IssueLog::issued_line(again, folder.string(), now);
+  }
+};
+
+std::string to_pem(const std::vector<pki::Crl>& lists) {
+  std::string out;
+  for (const auto& list : lists) out += list.pem();
+  return out;
+}
+
+/// The former CA's key is replaced when the overlap begins: its last list is valid for longer.
+Result<std::vector<pki::Crl>> lists_beside(const Succession& change, const pki::IssueLog& log,
+                                           const Context& context) {
+  const bool is_begin = change.step == Step::begin;
+  if (change.step == Step::move || (is_begin && change.is_repeated))
+    return lists_of_former(change.old.paths, *change.overlap);
+  if (!is_begin) return std::vector<pki::Crl>();
+  const auto now = context.clock.now();
+  const auto days = std::chrono::ceil<std::chrono::days>(change.overlap->until - now);
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto last,
+      next_crl(change.old, log, now, static_cast<int>(days.count()) + kListDaysAfterOverlap));
+  return std::vector{last};
+}
+
+}  // namespace
+
+Result<Followed> follow_identity_ca(Replacement& out, const Succession& change,
+                                    const std::vector<Follower>& followers,
+                                    const Context& context) {
+  const auto& paths = change.old.paths;
+  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(paths));
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto crl, routine_crl({paths, change.ca, change.trust_pem}, log, context.clock.now()));
+  DDSSEC_RETURN_IF_ERROR(put_ca(out, change));
+  DDSSEC_ASSIGN_OR_RETURN(const auto of_former, lists_beside(change, log, context));
+  DDSSEC_RETURN_IF_ERROR(out.put_public(paths.crl, crl.pem() + to_pem(of_former)));
+  auto followed = nothing_yet(change);
+  std::string lines;
+  DDSSEC_ASSIGN_OR_RETURN(const auto trusted,
+                          pki::Certificate::bundle_from_pem(as_bytes(change.trust_pem)));
+  DDSSEC_ASSIGN_OR_RETURN(const auto listed, crl.revoked());
+  NewlyListed renewals;
+  const Reissue reissue{change, log, crl, trusted, of_former, context, renewals};
+  Following following(out, followed);
+  for (const auto& follower : followers) {
+    std::string revoked;
+    DDSSEC_RETURN_IF_ERROR(following.add(follower, [&]() -> Status {
+      DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(follower.files.certificate));
+      DDSSEC_ASSIGN_OR_RETURN(revoked, revoked_serial(certificate, paths, log, NextKey::same));
+      // A participant's list may be newer than the CA's own.
+      const auto serial = certificate.serial();
+      if (std::ranges::find(listed, serial, &pki::Revocation::serial) != listed.end())
+        revoked = serial;
+      if (revoked.empty()) {
+        DDSSEC_ASSIGN_OR_RETURN(const auto added_lines, reissue.put(out, follower, certificate));
+        lines += added_lines;
+      }
+      return {};
+    }));
+    if (revoked.empty()) continue;
+    followed.again.pop_back();
+    followed.revoked.push_back(follower.name);
+  }
+  if (lines.empty()) DDSSEC_RETURN_IF_ERROR(following.check());
+  DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
+  DDSSEC_RETURN_IF_ERROR(log_issued(paths, lines));
+  if (auto written = renewals.write(context.clock.now()); !written)
+    add_notice(std::move(written).error());
+  return followed;
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,87 @@
+// Checks a certificate in a participant's folder against the CA's log. The folder may have come
+// back from its device, which can put any certificate that it saw into it. What the CA issued for
+// the folder is recorded in its log.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "cli/ca/ca_folder.hpp"
+
+namespace ddssec::cli {
+
+/// Success if the CA (or the same CA before its renewal) issued the certificate in `file`, whatever
+/// its dates. Error: issuer_unknown.
+Status check_issuer(const pki::Certificate& certificate, const OpenCa& ca,
+                    const std::filesystem::path& file);
+
+/// The status of a certificate in a folder, by the log.
+enum class Belonging : std::uint8_t {
+  own,       ///< issued for this folder
+  moved,     ///< issued for another folder, and the log does not know this one
+  foreign,   ///< issued for another folder, and others were issued for this one
+  unlogged,  ///< not in the log, or another certificate with this serial number is
+};
+
+/// The status of a certificate; `log` is that of the CA. A folder that moved together with its CA
+/// counts as the same folder. So does an enclave of a keystore whose certificate has the enclave's
+/// name and is not in the log (sros2).
+Belonging belonging_of(const pki::Certificate& certificate, const std::filesystem::path& folder,
+                       const CaPaths& ca, const pki::IssueLog& log);
+
+/// True if the log contains exactly this certificate, by its SHA-256: the CA issued it, or the same
+/// CA before its rotation.
+bool is_logged(const pki::Certificate& certificate, const pki::IssueLog& log);
+
+/// Success if the certificate was issued for the folder, or if its subject is `subject`, from the
+/// command line. `subject` may be empty: then only a certificate for the folder is accepted.
+/// Errors: certificate_unlogged, certificate_of_another_folder, those of SubjectName::parse.
+Status check_own(const pki::Certificate& certificate, const std::filesystem::path& folder,
+                 const CaPaths& ca, const pki::IssueLog& log, const std::string& subject);
+
+/// The folder that the log names for the successor of a certificate: the one that it names for the
+/// certificate, if that was issued for the given folder. The given path may lead to the folder of
+/// another participant, which would then be this one's. Otherwise the given folder, absolute.
+std::filesystem::path recorded_folder(const pki::Certificate& certificate,
+                                      const std::filesystem::path& folder, const CaPaths& ca,
+                                      const pki::IssueLog& log);
+
+/// Success if no other folder has the certificate, by the log and by `seen` (folders by serial
+/// number), to which it is added. Once the log records it for a folder, renewals rely on that.
+/// Error: certificate_of_another_folder.
+Status check_alone(const pki::Certificate& certificate, const std::filesystem::path& folder,
+                   const CaPaths& ca, const pki::IssueLog& log,
+                   std::map<std::string, std::filesystem::path>& seen);
+
+/// The key of a certificate that follows another one.
+enum class NextKey : std::uint8_t { same, fresh };
+
+/// The serial number of the revoked certificate because of which this one must not be renewed;
+/// empty if there is none. It is the certificate itself; a later one of its subject or folder; one
+/// that was revoked after this one had expired; or any with the same key, unless the successor gets
+/// a new key. The CA's present list counts like the log. Errors: those of listed_revocations.
+Result<std::string> revoked_serial(const pki::Certificate& certificate, const CaPaths& ca,
+                                   const pki::IssueLog& log, NextKey next);
+/// Success if revoked_serial() is empty. Errors: certificate_revoked, with `file`; those of
+/// listed_revocations.
+Status check_not_revoked(const pki::Certificate& certificate, const std::filesystem::path& file,
+                         const CaPaths& ca, const pki::IssueLog& log, NextKey next);
+
+/// Success if no certificate of this key was revoked, by the log or by the CA's present list.
+/// Errors: certificate_revoked, with `file`; those of listed_revocations.
+Status check_key_not_revoked(const pki::Certificate& certificate, const std::filesystem::path& file,
+                             const CaPaths& ca, const pki::IssueLog& log);
+
+/// A line about the certificate in `file`, which is about to be replaced and stays valid although
+/// no file holds it any more; empty if it has ended or was revoked. `given`: the CA's folder as the
+/// user names it.
+std::string about_former(const std::filesystem::path& file, const std::filesystem::path& given,
+                         WallTime now);
+
+/// Success if the CA issued the folder's certificate for this folder and did not revoke it. Errors:
+/// those of check_issuer, check_own and check_not_revoked.
+Status check_issued_for(const pki::Certificate& certificate, const std::filesystem::path& folder,
+                        const CaPaths& ca);
+
+}  // namespace ddssec::cli

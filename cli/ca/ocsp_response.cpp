@@ -1,0 +1,62 @@
+#include "cli/ca/ocsp_response.hpp"
+
+#include <algorithm>
+
+#include "base/tool_code.hpp"
+#include "cli/ca/ca_folder.hpp"
+#include "cli/documents/documents.hpp"
+#include "cli/inputs.hpp"
+#include "pki/chain.hpp"
+#include "pki/ocsp_fetch.hpp"
+
+namespace ddssec::cli {
+
+namespace fs = std::filesystem;
+
+fs::path ocsp_file(const pki::ParticipantFolder& files) {
+  return fs::path(files.certificate).replace_filename("ocsp.der");
+}
+
+namespace {
+
+// The way to the responder is not protected, so an answer may be a recorded one.
+Status check_later(const pki::OcspGood& fetched, const ResponseWanted& wanted,
+                   const pki::ChainVerifier& verifier, WallTime now) {
+  const auto refuse = [&](const char* field, WallTime least, WallTime found) {
+    return fail(Code::ocsp_expired, {.field = field,
+                                     .expected = "not before " + to_string(least),
+                                     .found = to_string(found),
+                                     .note = "it may be a recorded answer"});
+  };
+  if (fetched.until() < now) return refuse("nextUpdate", now, fetched.until());
+  const auto octets = read_file(ocsp_file(wanted.files), pki::kMostOcspOctets);
+  if (!octets) return {};
+  const auto present = pki::judge_ocsp(*octets, wanted.certificate, verifier, now);
+  if (!present || fetched.this_update() >= present->this_update()) return {};
+  return refuse("thisUpdate", present->this_update(), fetched.this_update());
+}
+
+}  // namespace
+
+Result<FetchedResponse> fetch_response(const ResponseWanted& wanted, WallTime now) {
+  const auto& [files, certificate, given, longest] = wanted;
+  DDSSEC_ASSIGN_OR_RETURN(auto anchors, read_certificates(files.identity_ca));
+  const auto ca =
+      std::ranges::find_if(anchors, [&](const auto& one) { return certificate.is_issued_by(one); });
+  if (ca == anchors.end())
+    return fail(Code::issuer_unknown,
+                {.document = files.identity_ca, .found = "issuer " + certificate.issuer()});
+  auto url = given.empty() ? pki::ocsp_responder_of(certificate) : given;
+  if (url.empty()) return fail(tool_code::ocsp_no_responder, {.document = files.certificate});
+  const auto issuer = *ca;
+  DDSSEC_ASSIGN_OR_RETURN(const auto verifier,
+                          named(pki::ChainVerifier::make(std::move(anchors)), files.identity_ca));
+  DDSSEC_ASSIGN_OR_RETURN(auto octets, pki::fetch_ocsp({certificate, issuer}, url, longest));
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto good,
+      named(pki::judge_ocsp(octets, certificate, verifier, now), "answer of " + url));
+  DDSSEC_RETURN_IF_ERROR(named(check_later(good, wanted, verifier, now), "answer of " + url));
+  return FetchedResponse{std::move(octets), good, std::move(url)};
+}
+
+}  // namespace ddssec::cli

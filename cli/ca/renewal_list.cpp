@@ -1,0 +1,318 @@
+#include "cli/ca/renewal_list.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/tool_code.hpp"
+#include "cli/documents/documents.hpp"
+#include "cli/frame/notices.hpp"
+#include "cli/inputs.hpp"
+#include "governance/read.hpp"
+#include "governance/write.hpp"
+#include "pki/smime.hpp"
+#include "pki/smime_diagnosis.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using governance::Grant;
+
+/// A permissions document of a list, by what it says of itself.
+struct ListedDocument {
+  Bytes file;
+  std::vector<Grant> grants = {};  ///< those that name their subject
+  WallTime end = {};               ///< of the last one
+};
+
+// Its signature is not checked: the participants do that. Empty: no grant names a subject.
+std::optional<ListedDocument> look_into(BytesView file) {
+  const auto form = pki::examine_document(file);
+  if (form.ambiguous) return std::nullopt;
+  auto document = governance::read_permissions(form.unverified_text, form.first_line);
+  if (!document) return std::nullopt;
+  ListedDocument out{.file = to_bytes(file), .grants = std::move(document->grants)};
+  std::erase_if(out.grants, [](const auto& grant) { return grant.subject_is_expression; });
+  for (const auto& grant : out.grants) out.end = std::max(out.end, grant.validity.not_after);
+  return out.grants.empty() ? std::nullopt : std::optional(std::move(out));
+}
+
+std::string rights_in(Grant grant) {
+  grant.name = grant.subject_name = "X";
+  grant.subject_is_expression = grant.subject_has_line_breaks = false;
+  grant.validity = {};
+  return governance::to_xml(governance::Permissions{.grants = {std::move(grant)}});
+}
+
+bool give_the_same(const Grant& a, const Grant& b) {
+  return a.subject_name == b.subject_name && rights_in(a) == rights_in(b);
+}
+
+// One that begins in the future leaves the former in its place until then.
+bool replaces(const ListedDocument& next, const ListedDocument& former, WallTime now) {
+  return std::ranges::all_of(former.grants, [&](const auto& old) {
+    return std::ranges::any_of(next.grants, [&](const auto& grant) {
+      return grant.validity.not_after >= old.validity.not_after &&
+             grant.validity.not_before <= std::max(now, old.validity.not_before) &&
+             give_the_same(grant, old);
+    });
+  });
+}
+
+// Of PEM text.
+std::size_t size_in_list(const Bytes& file) {
+  constexpr std::size_t kAround = 80, kLine = 64;
+  const auto text = (file.size() + 2) / 3 * 4;
+  return text + text / kLine + kAround;
+}
+
+/// The entries of a list, bounded as participants read it. Older ones come first.
+class Entries {
+ public:
+  /// Of permissions, those that name a subject.
+  void add(const pki::RenewalList& list, WallTime now) {
+    std::vector<pki::Certificate> certificates;
+    for (const auto& one : list.certificates)
+      if (one.not_after() > now) certificates.push_back(one);
+    std::erase_if(certificates_, [&](const auto& old) {
+      return std::ranges::find(certificates, old.subject_digest(),
+                               &pki::Certificate::subject_digest) != certificates.end();
+    });
+    std::ranges::move(certificates, std::back_inserter(certificates_));
+    for (const auto& file : list.permissions) {
+      auto next = look_into(file);
+      if (!next || next->end <= now) continue;
+      std::erase_if(documents_, [&](const auto& old) { return replaces(*next, old, now); });
+      documents_.push_back(*std::move(next));
+    }
+  }
+
+  /// Removes what is more than participants read.
+  void shorten() {
+    std::size_t octets = 0;
+    for (const auto& one : certificates_) octets += one.pem().size();
+    for (const auto& one : documents_) octets += size_in_list(one.file);
+    while (!documents_.empty() &&
+           (documents_.size() > pki::kMostRenewals || octets > pki::kMostRenewalListOctets)) {
+      const auto least = documents_.begin() + static_cast<std::ptrdiff_t>(least_document());
+      octets -= size_in_list(least->file);
+      for (const auto& grant : least->grants) left_out_.insert(grant.subject_name);
+      documents_.erase(least);
+    }
+    while (certificates_.size() > pki::kMostRenewals || octets > pki::kMostRenewalListOctets) {
+      const auto least = std::ranges::min_element(certificates_, {}, &pki::Certificate::not_after);
+      octets -= least->pem().size();
+      left_out_.insert(least->subject());
+      certificates_.erase(least);
+    }
+  }
+
+  pki::RenewalList list() const {
+    pki::RenewalList out{.certificates = certificates_};
+    for (const auto& one : documents_) out.permissions.push_back(one.file);
+    return out;
+  }
+  /// The subjects of what was removed.
+  const std::set<std::string>& left_out() const { return left_out_; }
+
+ private:
+  // Later documents are for the same subjects.
+  bool is_older(std::size_t index) const {
+    std::set<std::string_view> later;
+    for (std::size_t i = index + 1; i < documents_.size(); ++i)
+      for (const auto& grant : documents_[i].grants) later.insert(grant.subject_name);
+    return std::ranges::all_of(documents_[index].grants, [&](const auto& grant) {
+      return later.contains(grant.subject_name);
+    });
+  }
+  std::size_t least_document() const {
+    std::size_t ends_first = 0;
+    for (std::size_t i = 0; i < documents_.size(); ++i) {
+      if (is_older(i)) return i;
+      if (documents_[i].end < documents_[ends_first].end) ends_first = i;
+    }
+    return ends_first;
+  }
+
+  std::vector<pki::Certificate> certificates_;
+  std::vector<ListedDocument> documents_;
+  std::set<std::string> left_out_;
+};
+
+Entries entries_of(const pki::RenewalList& former, const pki::RenewalList& next, WallTime now) {
+  Entries out;
+  out.add(former, now);
+  out.add(next, now);
+  out.shorten();
+  return out;
+}
+
+Error too_long(const fs::path& file, const std::set<std::string>& left_out) {
+  constexpr std::size_t kMost = 4;
+  std::vector<std::string> shown(left_out.begin(), left_out.end());
+  const auto more = shown.size() > kMost ? shown.size() - kMost : 0;
+  shown.resize(shown.size() - more);
+  return Error(
+      Code::file_too_large,
+      {.document = file,
+       .expected = fmt::format("at most {} certificates, {} permissions documents and {} "
+                               "octets, as participants read",
+                               pki::kMostRenewals, pki::kMostRenewals, pki::kMostRenewalListOctets),
+       .found = fmt::format("more: entries of {}{} were left out", fmt::join(shown, "; "),
+                            more == 0 ? "" : fmt::format(" and {} more", more)),
+       .hint = "give each participant a document with its own grant only; peers of the "
+               "participants named authenticate again when the former documents end"});
+}
+
+Error begun_anew(const fs::path& file, const Error& why) {
+  return Error(Code::renewal_list_malformed,
+               {.document = file,
+                .expected = "a renewal list",
+                .found = why.message(),
+                .note = "a new list was begun",
+                .hint = "nothing to do for participants that are renewed from now on; for the "
+                        "others, renew them again before their former documents end, or put a copy "
+                        "of the former list into the file's place"});
+}
+
+// No entries if the file does not exist.
+Result<pki::RenewalList> read_renewals(const fs::path& file) {
+  if (!is_there(file)) return pki::RenewalList{};
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMostRenewalListOctets));
+  return named(pki::RenewalList::parse(octets), file);
+}
+
+Status add_to(const fs::path& file, const pki::RenewalList& next, WallTime now) {
+  const auto former = read_renewals(file);
+  const auto entries = entries_of(former.value_or(pki::RenewalList{}), next, now);
+  const auto list = entries.list();
+  if (list.is_empty()) return {};
+  DDSSEC_ASSIGN_OR_RETURN(const auto text, list.text());
+  Replacement out;
+  DDSSEC_RETURN_IF_ERROR(out.put_public(file, text));
+  DDSSEC_RETURN_IF_ERROR(out.commit_each());
+  if (!former) return std::unexpected(begun_anew(file, former.error()));
+  if (!entries.left_out().empty()) return std::unexpected(too_long(file, entries.left_out()));
+  return {};
+}
+
+// What is there of CAs that the folder has: the others have no effect. Nothing of `without`.
+pki::RenewalList of_trusted(pki::RenewalList list, const pki::ParticipantFolder& files,
+                            WallTime now, const std::vector<pki::Certificate>& without = {}) {
+  const auto identity_cas = read_certificates(files.identity_ca);
+  std::erase_if(list.certificates, [&](const auto& one) {
+    const auto is_issuer = [&](const auto& ca) { return one.is_issued_by(ca); };
+    return std::ranges::any_of(without, is_issuer) || !identity_cas ||
+           std::ranges::none_of(*identity_cas, is_issuer);
+  });
+  auto permissions_cas = read_certificates(files.permissions_ca);
+  if (!permissions_cas) {
+    list.permissions.clear();
+    return list;
+  }
+  const auto verifier = pki::DocumentVerifier::make(*std::move(permissions_cas));
+  std::erase_if(list.permissions, [&](const auto& one) {
+    if (!verifier) return true;
+    const auto proof = verifier->verify(one, now);
+    return !proof || std::ranges::find(without, proof->signer()) != without.end();
+  });
+  return list;
+}
+
+}  // namespace
+
+void NewlyListed::add(const CaPaths& ca, const pki::Certificate& renewed) {
+  files_[ca.renewals].certificates.push_back(renewed);
+}
+
+void NewlyListed::add(const CaPaths& ca, BytesView signed_permissions, const fs::path& file) {
+  if (look_into(signed_permissions))
+    files_[ca.renewals].permissions.push_back(to_bytes(signed_permissions));
+  else
+    add_notice(Error(tool_code::permissions_unlisted, {.document = file}));
+}
+
+Status NewlyListed::write(WallTime now) const {
+  Status out;
+  for (const auto& [file, entries] : files_)
+    if (auto status = add_to(file, entries, now); out && !status) out = std::move(status);
+  return out;
+}
+
+std::vector<Grant> listed_grants(const CaPaths& ca, WallTime now) {
+  std::vector<Grant> out;
+  for (const auto& file : read_renewals(ca.renewals).value_or(pki::RenewalList{}).permissions)
+    if (auto document = look_into(file))
+      std::ranges::copy_if(document->grants, std::back_inserter(out),
+                           [&](const auto& grant) { return grant.validity.not_after > now; });
+  return out;
+}
+
+bool extends(const governance::Permissions& next, const std::vector<Grant>& former) {
+  return std::ranges::none_of(next.grants, &Grant::subject_is_expression) &&
+         std::ranges::any_of(next.grants, [&](const auto& grant) {
+           return std::ranges::any_of(former, [&](const auto& old) {
+             return grant.validity.not_after > old.validity.not_after && give_the_same(grant, old);
+           });
+         });
+}
+
+RenewalsOfCas renewals_of(const fs::path& given, const pki::Crl* revoked) {
+  RenewalsOfCas out;
+  std::set<fs::path> seen;
+  for (const auto* const role : {"identity", "permissions"}) {
+    const auto paths = ca_paths(given, role);
+    if (!is_there(paths.renewals) || !seen.insert(paths.renewals).second) continue;
+    auto list = read_renewals(paths.renewals);
+    auto cas = read_certificates(paths.certificate);
+    if (!list || !cas) {
+      out.problems.push_back(list ? cas.error() : list.error());
+      continue;
+    }
+    std::ranges::move(list->certificates, std::back_inserter(out.list.certificates));
+    std::ranges::move(list->permissions, std::back_inserter(out.list.permissions));
+    std::ranges::move(*cas, std::back_inserter(out.cas));
+  }
+  std::set<std::string> serials;
+  if (revoked != nullptr) {
+    const auto entries = revoked->revoked();
+    if (!entries) {
+      out.problems.push_back(entries.error());
+      out.list.certificates.clear();
+      out.cas.clear();
+    } else {
+      for (const auto& entry : *entries) serials.insert(entry.serial);
+    }
+  }
+  std::erase_if(out.list.certificates,
+                [&](const auto& one) { return serials.contains(one.serial()); });
+  return out;
+}
+
+Status put_renewals(Replacement& out, const pki::ParticipantFolder& files,
+                    const RenewalsForFolder& what) {
+  const auto former = of_trusted(read_renewals(files.renewals).value_or(pki::RenewalList{}), files,
+                                 what.now, what.cas);
+  const auto entries = entries_of(former, of_trusted(what.entries, files, what.now), what.now);
+  if (!entries.left_out().empty()) add_notice(too_long(files.renewals, entries.left_out()));
+  const auto list = entries.list();
+  if (list.is_empty()) return {};
+  DDSSEC_ASSIGN_OR_RETURN(const auto text, list.text());
+  const auto present = read_file(files.renewals, pki::kMostRenewalListOctets);
+  if (present && as_text(*present) == text) return {};
+  return out.put_public(files.renewals, text);
+}
+
+std::string in_words(const pki::RenewalList& list) {
+  return fmt::format("{} certificate{} and {} permissions document{}", list.certificates.size(),
+                     list.certificates.size() == 1 ? "" : "s", list.permissions.size(),
+                     list.permissions.size() == 1 ? "" : "s");
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,101 @@
+// Revocation lists: those that a CA makes, and those in participants' folders.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/ca/ca_folder.hpp"
+#include "cli/frame/command.hpp"
+#include "cli/frame/transaction.hpp"
+#include "pki/crl.hpp"
+#include "pki/issue_log.hpp"
+
+namespace ddssec::cli {
+
+/// All lists of a file, in its order; empty if the file does not exist. Errors: those of read_file
+/// and Crl::all_from; crl_malformed if the file contains no list.
+Result<std::vector<pki::Crl>> read_crls(const std::filesystem::path& path);
+
+/// The CA's present list: among the lists in its file that its key signed, the one with the highest
+/// number and the latest date. Errors: those of read_crls and read_certificate.
+Result<std::optional<pki::Crl>> present_crl(const CaPaths& ca);
+
+/// All revocations in the lists in the CA's file, including lists that another key of the CA
+/// signed. Errors: those of read_crls, read_certificate and Crl::revoked.
+Result<std::vector<pki::Revocation>> listed_revocations(const CaPaths& ca);
+
+/// True if the CA's present list contains all revocations in its log and in the lists in its file;
+/// false if a crash came between the two. Errors: those of listed_revocations.
+Result<bool> lists_all(const CaPaths& ca, const pki::IssueLog& log);
+
+/// Validity, in days, of a list that a command makes in passing.
+inline constexpr int kListDays = 180;
+
+/// The date of the next list.
+enum class ListDate : std::uint8_t {
+  after_former,  ///< now, but not before the former list
+  now,  ///< now, even if former lists are later because they were made with a clock that was ahead
+};
+
+/// The list that follows the CA's present one. It contains all revocations in the log, in the lists
+/// in the CA's file, in newer lists of this CA in its participants' folders (the CA's folder may
+/// have been restored from a backup) and in the lists in `more`. Its number is higher than all of
+/// theirs. By default it is not dated before the one of them with the highest number, because a
+/// running participant would not accept it. Errors: those of read_crls and Authority::make_crl;
+/// crl_signature_invalid for a list of `more` that the CA did not sign.
+Result<pki::Crl> next_crl(const OpenCa& ca, const pki::IssueLog& log, WallTime now, int days,
+                          const std::vector<std::filesystem::path>& more = {},
+                          ListDate date = ListDate::after_former);
+
+/// A list's number as text and as JSON (a string if it has more than 64 bits); 0 if it has none.
+std::string number_text(const pki::Crl& list);
+Json number_json(const pki::Crl& list);
+
+/// next_crl() for kListDays. A list without entries is valid as long as the CA, so that it need not
+/// be renewed before a certificate is revoked.
+Result<pki::Crl> routine_crl(const OpenCa& ca, const pki::IssueLog& log, WallTime now);
+
+/// A new CA's list, without entries and valid as long as the CA. Errors: those of make_crl.
+Result<pki::Crl> first_crl(const pki::Authority& ca);
+
+/// Lines of text about a list that is dated after `now`; empty if it is not. `ca`: the CA's folder
+/// as on the command line.
+std::string about_clock(const pki::Crl& crl, WallTime now, const std::string& ca);
+
+/// The hint for a list that was made with a clock that was ahead.
+std::string way_out_of_the_future(const std::string& ca);
+
+/// The list for a new participant: the newest list of the CA, from its own folder or from those of
+/// its participants on this machine (the CA's may have been restored from a backup). Empty if there
+/// is none or it has expired. Errors: those of present_crl, read_issue_log and participant_places.
+Result<std::optional<pki::Crl>> list_for_newcomers(const CaPaths& paths, WallTime now);
+
+/// A list that is to be put into a participant's folder.
+struct ListForFolder {
+  const pki::Crl& list;
+  const pki::Certificate& ca;             ///< whose list it is
+  std::string ca_folder;                  ///< as on the command line, for hints
+  const pki::Certificate* participant;    ///< the certificate of the folder; null: not known
+  std::vector<pki::Certificate> trusted;  ///< the participant's identity CAs
+  WallTime now;
+  /// Lists of other CAs that are to be there too; of CAs among `trusted`.
+  std::vector<pki::Crl> beside = {};
+};
+
+/// Drafts a participant's crl.pem, in which the list replaces this CA's former one. Lists of other
+/// trusted CAs stay, including those of a CA with the same name and another key. The list of the
+/// participant's own CA comes first.
+///
+/// Every command that writes a list into a participant's folder uses this function. It holds the
+/// CA's lock (lock_records), or checks the CA's list once more afterwards, so that no newer list is
+/// lost.
+///
+/// Errors: issuer_unknown if the CA is not above the participant and not among those that it
+/// trusts; crl_older if the existing list is newer or contains more; crl_missing if there would be
+/// no list of the CA that issued the certificate, so that no peer would be authenticated; those of
+/// read_file and Replacement::put.
+Status put_list(Replacement& out, const std::filesystem::path& file, const ListForFolder& what);
+
+}  // namespace ddssec::cli

@@ -1,0 +1,79 @@
+// agent: keeps participants' folders current.
+#include "cli/agent/agent_loop.hpp"
+#include "cli/commands/groups.hpp"
+#include "cli/frame/options.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+std::unexpected<Error> usage(std::string field, std::string note) {
+  return fail(Code::usage, {.field = std::move(field), .note = std::move(note)});
+}
+
+Status check_options(const Arguments& arguments) {
+  const bool by_ca = arguments.has("--ca");
+  if (by_ca == arguments.has("--hook"))
+    return usage("--ca", "either --ca DIR or --hook COMMAND says where certificates come from");
+  for (const auto* option : {"--permissions", "--days"})
+    if (!by_ca && arguments.has(option)) return usage(option, "only with --ca");
+  for (const auto* option : {"--hook-env", "--trust"})
+    if (by_ca && arguments.has(option)) return usage(option, "only with --hook");
+  if (arguments.has("--crl") && !arguments.has("--trust"))
+    return usage("--crl", "only with --trust");
+  if (arguments.has("--once")) return {};
+  for (const auto* option : {"--now", "--dry-run"})
+    if (arguments.has(option)) return usage(option, "only with --once");
+  if (arguments.text("--format") == "json")
+    return usage("--format", "only with --once: the agent always reports lines of JSON");
+  return {};
+}
+
+Result<Report> agent(const Arguments& arguments, const Context& context) {
+  DDSSEC_RETURN_IF_ERROR(check_options(arguments));
+  std::optional<Hook> hook;
+  if (arguments.has("--hook")) {
+    DDSSEC_ASSIGN_OR_RETURN(hook, hook_of(arguments));
+  }
+  // It waits for hooks, whose certificates begin later than the command itself.
+  const SystemClock clock;
+  const Context present{arguments.has("--now") ? context.clock : clock, context.random};
+  Agent self(arguments, std::move(hook), present);
+  return arguments.has("--once") ? self.run_once() : self.run();
+}
+
+}  // namespace
+
+std::vector<Command> agent_commands() {
+  return {
+      {.group = "",
+       .name = "agent",
+       .summary = "Keeps participants' certificates current: renews each at two thirds of its "
+                  "lifetime; reports in lines of JSON.",
+       .positionals = {{"FOLDERS", "participants' folders", false, true}},
+       .options = {{"--ca", "DIR", "the CA that issued the certificates, in a folder here"},
+                   {"--hook", "COMMAND",
+                    "a program that reads a request and writes a certificate (PEM), with its "
+                    "arguments"},
+                   repeated("--hook-env", "NAME", "a variable that the program gets, too"),
+                   {"--hook-timeout", "SECONDS", "how long the program may take", "60"},
+                   {"--trust", "FILE",
+                    "with --hook: renew only certificates that a CA in this file issued; required "
+                    "for folders of other users"},
+                   {"--crl", "FILE",
+                    "with --trust: revocation lists; certificates on them are not renewed; without "
+                    "it, crl.pem beside FILE of --trust, if there is one"},
+                   {"--once", "", "look at each folder once and end, for cron"},
+                   {"--rekey", "", "with a new key each time; otherwise the key stays"},
+                   {"--permissions", "",
+                    "with --ca: permissions that end before the certificate are extended too"},
+                   {"--days", "N",
+                    "with --ca: how long a certificate is valid; otherwise as long as the last"},
+                   kPassphraseFile,
+                   kPassphraseEnv,
+                   kInsecureKeyMode},
+       .examples = {"ddssec agent talker listener --ca ca --permissions",
+                    "ddssec agent talker --hook '/etc/ddssec/ask-the-ca plant' --once"},
+       .run = agent}};
+}
+
+}  // namespace ddssec::cli

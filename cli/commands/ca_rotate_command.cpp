@@ -1,0 +1,498 @@
+// ca rotate: replaces a CA and its key, for participants with separate folders; at once, or with an
+// overlap in which both count.
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "base/tool_code.hpp"
+#include "cli/ca/ca_followers.hpp"
+#include "cli/ca/ca_overlap.hpp"
+#include "cli/ca/ca_progress.hpp"
+#include "cli/ca/ca_rotation.hpp"
+#include "cli/ca/list_dates.hpp"
+#include "cli/commands/groups.hpp"
+#include "cli/documents/documents.hpp"
+#include "cli/frame/options.hpp"
+#include "cli/inputs.hpp"
+#include "cli/near.hpp"
+#include "cli/participant/participant.hpp"
+#include "cli/participant/running_participant.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The folders of the command line, or all folders in the identity CA's log.
+Result<KnownFollowers> followers_of(const Arguments& arguments, const fs::path& given,
+                                    WallTime now) {
+  KnownFollowers out;
+  for (const auto& folder : arguments.all("DIRS")) {
+    DDSSEC_RETURN_IF_ERROR(check_participant_folder(folder));
+    out.here.push_back(follower_in(folder));
+    out.here.back().is_named = true;
+  }
+  if (!out.here.empty()) return out;
+  DDSSEC_ASSIGN_OR_RETURN(out, known_followers(given, now));
+  if (!out.here.empty()) return out;
+  return fail(Code::usage, {.field = "DIRS",
+                            .note = "no participant's folder that the CA's log knows is here: "
+                                    "name them, or make a new CA with ddssec ca create"});
+}
+
+Status check_no_other_kind(const fs::path& given) {
+  if (is_there(given / "public/identity_ca.cert.pem"))
+    return fail(Code::usage,
+                {.field = "DIR", .note = "it is a keystore of ROS 2: ddssec keystore rotate"});
+  if (is_there(given / "cert.pem"))
+    return fail(Code::usage,
+                {.field = "DIR",
+                 .note = "it is a participant's folder: name the folder of its CA, and the "
+                         "participants' after it unless the CA's log knows them"});
+  return {};
+}
+
+/// The new CA, and the certificates of it for participants.
+struct Successor {
+  pki::Authority ca;
+  std::string trust_pem;
+};
+
+Result<Successor> successor_of(const pki::Certificate& old, const Arguments& arguments,
+                               const Context& context) {
+  if (old.is_self_issued()) {
+    DDSSEC_ASSIGN_OR_RETURN(auto ca, new_root(old, old.subject(), context));
+    auto trust = ca.certificate().pem();
+    return Successor{std::move(ca), std::move(trust)};
+  }
+  if (!arguments.has("--issuer"))
+    return fail(Code::usage, {.field = "--issuer",
+                              .note = "the CA is an intermediate one: the CA above it must sign"});
+  const auto now = context.clock.now();
+  CaOpener opener(arguments);
+  DDSSEC_ASSIGN_OR_RETURN(const auto above,
+                          opener.open(ca_paths(arguments.text("--issuer"), "identity")));
+  DDSSEC_ASSIGN_OR_RETURN(const auto life,
+                          within_ca(life_like(old, now), above.certificate(), true));
+  const auto key = old.key_algorithm();
+  DDSSEC_ASSIGN_OR_RETURN(auto ca, above.authority.subordinate(old.subject(), {key.kind, key.bits},
+                                                               life, context.random));
+  DDSSEC_RETURN_IF_ERROR(
+      log_issued(above.paths, pki::IssueLog::issued_line(ca.certificate(), "", now)));
+  auto trust = ca.certificate().pem() + above.trust_pem;
+  return Successor{std::move(ca), std::move(trust)};
+}
+
+// In the result of `init`, the signed governance document for new participants is beside the CAs.
+std::vector<fs::path> shared_documents(const fs::path& given) {
+  std::vector<fs::path> out;
+  if (is_there(given / "ca") && is_there(given / "governance.p7s"))
+    out.push_back(given / "governance.p7s");
+  return out;
+}
+
+std::string_view step_word(Step step) {
+  switch (step) {
+    case Step::replace:
+      return "replaced";
+    case Step::begin:
+      return "begun";
+    case Step::move:
+      return "moved";
+    case Step::end:
+      return "ended";
+  }
+  return "";
+}
+
+/// What happened.
+std::string summary(const std::string& role, const Succession& change, std::size_t count) {
+  const auto& subject = change.ca.certificate().subject();
+  const auto folders = counted(count, "folder");
+  switch (change.step) {
+    case Step::replace:
+      break;
+    case Step::begin:
+      return fmt::format("{} CA {} has a successor of that name; until {} both count in {}\n", role,
+                         subject, date(change.overlap->until), folders);
+    case Step::move:
+      return fmt::format("{} with what the successor of the {} CA {} issued or signed\n", folders,
+                         role, subject);
+    case Step::end:
+      return fmt::format("the former {} CA {} has ended; its successor alone counts in {}\n", role,
+                         subject, folders);
+  }
+  return fmt::format("{} CA is {} with a new key now; {} signed anew\n", role, subject, folders);
+}
+
+std::string next_step(const std::string& role, Step step, const std::string& given) {
+  const auto command = fmt::format("ddssec ca rotate {} --role {}", given, role);
+  switch (step) {
+    case Step::replace:
+      break;
+    case Step::begin:
+      return fmt::format(
+          "Participants on ddssec's plugins take the files while they run. When all have them, "
+          "those on other machines too: {} --move\n"
+          "With stock plugins, restart a participant after it was moved. Until then it talks only "
+          "to those that have not moved: ddssec check A B\n",
+          command);
+    case Step::move:
+      return fmt::format("When all have moved, those on other machines too: {} --end\n", command);
+    case Step::end:
+      return "Copy the folders of participants on other machines there. Sessions that began with "
+             "the former CA end and begin again.\n";
+  }
+  return "Every participant must start again with the new files, unless it runs on ddssec's "
+         "plugins: "
+         "old ones and new ones do not meet.\n";
+}
+
+Report report_of(const std::string& role, const Succession& change, const Followed& followed,
+                 const std::vector<std::string>& elsewhere, const std::string& given) {
+  Report report;
+  const auto& ca = change.ca.certificate();
+  report.result = {{"role", role},
+                   {"step", step_word(change.step)},
+                   {"until", change.overlap ? Json(to_string(change.overlap->until)) : Json()},
+                   {"subject", ca.subject()},
+                   {"not_after", to_string(ca.not_after())},
+                   {"sha256", to_hex(ca.fingerprint())},
+                   {"folders", followed.again},
+                   {"revoked", followed.revoked},
+                   {"unlogged", followed.unlogged},
+                   {"elsewhere", elsewhere}};
+  report.text = summary(role, change, followed.again.size());
+  for (const auto& name : followed.again) report.text += fmt::format("  {}\n", name);
+  for (const auto& name : followed.revoked)
+    report.text += fmt::format("revoked and left out: {}\n", name);
+  for (const auto& file : followed.unlogged)
+    report.text += fmt::format("signed although the log does not have it: {}\n", file);
+  add_left(followed, report);
+  for (const auto& name : elsewhere)
+    report.errors.emplace_back(Code::participant_elsewhere, ErrorDetails{.found = name});
+  report.text += next_step(role, change.step, given);
+  if (role == "permissions" && change.step == Step::replace)
+    report.text += "A signed document that lies elsewhere is still the old CA's: sign it again.\n";
+  return report;
+}
+
+Result<Step> step_of(const Arguments& arguments) {
+  const std::vector<std::pair<std::string_view, Step>> kOptions = {
+      {"--overlap", Step::begin}, {"--move", Step::move}, {"--end", Step::end}};
+  auto step = Step::replace;
+  for (const auto& [option, meaning] : kOptions) {
+    if (!arguments.has(option)) continue;
+    if (step != Step::replace)
+      return fail(Code::usage, {.field = std::string(option),
+                                .note = "give one of --overlap, --move and --end"});
+    step = meaning;
+  }
+  if (arguments.has("--when-due") && step != Step::end)
+    return fail(Code::usage, {.field = "--when-due", .note = "it belongs to --end"});
+  return step;
+}
+
+// The successor is in place already, and its file has both.
+Succession on_the_way(const OpenCa& ca, Step step, const Overlap& overlap,
+                      const pki::Passphrase* passphrase) {
+  return {.old = ca,
+          .ca = ca.authority,
+          .trust_pem = step == Step::end ? overlap.next_only() : overlap.next_first(),
+          .passphrase = passphrase,
+          .step = step,
+          .overlap = overlap};
+}
+
+// With a new key.
+Result<Succession> with_successor(const OpenCa& old, const Successor& successor, Step step,
+                                  const Arguments& arguments, const Context& context) {
+  Succession change{.old = old,
+                    .ca = successor.ca,
+                    .trust_pem = successor.trust_pem,
+                    .passphrase = nullptr,
+                    .step = step};
+  if (step == Step::replace) return change;
+  DDSSEC_ASSIGN_OR_RETURN(const auto span_of_time, duration(arguments, "--overlap"));
+  const auto until = context.clock.now() + span_of_time;
+  DDSSEC_ASSIGN_OR_RETURN(auto next,
+                          pki::Certificate::bundle_from_pem(as_bytes(successor.trust_pem)));
+  DDSSEC_ASSIGN_OR_RETURN(const auto former, read_certificates(old.paths.certificate));
+  change.overlap = overlap_of(std::move(next), former, until);
+  change.trust_pem = change.overlap->former_first();
+  return change;
+}
+
+Report not_due(const std::string& role, const OpenCa& ca, const Overlap& overlap) {
+  return {.text = fmt::format("not due: the former {} CA ends on {}\n", role, date(overlap.until)),
+          .result = {{"role", role},
+                     {"step", "not due"},
+                     {"until", to_string(overlap.until)},
+                     {"subject", ca.certificate().subject()},
+                     {"not_after", to_string(ca.certificate().not_after())},
+                     {"sha256", to_hex(ca.certificate().fingerprint())},
+                     {"folders", Json::array()},
+                     {"revoked", Json::array()},
+                     {"unlogged", Json::array()},
+                     {"elsewhere", Json::array()}}};
+}
+
+// What it means for a participant that a step cannot write its folder, and what to do then.
+std::string lead_out(const std::string& role, Step step, const std::string& given) {
+  const auto command = fmt::format("ddssec ca rotate {} --role {}", given, role);
+  const auto again = "make its folder writable, then: " + command;
+  switch (step) {
+    case Step::replace:
+      break;
+    case Step::begin:
+      return fmt::format(
+          "the participant keeps its old files, and does not accept those that move before it has "
+          "the successor; {} --overlap TIME",
+          again);
+    case Step::move:
+      return fmt::format("the participant keeps its old files, which count until --end; {} --move",
+                         again);
+    case Step::end:
+      return fmt::format(
+          "the participant keeps its old files, and still trusts the former CA; {} "
+          "--end",
+          again);
+  }
+  return fmt::format(
+      "the participant keeps its old files and meets no other one until it has new ones; {} --end",
+      again);
+}
+
+/// One step for the participants that it is for.
+struct Work {
+  Succession change;
+  KnownFollowers known;
+  std::vector<Error> warnings = {};
+};
+
+// Those of the log that the command line does not name.
+Result<std::vector<Follower>> unnamed(const Arguments& arguments, WallTime now) {
+  const fs::path given = arguments.text("DIR");
+  if (arguments.all("DIRS").empty()) return std::vector<Follower>();
+  DDSSEC_ASSIGN_OR_RETURN(auto known, known_followers(given, now));
+  std::erase_if(known.here, [&](const Follower& follower) {
+    return std::ranges::any_of(arguments.all("DIRS"), [&](const std::string& folder) {
+      std::error_code ignored;
+      return fs::equivalent(folder, follower.files.folder, ignored);
+    });
+  });
+  return known.here;
+}
+
+// --move works on folders that --overlap did not name, and --end may name fewer than --move. A
+// rotation at once leaves all that are not named.
+Result<std::vector<Error>> warnings_of(Step step, const std::string& role,
+                                       const std::vector<Follower>& followers,
+                                       const Arguments& arguments, WallTime now) {
+  std::vector<Error> out;
+  if (step == Step::begin) return out;
+  const fs::path given = arguments.text("DIR");
+  DDSSEC_ASSIGN_OR_RETURN(auto others, unnamed(arguments, now));
+  if (step == Step::replace) {
+    for (const auto& one : others)
+      out.emplace_back(tool_code::rotation_unfinished, ErrorDetails{.document = one.files.folder});
+    return out;
+  }
+  DDSSEC_ASSIGN_OR_RETURN(const auto progress, RotationProgress::of(given, role, now));
+  const bool is_end = step == Step::end;
+  if (!is_end) others.insert(others.end(), followers.begin(), followers.end());
+  const auto code = is_end ? tool_code::rotation_unfinished : tool_code::successor_unknown;
+  for (const auto& one : is_end ? progress.not_ended(others) : progress.without_successor(others))
+    out.emplace_back(code, ErrorDetails{.document = one.files.folder});
+  return out;
+}
+
+// Those that have new files, and run without taking them.
+void add_not_taken(const std::string& role, const std::vector<Follower>& followers,
+                   const Followed& followed, Report& report) {
+  for (const auto& follower : followers) {
+    if (std::ranges::find(followed.again, follower.name) == followed.again.end()) continue;
+    const auto certificate = read_certificate(follower.files.certificate);
+    const auto problem = role == "permissions" ? permissions_not_there(follower.files)
+                         : certificate         ? key_not_there(follower.files, *certificate)
+                                               : std::nullopt;
+    if (problem) report.errors.push_back(*problem);
+  }
+}
+
+// The folders that the end of a rotation leaves: for `ca show`, until they are here again.
+Result<std::vector<std::string>> left_away(const Work& work, const std::string& role,
+                                           const Arguments& arguments, WallTime now) {
+  if (arguments.all("DIRS").empty()) return work.known.gone;
+  const fs::path given = arguments.text("DIR");
+  DDSSEC_ASSIGN_OR_RETURN(const auto known, known_followers(given, now));
+  return not_reached(ca_paths(given, role), known);
+}
+
+void remove_file(const fs::path& file) {
+  std::error_code ignored;
+  if (!writes_nothing()) fs::remove(file, ignored);
+}
+
+Result<Report> follow(const std::string& role, const Work& work, const Arguments& arguments,
+                      const Context& context) {
+  const fs::path given = arguments.text("DIR");
+  const auto& change = work.change;
+  Replacement out;
+  const bool is_over = change.step == Step::end || change.step == Step::replace;
+  DDSSEC_ASSIGN_OR_RETURN(const auto away, left_away(work, role, arguments, context.clock.now()));
+  const auto& paths = change.old.paths;
+  if (is_over && !away.empty())
+    DDSSEC_RETURN_IF_ERROR(out.put_public(unreached_file(paths), unreached_text(away)));
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto followed, role == "identity" ? follow_identity_ca(out, change, work.known.here, context)
+                                        : follow_permissions_ca(out, change, work.known.here,
+                                                                shared_documents(given), context));
+  if (role == "permissions")
+    DDSSEC_RETURN_IF_ERROR(log_places(given, work.known.here, followed.again, context.clock.now()));
+  DDSSEC_ASSIGN_OR_RETURN(auto files, put_in_place(out, followed));
+  // If this fails, nothing is wrong: the former CA is not in the CA's file any more.
+  if (is_over) remove_file(overlap_file(paths));
+  if (is_over && away.empty()) remove_file(unreached_file(paths));
+  auto report = report_of(role, change, followed, work.known.elsewhere, given.string());
+  if (change.step != Step::replace && !work.known.gone.empty())
+    report.exit = std::max(report.exit, Exit::no);
+  report.errors.insert(report.errors.end(), work.warnings.begin(), work.warnings.end());
+  if (change.step != Step::begin) add_not_taken(role, work.known.here, followed, report);
+  report.files_written = std::move(files);
+  return report;
+}
+
+std::unexpected<Error> nothing_left(Step step, const OpenCa& ca, std::size_t unmoved,
+                                    std::size_t all) {
+  if (step == Step::end) return fail(tool_code::no_overlap, {.document = ca.paths.certificate});
+  const auto next = unmoved == 0 ? "--end" : "--move; when all have moved, --end";
+  return fail(tool_code::overlap_under_way,
+              {.document = overlap_file(ca.paths),
+               .note = moved_words(all - unmoved, all),
+               .hint = fmt::format("the next step is ddssec ca rotate CA --role ROLE {}", next)});
+}
+
+/// --overlap or --end once more, for the folders that it did not reach. `waiting`: those whose
+/// files waited beside their places before the CA was opened, which put them in place.
+Result<Work> made_again(const OpenCa& ca, Step step, const RotationProgress& progress,
+                        KnownFollowers known, const std::vector<Follower>& waiting) {
+  const bool is_begin = step == Step::begin;
+  auto left = is_begin ? progress.without_successor(known.here) : progress.not_ended(known.here);
+  if (left.empty()) left = waiting;
+  if (left.empty())
+    return nothing_left(step, ca, progress.not_moved(known.here).size(), known.here.size());
+  auto overlap =
+      is_begin ? *progress.overlap() : Overlap{progress.next(), {}, ca.certificate().not_after()};
+  Succession change{.old = ca,
+                    .ca = ca.authority,
+                    .trust_pem = is_begin ? overlap.former_first() : overlap.next_only(),
+                    .passphrase = nullptr,
+                    .step = step,
+                    .overlap = std::move(overlap),
+                    .is_repeated = true};
+  known.here = std::move(left);
+  return Work{std::move(change), std::move(known)};
+}
+
+// The folders that an earlier --end, or a rotation at once, did not reach.
+std::vector<Follower> left_before(const std::string& role, Step step, const Arguments& arguments,
+                                  WallTime now) {
+  if (step != Step::end) return {};
+  const fs::path given = arguments.text("DIR");
+  const auto progress = RotationProgress::of(given, role, now);
+  const auto known = followers_of(arguments, given, now);
+  if (!progress || !known || progress->overlap()) return {};
+  return progress->not_ended(known->here);
+}
+
+// The log of the identity CA learns where named folders are. Its lock comes before that of the
+// permissions CA, as in every command that holds both.
+Result<std::optional<FileLock>> lock_places(const fs::path& given, const std::string& role) {
+  const auto paths = ca_paths(given, "identity");
+  if (role == "identity" || !is_there(paths.key)) return std::nullopt;
+  return lock_records(paths);
+}
+
+Result<Report> ca_rotate(const Arguments& arguments, const Context& context) {
+  const fs::path given = arguments.text("DIR");
+  DDSSEC_ASSIGN_OR_RETURN(const auto role, one_role(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const auto step, step_of(arguments));
+  DDSSEC_RETURN_IF_ERROR(check_no_other_kind(given));
+  const auto now = context.clock.now();
+  const auto waiting = left_before(role, step, arguments, now);
+  DDSSEC_ASSIGN_OR_RETURN(const auto lock, lock_places(given, role));
+  CaOpener opener(arguments);
+  DDSSEC_ASSIGN_OR_RETURN(const auto old, opener.open(ca_paths(given, role)));
+  if (const auto log = ca_paths(given, "identity"); is_there(log.certificate))
+    DDSSEC_RETURN_IF_ERROR(check_list_date(now, log, arguments));
+  if (old.authority.key().in_token()) return fail(Code::key_in_token, {.document = old.paths.key});
+  auto overlap_read = read_overlap(old.paths);
+  if (!overlap_read && step != Step::replace) return std::unexpected(overlap_read.error());
+  const auto overlap = std::move(overlap_read).value_or(std::nullopt);
+  if (step == Step::end && overlap && arguments.has("--when-due") && now < overlap->until)
+    return not_due(role, old, *overlap);
+  const auto run = [&](Work work) -> Result<Report> {
+    work.change.takes_unlogged = arguments.has("--unlogged");
+    work.change.lead_out = lead_out(role, step, given.string());
+    DDSSEC_ASSIGN_OR_RETURN(work.warnings,
+                            warnings_of(step, role, work.known.here, arguments, now));
+    return follow(role, work, arguments, context);
+  };
+  if (step == Step::move && !overlap)
+    return fail(tool_code::no_overlap, {.document = old.paths.certificate});
+  // Before a CA above has logged a successor.
+  DDSSEC_ASSIGN_OR_RETURN(auto known, followers_of(arguments, given, now));
+  if ((step == Step::begin && overlap) || (step == Step::end && !overlap)) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto progress, RotationProgress::of(given, role, now));
+    DDSSEC_ASSIGN_OR_RETURN(auto work, made_again(old, step, progress, std::move(known), waiting));
+    return run(std::move(work));
+  }
+  if (step == Step::move || step == Step::end)
+    return run({on_the_way(old, step, *overlap, opener.used_passphrase()), std::move(known)});
+  DDSSEC_ASSIGN_OR_RETURN(const auto successor,
+                          successor_of(old.certificate(), arguments, context));
+  DDSSEC_ASSIGN_OR_RETURN(auto change, with_successor(old, successor, step, arguments, context));
+  change.passphrase = opener.used_passphrase();
+  return run({std::move(change), std::move(known)});
+}
+
+}  // namespace
+
+std::vector<Command> ca_rotate_commands() {
+  return {
+      {.group = "ca",
+       .name = "rotate",
+       .summary = "Replaces a CA and its key; issues or signs everything of it anew.",
+       .positionals = {{"DIR", "the CA's folder, or one with both"},
+                       {"DIRS",
+                        "the participants' folders; without any, all that the identity CA's "
+                        "log knows",
+                        true, true}},
+       .options = {{.name = "--role",
+                    .value = "ROLE",
+                    .summary = "identity or permissions",
+                    .required = true},
+                   {"--overlap", "TIME",
+                    "first only add a successor that counts beside it for this time: 30d"},
+                   {"--move", "", "then give the participants what the successor issues or signs"},
+                   {"--end", "",
+                    "then let the successor count alone, and move those that have "
+                    "not moved"},
+                   {"--when-due", "", "with --end: only if the time of --overlap is over"},
+                   {"--issuer", "DIR", "the CA above, for an intermediate one"},
+                   kClockIsRight,
+                   {"--unlogged", "",
+                    "also certificates and documents that the CA's log does not have; after a "
+                    "key was stolen, never without reading them"},
+                   kPassphraseFile,
+                   kPassphraseEnv,
+                   kInsecureKeyMode},
+       .examples = {"ddssec ca rotate ca --role permissions",
+                    "ddssec ca rotate ca --role identity --overlap 30d",
+                    "ddssec ca rotate ca talker listener --role identity"},
+       .run = ca_rotate}};
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,353 @@
+// can: reports what the documents allow a participant, and which line decides.
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "cli/ca/ca_folder.hpp"
+#include "cli/ca/revocation_lists.hpp"
+#include "cli/commands/groups.hpp"
+#include "cli/doctor/doctor_options.hpp"
+#include "cli/doctor/participant_diagnosis.hpp"
+#include "cli/documents/documents.hpp"
+#include "cli/frame/options.hpp"
+#include "cli/inputs.hpp"
+#include "cli/near.hpp"
+#include "governance/decision.hpp"
+#include "governance/doctor/ca_list.hpp"
+#include "governance/doctor/diagnosis.hpp"
+#include "governance/doctor/domains.hpp"
+#include "governance/doctor/vendor_decision.hpp"
+#include "governance/grant.hpp"
+#include "governance/read.hpp"
+#include "governance/refusal.hpp"
+#include "pki/participant_folder.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+namespace doctor = governance::doctor;
+
+Result<governance::Action> action_of(const Arguments& arguments) {
+  const auto word = arguments.text("ACTION");
+  if (word == "publish") return governance::Action::publish;
+  if (word == "subscribe") return governance::Action::subscribe;
+  return fail(Code::usage, {.field = "ACTION", .expected = "publish or subscribe", .found = word});
+}
+
+Code code_of(governance::Action action) {
+  return action == governance::Action::publish ? Code::publish_not_allowed
+                                               : Code::subscribe_not_allowed;
+}
+
+/// The answer for a participant, and the source of the answer.
+struct Answer {
+  bool allowed;
+  std::string because;
+  fs::path document;
+  int line;
+  std::string hint = {};  ///< what to do, where the grant refuses
+};
+
+/// The question and the participant.
+struct Question {
+  const doctor::LoadedFolder& folder;
+  governance::Action action;
+  governance::Request request;
+  DomainId domain;
+  WallTime now;
+};
+
+doctor::Diagnosis diagnosis_for(const Question& question) {
+  return diagnosis_of(question.folder,
+                      {.now = question.now, .domain = question.domain, .may_run_elsewhere = true});
+}
+
+/// The reason why the participant does not start at all, as `check` reports it.
+std::optional<Answer> by_doctor(const Question& question) {
+  const auto diagnosis = diagnosis_for(question);
+  for (const auto& check : diagnosis.checks()) {
+    const auto worst = check.outcomes.ours;
+    const bool is_about_topics = check.rule == Rule::DOC103 && worst == doctor::Outcome::late;
+    if (worst < doctor::Outcome::late || check.findings.empty() || is_about_topics) continue;
+    const auto& finding = check.findings.front();
+    return Answer{
+        false,
+        fmt::format("the participant does not start: {}: {}", info(check.rule).id, finding.message),
+        finding.document, finding.line};
+  }
+  return std::nullopt;
+}
+
+/// The verified documents, the valid grant, and the way to evaluate them.
+struct Documents {
+  std::shared_ptr<const governance::CompiledGovernance> governance;
+  std::shared_ptr<const governance::CompiledGrant> grant;
+};
+
+Result<Documents> documents_for(const Question& question) {
+  const auto& paths = question.folder.paths;
+  DDSSEC_ASSIGN_OR_RETURN(const auto governance_proof,
+                          verified(paths.governance, paths.permissions_ca, question.now));
+  auto governance_read =
+      named(governance::read_governance(governance_proof.content(), governance_proof.first_line()),
+            paths.governance);
+  DDSSEC_RETURN_IF_ERROR(governance_read);
+  auto governance_document =
+      std::make_shared<const governance::Governance>(*std::move(governance_read));
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto governance,
+      named(governance::CompiledGovernance::make(std::move(governance_document), question.domain),
+            paths.governance));
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(paths.certificate));
+  DDSSEC_ASSIGN_OR_RETURN(const auto proof,
+                          verified(paths.permissions, paths.permissions_ca, question.now));
+  auto read =
+      named(governance::read_permissions(proof.content(), proof.first_line()), paths.permissions);
+  DDSSEC_RETURN_IF_ERROR(read);
+  const auto permissions = std::make_shared<const governance::Permissions>(*std::move(read));
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto* grant,
+      named(governance::find_grant(*permissions, pki::SubjectName::of(certificate),
+                                   certificate.subject(), question.now),
+            paths.permissions));
+  auto compiled =
+      std::make_shared<const governance::CompiledGrant>(permissions, *grant, question.domain);
+  return Documents{std::move(governance), std::move(compiled)};
+}
+
+/// The certificate, as every peer judges it.
+Status check_identity(const Question& question) {
+  if (!question.folder.certificate) return std::unexpected(question.folder.certificate.error());
+  DDSSEC_ASSIGN_OR_RETURN(const auto verifier, question.folder.chain());
+  DDSSEC_RETURN_IF_ERROR(named(verifier.verify(*question.folder.certificate, question.now),
+                               question.folder.paths.certificate));
+  return {};
+}
+
+Answer by_grant(const Question& question, const governance::CompiledGrant& grant,
+                const governance::Verdict& verdict, std::string_view what) {
+  const auto who = verdict.rule == nullptr ? "no rule decides; the default"
+                   : verdict.allowed       ? "an allow_rule"
+                                           : "a deny_rule";
+  return {verdict.allowed, fmt::format("{}{} of grant \"{}\"", what, who, grant.grant().name),
+          question.folder.paths.permissions, verdict.line(grant.grant())};
+}
+
+// True if the chain verifier of ddssec's plugins would ignore the list.
+bool is_superseded(const pki::Crl& list, const std::vector<pki::Crl>& lists,
+                   const std::vector<pki::Certificate>& cas) {
+  return std::ranges::any_of(lists, [&](const pki::Crl& other) {
+    return &other != &list && other.supersedes(list) && !list.supersedes(other) &&
+           pki::have_common_signer(other, list, cas);
+  });
+}
+
+// A revoked participant has no rights, whatever its documents say: its peers refuse it. The CA's
+// own list also counts if it is beside the participant.
+std::optional<Answer> by_revocation(const pki::ParticipantFolder& folder) {
+  const auto certificate = read_certificate(folder.certificate);
+  const auto cas = read_certificates(folder.identity_ca);
+  const auto own = read_crls(folder.crl);
+  if (!certificate || !cas || !own) return std::nullopt;  // doctor reports it
+  const auto newer = governance::doctor::newer_ca_list(folder, *cas, *own);
+  const auto answer = [&](const pki::Crl& list, const fs::path& file) {
+    return Answer{false,
+                  fmt::format("the certificate is revoked by list {} of the CA", number_text(list)),
+                  file, 0};
+  };
+  if (newer && governance::doctor::names(newer->list, *certificate)) {
+    auto out = answer(newer->list, newer->file);
+    out.because += ", which crl.pem here lacks: participants without that list still accept it";
+    out.hint = "give the participants the list, and they refuse it: ddssec crl distribute --ca CA";
+    return out;
+  }
+  for (const auto& list : *own)
+    if (!is_superseded(list, *own, *cas) && governance::doctor::names(list, *certificate))
+      return answer(list, folder.crl);
+  return std::nullopt;
+}
+
+// A note if stock products use another list than ddssec's plugins, for which the answer was given.
+void note_stock_products(const doctor::LoadedFolder& folder, Report& report) {
+  if (!folder.crls || !folder.certificate || !folder.identity_cas || folder.crls->size() < 2)
+    return;
+  const auto& lists = *folder.crls;
+  const auto names = [&](const pki::Crl& list) { return doctor::names(list, *folder.certificate); };
+  const bool ours = std::ranges::any_of(lists, [&](const pki::Crl& list) {
+    return !is_superseded(list, lists, *folder.identity_cas) && names(list);
+  });
+  const bool stock = names(lists.front());
+  if (ours == stock) return;
+  report.findings.push_back(
+      {.rule = Rule::DOC023,
+       .message = fmt::format(
+           "{} holds {} lists; the stock plugins of Cyclone DDS and Fast DDS read the first only, "
+           "by which {} is {}revoked; {}",
+           folder.paths.crl.string(), lists.size(), folder.certificate->subject(),
+           stock ? "" : "not ", ours ? "ddssec's plugins refuse it" : "ddssec's plugins do not"),
+       .document = folder.paths.crl.string(),
+       .hint = "keep the newest alone: ddssec crl distribute --ca CA",
+       .severity = Severity::warning});
+}
+
+// A note if Cyclone DDS's own plugins do not even create the topic: measured with 0.10.2, where
+// both directions of the topic are controlled.
+void note_refused_topic(const Question& question, Report& report) {
+  const auto& [folder, action, request, domain, now] = question;
+  if (!folder.permissions.model || !folder.governance.model || !folder.certificate) return;
+  const auto cyclonedds = doctor::Vendor::cyclonedds;
+  const auto* const rules = doctor::domain_rule_as(cyclonedds, *folder.governance.model, domain);
+  const auto* const controlled =
+      rules != nullptr ? doctor::topic_rule_as(cyclonedds, *rules, request.topic) : nullptr;
+  if (controlled == nullptr || !controlled->enable_read_access_control ||
+      !controlled->enable_write_access_control)
+    return;
+  const auto& certificate = *folder.certificate;
+  const auto grant = governance::find_grant(
+      *folder.permissions.model, pki::SubjectName::of(certificate), certificate.subject(), now);
+  const auto* const first =
+      grant ? doctor::first_rule_naming(**grant, domain, request.topic) : nullptr;
+  if (first == nullptr || first->allow) return;
+  report.findings.push_back(
+      {.rule = Rule::DOC053,
+       .message = fmt::format("Cyclone DDS 0.10 on its own plugins refuses the whole topic \"{}\", "
+                              "in every direction and partition: the first rule that names it is a "
+                              "deny_rule",
+                              request.topic),
+       .document = folder.paths.permissions.string(),
+       .line = first->line,
+       .vendors = {"cyclonedds"},
+       .severity = Severity::warning});
+}
+
+// A note if only the plugins within Cyclone DDS refuse the endpoint, and the folder does not say
+// that they are used: a program may name them in its QoS.
+void note_drop_in(const Question& question, Report& report) {
+  const auto& folder = question.folder;
+  if (!folder.governance.model || runs_drop_in(folder)) return;
+  constexpr auto ours = doctor::Vendor::ours;
+  const auto* const rules = doctor::domain_rule_as(ours, *folder.governance.model, question.domain);
+  const auto* const rule =
+      rules != nullptr ? doctor::topic_rule_as(ours, *rules, question.request.topic) : nullptr;
+  if (rule == nullptr) return;
+  auto finding = refused_by_drop_in(folder, *rules, *rule, question.action);
+  if (!finding) return;
+  finding->severity = Severity::warning;
+  report.findings.push_back(*std::move(finding));
+}
+
+// Of Fast DDS's file too, since the question names no product.
+void warn_of_places(const Question& question, Report& report) {
+  const auto diagnosis = diagnosis_for(question);
+  for (const auto& check : diagnosis.checks())
+    if (check.rule == Rule::DOC007)
+      report.findings.insert(report.findings.end(), check.findings.begin(), check.findings.end());
+}
+
+// All steps as in check: identity, grant, joining, topic rule and rights.
+Result<Answer> answer_to(const Question& question) {
+  if (auto answer = by_revocation(question.folder.paths)) return *std::move(answer);
+  DDSSEC_ASSIGN_OR_RETURN(const auto documents, documents_for(question));
+  const auto& [governance, grant] = documents;
+  DDSSEC_RETURN_IF_ERROR(check_identity(question));
+  const auto& domain_rule = governance->domain_rule();
+  const auto joining = grant->judge_participant();
+  if (domain_rule.enable_join_access_control && !joining.allowed)
+    return by_grant(question, *grant, joining, fmt::format("joining domain {}: ", question.domain));
+  if (auto answer = by_doctor(question)) return *std::move(answer);
+  const auto& file = question.folder.paths.governance;
+  const auto* rule = governance->topic_rule(question.request.topic);
+  if (rule == nullptr)
+    return Answer{false, "no topic_rule matches the topic", file, domain_rule.line};
+  if (runs_drop_in(question.folder))
+    if (const auto finding =
+            refused_by_drop_in(question.folder, domain_rule, *rule, question.action))
+      return Answer{false, fmt::format("{}: {}", info(finding->rule).id, finding->message), file,
+                    rule->line, std::string(info(finding->rule).hint)};
+  const bool controlled = question.action == governance::Action::publish
+                              ? rule->enable_write_access_control
+                              : rule->enable_read_access_control;
+  if (!controlled)
+    return Answer{true, "the topic_rule \"" + rule->topic_expression + "\" asks for no permission",
+                  file, rule->line};
+  const auto verdict = grant->judge(question.action, question.request);
+  auto out = by_grant(question, *grant, verdict, "");
+  const auto advice = advice_on(*grant, question.action, question.request, verdict);
+  if (!advice.because.empty()) out.because += "; " + advice.because;
+  // The question names no partition, so the answer must not look as if it covered partitions.
+  if (verdict.allowed && verdict.criteria != nullptr && question.request.partitions.empty())
+    if (const auto where = partitions_of(*verdict.criteria); !where.empty())
+      out.because += ", but " + where;
+  if (!verdict.allowed)
+    out.hint =
+        !advice.hint.empty() ? advice.hint : std::string(info(code_of(question.action)).hint);
+  return out;
+}
+
+// Not simply the first of several, because the answer may differ in each.
+Result<DomainId> domain_to_ask(const Arguments& arguments, const doctor::LoadedFolder& folder,
+                               WallTime now) {
+  if (arguments.has("--domain")) return domain_of(arguments);
+  const doctor::Domains named[] = {domains_of(folder, now)};
+  const auto choice = doctor::choose_domain(named);
+  if (!choice.has_others()) return choice.domain;
+  return fail(Code::usage, {.field = "--domain",
+                            .expected = "one of " + doctor::in_words(choice.named),
+                            .found = "none",
+                            .note = "the documents are for more than one domain"});
+}
+
+Result<Report> can(const Arguments& arguments, const Context& context) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto action, action_of(arguments));
+  const auto now = context.clock.now();
+  DDSSEC_RETURN_IF_ERROR(check_participant_folder(arguments.text("SUBJECT")));
+  const auto folder = load_participant(arguments.text("SUBJECT"), now);
+  DDSSEC_ASSIGN_OR_RETURN(const auto domain, domain_to_ask(arguments, folder, now));
+  const auto topic = arguments.text("TOPIC");
+  const auto& names = arguments.all("--partition");
+  const std::vector<std::string_view> partitions(names.begin(), names.end());
+  const Question question{folder, action, {.topic = topic, .partitions = partitions}, domain, now};
+  DDSSEC_ASSIGN_OR_RETURN(const auto answer, answer_to(question));
+  Report report{.exit = answer.allowed ? Exit::done : Exit::no,
+                .text = fmt::format("{} in domain {} by ddssec's plugins: {} ({}{})\n",
+                                    answer.allowed ? "allowed" : "denied", domain, answer.because,
+                                    answer.document.string(),
+                                    answer.line > 0 ? fmt::format(":{}", answer.line) : ""),
+                .result = {{"allowed", answer.allowed},
+                           {"domain", domain},
+                           {"judge", "ddssec"},
+                           {"because", answer.because},
+                           {"file", answer.document.string()},
+                           {"line", answer.line}}};
+  if (!answer.hint.empty())
+    report.errors.emplace_back(code_of(action), ErrorDetails{.document = answer.document,
+                                                             .line = answer.line,
+                                                             .found = answer.because,
+                                                             .hint = answer.hint});
+  warn_of_places(question, report);
+  note_stock_products(folder, report);
+  if (answer.allowed) {
+    note_refused_topic(question, report);
+    note_drop_in(question, report);
+  }
+  return report;
+}
+
+}  // namespace
+
+std::vector<Command> can_commands() {
+  return {{.group = "",
+           .name = "can",
+           .summary = "Says whether ddssec's plugins let a participant use a topic, and which line "
+                      "decides; exit 1: no.",
+           .positionals = {{"SUBJECT", "the participant's folder"},
+                           {"ACTION", "publish or subscribe"},
+                           {"TOPIC", "the topic's name"}},
+           .options = {kDomainToCheck, repeated("--partition", "P", "a partition of the endpoint")},
+           .examples = {"ddssec can talker publish rt/chatter"},
+           .run = can}};
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,244 @@
+// check: would two participants talk, and which line decides?
+#include <algorithm>
+#include <filesystem>
+#include <iterator>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "cli/commands/groups.hpp"
+#include "cli/doctor/doctor_options.hpp"
+#include "cli/doctor/meeting_report.hpp"
+#include "cli/doctor/pre_shared_keys.hpp"
+#include "cli/doctor/products.hpp"
+#include "cli/doctor/renewal_list_check.hpp"
+#include "cli/documents/documents.hpp"
+#include "cli/frame/options.hpp"
+#include "cli/inputs.hpp"
+#include "cli/near.hpp"
+#include "governance/doctor/diagnosis.hpp"
+#include "governance/doctor/stock_spelling.hpp"
+#include "governance/model.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+namespace doctor = governance::doctor;
+
+// "A=cyclonedds" sets products[0]; a bare name both.
+Status set_vendor(const std::string& word, doctor::NamedProduct (&products)[2]) {
+  const bool is_a = word.starts_with("A=");
+  const bool is_b = word.starts_with("B=");
+  const auto product = doctor::product_from(is_a || is_b ? word.substr(2) : word);
+  if (!product) return unknown_vendor(word, "A= or B= and ");
+  if (!is_b) products[0] = *product;
+  if (!is_a) products[1] = *product;
+  return {};
+}
+
+// A participant that runs this product.
+doctor::Party party(const doctor::LoadedFolder& folder, const doctor::NamedProduct& product,
+                    const std::string& name, Report& report) {
+  doctor::Party out{folder, product.vendor, name};
+  if (product.vendor != doctor::Vendor::ours)
+    out.lineup.of(product.vendor) = version_of(product, report);
+  return out;
+}
+
+Result<Wanted> wanted_of(const Arguments& arguments) {
+  const auto word = arguments.text("--require");
+  if (word == "any") return Wanted::any;
+  if (word == "both") return Wanted::both;
+  if (word == "writer=A") return Wanted::writer_a;
+  if (word == "writer=B") return Wanted::writer_b;
+  return fail(Code::usage, {.field = "--require",
+                            .expected = "any, both, writer=A or writer=B",
+                            .found = '"' + word + '"'});
+}
+
+void add_parts(std::string_view text, std::vector<std::string>& out) {
+  while (!text.empty()) {
+    const auto end = std::min(text.find(','), text.size());
+    if (end > 0) out.emplace_back(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+}
+
+// A missing file would otherwise count as a topic with that name. A comma shows that it is a list
+// of names.
+bool looks_like_a_file(const std::string& word) {
+  if (word.find(',') != word.npos) return false;
+  constexpr std::string_view kEndings[] = {".txt", ".lst", ".list", ".csv", ".topics"};
+  return word.starts_with("./") || word.starts_with("../") || word.starts_with("~/") ||
+         std::ranges::any_of(kEndings, [&](auto ending) { return word.ends_with(ending); });
+}
+
+std::unexpected<Error> no_such_list(const std::string& word) {
+  return fail(
+      Code::file_not_found,
+      {.document = word,
+       .field = "--topics",
+       .expected = "a file with a topic on each line",
+       .hint = fmt::format("for a topic of this name, put a comma behind it: --topics {},", word)});
+}
+
+// Names separated by commas, or a file with one on each line.
+Result<std::vector<std::string>> topics_of(const Arguments& arguments) {
+  std::vector<std::string> out;
+  for (const auto& word : arguments.all("--topics")) {
+    std::error_code ignored;
+    if (fs::is_regular_file(word, ignored)) {
+      DDSSEC_ASSIGN_OR_RETURN(const auto topics, read_topics(word));
+      out.insert(out.end(), topics.begin(), topics.end());
+    } else if (looks_like_a_file(word)) {
+      return no_such_list(word);
+    } else {
+      add_parts(word, out);
+    }
+  }
+  const bool is_bad =
+      (arguments.has("--topics") && out.empty()) || out.size() > doctor::kMostTopics;
+  if (is_bad)
+    return fail(Code::usage, {.field = "--topics",
+                              .expected = fmt::format("1 to {} names", doctor::kMostTopics),
+                              .found = std::to_string(out.size())});
+  return out;
+}
+
+Report unpredictable(const fs::path& file, doctor::Vendor vendor) {
+  auto report = cli::report_of(
+      Error(Code::file_unreadable,
+            {.document = file,
+             .note = fmt::format("{0} may start with it, and ddssec does not read it as {0} does: "
+                                 "whether they would talk is not known",
+                                 doctor::family(vendor)),
+             .hint = "ddssec doctor says what is wrong with it"}));
+  report.exit = Exit::unreadable;
+  return report;
+}
+
+// ddssec cannot parse such a certificate, but Cyclone DDS accepts it, so a "no" could be seriously
+// wrong. Empty if an answer is possible.
+std::optional<Report> unpredictable(const doctor::LoadedFolder& folder, doctor::Vendor vendor) {
+  const auto& certificate = folder.certificate;
+  if (const auto* file = doctor::unpredictable_file(folder, vendor))
+    return unpredictable(*file, vendor);
+  if (vendor != doctor::Vendor::cyclonedds || certificate ||
+      !doctor::is_key_of_another_curve(certificate.error()))
+    return std::nullopt;
+  auto details = certificate.error().details();
+  details.document = folder.paths.certificate;
+  details.note =
+      "Cyclone DDS takes any EC key of 256 bits and ddssec does not read this one: "
+      "whether they would talk is not known";
+  auto report = cli::report_of(Error(Code::key_not_allowed, std::move(details)));
+  report.exit = Exit::unreadable;
+  return report;
+}
+
+// The answer is about ddssec on both sides. What another product does is a warning.
+void warn_of_readings(std::initializer_list<const doctor::LoadedFolder*> folders,
+                      const doctor::Settings& settings, Report& report) {
+  for (const auto* folder : folders) {
+    doctor::Diagnosis readings(settings.lineup);
+    doctor::check_readings(*folder, settings, readings);
+    for (const auto& one : readings.checks())
+      for (auto finding : one.findings) {
+        finding.severity = Severity::warning;
+        report.findings.push_back(std::move(finding));
+      }
+  }
+}
+
+// A first meeting needs no list, so that it does not change the answer.
+void warn_of_renewal_lists(const std::pair<const doctor::LoadedFolder*, doctor::Vendor> (&sides)[2],
+                           const doctor::Settings& settings, Report& report) {
+  for (const auto& [folder, vendor] : sides) {
+    if (vendor != doctor::Vendor::ours) continue;
+    doctor::Diagnosis lists(settings.lineup);
+    check_renewal_list(*folder, settings, lists);
+    for (const auto& one : lists.checks())
+      report.findings.insert(report.findings.end(), one.findings.begin(), one.findings.end());
+  }
+}
+
+Result<Report> check(const Arguments& arguments, const Context& context) {
+  const fs::path folders[] = {arguments.text("A"), arguments.text("B")};
+  doctor::NamedProduct products[] = {{doctor::Vendor::ours}, {doctor::Vendor::ours}};
+  for (const auto& word : arguments.all("--vendor"))
+    DDSSEC_RETURN_IF_ERROR(set_vendor(word, products));
+  DDSSEC_ASSIGN_OR_RETURN(const auto wanted, wanted_of(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const auto topics, topics_of(arguments));
+  for (const auto& folder : folders) DDSSEC_RETURN_IF_ERROR(check_participant_folder(folder));
+
+  const auto now = context.clock.now();
+  const auto a = load_participant(folders[0], now);
+  const auto b = load_participant(folders[1], now);
+  // ddssec refuses to start with such files: the answer is no.
+  const bool are_stock = std::ranges::none_of(
+      products, [](const auto& one) { return one.vendor == doctor::Vendor::ours; });
+  for (const auto& [folder, product] : {std::pair{&a, &products[0]}, std::pair{&b, &products[1]}})
+    if (auto unknown = are_stock ? unpredictable(*folder, product->vendor) : std::nullopt)
+      return *std::move(unknown);
+  Report report;
+  DDSSEC_ASSIGN_OR_RETURN(const auto domain, domain_for(arguments, {&a, &b}, now, report));
+  std::string names[2];
+  name_parties(folders[0], folders[1], names);
+  const auto meeting = meet_with_keys(
+      party(a, products[0], names[0], report), party(b, products[1], names[1], report),
+      {.now = now,
+       .domain = domain,
+       .partitions = arguments.all("--partition"),
+       .writes = {wanted == Wanted::both || wanted == Wanted::writer_a,
+                  wanted == Wanted::both || wanted == Wanted::writer_b},
+       .may_run_elsewhere = true},
+      topics);
+  const MeetingView view{.meeting = meeting,
+                         .names = {names[0], names[1]},
+                         .domain = domain,
+                         .topics_named = !topics.empty(),
+                         .wanted = wanted,
+                         .explain = arguments.has("--explain")};
+  const bool talk = would_talk(view);
+  // A topic that both may use but cannot is an error even if another topic works.
+  report.exit = talk && !has_topic_apart(meeting) ? Exit::done : Exit::no;
+  report.text = meeting_text(view);
+  report.result = meeting_json(view);
+  report.findings.insert(report.findings.end(), meeting.findings.begin(), meeting.findings.end());
+  // DOC083 is about products that --vendor did not name: only --explain shows it.
+  const bool asked = arguments.has("--explain") && !arguments.has("--vendor");
+  std::ranges::copy_if(meeting.notes, std::back_inserter(report.findings),
+                       [&](const Finding& note) { return asked || note.rule != Rule::DOC083; });
+  const doctor::Settings settings{.now = now, .domain = domain, .lineup = installed_lineup()};
+  if (!arguments.has("--vendor")) warn_of_readings({&a, &b}, settings, report);
+  warn_of_renewal_lists({{&a, products[0].vendor}, {&b, products[1].vendor}}, settings, report);
+  return report;
+}
+
+}  // namespace
+
+std::vector<Command> check_commands() {
+  return {
+      {.group = "",
+       .name = "check",
+       .summary = "Says whether two participants would talk, and which line decides; exit 1: no.",
+       .positionals = {{"A", "a participant's folder"}, {"B", "another's"}},
+       .options = {repeated("--topics", "LIST",
+                            "names with commas between them, or a file with one on each line"),
+                   kDomainToCheck,
+                   repeated("--partition", "P", "a partition of writers and readers"),
+                   repeated("--vendor", "WHO",
+                            "A= or B= and cyclonedds, fastdds (with @VERSION if another than the "
+                            "installed one matters) or ddssec (without: ddssec)"),
+                   {"--require", "WHAT", "any, both, writer=A or writer=B on every topic", "any"},
+                   {"--explain", "", "every judgement, not only those that refuse"}},
+       .examples = {"ddssec check demo/talker demo/listener",
+                    "ddssec check talker listener --topics rt/chatter --vendor A=cyclonedds "
+                    "--vendor B=fastdds"},
+       .run = check}};
+}
+
+}  // namespace ddssec::cli

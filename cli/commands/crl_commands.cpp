@@ -1,0 +1,467 @@
+// crl: revocation lists.
+#include <algorithm>
+#include <filesystem>
+#include <ranges>
+
+#include <fmt/format.h>
+
+#include "cli/ca/ca_folder.hpp"
+#include "cli/ca/ca_overlap.hpp"
+#include "cli/ca/list_dates.hpp"
+#include "cli/ca/renewal_list.hpp"
+#include "cli/ca/revocation_lists.hpp"
+#include "cli/commands/groups.hpp"
+#include "cli/documents/documents.hpp"
+#include "cli/frame/held_folder.hpp"
+#include "cli/frame/options.hpp"
+#include "cli/frame/transaction.hpp"
+#include "cli/inputs.hpp"
+#include "cli/near.hpp"
+#include "cli/participant/participant_places.hpp"
+#include "governance/doctor/shell_word.hpp"
+#include "pki/participant_folder.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string words_until(const pki::Crl& crl) {
+  return crl.next_update() ? "until " + date(*crl.next_update()) : "without an end";
+}
+
+Json describe(const pki::Crl& crl) {
+  return {{"issuer", crl.issuer()},
+          {"number", number_json(crl)},
+          {"this_update", to_string(crl.this_update())},
+          {"next_update", crl.next_update() ? Json(to_string(*crl.next_update())) : Json()}};
+}
+
+Result<Json> describe_whole(const pki::Crl& crl, const fs::path& path) {
+  auto out = describe(crl);
+  out["revoked"] = Json::array();
+  DDSSEC_ASSIGN_OR_RETURN(const auto revoked, named(crl.revoked(), path));
+  for (const auto& entry : revoked)
+    out["revoked"].push_back({{"serial", entry.serial},
+                              {"time", to_string(entry.time)},
+                              {"reason", to_string(entry.reason)}});
+  return out;
+}
+
+// A list, a participant's folder or a CA's folder: the first one that contains a list.
+fs::path list_at(const fs::path& given) {
+  std::error_code ignored;
+  if (!fs::is_directory(given, ignored)) return given;
+  const auto in_folder = given / "crl.pem";
+  return fs::exists(in_folder, ignored) ? in_folder : ca_paths(given, "identity").crl;
+}
+
+Result<std::vector<pki::Crl>> lists_in(const fs::path& path) {
+  DDSSEC_ASSIGN_OR_RETURN(auto lists, read_crls(path));
+  if (lists.empty()) return fail(Code::file_not_found, {.document = path});
+  return lists;
+}
+
+// If the time is before the CA's own certificate, the clock is wrong, not the lists.
+Result<ListDate> list_date(const Arguments& arguments, const OpenCa& ca, WallTime now) {
+  if (!arguments.has("--date-now")) return ListDate::after_former;
+  if (ca.certificate().not_before() <= now) return ListDate::now;
+  return fail(Code::certificate_not_yet_valid,
+              {.document = ca.paths.certificate,
+               .expected = "a time after " + to_string(ca.certificate().not_before()),
+               .found = to_string(now),
+               .hint = "set the clock of this machine: it is behind the CA's certificate"});
+}
+
+// Explains which participants accept such a list, and which must be restarted for it.
+std::string after_the_future(const std::string& ca) {
+  return fmt::format(
+      "next: ddssec crl distribute --ca {0}; on other machines copy the list into each folder, "
+      "also "
+      "over one from the future\n"
+      "running participants on ddssec's plugins take it, whichever list they hold, since it has a "
+      "higher number and names all that was named\n"
+      "start again, when the list is in their folders: participants that refused to start, and "
+      "those on stock plugins\n",
+      ca);
+}
+
+Result<Report> crl_new(const Arguments& arguments, const Context& context) {
+  DDSSEC_ASSIGN_OR_RETURN(const int days, arguments.number("--next-update", 1, kMostDays));
+  const auto now = context.clock.now();
+  CaOpener opener(arguments);
+  DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open("identity"));
+  DDSSEC_RETURN_IF_ERROR(check_list_date(now, ca.paths, arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const auto date, list_date(arguments, ca, now));
+  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(ca.paths));
+  std::vector<fs::path> more;
+  for (const auto& given : arguments.all("--from")) more.push_back(list_at(given));
+  DDSSEC_ASSIGN_OR_RETURN(const auto crl, next_crl(ca, log, now, days, more, date));
+  Replacement out;
+  DDSSEC_ASSIGN_OR_RETURN(const auto lists, file_of_lists(ca.paths, crl));
+  DDSSEC_RETURN_IF_ERROR(out.put_public(ca.paths.crl, lists));
+  DDSSEC_ASSIGN_OR_RETURN(const auto revoked, crl.revoked());
+  const auto count = revoked.size();
+  Report report;
+  report.text =
+      fmt::format("{}  number {}, {} revoked, {}\n{}", ca.paths.crl.string(), number_text(crl),
+                  count, words_until(crl), about_clock(crl, now, arguments.text("--ca")));
+  if (date == ListDate::now) report.text += after_the_future(arguments.text("--ca"));
+  report.result = {{"file", ca.paths.crl.string()}};
+  report.result.update(describe(crl));
+  report.result["revoked"] = count;
+  DDSSEC_ASSIGN_OR_RETURN(report.files_written, out.commit());
+  return report;
+}
+
+std::string list_in_words(const pki::Crl& crl, const Json& described) {
+  auto out =
+      fmt::format("issuer   {}\nnumber   {}\nvalid    {} .. {}\n", crl.issuer(), number_text(crl),
+                  date(crl.this_update()), crl.next_update() ? date(*crl.next_update()) : "");
+  for (const auto& entry : described["revoked"])
+    out += fmt::format("revoked  {}  {}  {}\n", std::string(entry["serial"]),
+                       std::string(entry["time"]).substr(0, 10), std::string(entry["reason"]));
+  return out;
+}
+
+// The products do not use the same one of several lists of one CA.
+std::string about_several(const std::vector<pki::Crl>& lists) {
+  for (const auto& list : lists)
+    if (std::ranges::count_if(lists, [&](const auto& o) { return o.seems_of_same_ca(list); }) > 1)
+      return fmt::format(
+          "several lists of {}: the stock plugins of Cyclone DDS and Fast DDS read the first list "
+          "of the file only, ddssec's plugins the newest. Keep the newest alone: ddssec crl "
+          "distribute\n",
+          list.issuer());
+  return {};
+}
+
+Result<Report> crl_show(const Arguments& arguments, const Context&) {
+  const auto path = list_at(arguments.text("PATH"));
+  DDSSEC_ASSIGN_OR_RETURN(const auto lists, lists_in(path));
+  Report report;
+  report.result = {{"file", path.string()}};
+  DDSSEC_ASSIGN_OR_RETURN(auto whole, describe_whole(lists.front(), path));
+  report.result.update(std::move(whole));
+  report.result["others"] = Json::array();
+  report.text = list_in_words(lists.front(), report.result);
+  for (const auto& list : lists | std::views::drop(1)) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto described, describe_whole(list, path));
+    report.text += "\n" + list_in_words(list, described);
+    report.result["others"].push_back(described);
+  }
+  report.text += about_several(lists);
+  return report;
+}
+
+// For --ca with the CA's folder, which contains a list.
+Status check_not_ahead(const pki::Crl& crl, const fs::path& path, const fs::path& ca) {
+  std::error_code ignored;
+  if (!fs::is_directory(ca, ignored)) return {};
+  DDSSEC_ASSIGN_OR_RETURN(const auto own, present_crl(ca_paths(ca, "identity")));
+  if (!own || own->supersedes(crl)) return {};
+  return fail(
+      Code::crl_older,
+      {.document = ca_paths(ca, "identity").crl,
+       .expected = fmt::format("number {} or later, as in {}", number_text(crl), path.string()),
+       .found = fmt::format("number {}", number_text(*own)),
+       .note = "the CA's folder came back from a backup, or it is a copy",
+       .hint = fmt::format("ddssec crl new --ca {} --from {} makes a list that names what "
+                           "both name",
+                           ca.string(), path.string())});
+}
+
+// The list itself may be right, but it does not cover every certificate.
+Status check_whole(const pki::Crl& crl, const fs::path& path) {
+  if (!crl.is_partial()) return {};
+  return fail(Code::crl_missing,
+              {.document = path,
+               .expected = fmt::format("a list of all certificates of {}", crl.issuer()),
+               .found = "a list of a part of them (issuingDistributionPoint)",
+               .note = "participants do not start with it",
+               .hint = "have the CA issue one complete list, without that extension"});
+}
+
+Result<Report> crl_verify(const Arguments& arguments, const Context& context) {
+  const auto path = list_at(arguments.text("PATH"));
+  const auto ca_file = ca_certificate_path(arguments.text("--ca"), "identity");
+  DDSSEC_ASSIGN_OR_RETURN(const auto lists, lists_in(path));
+  DDSSEC_ASSIGN_OR_RETURN(const auto ca, read_certificate(ca_file));
+  const auto is_of_ca = [&](const pki::Crl& list) { return list.is_named_after(ca); };
+  const auto own = std::ranges::find_if(lists, is_of_ca);
+  const auto& first = own == lists.end() ? lists.front() : *own;
+  Report report;
+  for (const auto& crl : lists) {
+    if (!is_of_ca(crl) && &crl != &first) {
+      report.text +=
+          fmt::format("{}: a list of {} is in it as well\n", path.string(), crl.issuer());
+      continue;
+    }
+    DDSSEC_RETURN_IF_ERROR(named(crl.check(ca, context.clock.now()), path));
+    DDSSEC_RETURN_IF_ERROR(check_whole(crl, path));
+    DDSSEC_RETURN_IF_ERROR(check_not_ahead(crl, path, arguments.text("--ca")));
+    report.text += fmt::format("{}: {}signed by {}, holds {}\n", path.string(),
+                               lists.size() > 1 ? fmt::format("number {}, ", number_text(crl)) : "",
+                               ca.subject(), words_until(crl));
+  }
+  report.text += about_several(lists);
+  report.result = {{"file", path.string()}};
+  report.result.update(describe(first));
+  return report;
+}
+
+// The folders of the command line, or those of all participants of this CA on this machine.
+Result<ParticipantPlaces> recipients(const Arguments& arguments, const CaPaths& ca) {
+  ParticipantPlaces out;
+  for (const auto& given : arguments.all("DIRS")) {
+    DDSSEC_RETURN_IF_ERROR(check_participant_folder(given));
+    out.here.emplace_back(given);
+  }
+  if (!out.here.empty()) return out;
+  DDSSEC_ASSIGN_OR_RETURN(const auto issue_log, read_issue_log(ca));
+  DDSSEC_ASSIGN_OR_RETURN(out, participant_places(ca, issue_log));
+  if (!out.is_empty() || are_all_revoked(issue_log)) return out;
+  return fail(Code::usage, {.field = "DIRS", .note = "the CA's log knows no folder: name them"});
+}
+
+// Null: in a token, or not here.
+Result<std::optional<pki::Certificate>> certificate_in(const pki::ParticipantFolder& files) {
+  if (files.certificate.extension() == ".p11" || !is_there(files.certificate)) return std::nullopt;
+  DDSSEC_ASSIGN_OR_RETURN(auto certificate, read_certificate(files.certificate));
+  return certificate;
+}
+
+/// The list that is distributed.
+struct Distribution {
+  pki::Crl list;
+  pki::Certificate ca;
+  std::string ca_folder;
+  WallTime now;
+  RenewalsOfCas renewals;
+};
+
+// The folder is opened first. The condition for which it was chosen must still be true.
+Status put_list_into(Replacement& out, const fs::path& folder, const Distribution& what) {
+  DDSSEC_RETURN_IF_ERROR(hold_folder(folder));
+  const auto files = pki::participant_folder(folder);
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificate, certificate_in(files));
+  std::vector<pki::Certificate> trusted;
+  if (auto cas = read_certificates(files.identity_ca)) trusted = *std::move(cas);
+  return put_list(out, files.crl,
+                  {what.list, what.ca, what.ca_folder, certificate ? &*certificate : nullptr,
+                   std::move(trusted), what.now});
+}
+
+/// The folders that now have the list, and the errors of the others.
+struct Distributed {
+  std::vector<std::string> folders;
+  std::vector<Error> errors;
+  std::vector<WrittenFile> files;
+};
+
+// Once the revocation list is in place: whatever is wrong with the renewal list must not keep it
+// from a folder.
+Status put_renewal_lists(Distributed& done, const Distribution& what) {
+  std::ranges::copy(what.renewals.problems, std::back_inserter(done.errors));
+  for (const auto& folder : done.folders) {
+    Replacement out;
+    auto status = put_renewals(out, pki::participant_folder(folder),
+                               {what.renewals.list, what.renewals.cas, what.now});
+    if (status) {
+      auto files = out.commit_each();
+      if (files)
+        std::ranges::move(*files, std::back_inserter(done.files));
+      else
+        status = std::unexpected(std::move(files).error());
+    }
+    if (status) continue;
+    if (status.error().code() == Code::interrupted) return status;
+    done.errors.push_back(std::move(status).error());
+  }
+  return {};
+}
+
+// A folder that cannot be written does not prevent the distribution to others.
+Result<Distributed> put_lists(const std::vector<fs::path>& folders, const Distribution& what) {
+  Distributed done;
+  Replacement out;
+  for (const auto& folder : folders) {
+    out.begin_folder(folder.string());
+    if (auto drafted = put_list_into(out, folder, what); drafted) {
+      done.folders.push_back(folder.string());
+    } else {
+      if (drafted.error().code() == Code::interrupted) return std::unexpected(drafted.error());
+      out.abandon_folder();
+      done.errors.push_back(std::move(drafted).error());
+    }
+  }
+  DDSSEC_ASSIGN_OR_RETURN(done.files, out.commit_each());
+  for (const auto& [folder, error] : out.failures()) {
+    std::erase(done.folders, folder);
+    done.errors.push_back(error);
+  }
+  DDSSEC_RETURN_IF_ERROR(put_renewal_lists(done, what));
+  return done;
+}
+
+// The hint for the CA's own folder; elsewhere the list would be fetched anew.
+Status with_hint_for_ca(Status status, const std::string& given) {
+  if (status) return status;
+  auto details = status.error().details();
+  details.hint = status.error().code() != Code::crl_not_yet_valid
+                     ? fmt::format("make a new list: ddssec crl new --ca {}", given)
+                     : "set the clock of this machine if it is behind; if it is right, the list "
+                       "was made under a clock that was ahead: " +
+                           way_out_of_the_future(given);
+  return fail(status.error().code(), std::move(details));
+}
+
+Result<pki::Crl> list_to_distribute(const CaPaths& paths, const pki::Certificate& ca,
+                                    const std::string& given, WallTime now) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto lists, lists_in(paths.crl));
+  DDSSEC_ASSIGN_OR_RETURN(const auto crl, present_crl(paths));
+  const auto present = crl.value_or(lists.front());
+  DDSSEC_RETURN_IF_ERROR(with_hint_for_ca(named(present.check(ca, now), paths.crl), given));
+  DDSSEC_ASSIGN_OR_RETURN(const auto issue_log, read_issue_log(paths));
+  DDSSEC_ASSIGN_OR_RETURN(const auto is_complete, lists_all(paths, issue_log));
+  if (!is_complete) return fail(Code::crl_incomplete, {.document = paths.crl});
+  return present;
+}
+
+/// The distributed list, and the result.
+struct Outcome {
+  pki::Crl list;
+  Distributed done;
+};
+
+// A user who cannot open the CA's key has no lock. Meanwhile another command may have made and
+// distributed a newer list, which this command then replaced with an older one. The newer list is
+// in the CA's folder before it is in any other. So it is found there, and distributed after the
+// older one.
+Result<Outcome> distribute(const CaPaths& paths, const std::string& given, WallTime now,
+                           const std::vector<fs::path>& folders, bool is_alone) {
+  constexpr int kMostRounds = 16;
+  for (int round = 1;; ++round) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto ca, read_certificate(paths.certificate));
+    DDSSEC_ASSIGN_OR_RETURN(auto list, list_to_distribute(paths, ca, given, now));
+    DDSSEC_ASSIGN_OR_RETURN(auto done,
+                            put_lists(folders, {list, ca, given, now, renewals_of(given, &list)}));
+    std::optional<pki::Crl> present;
+    if (!is_alone) {
+      DDSSEC_ASSIGN_OR_RETURN(present, present_crl(paths));
+    }
+    if (!present || present->pem() == list.pem()) return Outcome{std::move(list), std::move(done)};
+    if (round == kMostRounds)
+      return fail(Code::crl_older,
+                  {.document = paths.crl,
+                   .expected = fmt::format("number {}", number_text(*present)),
+                   .found = fmt::format("number {}", number_text(list)),
+                   .note = "another process goes on making lists; run the command again"});
+  }
+}
+
+// The lists of both CAs are distributed together.
+void add_renewals(Report& report, const std::string& given, const pki::Crl& crl) {
+  // Why one cannot be read stands in the report already.
+  const auto renewals = renewals_of(given, &crl).list;
+  report.result["renewals"] = {{"certificates", renewals.certificates.size()},
+                               {"permissions", renewals.permissions.size()}};
+  if (!renewals.is_empty())
+    report.text += fmt::format("renewal list with {}\n", in_words(renewals));
+}
+
+Result<Report> crl_distribute(const Arguments& arguments, const Context& context) {
+  const auto given = arguments.text("--ca");
+  DDSSEC_RETURN_IF_ERROR(check_ca_folder(given, "identity"));
+  const auto paths = ca_paths(given, "identity");
+  // Held until every folder has the list: no other command may distribute a newer list in between.
+  DDSSEC_ASSIGN_OR_RETURN(const auto lock, lock_records(paths));
+  const auto now = context.clock.now();
+  DDSSEC_ASSIGN_OR_RETURN(const auto ca, read_certificate(paths.certificate));
+  DDSSEC_ASSIGN_OR_RETURN(const auto present, list_to_distribute(paths, ca, given, now));
+  DDSSEC_RETURN_IF_ERROR(check_list_date(present.this_update(), paths, arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const auto recipient, recipients(arguments, paths));
+  DDSSEC_ASSIGN_OR_RETURN(auto distributed,
+                          distribute(paths, given, now, recipient.here, lock.has_value()));
+  auto& [crl, done] = distributed;
+  Report report;
+  report.result = {{"number", number_json(crl)},
+                   {"folders", done.folders},
+                   {"elsewhere", recipient.elsewhere},
+                   {"left_behind", recipient.left_behind},
+                   {"of_other_cas", recipient.of_other_cas}};
+  for (const auto& folder : recipient.other_copies) report.result["elsewhere"].push_back(folder);
+  for (const auto& folder : done.folders) report.text += fmt::format("{}\n", folder);
+  report.text += fmt::format("list {} of {} is in {}, holds {}\n", number_text(crl), crl.issuer(),
+                             counted(done.folders.size(), "folder"), words_until(crl));
+  add_renewals(report, given, crl);
+  report.text += places_text(recipient, paths);
+  if (recipient.is_empty())
+    report.text += fmt::format(
+        "every participant in the CA's log is revoked, and needs no list; those of CAs below it "
+        "do: ddssec crl distribute DIR... --ca {}\n",
+        governance::doctor::shell_word(given));
+  else if (recipient.here.empty())
+    report.exit = Exit::no;
+  for (const auto& error : done.errors) {
+    report.errors.push_back(error);
+    report.exit = std::max(report.exit, exit_of(error.code()));
+  }
+  for (const auto& error : recipient.unseen) {
+    report.errors.push_back(error);
+    report.exit = std::max(report.exit, exit_of(error.code()));
+  }
+  report.files_written = std::move(done.files);
+  return report;
+}
+
+}  // namespace
+
+std::vector<Command> crl_commands() {
+  return {{.group = "crl",
+           .name = "new",
+           .summary = "Makes the CA's next revocation list, with everything that was revoked.",
+           .positionals = {},
+           .options = {ca_option("the CA"),
+                       kNextUpdate,
+                       repeated("--from", "PATH",
+                                "a newer list of this CA, or a folder with one, which the new list "
+                                "follows: after the CA's folder came back from a backup"),
+                       {"--date-now", "",
+                        "date it now, though the list before is dated in the future: after a list "
+                        "was made under a clock that was ahead"},
+                       kClockIsRight,
+                       kPassphraseFile,
+                       kPassphraseEnv,
+                       kInsecureKeyMode},
+           .examples = {"ddssec crl new --ca ca --next-update 90",
+                        "ddssec crl new --ca ca --from listener"},
+           .run = crl_new},
+          {.group = "crl",
+           .name = "show",
+           .summary = "Shows a revocation list and what is on it.",
+           .positionals = {{"PATH", "a list, or the folder of a CA or participant that has one"}},
+           .options = {},
+           .examples = {"ddssec crl show ca"},
+           .run = crl_show},
+          {.group = "crl",
+           .name = "verify",
+           .summary = "Checks that a CA signed a revocation list and that it holds now.",
+           .positionals = {{"PATH", "a list, or the folder of a CA or participant that has one"}},
+           .options = {ca_option("the CA's folder or certificate")},
+           .examples = {"ddssec crl verify talker --ca ca"},
+           .run = crl_verify},
+          {.group = "crl",
+           .name = "distribute",
+           .summary = "Puts the CA's revocation list, and its list of renewed certificates and "
+                      "permissions, into participants' folders; running ones "
+                      "look every 5 s.",
+           .positionals = {{"DIRS",
+                            "the folders; without any, all of this CA's participants that are here",
+                            true, true}},
+           .options = {ca_option("the CA"), kClockIsRight},
+           .examples = {"ddssec crl distribute --ca ca", "ddssec crl distribute talker --ca ca"},
+           .run = crl_distribute}};
+}
+
+}  // namespace ddssec::cli

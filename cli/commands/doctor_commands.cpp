@@ -1,0 +1,344 @@
+// doctor: finds everything that is wrong with a participant's folder, for each product.
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "cli/commands/groups.hpp"
+#include "cli/doctor/doctor_options.hpp"
+#include "cli/doctor/key_passwords.hpp"
+#include "cli/doctor/meeting_report.hpp"
+#include "cli/doctor/participant_diagnosis.hpp"
+#include "cli/doctor/pre_shared_keys.hpp"
+#include "cli/doctor/products.hpp"
+#include "cli/documents/documents.hpp"
+#include "cli/frame/options.hpp"
+#include "cli/inputs.hpp"
+#include "cli/near.hpp"
+#include "governance/doctor/diagnosis.hpp"
+#include "governance/doctor/domains.hpp"
+#include "governance/doctor/host_plugins.hpp"
+#include "governance/doctor/lint_checks.hpp"
+#include "governance/doctor/plugin_probe.hpp"
+#include "governance/doctor/ros.hpp"
+#include "governance/doctor/shared_memory.hpp"
+#include "governance/doctor/transport.hpp"
+#include "governance/model.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+namespace doctor = governance::doctor;
+using doctor::Vendor;
+
+// Findings about products without a column (OpenDDS) are shown unless --vendor is given.
+bool concerns(const Finding& finding, const Products& products) {
+  return finding.vendors.empty() || std::ranges::any_of(finding.vendors, [&](const auto& word) {
+           const auto vendor = doctor::vendor_from(word);
+           return vendor ? std::ranges::find(products.vendors, *vendor) != products.vendors.end()
+                         : products.vendors.size() == doctor::kVendors.size();
+         });
+}
+
+Json verdicts(const doctor::Outcomes& outcomes, const Products& products) {
+  Json out = Json::object();
+  for (const auto vendor : products.vendors)
+    out[doctor::id(vendor, products.lineup)] = to_string(outcomes.of(vendor));
+  return out;
+}
+
+Json to_json(const doctor::Check& check, const Products& products) {
+  Json out = {{"id", info(check.rule).id},
+              {"title", check.title},
+              {"verdicts", verdicts(check.outcomes, products)}};
+  const auto said = std::ranges::find_if(
+      check.findings, [&](const Finding& finding) { return concerns(finding, products); });
+  if (said != check.findings.end())
+    out["fix"] = said->hint.empty() ? std::string(info(check.rule).hint) : said->hint;
+  return out;
+}
+
+constexpr std::size_t kTitleWidth = 54;
+constexpr std::size_t kColumnWidth = 19;
+
+std::string row(std::string_view title, const doctor::Outcomes& outcomes,
+                const Products& products) {
+  auto out = fmt::format("{:<{}} ", title, kTitleWidth);
+  for (const auto vendor : products.vendors)
+    out += fmt::format("{:<{}}", to_string(outcomes.of(vendor)), kColumnWidth);
+  return out.substr(0, out.find_last_not_of(' ') + 1) + '\n';
+}
+
+bool is_good(const doctor::Outcomes& outcomes, const Products& products) {
+  return std::ranges::all_of(
+      products.vendors, [&](Vendor vendor) { return outcomes.of(vendor) == doctor::Outcome::ok; });
+}
+
+std::string table(const doctor::Diagnosis& diagnosis, std::string_view title,
+                  const Products& products) {
+  auto out = fmt::format("{:<{}} ", title, kTitleWidth);
+  for (const auto vendor : products.vendors)
+    out += fmt::format("{:<{}}", doctor::label(vendor, products.lineup), kColumnWidth);
+  out = out.substr(0, out.find_last_not_of(' ') + 1) + '\n';
+  // The JSON has each check; here one line stands for all that are good for every product.
+  std::size_t good = 0;
+  for (const auto& check : diagnosis.checks())
+    if (is_good(check.outcomes, products))
+      ++good;
+    else
+      out += row(check.title, check.outcomes, products);
+  if (good > 0) out += row(counted(good, "check"), {}, products);
+  return out + row("in all", diagnosis.outcomes(), products);
+}
+
+// The findings that concern the chosen products.
+std::vector<Finding> findings_for(const Products& products, const doctor::Diagnosis& diagnosis) {
+  std::vector<Finding> out;
+  for (const auto& check : diagnosis.checks())
+    std::ranges::copy_if(check.findings, std::back_inserter(out),
+                         [&](const Finding& finding) { return concerns(finding, products); });
+  return out;
+}
+
+Json ids(const Products& products) {
+  Json out = Json::array();
+  for (const auto vendor : products.vendors) out.push_back(doctor::id(vendor, products.lineup));
+  return out;
+}
+
+/// The result for one folder; findings and text are added to the report.
+Json add_diagnosis(Report& report, const fs::path& folder, const doctor::Diagnosis& diagnosis,
+                   const doctor::Settings& settings, const Products& products) {
+  auto findings = findings_for(products, diagnosis);
+  const auto count = counted(findings);
+  add_findings(report, std::move(findings), folder);
+  if (!is_good(diagnosis.outcomes(), products)) report.exit = Exit::no;
+  report.text +=
+      table(diagnosis, fmt::format("{}, domain {}", folder.string(), settings.domain), products) +
+      count + '\n';
+  Json out = {{"vendors", ids(products)}, {"checks", Json::array()}};
+  for (const auto& check : diagnosis.checks()) out["checks"].push_back(to_json(check, products));
+  out["verdicts"] = verdicts(diagnosis.outcomes(), products);
+  return out;
+}
+
+bool is_said_by_diagnosis(Rule rule) {
+  constexpr Rule kSaid[] = {Rule::DOC008, Rule::DOC090, Rule::DOC091, Rule::DOC093,
+                            Rule::DOC101, Rule::DOC102, Rule::DOC103};
+  return std::ranges::find(kSaid, rule) != std::end(kSaid);
+}
+
+// Checks each product of one side with each product of the other. That two products are
+// incompatible is a "no" only if --vendor names both.
+void add_meetings(Report& report, const doctor::Party& self, const doctor::Party& peer,
+                  const doctor::Settings& settings, const Products& products,
+                  bool products_chosen) {
+  report.result["peer"]["meetings"] = Json::array();
+  std::vector<std::string> said;
+  for (const auto a : products.vendors)
+    for (const auto b : products.vendors) {
+      const auto meeting = meet_with_keys({self.folder, a, self.name, products.lineup},
+                                          {peer.folder, b, peer.name, products.lineup}, settings);
+      const MeetingView view{
+          .meeting = meeting, .names = {self.name, peer.name}, .domain = settings.domain};
+      const bool talk = would_talk(view);
+      if (!talk && (a == b || products_chosen)) report.exit = Exit::no;
+      report.text += fmt::format(
+          "{} on {}, {} on {}: {}\n", self.name, doctor::label(a, products.lineup), peer.name,
+          doctor::label(b, products.lineup), talk ? "they talk" : "they do NOT talk");
+      report.result["peer"]["meetings"].push_back({{"self", doctor::id(a, products.lineup)},
+                                                   {"peer", doctor::id(b, products.lineup)},
+                                                   {"talk", talk}});
+      auto findings = meeting.findings;
+      std::ranges::copy_if(meeting.notes, std::back_inserter(findings), [](const auto& note) {
+        return note.rule == Rule::DOC094;  // the others are of this pair alone
+      });
+      for (const auto& finding : findings) {
+        if (is_said_by_diagnosis(finding.rule)) continue;
+        if (std::ranges::find(said, finding.message) != said.end()) continue;
+        said.push_back(finding.message);
+        report.findings.push_back(finding);
+      }
+    }
+}
+
+void add_peer(Report& report, const Arguments& arguments, const doctor::LoadedFolder& self,
+              const doctor::LoadedFolder& peer, const doctor::Settings& settings,
+              const Products& products) {
+  const fs::path folders[] = {arguments.text("DIR"), arguments.text("--peer")};
+  report.text += '\n';
+  auto diagnosis = diagnosis_of(peer, settings);
+  doctor::check_lint(peer, settings, diagnosis);
+  report.result["peer"] = add_diagnosis(report, folders[1], diagnosis, settings, products);
+  std::string names[2];
+  name_parties(folders[0], folders[1], names);
+  report.text += '\n';
+  add_meetings(report, {self, Vendor::ours, names[0]}, {peer, Vendor::ours, names[1]}, settings,
+               products, arguments.has("--vendor"));
+}
+
+// A ROS 2 node uses only its environment, and runs in domain 0 if that names none.
+Result<DomainId> ros_domain() {
+  const auto environment = doctor::ros_environment();
+  const auto found = environment.find("ROS_DOMAIN_ID");
+  if (found == environment.end() || found->second.empty()) return DomainId{0};
+  if (const auto domain = doctor::node_domain(found->second)) return *domain;
+  return fail(Code::usage,
+              {.field = "the environment variable ROS_DOMAIN_ID",
+               .expected = fmt::format("a number from 0 to {}", governance::kHighestDomainId),
+               .found = '"' + found->second + '"',
+               .note = "a leading 0 makes it octal for a node, 0x hexadecimal"});
+}
+
+// The configuration with which an application would run, as far as it is known: that of the
+// environment, or the one in the folder.
+std::optional<std::string> configuration_for(const fs::path& folder) {
+  if (auto named = doctor::cyclonedds_configuration()) return named;
+  const auto file = folder / "cyclonedds.xml";
+  return is_there(file) ? doctor::cyclonedds_configuration(file.string()) : std::nullopt;
+}
+
+std::vector<doctor::HostPlugin> host_plugins_for(const fs::path& folder, bool is_of_ros,
+                                                 const doctor::LoaderPlaces& places) {
+  if (is_of_ros) return plugins_of_node(places);
+  const auto configuration = configuration_for(folder);
+  return configuration ? doctor::host_plugins(*configuration, places)
+                       : std::vector<doctor::HostPlugin>();
+}
+
+// A machine without Cyclone DDS has no plugins to report.
+void add_host_plugins(Report& report, const std::vector<doctor::HostPlugin>& plugins,
+                      bool is_configured) {
+  report.result["plugins"] = Json::array();
+  if (std::ranges::all_of(plugins, [](const auto& plugin) {
+        return plugin.file.empty() && !plugin.library.contains('/');
+      }))
+    return;
+  report.text +=
+      fmt::format("with this LD_LIBRARY_PATH{} Cyclone DDS would load\n",
+                  is_configured ? "" : ", and CYCLONEDDS_URI set to the folder's cyclonedds.xml,");
+  for (const auto& plugin : plugins) {
+    const auto missing = plugin.missing.empty() ? ""
+                                                : fmt::format(" (cannot be loaded without {})",
+                                                              fmt::join(plugin.missing, ", "));
+    report.text += fmt::format("  {:<15} {}{}{}\n", plugin.role, maker_of(plugin),
+                               plugin.file.empty() ? "" : ": " + plugin.file.string(), missing);
+    using enum doctor::HostPlugin::Maker;
+    Json row = {{"role", plugin.role}, {"library", plugin.library}};
+    row["file"] = plugin.file.empty() ? Json() : Json(plugin.file.string());
+    row["maker"] = plugin.maker == ours ? Json("ddssec") : plugin.maker == other ? "other" : Json();
+    row["version"] = plugin.version.empty() ? Json() : Json(plugin.version);
+    report.result["plugins"].push_back(std::move(row));
+  }
+}
+
+// The domain of the node. If the documents do not cover it, one that they cover, so that the wrong
+// variable (DOC096) is not reported again for each document.
+Result<DomainId> domain_of_node(const doctor::LoadedFolder& folder, WallTime now) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto domain, ros_domain());
+  const auto named = doctor::domains_of(folder, now);
+  if (named.empty() || doctor::contains(named, domain)) return domain;
+  const doctor::Domains participants[] = {named};
+  return doctor::choose_domain(participants).domain;
+}
+
+Result<Report> doctor_of(const Arguments& arguments, const Context& context) {
+  const fs::path folder = arguments.text("DIR");
+  Report report;
+  DDSSEC_ASSIGN_OR_RETURN(const auto products, products_of(arguments, report));
+  const auto now = context.clock.now();
+  DDSSEC_RETURN_IF_ERROR(check_participant_folder(folder));
+  const auto loaded = load_participant(folder, now);
+  std::optional<doctor::LoadedFolder> peer;
+  if (arguments.has("--peer")) {
+    DDSSEC_RETURN_IF_ERROR(check_participant_folder(arguments.text("--peer")));
+    peer = load_participant(arguments.text("--peer"), now);
+  }
+  const bool is_of_ros = arguments.has("--ros") && !arguments.has("--domain");
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto domain,
+      is_of_ros ? domain_of_node(loaded, now)
+                : domain_for(arguments, {&loaded, peer ? &*peer : &loaded}, now, report));
+  const doctor::Settings settings{.now = now, .domain = domain, .lineup = products.lineup};
+  auto diagnosis = diagnosis_of(loaded, settings);
+  if (arguments.has("--ros"))
+    doctor::check_ros(loaded, doctor::ros_environment(), settings, diagnosis);
+  if (arguments.has("--plugins"))
+    doctor::check_plugins(
+        arguments.text("--plugins") == "system" ? "" : arguments.text("--plugins"), diagnosis);
+  if (!arguments.has("--ros")) warn_of_unset_variable(loaded, settings, diagnosis);
+  if (!arguments.has("--ros") && arguments.has("--vendor"))
+    warn_of_unset_profiles_file(loaded, settings, diagnosis);
+  const auto in_force = doctor::cyclonedds_configuration();
+  doctor::check_shared_memory(loaded, in_force, settings, diagnosis);
+  doctor::check_transport(in_force, diagnosis);
+  const auto places = doctor::LoaderPlaces::here();
+  const auto plugins = host_plugins_for(folder, arguments.has("--ros"), places);
+  if (arguments.has("--ros"))
+    doctor::check_loadable(plugins, diagnosis);
+  else
+    doctor::check_host_plugins(plugins, places, is_there(folder / "cyclonedds.xml"), diagnosis);
+  doctor::check_lint(loaded, settings, diagnosis);
+  report.result = {{"domain", domain}};
+  report.result.update(add_diagnosis(report, folder, diagnosis, settings, products));
+  add_host_plugins(report, plugins, in_force || arguments.has("--ros"));
+  if (peer) add_peer(report, arguments, loaded, *peer, settings, products);
+  return report;
+}
+
+}  // namespace
+
+doctor::LoadedFolder load_participant(const fs::path& folder, WallTime now) {
+  auto out = doctor::load_folder(pki::participant_folder(folder), now);
+  open_key(out);
+  return out;
+}
+
+Result<DomainId> domain_for(const Arguments& arguments,
+                            std::initializer_list<const doctor::LoadedFolder*> folders,
+                            WallTime now, Report& report) {
+  if (arguments.has("--domain")) return domain_of(arguments);
+  std::vector<doctor::Domains> domains;
+  for (const auto* folder : folders) domains.push_back(domains_of(*folder, now));
+  const auto choice = doctor::choose_domain(domains);
+  if (choice.has_others())
+    report.findings.push_back(
+        {.rule = Rule::DOC095,
+         .message = fmt::format("the documents are for domains {}; domain {} was checked",
+                                doctor::in_words(choice.named), choice.domain)});
+  return choice.domain;
+}
+
+void name_parties(const fs::path& a, const fs::path& b, std::string (&names)[2]) {
+  names[0] = folder_name(a);
+  names[1] = folder_name(b);
+  if (names[0] != names[1]) return;
+  names[0] = a.string();
+  names[1] = b.string();
+}
+
+std::vector<Command> doctor_commands() {
+  return {
+      {.group = "",
+       .name = "doctor",
+       .summary = "Finds what is wrong with a participant's folder, for each product; exit 1 if "
+                  "something is.",
+       .positionals = {{"DIR", "the participant's folder, flat or an enclave of sros2"}},
+       .options = {kDomainToCheck,
+                   repeated("--vendor", "V",
+                            "all, cyclonedds, fastdds or ddssec; with @VERSION if another than "
+                            "the installed one matters"),
+                   {"--peer", "DIR", "another participant: would they talk?"},
+                   {"--ros", "", "as an enclave of ROS 2, with its variables and ROS_DOMAIN_ID"},
+                   {"--plugins", "WHERE",
+                    "load the plugin libraries of this folder, or (system) Cyclone DDS's"}},
+       .examples = {"ddssec doctor demo/talker", "ddssec doctor talker --vendor fastdds@3.1.2",
+                    "ddssec doctor talker --peer listener"},
+       .run = doctor_of}};
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,305 @@
+// governance, permissions: signing and verifying documents.
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "cli/ca/ca_folder.hpp"
+#include "cli/ca/renewal_list.hpp"
+#include "cli/commands/groups.hpp"
+#include "cli/doctor/products.hpp"
+#include "cli/documents/documents.hpp"
+#include "cli/documents/governance_revision.hpp"
+#include "cli/documents/granted_domains.hpp"
+#include "cli/documents/signed_documents.hpp"
+#include "cli/frame/new_file.hpp"
+#include "cli/frame/options.hpp"
+#include "cli/frame/transaction.hpp"
+#include "cli/inputs.hpp"
+#include "cli/near.hpp"
+#include "governance/doctor/loaded_folder.hpp"
+#include "governance/doctor/measured.hpp"
+#include "governance/doctor/subject_form.hpp"
+#include "governance/lint.hpp"
+#include "pki/source.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+namespace doctor = governance::doctor;
+
+std::vector<Finding> lint_before_signing(const governance::Governance& document, std::size_t,
+                                         WallTime) {
+  return lint(document);
+}
+std::vector<Finding> lint_before_signing(const governance::Permissions& document,
+                                         std::size_t octets, WallTime now) {
+  return lint(document, {.now = now, .signed_octets = octets});
+}
+
+Report not_signed(const fs::path& file, std::vector<Finding> findings) {
+  Report report;
+  report.text = fmt::format("{}: not signed: {} (--no-lint signs it anyway)\n", file.string(),
+                            counted(findings));
+  add_findings(report, std::move(findings), file);
+  return report;
+}
+
+// The governance document that is beside the result counts for the participant.
+std::vector<Finding> uncovered(const governance::Governance&, const fs::path&, const fs::path&) {
+  return {};
+}
+std::vector<Finding> uncovered(const governance::Permissions& document, const fs::path& to,
+                               const fs::path& file) {
+  return uncovered_grants(document, pki::participant_folder(folder_of(to)).governance, file);
+}
+
+/// What is signed: a governance document with a revision.
+Result<NumberedText> text_to_sign(const governance::Governance& document, BytesView xml,
+                                  const fs::path& to, const OpenCa& ca,
+                                  const Arguments& arguments) {
+  if (arguments.has("--no-revision")) return NumberedText{to_bytes(xml), document.revision};
+  return with_next_revision(document, xml, to, ca);
+}
+Result<NumberedText> text_to_sign(const governance::Permissions&, BytesView xml, const fs::path&,
+                                  const OpenCa&, const Arguments&) {
+  return NumberedText{to_bytes(xml)};
+}
+
+// Whether sessions of the participants may go on with the document.
+bool extends_former(const governance::Governance&, const fs::path&, const OpenCa&, WallTime) {
+  return false;
+}
+bool extends_former(const governance::Permissions& document, const fs::path& to, const OpenCa& ca,
+                    WallTime now) {
+  auto former = listed_grants(ca.paths, now);
+  const auto proof = verified(to, ca.paths.certificate, now);
+  const auto log = read_signing_log(ca.paths);
+  if (proof && log &&
+      log->standing(proof->content(), proof->signer()) == pki::SigningLog::Standing::current)
+    if (auto old = governance::read_permissions(proof->content(), proof->first_line()))
+      std::ranges::move(old->grants, std::back_inserter(former));
+  return extends(document, former);
+}
+
+Status list_signed(const OpenCa& ca, BytesView signed_octets, const fs::path& to, WallTime now) {
+  NewlyListed listed;
+  listed.add(ca.paths, signed_octets, to);
+  return listed.write(now);
+}
+
+// A document that cannot be parsed, or in which lint finds errors, must not be signed.
+template <class Kind>
+Result<Report> sign(const Arguments& arguments, const Context& context) {
+  const fs::path from = arguments.text("FILE");
+  const fs::path to = arguments.has("-o") ? fs::path(arguments.text("-o")) : signed_path(from);
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(from, pki::kMostDocumentOctets));
+  if (pki::examine_document(octets).wrapping == pki::DocumentWrapping::multipart)
+    return fail(Code::usage,
+                {.document = from, .field = "FILE", .note = "it is signed already; give the XML"});
+  DDSSEC_ASSIGN_OR_RETURN(const auto document, named(Kind::read(octets), from));
+  Report report;
+  if (!arguments.has("--no-lint")) {
+    auto findings = lint_before_signing(document, signed_size(octets), context.clock.now());
+    if (governance::has_errors(findings)) return not_signed(from, std::move(findings));
+    add_findings(report, std::move(findings), from);
+  }
+  for (auto& finding : uncovered(document, to, from)) report.findings.push_back(std::move(finding));
+  DDSSEC_ASSIGN_OR_RETURN(const auto ca, CaOpener(arguments).open("permissions"));
+  DDSSEC_ASSIGN_OR_RETURN(const auto text,
+                          named(text_to_sign(document, octets, to, ca, arguments), from));
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto signed_octets,
+      named(ca.authority.sign_document(text.octets, context.clock.now(), context.random), from));
+  if (const auto size = signed_octets.size(); std::is_same_v<Kind, PermissionsKind> &&
+                                              size > pki::kMostSentPermissionsOctets &&
+                                              !arguments.has("--no-lint"))
+    return not_signed(from, {governance::too_long_for_peers(size)});
+  DDSSEC_RETURN_IF_ERROR(check_result_place(to, arguments));
+  const bool is_extension = extends_former(document, to, ca, context.clock.now());
+  DDSSEC_RETURN_IF_ERROR(
+      log_signed(ca.paths, signed_line(ca.certificate(), text, to, context.clock.now())));
+  DDSSEC_ASSIGN_OR_RETURN(auto written, write_result(to, signed_octets, arguments));
+  report.files_written.push_back(std::move(written));
+  const auto listed =
+      is_extension ? list_signed(ca, signed_octets, to, context.clock.now()) : Status();
+  if (!listed) report.errors.push_back(listed.error());
+  report.text += fmt::format("{}  signed by {}\n", to.string(), ca.certificate().subject());
+  report.result = {{"file", to.string()}, {"signer", ca.certificate().subject()}};
+  if (text.revision != 0) {
+    report.text.insert(report.text.size() - 1, fmt::format(", revision {}", text.revision));
+    report.result["revision"] = text.revision;
+  }
+  return report;
+}
+
+/// The verification result of the signature with each product.
+struct Beliefs {
+  Result<pki::SignedDocument> ours;
+  bool cyclonedds = false;
+  bool fastdds = false;
+  doctor::Lineup lineup = installed_lineup();
+
+  std::string_view verdict(doctor::Vendor vendor) const {
+    const bool accepts = vendor == doctor::Vendor::cyclonedds ? cyclonedds
+                         : vendor == doctor::Vendor::fastdds  ? fastdds
+                                                              : ours.has_value();
+    return accepts ? "accepts" : "refuses";
+  }
+  Json verdicts() const {
+    Json out = Json::object();
+    for (const auto vendor : doctor::kVendors) out[doctor::id(vendor, lineup)] = verdict(vendor);
+    return out;
+  }
+  /// "Cyclone DDS 0.10.2 refuses it, Fast DDS 2.9.1 accepts it".
+  std::string in_words() const {
+    const auto words = [&](doctor::Vendor vendor) {
+      return fmt::format("{} {} it", doctor::name(vendor, lineup), verdict(vendor));
+    };
+    return words(doctor::Vendor::cyclonedds) + ", " + words(doctor::Vendor::fastdds);
+  }
+};
+
+Result<Beliefs> beliefs(const fs::path& file, const fs::path& ca, WallTime now) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMostDocumentOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto file_octets, read_file(ca, pki::kMostBundleOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const Result<std::vector<pki::Certificate>> anchors,
+                          named(pki::Certificate::bundle_from_pem(file_octets), ca));
+  const auto verifier = named(pki::DocumentVerifier::make(*anchors), ca);
+  Beliefs out{.ours = verifier ? named(verifier->verify(octets, now), file)
+                               : std::unexpected(verifier.error())};
+  // From version 11 on, Cyclone DDS accepts only the CA itself as signer, like ddssec.
+  const auto by_another = measured(doctor::Variant::permissions_by_itself, out.lineup);
+  const bool is_other_signer =
+      !out.ours && out.ours.error().code() == Code::smime_signer_not_permissions_ca;
+  const auto accepts = [&](doctor::Vendor vendor) {
+    return believes(vendor, octets, anchors, {}, now) &&
+           !(is_other_signer && by_another.of(vendor) == doctor::Outcome::fail);
+  };
+  out.cyclonedds = accepts(doctor::Vendor::cyclonedds);
+  out.fastdds = accepts(doctor::Vendor::fastdds);
+  return out;
+}
+
+// ddssec accepts only the CA itself as signer, so stock products may accept a document that ddssec
+// refuses (CVE-2023-24010).
+Report refused(const Beliefs& all) {
+  Report report = report_of(all.ours.error());
+  report.text = fmt::format("refused; {}\n", all.in_words());
+  report.result = {{"verdicts", all.verdicts()}};
+  return report;
+}
+
+// Adds the products for which a grant's spelling of the subject does not match a certificate, as
+// measured with each.
+void name_vendors(std::vector<Finding>& findings, const governance::Permissions& document,
+                  const pki::Certificate& certificate) {
+  for (auto& finding : findings) {
+    if (finding.rule != Rule::PERM011 || finding.severity >= Severity::error) continue;
+    const auto grant = std::ranges::find(document.grants, finding.line, &governance::Grant::line);
+    if (grant == document.grants.end()) continue;
+    const auto outcomes =
+        doctor::reads_subject(grant->subject_name, certificate, installed_lineup());
+    finding.vendors.clear();
+    if (outcomes.cyclonedds != doctor::Outcome::ok) finding.vendors.emplace_back("cyclonedds");
+    if (outcomes.fastdds != doctor::Outcome::ok || grant->subject_has_line_breaks)
+      finding.vendors.emplace_back("fastdds");
+  }
+}
+
+Result<std::vector<Finding>> lint_for_vendors(const governance::Governance& document,
+                                              const Arguments&, WallTime) {
+  return lint(document);
+}
+Result<std::vector<Finding>> lint_for_vendors(const governance::Permissions& document,
+                                              const Arguments& arguments, WallTime now) {
+  if (!arguments.has("--cert")) return lint(document, {.now = now});
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificate, certificate_of(arguments.text("--cert")));
+  auto findings = lint(document, {.now = now, .certificate = &certificate});
+  name_vendors(findings, document, certificate);
+  return findings;
+}
+
+template <class Kind>
+Result<Report> verify(const Arguments& arguments, const Context& context) {
+  const auto file = document_path<Kind>(arguments.text("FILE"));
+  const auto now = context.clock.now();
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto all,
+      beliefs(file, ca_certificate_path(arguments.text("--ca"), "permissions"), now));
+  if (!all.ours) return refused(all);
+  const auto& proof = all.ours;
+  DDSSEC_ASSIGN_OR_RETURN(const auto document,
+                          named(Kind::read(proof->content(), proof->first_line()), file));
+  Report report;
+  report.text = fmt::format("{}: signed by {}, valid until {}\n", file.string(),
+                            proof->signer().subject(), date(proof->signer_not_after()));
+  if (!all.cyclonedds || !all.fastdds) report.text += "signature: " + all.in_words() + '\n';
+  report.result = {{"file", file.string()},
+                   {"signer", proof->signer().subject()},
+                   {"signer_sha256", to_hex(proof->signer().fingerprint())},
+                   {"signer_not_after", to_string(proof->signer_not_after())},
+                   {"verdicts", all.verdicts()}};
+  DDSSEC_ASSIGN_OR_RETURN(auto findings, lint_for_vendors(document, arguments, now));
+  add_findings(report, std::move(findings), file);
+  return report;
+}
+
+const Option kCaCertificate{.name = "--ca",
+                            .value = "FILE",
+                            .summary = "the permissions CA's certificate",
+                            .required = true};
+
+std::vector<Option> signing_options() {
+  return {ca_option("the folder that ca create made"),
+          {"-o", "FILE", "the signed document, if not FILE with the ending p7s"},
+          {"--no-lint", "", "sign although lint finds errors"},
+          kReplace,
+          kPassphraseFile,
+          kPassphraseEnv,
+          kInsecureKeyMode};
+}
+
+std::vector<Option> with_option(std::vector<Option> options, const Option& more) {
+  options.push_back(more);
+  return options;
+}
+
+}  // namespace
+
+std::vector<Command> document_commands() {
+  return {
+      {.group = "governance",
+       .name = "sign",
+       .summary = "Signs a governance document that lint passes, in the form every vendor reads.",
+       .positionals = {{"FILE", "the XML document"}},
+       .options = with_option(signing_options(), kNoRevision),
+       .examples = {"ddssec governance sign governance.xml --ca ca"},
+       .run = sign<GovernanceKind>},
+      {.group = "governance",
+       .name = "verify",
+       .summary = "Verifies a signed governance document, and says which product refuses what.",
+       .positionals = {{"FILE", "the signed document, or the participant's folder"}},
+       .options = {kCaCertificate},
+       .examples = {"ddssec governance verify governance.p7s --ca ca/permissions/ca.pem"},
+       .run = verify<GovernanceKind>},
+      {.group = "permissions",
+       .name = "sign",
+       .summary = "Signs a permissions document that lint passes, in the form every vendor reads.",
+       .positionals = {{"FILE", "the XML document"}},
+       .options = signing_options(),
+       .examples = {"ddssec permissions sign permissions.xml --ca ca -o talker/permissions.p7s"},
+       .run = sign<PermissionsKind>},
+      {.group = "permissions",
+       .name = "verify",
+       .summary = "Verifies a signed permissions document, and says which product refuses what.",
+       .positionals = {{"FILE", "the signed document, or the participant's folder"}},
+       .options = {kCaCertificate, {"--cert", "FILE", "the certificate that it is for"}},
+       .examples = {"ddssec permissions verify permissions.p7s --ca ca/permissions/ca.pem "
+                    "--cert cert.pem"},
+       .run = verify<PermissionsKind>}};
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,386 @@
+// expiry: lists everything that expires, in one table; for users, cron and systemd.
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <tuple>
+
+#include <fmt/format.h>
+
+#include "base/hash.hpp"
+#include "base/ordered.hpp"
+#include "cli/ca/ca_folder.hpp"
+#include "cli/commands/groups.hpp"
+#include "cli/documents/documents.hpp"
+#include "cli/frame/options.hpp"
+#include "cli/inputs.hpp"
+#include "governance/read.hpp"
+#include "pki/crl.hpp"
+#include "pki/ocsp.hpp"
+#include "pki/smime_diagnosis.hpp"
+#include "pki/source.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kDeepest = 16;
+constexpr std::size_t kMostFiles = 500'000;
+constexpr auto kKinds = "a certificate, a revocation list or permissions";
+constexpr std::string_view kOcspResponse = "OCSP response";
+
+/// Something that expires.
+struct Ending {
+  std::string_view kind;  ///< "CA", "certificate", "revocation list", "permissions", kOcspResponse
+  std::string subject;
+  WallTime end;
+  fs::path file;
+  std::size_t places = 1;  ///< how many files hold the same
+  std::string id = {};     ///< of a certificate: issuer and serial number
+  WallTime begin = {};     ///< before it, hosts refuse it
+};
+
+/// Finds everything that expires below some paths; the same object in several files is one row. A
+/// document expires with the certificate that signed it, whichever file contains that.
+class Search {
+ public:
+  /// Unreadable files, and paths without anything that expires, are listed in unreadable(): a watch
+  /// that sees nothing must not report success.
+  void look_at(const fs::path& path) {
+    const auto before = hits_ + unreadable_.size();
+    std::error_code error;
+    const auto type = fs::status(path, error).type();
+    is_folder_ = type == fs::file_type::directory;
+    if (is_folder_)
+      collect(path, 0);
+    else if (type == fs::file_type::none)
+      leave_out(path, error.message());
+    else
+      paths_.insert(path);
+    for (const auto& file : paths_) look_into(file);
+    paths_.clear();
+    is_full_ = false;
+    if (hits_ + unreadable_.size() > before) return;
+    if (is_folder_) {
+      unreadable_.emplace_back(
+          Code::file_unreadable,
+          ErrorDetails{
+              .document = path,
+              .note = fmt::format("{} is expected in the folder, and there is none", kKinds),
+              .hint = "name the folder of a participant, of a CA, or one with such folders in it"});
+      return;
+    }
+    unreadable_.emplace_back(
+        Code::file_unreadable,
+        ErrorDetails{.document = path, .expected = kKinds, .found = "another file"});
+  }
+
+  /// To be called after the last path: a link to a folder is well if that was searched under its
+  /// own name.
+  void check_links() {
+    for (const auto& link : links_) {
+      std::error_code ignored;
+      const auto target = fs::weakly_canonical(link, ignored);
+      if (!searched_.contains(target.string()))
+        leave_out(link, fmt::format("links to folders are not followed; search {} as well",
+                                    target.string()));
+    }
+  }
+
+  std::vector<Ending> endings() const {
+    std::vector<Ending> out;
+    for (const auto& [key, ending] : found_) out.push_back(ending);
+    for (const auto& [key, ending] : signers_)
+      if (!found_.contains(key)) out.push_back(ending);
+    order_by_least(out, [](const Ending& e) { return std::tuple(e.end, e.file.string()); });
+    return out;
+  }
+  const std::vector<Error>& unreadable() const { return unreadable_; }
+  /// True if one of the lists found contains it, whatever the list's signature.
+  bool is_revoked(const Ending& ending) const { return revoked_.contains(ending.id); }
+
+ private:
+  void leave_out(const fs::path& path, std::string why) {
+    unreadable_.emplace_back(Code::file_unreadable,
+                             ErrorDetails{.document = path, .note = std::move(why)});
+  }
+
+  static bool leads_nowhere(const fs::directory_entry& entry) {
+    std::error_code error;
+    return entry.is_symlink(error) && !fs::exists(entry.status(error));
+  }
+
+  // Does not follow symbolic links to folders: one may lead to the root of the file system.
+  void collect(const fs::path& folder, int depth) {
+    if (depth > kDeepest)
+      return leave_out(folder, fmt::format("folders deeper than {} are not searched", kDeepest));
+    std::error_code error, ignored;
+    searched_.insert(fs::weakly_canonical(folder, ignored).string());
+    fs::directory_iterator at(folder, error);
+    for (; !error && at != fs::directory_iterator() && !is_full_; at.increment(error)) {
+      if (at->is_directory(ignored) && !at->is_symlink(ignored)) {
+        if (is_of_participant(at->path())) leave_out(at->path(), "it is a folder");
+        collect(at->path(), depth + 1);
+      } else if (may_have_an_end(at->path()) || leads_nowhere(*at)) {
+        add_file(*at);
+      } else if (at->is_directory(ignored)) {
+        links_.insert(at->path());
+      }
+    }
+    if (error) leave_out(folder, error.message());
+    check_certificate_in(folder);
+  }
+
+  void check_certificate_in(const fs::path& folder) {
+    const auto has = [&](const char* name) {
+      std::error_code ignored;
+      return fs::exists(fs::symlink_status(folder / name, ignored));
+    };
+    if (has("cert.pem") || (!has("key.pem") && !has("key.p11"))) return;
+    if (has("cert.p11"))
+      leave_out(folder / "cert.p11",
+                "certificates in tokens are not read; put it there as cert.pem");
+    else
+      leave_out(folder / "cert.pem", "it is missing in the folder of a participant");
+  }
+
+  void add_file(const fs::directory_entry& file) {
+    std::error_code error;
+    const auto type = file.status(error).type();
+    if (type == fs::file_type::regular)
+      paths_.insert(file.path());
+    else if (type == fs::file_type::not_found || type == fs::file_type::none)
+      leave_out(file.path(),
+                type == fs::file_type::none ? error.message() : "a link that leads nowhere");
+    else
+      leave_out(file.path(), "it is no regular file");
+    if (paths_.size() < kMostFiles) return;
+    is_full_ = true;
+    leave_out(file.path(), fmt::format("it is file number {}; no more are read", kMostFiles));
+  }
+
+  // Keys are readable by their owner only, and do not expire.
+  static bool is_closed_key(const fs::path& file, Code code) {
+    return code == Code::file_unreadable && file.stem().string().ends_with("key");
+  }
+
+  static bool may_have_an_end(const fs::path& file) {
+    const auto ending = file.extension();
+    return ending == ".pem" || ending == ".crt" || ending == ".cer" || ending == ".crl" ||
+           is_document(file) || is_ocsp_response(file);
+  }
+  static bool is_ocsp_response(const fs::path& file) { return file.filename() == "ocsp.der"; }
+  static bool is_document(const fs::path& file) {
+    return file.extension() == ".p7s" || file.extension() == ".smime";
+  }
+  static bool is_permissions(const fs::path& file) {
+    return is_document(file) && file.stem() == "permissions";
+  }
+  static bool is_of_participant(const fs::path& file) {
+    return file.filename() == "cert.pem" || is_permissions(file);
+  }
+
+  // Keys and requests have no end. A file of another kind that yields nothing was not read.
+  static bool has_no_end(const fs::path& file, std::string_view text) {
+    const auto name = file.stem().string();
+    return name.ends_with("key") || (name != "cert" && name != "crl" && !name.ends_with("ca") &&
+                                     text.contains("-----BEGIN "));
+  }
+
+  // Links to one file count once.
+  void look_into(const fs::path& file) {
+    std::error_code ignored;
+    if (!seen_.insert(fs::weakly_canonical(file, ignored).string()).second) {
+      ++hits_;
+      return;
+    }
+    const auto octets = read_file(file, pki::kMostDocumentOctets);
+    const auto before = hits_;
+    const auto status = !octets                  ? Status(std::unexpected(octets.error()))
+                        : is_ocsp_response(file) ? look_into_response(file, *octets)
+                        : is_document(file)      ? look_into_document(file, *octets)
+                                                 : look_into_pem(file, *octets);
+    if (!status) {
+      if (!is_closed_key(file, status.error().code()))
+        unreadable_.push_back(status.error().in(file));
+    } else if (is_folder_ && hits_ == before &&
+               (is_document(file) || !has_no_end(file, as_text(*octets)))) {
+      leave_out(file, fmt::format("it has no {} that can be read",
+                                  is_document(file) ? "signer" : "certificate or revocation list"));
+    }
+  }
+
+  // OpenSSL, and so stock products, accept certificates with each of these labels. The label for
+  // trusted certificates contains more than a certificate and is an error.
+  static std::string with_usual_labels(std::string_view text) {
+    std::string out(text);
+    for (const std::string_view label : {"X509 CERTIFICATE-----", "TRUSTED CERTIFICATE-----"})
+      for (auto at = out.find(label); at != out.npos; at = out.find(label, at))
+        out.replace(at, label.size(), "CERTIFICATE-----");
+    return out;
+  }
+
+  static Ending ending_of(const pki::Certificate& certificate, const fs::path& file) {
+    return {certificate.is_ca() ? "CA" : "certificate",
+            certificate.subject(),
+            certificate.not_after(),
+            file,
+            1,
+            certificate.issuer() + ' ' + certificate.serial(),
+            certificate.not_before()};
+  }
+
+  // The certificates of a renewal list are other participants', whose own folders hold them.
+  static bool is_renewal_list(const fs::path& file) {
+    return file.stem().string().ends_with("renewed");
+  }
+
+  Status look_into_pem(const fs::path& file, BytesView octets) {
+    if (is_renewal_list(file)) return {};
+    const auto text = with_usual_labels(as_text(octets));
+    if (text.contains("-----BEGIN CERTIFICATE-----")) {
+      DDSSEC_ASSIGN_OR_RETURN(const auto bundle, pki::Certificate::bundle_from_pem(as_bytes(text)));
+      for (const auto& certificate : bundle)
+        add(ending_of(certificate, file), to_hex(certificate.fingerprint()));
+    }
+    if (text.find("-----BEGIN X509 CRL-----") == text.npos) return {};
+    DDSSEC_ASSIGN_OR_RETURN(const auto crls, pki::Crl::all_from(octets));
+    for (const auto& crl : crls) {
+      DDSSEC_ASSIGN_OR_RETURN(const auto revoked, crl.revoked());
+      for (const auto& entry : revoked) revoked_.insert(crl.issuer() + ' ' + entry.serial);
+      if (crl.next_update())
+        add({.kind = "revocation list",
+             .subject = crl.issuer(),
+             .end = *crl.next_update(),
+             .file = file,
+             .begin = crl.this_update()},
+            to_hex(sha256(as_bytes(crl.pem()))));
+    }
+    return {};
+  }
+
+  Status look_into_response(const fs::path& file, BytesView octets) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto dates, pki::ocsp_dates(octets));
+    const auto certificate = read_certificate(fs::path(file).replace_filename("cert.pem"));
+    add({.kind = kOcspResponse,
+         .subject = certificate ? certificate->subject() : "unknown",
+         .end = dates.until,
+         .file = file,
+         .begin = dates.this_update},
+        to_hex(sha256(octets)));
+    return {};
+  }
+
+  // Its date counts whatever its signature: a forged date is found by verify and doctor.
+  Status look_into_document(const fs::path& file, BytesView octets) {
+    const auto form = pki::examine_document(octets);
+    if (form.ambiguous) return std::unexpected(*form.ambiguous);
+    const auto signers = add_signers(form, file);
+    if (as_text(form.unverified_text).find("<permissions") == std::string_view::npos) {
+      if (is_permissions(file)) leave_out(file, "it has no <permissions> that can be read");
+      return signers;
+    }
+    DDSSEC_ASSIGN_OR_RETURN(const auto document,
+                            governance::read_permissions(form.unverified_text, form.first_line));
+    for (const auto& grant : document.grants)
+      add({.kind = "permissions",
+           .subject = grant.subject_name,
+           .end = grant.validity.not_after,
+           .file = file,
+           .begin = grant.validity.not_before},
+          to_hex(sha256(octets)) + grant.subject_name);
+    return signers;
+  }
+
+  Status add_signers(const pki::DocumentForm& form, const fs::path& file) {
+    for (const auto& der : form.signer_certificates) {
+      DDSSEC_ASSIGN_OR_RETURN(const auto signer, pki::Certificate::from_der(der));
+      signers_.try_emplace(to_hex(signer.fingerprint()), ending_of(signer, file));
+      ++hits_;
+    }
+    return {};
+  }
+
+  void add(Ending ending, const std::string& key) {
+    ++hits_;
+    const auto [at, is_new] = found_.try_emplace(key, std::move(ending));
+    if (!is_new) ++at->second.places;
+  }
+
+  std::map<std::string, Ending> found_;
+  std::map<std::string, Ending> signers_;  ///< inside signatures: listed where no file holds them
+  std::set<fs::path> paths_;
+  std::set<std::string> seen_;
+  std::set<std::string> searched_;  ///< folders, by their paths without links
+  std::set<fs::path> links_;        ///< to folders
+  std::set<std::string> revoked_;   ///< as Ending::id
+  std::vector<Error> unreadable_;
+  std::size_t hits_ = 0;
+  bool is_full_ = false;
+  bool is_folder_ = false;  ///< a whole folder is searched
+};
+
+/// An OCSP response lasts for hours or days, and the agent renews it at half of its life.
+WallTime soon_from(const Ending& ending, WallTime now, WallTime horizon) {
+  return ending.kind == kOcspResponse ? now + (ending.end - ending.begin) / 2 : horizon;
+}
+
+std::string_view state_of(const Ending& ending, WallTime now, WallTime horizon) {
+  if (ending.end <= now) return "expired";
+  if (ending.begin > now) return "not yet";
+  return ending.end <= std::min(horizon, soon_from(ending, now, horizon)) ? "soon" : "ok";
+}
+
+std::string row(const Ending& ending, std::string_view state, std::int64_t days) {
+  return fmt::format("{:<8} {:<16} {}  {:>6} d  {}  {}{}\n", state, ending.kind, date(ending.end),
+                     days, ending.subject, ending.file.string(),
+                     ending.places > 1 ? fmt::format(" and {} more", ending.places - 1) : "");
+}
+
+Result<Report> expiry(const Arguments& arguments, const Context& context) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto within, duration(arguments, "--within"));
+  Search search;
+  auto paths = arguments.all("PATHS");
+  if (paths.empty()) paths = {"."};
+  for (const auto& path : paths) search.look_at(path);
+  search.check_links();
+  const auto now = context.clock.now();
+  const auto horizon = now + within;
+  Report report;
+  report.result = {{"until", to_string(horizon)}, {"entries", Json::array()}};
+  std::size_t due = 0;
+  for (const auto& ending : search.endings()) {
+    const auto by_time = state_of(ending, now, horizon);
+    const auto state = by_time == "ok" && search.is_revoked(ending) ? "revoked" : by_time;
+    const auto days = std::chrono::floor<std::chrono::days>(ending.end - now).count();
+    if (by_time != "ok") ++due;
+    if (by_time != "ok" || !arguments.has("--quiet")) report.text += row(ending, state, days);
+    report.result["entries"].push_back({{"state", state},
+                                        {"kind", ending.kind},
+                                        {"subject", ending.subject},
+                                        {"not_after", to_string(ending.end)},
+                                        {"days_left", days},
+                                        {"file", ending.file.string()},
+                                        {"places", ending.places}});
+  }
+  report.errors = search.unreadable();
+  report.exit = due > 0 ? Exit::no : report.errors.empty() ? Exit::done : Exit::unreadable;
+  return report;
+}
+
+}  // namespace
+
+std::vector<Command> expiry_commands() {
+  return {{.group = "",
+           .name = "expiry",
+           .summary = "Shows when certificates, CAs, signers of documents, revocation lists, "
+                      "permissions and OCSP responses end; exit 1: one within the time.",
+           .positionals = {{"PATHS", "files and folders; without any, this folder", true, true}},
+           .options = {{"--within", "TIME", "what counts as soon: 30d, 12h, 4w", "30d"}},
+           .examples = {"ddssec expiry fleet ca --within 30d",
+                        "ddssec expiry --quiet fleet || mail -s 'certificates end' admin"},
+           .run = expiry}};
+}
+
+}  // namespace ddssec::cli

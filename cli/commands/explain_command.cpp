@@ -1,0 +1,259 @@
+// explain: explains an error code or a rule of lint and doctor, and what to do about it.
+#include <algorithm>
+#include <iterator>
+#include <optional>
+#include <ranges>
+
+#include <fmt/format.h>
+
+#include "base/finding.hpp"
+#include "base/text.hpp"
+#include "cli/commands/groups.hpp"
+#include "cli/explain/cyclone_sentences.hpp"
+#include "cli/explain/explain_examples.hpp"
+#include "cli/frame/explain_severities.hpp"
+#include "cli/frame/suggestions.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+constexpr std::size_t kFewestOfAPart = 4;  // characters
+
+/// A row of either table.
+struct Row {
+  std::string_view name;
+  int number;  ///< 0: rules have none
+  Severity severity;
+  std::string_view summary;
+  std::string_view hint;
+};
+
+// Accepts the form of messages ("error[usage]:"), in any letter case.
+std::string bare(std::string_view given) {
+  if (const auto open = given.find('['); open != given.npos)
+    given = given.substr(open + 1, given.find(']') - open - 1);
+  return ascii_upper(given);
+}
+
+std::optional<Row> find(const std::string& wanted) {
+  for (const auto& code : all_codes()) {
+    const auto number = static_cast<int>(code.code);
+    if (ascii_upper(code.name) == wanted || std::to_string(number) == wanted)
+      return Row{code.name, number, code.severity, code.summary, code.hint};
+  }
+  for (const auto& rule : all_rules())
+    if (rule.id == wanted) return Row{rule.id, 0, rule.severity, rule.title, rule.hint};
+  return std::nullopt;
+}
+
+// The code that a line of a log names: "[name 1142]" at its end, as ddssec writes it, or the
+// "(code: 1142)" that Cyclone DDS adds to its own. The text before them may quote a peer.
+std::optional<Row> find_in_line(std::string_view line) {
+  constexpr std::string_view kOfCyclone = "(code: ";
+  line = line.substr(0, line.find_last_not_of(" \t\r\n") + 1);
+  const auto open = line.rfind('[');
+  if (open != line.npos && line.ends_with(']')) {
+    const auto text = line.substr(open + 1, line.size() - open - 2);
+    const auto row = find(ascii_upper(text.substr(0, text.find(' '))));
+    if (row && text == fmt::format("{} {}", row->name, row->number)) return row;
+  }
+  const auto code = line.rfind(kOfCyclone);
+  if (code == line.npos) return std::nullopt;
+  const auto number = line.substr(code + kOfCyclone.size());
+  return find(std::string(number.substr(0, number.find(')'))));
+}
+
+// `names`: with blanks between them.
+bool is_among(std::string_view name, std::string_view names) {
+  return std::ranges::any_of(std::views::split(names, ' '), [&](const auto& part) {
+    return std::string_view(part.begin(), part.end()) == name;
+  });
+}
+
+std::vector<std::string_view> examples_of(std::string_view name) {
+  std::vector<std::string_view> out;
+  for (const auto& example : explain_examples())
+    if (is_among(name, example.names)) out.push_back(example.line);
+  return out;
+}
+
+// As logs show that of a code, and lint and doctor that of a rule.
+std::string_view severity_of(const Row& row) {
+  return row.number == 0 ? severity_word(row.severity) : to_string(row.severity);
+}
+
+std::vector<OtherSeverity> others_of(const Row& row) {
+  std::vector<OtherSeverity> out;
+  std::ranges::copy_if(other_severities(), std::back_inserter(out),
+                       [&](const auto& other) { return is_among(row.name, other.names); });
+  if (row.number == 0) return out;
+  const auto in_tool = severity_in_tool(static_cast<Code>(row.number));
+  if (in_tool != row.severity)
+    out.push_back({row.name, in_tool, "where a command of ddssec reports it"});
+  return out;
+}
+
+// "error; note where --vendor does not name the products".
+std::string severities_of(const Row& row) {
+  std::string out(severity_of(row));
+  for (const auto& other : others_of(row))
+    out += fmt::format("; {} {}", severity_word(other.severity), other.when);
+  return out;
+}
+
+Json other_severities_of(const Row& row) {
+  Json out = Json::array();
+  for (const auto& other : others_of(row))
+    out.push_back({{"severity", severity_word(other.severity)}, {"when", other.when}});
+  return out;
+}
+
+Report about(const Row& row) {
+  Report report;
+  // A rule's title names the check, not its result.
+  const bool is_rule = row.number == 0;
+  report.text =
+      fmt::format("{}{} ({})\n  {}{}\n  {}{}\n", row.name,
+                  is_rule ? "" : fmt::format(" {}", row.number), severities_of(row),
+                  is_rule ? "checks: " : "", row.summary, is_rule ? "if it fails: " : "", row.hint);
+  report.result = {{"name", row.name}};
+  if (!is_rule) report.result["number"] = row.number;
+  report.result["severity"] = severity_of(row);
+  report.result["other_severities"] = other_severities_of(row);
+  report.result["summary"] = row.summary;
+  report.result["hint"] = row.hint;
+  report.result["examples"] = Json::array();
+  for (const auto line : examples_of(row.name)) {
+    report.text += fmt::format(
+        "  {}  {}\n", report.result["examples"].empty() ? "for example:" : "            ", line);
+    report.result["examples"].push_back(line);
+  }
+  return report;
+}
+
+/// The codes and rules that match a part of a name or number.
+std::vector<Row> like(const std::string& wanted) {
+  constexpr std::size_t kFewest = 2;  // characters of a part
+  std::vector<Row> out;
+  if (wanted.size() < kFewest) return out;
+  const bool is_number = std::ranges::all_of(wanted, [](char c) { return '0' <= c && c <= '9'; });
+  for (const auto& code : all_codes()) {
+    const auto number = static_cast<int>(code.code);
+    const bool fits = is_number ? std::to_string(number).starts_with(wanted)
+                                : ascii_upper(code.name).contains(wanted);
+    if (fits) out.push_back({code.name, number, code.severity, code.summary, code.hint});
+  }
+  for (const auto& rule : all_rules())
+    if (rule.id.contains(wanted)) out.push_back({rule.id, 0, rule.severity, rule.title, rule.hint});
+  return out;
+}
+
+Report list_of(const std::vector<Row>& rows) {
+  constexpr std::size_t kMost = 30;
+  Report report;
+  report.result = {{"matches", Json::array()}};
+  for (const auto& row : rows) {
+    Json entry = {{"name", row.name}};
+    if (row.number != 0) entry["number"] = row.number;
+    entry["severity"] = severity_of(row);
+    entry["summary"] = row.summary;
+    report.result["matches"].push_back(std::move(entry));
+    if (report.result["matches"].size() <= kMost)
+      report.text += fmt::format("{:<32} {:<5} {}\n", row.name,
+                                 row.number != 0 ? std::to_string(row.number) : "", row.summary);
+  }
+  if (rows.size() > kMost) report.text += fmt::format("and {} more\n", rows.size() - kMost);
+  report.text += "ddssec explain NAME says more of one\n";
+  return report;
+}
+
+Report list_of(const std::vector<CycloneSentence>& sentences) {
+  Report report;
+  report.result = {{"sentences", Json::array()}};
+  for (const auto& [sentence, meaning, look_with] : sentences) {
+    report.text +=
+        fmt::format("Cyclone DDS: {}\n  {}\n  look with: {}\n", sentence, meaning, look_with);
+    report.result["sentences"].push_back(
+        {{"sentence", sentence}, {"meaning", meaning}, {"look_with", look_with}});
+  }
+  return report;
+}
+
+/// Codes and rules whose sentence has these words.
+std::vector<Row> saying(const std::string& wanted) {
+  std::vector<Row> out;
+  for (const auto& code : all_codes())
+    if (ascii_upper(code.summary).contains(wanted))
+      out.push_back(
+          {code.name, static_cast<int>(code.code), code.severity, code.summary, code.hint});
+  for (const auto& rule : all_rules())
+    if (ascii_upper(rule.title).contains(wanted))
+      out.push_back({rule.id, 0, rule.severity, rule.title, rule.hint});
+  return out;
+}
+
+/// Names that contain the given one, in capitals and without separators between words, or nearly
+/// contain it: at most three.
+std::vector<std::string> names_like(const std::string& wanted) {
+  const auto bones = [](std::string_view name) {
+    auto out = ascii_upper(name);
+    std::erase_if(out, [](char c) { return c == '_' || c == '-' || c == ' '; });
+    return out;
+  };
+  const auto meant = bones(wanted);
+  std::vector<std::string> parts, all;
+  const auto look = [&](std::string_view name) {
+    all.push_back(bones(name));
+    if (meant.size() >= kFewestOfAPart && all.back().contains(meant)) parts.emplace_back(name);
+  };
+  for (const auto& code : all_codes()) look(code.name);
+  for (const auto& rule : all_rules()) look(rule.id);
+  if (!parts.empty()) {
+    parts.resize(std::min<std::size_t>(parts.size(), 3));
+    return parts;
+  }
+  const auto near = nearest(meant, all);
+  if (near.empty()) return {};
+  for (const auto& code : all_codes())
+    if (bones(code.name) == near) return {std::string(code.name)};
+  return {near};  // a rule's name has nothing between words
+}
+
+Report about(const std::vector<Row>& rows) {
+  return rows.size() == 1 ? about(rows.front()) : list_of(rows);
+}
+
+Result<Report> explain(const Arguments& arguments, const Context&) {
+  const auto wanted = arguments.text("CODE");
+  if (const auto row = find_in_line(wanted)) return about(*row);
+  if (const auto row = find(bare(wanted))) return about(*row);
+  if (wanted.contains(' ')) {
+    if (const auto found = cyclone_sentences_like(wanted); !found.empty()) return list_of(found);
+    if (const auto rows = saying(ascii_upper(wanted)); !rows.empty()) return about(rows);
+  }
+  if (const auto rows = like(bare(wanted)); !rows.empty()) return about(rows);
+  if (const auto found = cyclone_sentences_like(wanted); !found.empty()) return list_of(found);
+  return fail(
+      Code::usage,
+      {.field = "CODE",
+       .expected = "a name or number as messages show it in brackets, or a part of one, or of "
+                   "a sentence of ddssec or Cyclone DDS",
+       .found = '"' + wanted.substr(0, 64) + '"' + did_you_mean(names_like(bare(wanted)))});
+}
+
+}  // namespace
+
+std::vector<Command> explain_commands() {
+  return {{.group = "",
+           .name = "explain",
+           .summary = "Says what a code means and what to do about it.",
+           .positionals = {{"CODE",
+                            "its name or number, a part of one, a part of a sentence, also of "
+                            "Cyclone DDS, or a whole line of a log"}},
+           .options = {},
+           .examples = {"ddssec explain no_grant_for_subject", "ddssec explain 1242",
+                        "ddssec explain 124", "ddssec explain 'not allowed'"},
+           .run = explain}};
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,37 @@
+// The groups of the table of commands. Each group's file contains its rows and their functions.
+#pragma once
+
+#include "cli/frame/command.hpp"
+
+namespace ddssec::cli {
+
+std::vector<Command> init_commands();
+std::vector<Command> ca_commands();
+std::vector<Command> ca_rotate_commands();
+std::vector<Command> identity_issue_commands();
+std::vector<Command> identity_commands();  ///< show, csr, sign-csr
+std::vector<Command> governance_commands();
+std::vector<Command> permissions_commands();
+std::vector<Command> identity_renew_commands();
+std::vector<Command> identity_revoke_commands();
+std::vector<Command> ocsp_commands();  ///< identity ocsp
+std::vector<Command> crl_commands();
+std::vector<Command> document_commands();  ///< governance and permissions: sign, verify
+std::vector<Command> show_commands();      ///< governance and permissions: show
+std::vector<Command> ros_policy_commands();
+std::vector<Command> lint_commands();  ///< governance and permissions: lint
+std::vector<Command> diff_commands();  ///< governance and permissions: diff
+std::vector<Command> keystore_commands();
+std::vector<Command> keystore_ca_commands();  ///< split-ca, rotate
+std::vector<Command> can_commands();
+std::vector<Command> check_commands();
+std::vector<Command> expiry_commands();
+std::vector<Command> agent_commands();
+std::vector<Command> trust_commands();
+std::vector<Command> doctor_commands();
+std::vector<Command> inspect_commands();
+std::vector<Command> explain_commands();
+std::vector<Command> completion_commands();  ///< completion, man
+std::vector<Command> version_commands();
+
+}  // namespace ddssec::cli

@@ -1,0 +1,476 @@
+// identity issue: creates, completes or renews a participant's folder.
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "cli/ca/ca_overlap.hpp"
+#include "cli/ca/issuing_cas.hpp"
+#include "cli/ca/logged_certificate.hpp"
+#include "cli/ca/revocation_lists.hpp"
+#include "cli/ca/subject_overlap.hpp"
+#include "cli/commands/groups.hpp"
+#include "cli/documents/documents.hpp"
+#include "cli/documents/granted_domains.hpp"
+#include "cli/documents/signed_documents.hpp"
+#include "cli/frame/held_folder.hpp"
+#include "cli/frame/options.hpp"
+#include "cli/frame/progress.hpp"
+#include "cli/frame/transaction.hpp"
+#include "cli/inputs.hpp"
+#include "cli/near.hpp"
+#include "cli/participant/drop_in.hpp"
+#include "cli/participant/fleet.hpp"
+#include "cli/participant/fleet_folder.hpp"
+#include "cli/participant/participant.hpp"
+#include "cli/participant/snippets.hpp"
+#include "pki/source.hpp"
+#include "pki/subject_name.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Copies only a document that the participant will accept. One that is unsigned, or signed by
+// another CA, would be detected only at its first start.
+Result<Bytes> governance_of(const Arguments& arguments, WallTime now) {
+  if (!arguments.has("--governance")) return Bytes();
+  const auto file = document_path<GovernanceKind>(arguments.text("--governance"));
+  DDSSEC_RETURN_IF_ERROR(check_signing_ca(arguments.text("--ca"), "permissions"));
+  const auto ca = ca_paths(arguments.text("--ca"), "permissions").certificate;
+  DDSSEC_RETURN_IF_ERROR(verified(file, ca, now));
+  return read_file(file, pki::kMostDocumentOctets);
+}
+
+using Findings = std::vector<Finding>;
+
+// The document that the participant has, or gets.
+fs::path governance_file(const Arguments& arguments) {
+  return arguments.has("--governance")
+             ? document_path<GovernanceKind>(arguments.text("--governance"))
+             : pki::participant_folder(arguments.text("-o"), pki::FolderLayout::flat).governance;
+}
+
+// The settings for every participant of the command.
+Result<ParticipantSpec> common_spec(const Arguments& arguments, WallTime now, Findings& findings) {
+  ParticipantSpec out{.name = {}, .subject = {}, .life = {}};
+  DDSSEC_ASSIGN_OR_RETURN(out.domains,
+                          granted_domains(arguments, governance_file(arguments), findings));
+  DDSSEC_ASSIGN_OR_RETURN(out.life, validity(arguments, now));
+  DDSSEC_ASSIGN_OR_RETURN(out.key, key_spec(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(out.publish, topics_of(arguments, "--publish"));
+  DDSSEC_ASSIGN_OR_RETURN(out.subscribe, topics_of(arguments, "--subscribe"));
+  out.partitions = arguments.all("--partition");
+  out.takes_other_grants = arguments.has("--other-grants");
+  DDSSEC_ASSIGN_OR_RETURN(out.dropin, drop_in_of(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(out.ocsp_responder, ocsp_responder(arguments));
+  return out;
+}
+
+Result<ParticipantSpec> spec_of(const Arguments& arguments, WallTime now, Findings& findings) {
+  DDSSEC_ASSIGN_OR_RETURN(auto spec, common_spec(arguments, now, findings));
+  spec.name = arguments.text("NAME");
+  DDSSEC_RETURN_IF_ERROR(check_name(spec.name));
+  spec.subject = arguments.has("--subject") ? arguments.text("--subject") : "CN=" + spec.name;
+  if (arguments.has("--partition") && !spec.has_permissions())
+    return fail(Code::usage, {.field = "--partition", .note = "it needs --publish or --subscribe"});
+  if (!arguments.has("--permissions")) return spec;
+  if (spec.has_permissions())
+    return fail(Code::usage,
+                {.field = "--permissions", .note = "not together with --publish or --subscribe"});
+  DDSSEC_ASSIGN_OR_RETURN(spec.permissions,
+                          read_file(arguments.text("--permissions"), pki::kMostDocumentOctets));
+  return spec;
+}
+
+// The files without which a participant cannot start and that this command was not given.
+std::string not_in_it(bool has_permissions, bool has_governance) {
+  std::string out;
+  if (!has_governance)
+    out += "no governance.p7s is in it yet: --governance FILE copies a signed one\n";
+  if (!has_permissions)
+    out +=
+        "no permissions are in it yet: --publish and --subscribe, or --permissions FILE, make "
+        "them\n";
+  return out;
+}
+
+// Issues many participants with one command: all or none. Existing participants of a fleet stay
+// unchanged.
+Result<Report> issue_fleet(const Arguments& arguments, const Context& context, Findings& findings) {
+  const auto now = context.clock.now();
+  for (const auto* option : {"--subject", "--permissions"})
+    if (arguments.has(option))
+      return fail(Code::usage,
+                  {.field = option, .note = "not together with --from: write it in the file"});
+  const fs::path from = arguments.text("--from");
+  const fs::path target = arguments.text("-o");
+  DDSSEC_ASSIGN_OR_RETURN(const auto common, common_spec(arguments, now, findings));
+  DDSSEC_ASSIGN_OR_RETURN(auto specs, read_fleet(from, common, now));
+  DDSSEC_ASSIGN_OR_RETURN(auto folder, FleetFolder::at(target, specs));
+  DDSSEC_RETURN_IF_ERROR(
+      governance_of(arguments, now));  // no passphrase for one that cannot be used
+  const bool any_rights = std::ranges::any_of(specs, &ParticipantSpec::has_permissions);
+  DDSSEC_ASSIGN_OR_RETURN(const auto cas, open_issuing_cas(arguments, any_rights, now));
+  DDSSEC_ASSIGN_OR_RETURN(const auto governance, governance_of(arguments, now));
+  Report report;
+  report.result = {{"dir", target.string()}, {"participants", Json::array()}};
+  FleetMembers members(cas.permissions ? &*cas.permissions : nullptr, target, now);
+  SubjectsOfFleet subjects(from);
+  DDSSEC_ASSIGN_OR_RETURN(auto issue_log, read_issue_log(cas.identity.paths));
+  SubjectsInUse in_use(std::move(issue_log), {}, now);
+  Progress progress("participants", specs.size());
+  for (std::size_t i = 0; i < specs.size(); ++i) {
+    auto& spec = specs[i];
+    DDSSEC_ASSIGN_OR_RETURN(const auto made, make(spec, cas, arguments, context, from));
+    warn_of_rights(spec, from.string(), report);
+    DDSSEC_RETURN_IF_ERROR(
+        folder.add(i, spec.name, made, cas.issuers(spec.has_permissions()), governance));
+    members.add(spec.name, made, report);
+    const auto& certificate = made.self.certificate;
+    subjects.add(spec.name, certificate, report);
+    DDSSEC_RETURN_IF_ERROR(named(in_use.check(certificate.subject()), from));
+    in_use.add(certificate.subject(), spec.name);
+    progress.step();
+  }
+  DDSSEC_ASSIGN_OR_RETURN(const auto drop_in, drop_in_of(arguments));
+  report.text += folder.text() + drop_in_line(drop_in);
+  DDSSEC_RETURN_IF_ERROR(log_all(cas, members.issued(), members.signed_lines()));
+  DDSSEC_ASSIGN_OR_RETURN(report.files_written, folder.commit());
+  return report;
+}
+
+/// One participant, as the command line asks for it.
+struct Job {
+  const Arguments& arguments;
+  const Context& context;
+  ParticipantSpec spec;
+  fs::path target;
+  Bytes governance;
+  pki::ParticipantFolder files;  ///< of `target`
+
+  bool is_replacing() const { return arguments.has("--replace"); }
+};
+
+Report report_on(const Job& job, const pki::Certificate& certificate, std::string_view done) {
+  Report report;
+  report.text = fmt::format("{}  {}  {}expires {}\n", job.target.string(), certificate.subject(),
+                            done, date(certificate.not_after()));
+  report.result = {{"name", job.spec.name}, {"dir", job.target.string()}};
+  report.result.update(certificate_json(certificate));
+  return report;
+}
+
+/// The contents of one participant's folder, and the CAs that signed it.
+struct Issued {
+  IssuingCas cas;
+  NewParticipant made;
+};
+
+Result<Issued> issue(Job& job) {
+  const auto now = job.context.clock.now();
+  DDSSEC_ASSIGN_OR_RETURN(auto cas,
+                          open_issuing_cas(job.arguments, job.spec.has_permissions(), now));
+  // A rotation that this command waited for has signed it anew.
+  DDSSEC_ASSIGN_OR_RETURN(job.governance, governance_of(job.arguments, now));
+  DDSSEC_ASSIGN_OR_RETURN(auto made, make(job.spec, cas, job.arguments, job.context,
+                                          job.arguments.text("--permissions")));
+  return Issued{std::move(cas), std::move(made)};
+}
+
+// Reports what the folder lacks after everything is in place; in a dry run it reports nothing about
+// that.
+Result<Report> finished(Report report, const Job& job, Result<std::vector<WrittenFile>> committed) {
+  DDSSEC_ASSIGN_OR_RETURN(report.files_written, std::move(committed));
+  const bool has_permissions = is_there(job.files.permissions);
+  const bool has_governance = is_there(job.files.governance);
+  report.text += not_in_it(has_permissions, has_governance);
+  if (has_permissions && has_governance)
+    report.text += configuration_lines(job.spec.name, job.target);
+  if (!job.spec.dropin.empty() || leaves_libraries_open(job.target))
+    report.text += drop_in_line(job.spec.dropin);
+  warn_of_rights(job.spec, job.arguments.text("--permissions"), report);
+  return report;
+}
+
+Result<Report> make_folder(Job& job) {
+  DDSSEC_ASSIGN_OR_RETURN(auto folder, NewFolder::at(job.target));
+  DDSSEC_ASSIGN_OR_RETURN(const auto issued, issue(job));
+  const auto& [cas, made] = issued;
+  DDSSEC_RETURN_IF_ERROR(
+      add_flat(folder, "", made, cas.issuers(job.spec.has_permissions()), job.governance));
+  DDSSEC_RETURN_IF_ERROR(log_one(cas, made, job.target, job.context.clock.now()));
+  return finished(report_on(job, made.self.certificate, ""), job, folder.commit());
+}
+
+std::unexpected<Error> in_the_way(const fs::path& file, std::string note) {
+  return fail(Code::would_overwrite,
+              {.document = file,
+               .note = std::move(note),
+               .hint = "--replace makes the participant's key, certificate and documents anew in "
+                       "this folder; ddssec permissions new --replace changes the permissions "
+                       "alone; or choose another folder"});
+}
+
+// A key on its own waits for its certificate, and the other way round.
+Status check_pair(const Job& job) {
+  const bool has_certificate = is_there(job.files.certificate);
+  const bool has_key = is_there(job.files.key);
+  if (has_certificate == has_key) return {};
+  const auto& file = has_key ? job.files.key : job.files.certificate;
+  return fail(
+      Code::would_overwrite,
+      {.document = file,
+       .note = has_key ? "the key has no certificate" : "the certificate has no key here",
+       .hint = has_key
+                   ? "ddssec identity sign-csr issues the certificate for a key that is "
+                     "there; --replace makes both anew; or choose another folder"
+                   : "the key is on the device as a rule, and this folder needs none; --replace "
+                     "makes both anew; or choose another folder"});
+}
+
+/// The missing files of a folder that this command can add.
+class Completion {
+ public:
+  explicit Completion(const Job& job) : job_(job) {}
+
+  /// Leaves an identical file unchanged; any other existing file is an error.
+  Status add(const fs::path& file, BytesView octets, unsigned mode, bool is_asked_for) {
+    if (!is_there(file)) {
+      ++count_;
+      return out_.put(file, octets, mode);
+    }
+    if (!is_asked_for) return {};
+    DDSSEC_ASSIGN_OR_RETURN(const auto found, read_file(file, pki::kMostDocumentOctets));
+    if (std::ranges::equal(found, octets)) return {};
+    return in_the_way(file, "it is another one");
+  }
+  Status put(const fs::path& file, std::string_view text) {
+    ++count_;
+    return out_.put_public(file, text);
+  }
+  Result<std::vector<WrittenFile>> commit() {
+    if (count_ == 0) return in_the_way(job_.target, "nothing is missing in it");
+    return out_.commit();
+  }
+
+ private:
+  const Job& job_;
+  Replacement out_;
+  std::size_t count_ = 0;
+};
+
+// The certificate that is there must be the one that was asked for, of this CA.
+Status check_same(const Job& job, const pki::Certificate& certificate, const pki::Certificate& ca) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto wanted, pki::SubjectName::parse(job.spec.subject));
+  if (pki::SubjectName::of(certificate).key() != wanted.key())
+    return in_the_way(job.files.certificate, fmt::format("it is that of {}, not of {}",
+                                                         certificate.subject(), job.spec.subject));
+  if (!certificate.is_issued_by(ca))
+    return in_the_way(job.files.certificate,
+                      fmt::format("it was issued by {}, not by this CA", certificate.issuer()));
+  return {};
+}
+
+Status add_permissions(const Job& job, const pki::Certificate& certificate, Completion& out) {
+  const auto now = job.context.clock.now();
+  const auto paths = ca_paths(job.arguments.text("--ca"), "permissions");
+  if (!job.spec.has_permissions()) {
+    if (!is_there(job.files.permissions) && job.governance.empty()) return {};
+    DDSSEC_ASSIGN_OR_RETURN(auto certificates, read_certificates(paths.certificate));
+    const auto trust = to_pem(std::move(certificates));
+    return out.add(job.files.permissions_ca, as_bytes(trust), 0644, true);
+  }
+  if (is_there(job.files.permissions))
+    return in_the_way(job.files.permissions, "the participant has permissions");
+  DDSSEC_ASSIGN_OR_RETURN(const auto ca, CaOpener(job.arguments).open("permissions"));
+  DDSSEC_ASSIGN_OR_RETURN(const auto xml, named(permissions_xml(job.spec, certificate, now),
+                                                job.arguments.text("--permissions")));
+  DDSSEC_ASSIGN_OR_RETURN(const auto document,
+                          sign_permissions(ca.authority, xml, now, job.context.random));
+  DDSSEC_RETURN_IF_ERROR(out.add(job.files.permissions_ca, as_bytes(ca.trust_pem), 0644, true));
+  DDSSEC_RETURN_IF_ERROR(out.add(job.files.permissions, document, 0644, true));
+  return log_signed(ca, as_bytes(xml), job.files.permissions, now);
+}
+
+// Key and certificate stay; only missing files are added.
+Result<Report> complete_folder(Job& job) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(job.files.certificate));
+  const auto paths = ca_paths(job.arguments.text("--ca"), "identity");
+  DDSSEC_ASSIGN_OR_RETURN(const auto lock, lock_records(paths));
+  DDSSEC_ASSIGN_OR_RETURN(const auto cas, read_certificates(paths.certificate));
+  DDSSEC_RETURN_IF_ERROR(check_same(job, certificate, cas.front()));
+  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(paths));
+  DDSSEC_RETURN_IF_ERROR(
+      check_not_revoked(certificate, job.files.certificate, paths, log, NextKey::same));
+  Completion out(job);
+  DDSSEC_RETURN_IF_ERROR(out.add(job.files.identity_ca, as_bytes(to_pem(cas)), 0644, false));
+  DDSSEC_RETURN_IF_ERROR(add_permissions(job, certificate, out));
+  if (!job.governance.empty())
+    DDSSEC_RETURN_IF_ERROR(out.add(job.files.governance, job.governance, 0644, true));
+  DDSSEC_ASSIGN_OR_RETURN(const auto crl, list_for_newcomers(paths, job.context.clock.now()));
+  if (crl) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto lists, file_of_lists(paths, *crl));
+    DDSSEC_RETURN_IF_ERROR(out.add(job.files.crl, as_bytes(lists), 0644, false));
+  }
+  DDSSEC_ASSIGN_OR_RETURN(const auto missing_files,
+                          missing_configuration_files(job.files, job.spec.dropin));
+  for (const auto& [name, text] : missing_files)
+    DDSSEC_RETURN_IF_ERROR(out.put(job.target / name, text));
+  return finished(report_on(job, certificate, "completed, key and certificate are as before, "),
+                  job, out.commit());
+}
+
+// A *.p11 file names an object of a token, so PEM text in it would be useless.
+Status check_nothing_in_token(const Job& job) {
+  for (const auto* file :
+       {&job.files.certificate, &job.files.identity_ca, &job.files.permissions_ca})
+    if (file->extension() == ".p11") return in_the_way(*file, "it names what a token holds");
+  if (job.files.key.extension() != ".p11") return {};
+  return fail(Code::key_in_token,
+              {.document = job.files.key,
+               .hint = "remove key.p11 if the participant is to have a key in a file; for one in a "
+                       "token: ddssec identity csr --key pkcs11:..., then identity sign-csr"});
+}
+
+// Everything that the command creates replaces existing files; other files stay.
+Result<Report> fill_folder(Job& job) {
+  DDSSEC_RETURN_IF_ERROR(check_nothing_in_token(job));
+  DDSSEC_ASSIGN_OR_RETURN(const auto issued, issue(job));
+  const auto& [cas, made] = issued;
+  const auto& files = job.files;
+  Replacement out;
+  DDSSEC_RETURN_IF_ERROR(out.put_public(files.identity_ca, cas.identity.trust_pem));
+  if (cas.permissions)
+    DDSSEC_RETURN_IF_ERROR(out.put_public(files.permissions_ca, cas.permissions->trust_pem));
+  if (!made.permissions.empty())
+    DDSSEC_RETURN_IF_ERROR(out.put(files.permissions, made.permissions, 0644));
+  const auto plain = fs::path(files.permissions).replace_extension("xml");
+  if (!made.permissions.empty() && is_there(plain))
+    DDSSEC_RETURN_IF_ERROR(out.put_public(plain, made.permissions_xml));
+  if (!job.governance.empty())
+    DDSSEC_RETURN_IF_ERROR(out.put(files.governance, job.governance, 0644));
+  if (cas.list) {
+    DDSSEC_ASSIGN_OR_RETURN(auto trusted, read_certificates(cas.identity.paths.certificate));
+    DDSSEC_RETURN_IF_ERROR(
+        put_list(out, files.crl,
+                 {*cas.list, cas.identity.certificate(), job.arguments.text("--ca"),
+                  &made.self.certificate, std::move(trusted), job.context.clock.now()}));
+  }
+  // Changes by the user, such as the network interface, stay.
+  DDSSEC_ASSIGN_OR_RETURN(const auto missing_files,
+                          missing_configuration_files(files, job.spec.dropin));
+  for (const auto& [name, text] : missing_files)
+    DDSSEC_RETURN_IF_ERROR(out.put_public(job.target / name, text));
+  DDSSEC_ASSIGN_OR_RETURN(const auto pem, made.self.key.to_pem());
+  DDSSEC_RETURN_IF_ERROR(
+      pem.expose([&](BytesView octets) { return out.put(files.key, octets, 0600); }));
+  DDSSEC_RETURN_IF_ERROR(out.put_public(files.certificate, made.self.certificate.pem()));
+  DDSSEC_RETURN_IF_ERROR(log_one(cas, made, job.target, job.context.clock.now()));
+  auto report = report_on(job, made.self.certificate, "");
+  report.text +=
+      about_former(job.files.certificate, job.arguments.text("--ca"), job.context.clock.now());
+  return finished(std::move(report), job, out.commit());
+}
+
+// A folder without a participant: nothing of one may be there.
+Result<Report> start_folder(Job& job) {
+  for (const auto* file : {&job.files.identity_ca, &job.files.permissions_ca, &job.files.governance,
+                           &job.files.permissions, &job.files.crl})
+    if (is_there(*file)) return in_the_way(*file, "it is there without a key and a certificate");
+  return fill_folder(job);
+}
+
+Result<Report> issue_one(const Arguments& arguments, const Context& context, Findings& findings) {
+  DDSSEC_ASSIGN_OR_RETURN(auto spec, spec_of(arguments, context.clock.now(), findings));
+  const fs::path given = arguments.text("-o");
+  const fs::path target = given.has_filename() ? given : given.parent_path();
+  DDSSEC_RETURN_IF_ERROR(check_nameable(target));
+  std::error_code ignored;
+  // A link is followed nowhere.
+  const bool is_folder = fs::symlink_status(target, ignored).type() == fs::file_type::directory;
+  DDSSEC_ASSIGN_OR_RETURN(auto governance, governance_of(arguments, context.clock.now()));
+  Job job{arguments,
+          context,
+          std::move(spec),
+          target,
+          std::move(governance),
+          pki::participant_folder(target, pki::FolderLayout::flat)};
+  if (!is_folder) return make_folder(job);
+  DDSSEC_RETURN_IF_ERROR(hold_folder(target));
+  DDSSEC_RETURN_IF_ERROR(check_not_above_participants(target, job.spec.name));
+  DDSSEC_RETURN_IF_ERROR(finish_interrupted(target));
+  if (job.is_replacing()) return fill_folder(job);
+  DDSSEC_RETURN_IF_ERROR(check_pair(job));
+  return is_there(job.files.certificate) ? complete_folder(job) : start_folder(job);
+}
+
+Result<Report> identity_issue(const Arguments& arguments, const Context& context) {
+  if (arguments.has("--from") == arguments.has("NAME"))
+    return fail(Code::usage, {.field = "NAME", .note = "give either a name or --from"});
+  if (arguments.has("--from") && arguments.has("--replace"))
+    return fail(Code::usage, {.field = "--replace",
+                              .note = "it is for one participant, not with "
+                                      "--from"});
+  Findings findings;
+  DDSSEC_ASSIGN_OR_RETURN(auto report, arguments.has("--from")
+                                           ? issue_fleet(arguments, context, findings)
+                                           : issue_one(arguments, context, findings));
+  report.findings.insert(report.findings.end(), findings.begin(), findings.end());
+  return report;
+}
+
+const Option kParticipantFolder{.name = "-o",
+                                .value = "DIR",
+                                .summary = "the folder: a new one, or one that lacks something",
+                                .required = true};
+
+}  // namespace
+
+std::vector<Command> identity_issue_commands() {
+  return {
+      {.group = "identity",
+       .name = "issue",
+       .summary = "Makes or completes a participant's folder: key, certificates, permissions.",
+       .positionals = {{.name = "NAME",
+                        .summary = "the participant's name",
+                        .optional = true,
+                        .unless = "--from"}},
+       .options = {ca_option("the folder that ca create made"),
+                   kParticipantFolder,
+                   kSubject,
+                   days("365"),
+                   kClampToCa,
+                   kKey,
+                   {"--from", "FILE",
+                    "a fleet in TOML: [[participant]] with name, publish, "
+                    "subscribe, partitions, domain, subject, days, key, permissions"},
+                   repeated("--domain", "N|A-B",
+                            "a domain or a range of them; without it, the governance document's, "
+                            "or 0"),
+                   repeated("--publish", "TOPIC", "a topic or expression it may publish"),
+                   repeated("--subscribe", "TOPIC", "a topic or expression it may subscribe to"),
+                   repeated("--partition", "GLOB",
+                            "partitions in which it may use these topics; without any, only "
+                            "without a partition"),
+                   {"--permissions", "FILE", "a permissions document to sign instead"},
+                   kOtherGrants,
+                   {"--governance", "FILE", "a signed governance document to copy"},
+                   kDropIn,
+                   kOcspResponder,
+                   {"--replace", "",
+                    "in a folder that is there: make key, certificate and the documents that are "
+                    "asked for anew; without it, only what is missing is added"},
+                   kPassphraseFile,
+                   kPassphraseEnv,
+                   kInsecureKeyMode},
+       .examples = {"ddssec identity issue talker --ca ca -o talker --publish rt/chatter "
+                    "--governance governance.p7s",
+                    "ddssec identity issue --from participants.toml --ca ca -o fleet "
+                    "--governance governance.p7s"},
+       .run = identity_issue}};
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,314 @@
+// identity revoke: revokes the certificates of a participant.
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+#include "base/tool_code.hpp"
+#include "cli/ca/ca_overlap.hpp"
+#include "cli/ca/list_dates.hpp"
+#include "cli/ca/logged_certificate.hpp"
+#include "cli/ca/revocation_lists.hpp"
+#include "cli/commands/groups.hpp"
+#include "cli/documents/documents.hpp"
+#include "cli/frame/options.hpp"
+#include "cli/frame/transaction.hpp"
+#include "cli/inputs.hpp"
+#include "cli/near.hpp"
+#include "cli/participant/participant_places.hpp"
+#include "governance/doctor/shell_word.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The certificates to revoke.
+struct Doomed {
+  std::string subject;
+  std::vector<std::string> serials = {};   ///< that are not revoked yet
+  std::vector<std::string> subjects = {};  ///< of each of them
+  std::string own_serial = {};             ///< of what was given
+  std::vector<std::string> own_keys = {};  ///< its digests, as a log may have them
+  std::string unlogged_key = {};           ///< its key, if the log does not have it yet
+  /// Certificates of the same key that stay valid, in words.
+  std::vector<std::string> same_key = {};
+  std::vector<std::string> same_key_serials = {};
+
+  void add(const std::string& serial, const std::string& of) {
+    serials.push_back(serial);
+    subjects.push_back(of);
+  }
+  std::string in_words() const {
+    std::string out;
+    for (std::size_t i = 0; i < serials.size(); ++i)
+      out += fmt::format("  serial {}  {}\n", serials[i], subjects[i]);
+    return out;
+  }
+};
+
+bool is_serial(std::string_view text) {
+  return !text.empty() && text.find_first_not_of("0123456789ABCDEFabcdef") == text.npos;
+}
+
+// Certificates that seem to have expired are revoked as well, because the clock may be wrong. The
+// log decides which certificates belong to the participant: a device may have put another
+// participant's certificate into its folder. A separate certificate file stands for its subject.
+Result<Doomed> doomed_participant(const fs::path& given, const OpenCa& ca, const pki::IssueLog& log,
+                                  const Arguments& arguments) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificate, certificate_of(given));
+  const auto path = certificate_path(given);
+  if (!is_logged(certificate, log)) DDSSEC_RETURN_IF_ERROR(check_issuer(certificate, ca, path));
+  const auto folder = path.parent_path();
+  const auto belonging = belonging_of(certificate, folder, ca.paths, log);
+  const bool is_by_itself = path == given && belonging == Belonging::moved;
+  if (!is_by_itself)
+    DDSSEC_RETURN_IF_ERROR(
+        check_own(certificate, folder, ca.paths, log, arguments.text("--subject")));
+  Doomed out{.subject = certificate.subject(), .own_serial = certificate.serial()};
+  const auto* own = log.find(certificate.serial());
+  // Another tool or an earlier version may have issued it: the key must not come back through a
+  // request.
+  const bool is_folder = path.filename() == pki::kCertificateFile;
+  const pki::KeyDigests key(certificate);
+  if ((own == nullptr || !key.contains(own->key)) && log.revoked_serial(key).empty())
+    out.unlogged_key = key.canonical();
+  out.own_keys = key.all();
+  if (!log.is_revoked(certificate.serial())) out.add(certificate.serial(), certificate.subject());
+  for (const auto& issued : log.issued()) {
+    const bool is_of_folder = is_folder && own != nullptr && own->shares_place_with(issued);
+    if ((issued.subject == certificate.subject() || is_of_folder) && !issued.revoked &&
+        issued.serial != certificate.serial())
+      out.add(issued.serial, issued.subject);
+  }
+  return out;
+}
+
+// Certificates of the same key under another subject, or that were put elsewhere. A key that was
+// stolen makes all of them void; otherwise they are named.
+void add_same_key(const pki::IssueLog& log, pki::RevocationReason reason, Doomed& out) {
+  const auto is_doomed = [&](const pki::IssuedCertificate& issued) {
+    return issued.serial == out.own_serial ||
+           std::ranges::find(out.serials, issued.serial) != out.serials.end();
+  };
+  std::set<std::string> keys(out.own_keys.begin(), out.own_keys.end());
+  for (const auto& issued : log.issued())
+    if (is_doomed(issued)) keys.insert(issued.key);
+  keys.erase("");
+  for (const auto& issued : log.issued()) {
+    if (is_doomed(issued) || issued.revoked || !keys.contains(issued.key)) continue;
+    if (reason == pki::RevocationReason::key_compromise) {
+      out.add(issued.serial, issued.subject);
+      continue;
+    }
+    out.same_key_serials.push_back(issued.serial);
+    out.same_key.push_back(fmt::format("serial {}  {}", issued.serial, issued.subject));
+  }
+}
+
+std::string same_key_text(const Doomed& what, const std::string& ca) {
+  if (what.same_key.empty()) return "";
+  std::string out = "the same key has another certificate, which stays valid:\n";
+  for (const auto& one : what.same_key) out += fmt::format("  {}\n", one);
+  return out + fmt::format(
+                   "  if the key was stolen: ddssec identity revoke {} --ca {} --reason "
+                   "keyCompromise\n",
+                   what.same_key_serials.front(), governance::doctor::shell_word(ca));
+}
+
+// The log may contain the name, but revoking by name alone could end the wrong participant.
+std::unexpected<Error> not_there(const std::string& what, const std::string& ca,
+                                 const pki::IssueLog& log) {
+  std::error_code ignored;
+  const auto path = fs::absolute(what, ignored).lexically_normal();
+  const auto folder = path.has_filename() ? path : path.parent_path();
+  ErrorDetails details{.document = what,
+                       .expected = "a participant's folder, its certificate or a serial number",
+                       .hint = participants_near(what)};
+  for (const auto& issued : log.issued()) {
+    const bool is_meant = issued.subject == what || issued.subject == "CN=" + what ||
+                          folder_name(issued.folder) == what || issued.folder == folder;
+    if (!is_meant || issued.revoked) continue;
+    const bool is_here = is_there(fs::path(issued.folder) / "cert.pem");
+    details.hint =
+        fmt::format("the CA's log has it: ddssec identity revoke {} --ca {}",
+                    is_here ? governance::doctor::shell_word(issued.folder) : issued.serial,
+                    governance::doctor::shell_word(ca));
+  }
+  return fail(Code::file_not_found, std::move(details));
+}
+
+Result<Doomed> doomed(const Arguments& arguments, const OpenCa& ca, const pki::IssueLog& log) {
+  const auto what = arguments.text("WHAT");
+  if (is_there(what)) return doomed_participant(what, ca, log, arguments);
+  if (!is_serial(what)) return not_there(what, arguments.text("--ca"), log);
+  const auto serial = ascii_upper(what);
+  const auto* issued = log.find(serial);
+  if (issued == nullptr)
+    return fail(Code::serial_unknown, {.document = ca.paths.log, .found = serial});
+  Doomed out{.subject = issued->subject, .own_serial = serial, .own_keys = {issued->key}};
+  if (!log.is_revoked(serial)) out.add(serial, issued->subject);
+  return out;
+}
+
+Result<pki::RevocationReason> reason_of(const Arguments& arguments) {
+  const auto word = arguments.text("--reason");
+  const auto reason = pki::revocation_reason_from(word);
+  if (!reason)
+    return fail(Code::usage,
+                {.field = "--reason",
+                 .expected = "unspecified, keyCompromise, affiliationChanged, superseded, "
+                             "cessationOfOperation or privilegeWithdrawn",
+                 .found = word});
+  return *reason;
+}
+
+// Explains which participants notice the new list, and when.
+std::string next_steps(const std::string& ca, const ParticipantPlaces& places,
+                       const std::vector<std::string>& without_list, const CaPaths& paths,
+                       const pki::IssueLog& log) {
+  const bool knows_none = places.is_empty();  // a CA above others
+  if (knows_none && are_all_revoked(log))
+    return fmt::format(
+        "no other participant in the CA's log needs the list; those of CAs below it do: ddssec crl "
+        "distribute DIR... --ca {}\n",
+        governance::doctor::shell_word(ca));
+  auto out = fmt::format(
+      "next: ddssec crl distribute {}--ca {}   ({})\n"
+      "when the list is in the folder, a participant reads it\n"
+      "  with ddssec's plugins (in Cyclone DDS, or embedded): within 5 s, also the first "
+      "crl.pem that appears beside its certificate\n"
+      "  with the stock plugins of Cyclone DDS or Fast DDS: only when it starts again, and "
+      "only if its configuration names the list (ROS 2 names crl.pem of the enclave)\n",
+      knows_none ? "DIR... " : "", governance::doctor::shell_word(ca),
+      knows_none ? "name the folders of all participants below this CA, also those of other CAs "
+                   "below it: the log of this CA knows none"
+                 : fmt::format("puts the list into {}", counted(places.here.size(), "folder")));
+  if (!without_list.empty()) out += "  no list so far, so that nothing is revoked there:\n";
+  for (std::size_t i = 0; i < without_list.size() && i < 10; ++i)
+    out += fmt::format("    {}\n", without_list[i]);
+  if (without_list.size() > 10) out += fmt::format("    and {} more\n", without_list.size() - 10);
+  return out + places_text(places, paths);
+}
+
+// A folder that cannot be entered counts as one with a list; crl distribute reports the problem.
+std::vector<std::string> without_list(const ParticipantPlaces& places) {
+  std::vector<std::string> out;
+  for (const auto& folder : places.here) {
+    std::error_code error;
+    if (!fs::exists(pki::participant_folder(folder).crl, error) && !error) out.push_back(folder);
+  }
+  return out;
+}
+
+Result<std::string> report_places(const CaPaths& ca, const pki::IssueLog& log,
+                                  const std::string& given, Report& report) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto places, participant_places(ca, log));
+  const auto bare = without_list(places);
+  auto& out = report.result;
+  out["folders"] = Json::array();
+  for (const auto& folder : places.here) out["folders"].push_back(folder.string());
+  out["without_list"] = bare;
+  out["elsewhere"] = places.elsewhere;
+  for (const auto& folder : places.other_copies) out["elsewhere"].push_back(folder);
+  for (const auto& folder : out["elsewhere"]) out["folders"].push_back(folder);
+  out["left_behind"] = places.left_behind;
+  out["of_other_cas"] = places.of_other_cas;
+  return next_steps(given, places, bare, ca, log);
+}
+
+std::string log_lines(const Doomed& what, const std::vector<pki::Revocation>& revocations) {
+  std::string out;
+  for (const auto& one : revocations) {
+    const bool is_own = one.serial == what.own_serial;
+    const bool is_new = std::ranges::find(what.serials, one.serial) != what.serials.end();
+    if (is_new || (is_own && !what.unlogged_key.empty()))
+      out += pki::IssueLog::revoked_line(one, is_own ? what.unlogged_key : "");
+  }
+  return out;
+}
+
+std::string_view how_revoked_before(const Doomed& what) {
+  return what.unlogged_key.empty() ? "already, but the list did not say so"
+                                   : "already, but the log did not have its key";
+}
+
+Result<Report> identity_revoke(const Arguments& arguments, const Context& context) {
+  const auto now = context.clock.now();
+  DDSSEC_ASSIGN_OR_RETURN(const auto reason, reason_of(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const int days, arguments.number("--next-update", 1, kMostDays));
+  CaOpener opener(arguments);
+  DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open("identity"));
+  DDSSEC_RETURN_IF_ERROR(check_list_date(now, ca.paths, arguments));
+  DDSSEC_ASSIGN_OR_RETURN(auto log, read_issue_log(ca.paths));
+  DDSSEC_ASSIGN_OR_RETURN(auto what, doomed(arguments, ca, log));
+  add_same_key(log, reason, what);
+  Report report;
+  report.result = {
+      {"subject", what.subject}, {"serials", what.serials}, {"same_key", what.same_key_serials}};
+  if (what.serials.empty() && what.unlogged_key.empty()) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto is_complete, lists_all(ca.paths, log));
+    if (is_complete) {
+      report.text = fmt::format("{}  revoked already\n{}", what.subject,
+                                same_key_text(what, arguments.text("--ca")));
+      return report;
+    }
+  }
+  for (const auto& serial : what.serials)
+    DDSSEC_RETURN_IF_ERROR(log.add(pki::Revocation{serial, now, reason}));
+  const auto lines = log_lines(what, log.revocations());
+  DDSSEC_ASSIGN_OR_RETURN(const auto crl, next_crl(ca, log, now, days));
+  Replacement out;
+  DDSSEC_ASSIGN_OR_RETURN(const auto lists, file_of_lists(ca.paths, crl));
+  DDSSEC_RETURN_IF_ERROR(out.put_public(ca.paths.crl, lists));
+  DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
+  // The log comes first: if the machine stops here, the next list is made from it.
+  if (!lines.empty()) DDSSEC_RETURN_IF_ERROR(log_issued(ca.paths, lines));
+  report.result["crl"] = {{"file", ca.paths.crl.string()},
+                          {"number", number_json(crl)},
+                          {"next_update", to_string(*crl.next_update())}};
+  DDSSEC_ASSIGN_OR_RETURN(const auto next,
+                          report_places(ca.paths, log, arguments.text("--ca"), report));
+  report.text = fmt::format("{}  revoked {}; revocation list {} holds until {}\n{}{}", what.subject,
+                            what.serials.empty()
+                                ? std::string(how_revoked_before(what))
+                                : fmt::format("({})", counted(what.serials.size(), "certificate")),
+                            number_text(crl), date(*crl.next_update()), what.in_words(),
+                            same_key_text(what, arguments.text("--ca")) + next);
+  report.text += about_clock(crl, now, arguments.text("--ca"));
+  // A participant that has moved may still have its former certificate, too.
+  DDSSEC_ASSIGN_OR_RETURN(const auto overlap, read_overlap(ca.paths));
+  if (overlap) {
+    report.errors.emplace_back(tool_code::revoked_after_overlap,
+                               ErrorDetails{.document = ca.paths.certificate});
+    report.exit = Exit::no;
+  }
+  DDSSEC_ASSIGN_OR_RETURN(report.files_written, out.commit());
+  return report;
+}
+
+}  // namespace
+
+std::vector<Command> identity_revoke_commands() {
+  return {{.group = "identity",
+           .name = "revoke",
+           .summary = "Declares a certificate void and makes the revocation list that says so.",
+           .positionals =
+               {{"WHAT",
+                 "a participant's folder or certificate (all that the CA issued to it), or one "
+                 "serial number"}},
+           .options = {ca_option("the CA that issued it"),
+                       {"--reason", "WORD", "why, in the words of RFC 5280", "unspecified"},
+                       kSubjectOfFolder,
+                       kNextUpdate,
+                       kClockIsRight,
+                       kPassphraseFile,
+                       kPassphraseEnv,
+                       kInsecureKeyMode},
+           .examples = {"ddssec identity revoke talker --ca ca --reason keyCompromise"},
+           .run = identity_revoke}};
+}
+
+}  // namespace ddssec::cli

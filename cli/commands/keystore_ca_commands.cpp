@@ -1,0 +1,213 @@
+// keystore split-ca, keystore rotate: new CAs for a keystore that is in use, and everything signed
+// anew.
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "cli/ca/ca_folder.hpp"
+#include "cli/ca/ca_rotation.hpp"
+#include "cli/ca/list_dates.hpp"
+#include "cli/commands/groups.hpp"
+#include "cli/documents/documents.hpp"
+#include "cli/frame/options.hpp"
+#include "cli/frame/transaction.hpp"
+#include "cli/inputs.hpp"
+#include "cli/participant/keystore.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Upstream links both roles to one CA. Of a killed command the keys may be there and the rest not:
+// that is finished first.
+Result<bool> has_one_ca(const fs::path& keystore) {
+  DDSSEC_RETURN_IF_ERROR(finish_interrupted(keystore / "private", Reach::anywhere));
+  std::error_code ignored;
+  return fs::equivalent(keystore / "private/identity_ca.key.pem",
+                        keystore / "private/permissions_ca.key.pem", ignored);
+}
+
+std::vector<Follower> followers_in(const fs::path& keystore, const Enclaves& enclaves) {
+  std::vector<Follower> out;
+  for (const auto& name : enclaves.names)
+    out.push_back(
+        {name, pki::participant_folder(keystore / enclave_folder(name), pki::FolderLayout::sros2)});
+  return out;
+}
+
+Report report_of(const fs::path& keystore, std::string_view role, const pki::Certificate& ca,
+                 const std::vector<std::string>& enclaves) {
+  Report report;
+  report.text = fmt::format(
+      "{}  {} CA is {} now, with a new key; {} signed anew\nEvery participant must start again "
+      "with "
+      "the new files. Copies of enclaves on other machines need them, too.\n",
+      keystore.string(), role, ca.subject(), counted(enclaves.size(), "enclave"));
+  report.result = {{"role", role},
+                   {"subject", ca.subject()},
+                   {"not_after", to_string(ca.not_after())},
+                   {"sha256", to_hex(ca.fingerprint())},
+                   {"enclaves", enclaves}};
+  return report;
+}
+
+std::string subject_for(const fs::path& keystore, std::string_view role) {
+  std::error_code ignored;
+  return ca_subject(fs::absolute(keystore, ignored).lexically_normal().filename().string(), role);
+}
+
+void add_followed(const Followed& followed, const Enclaves& enclaves, Report& report) {
+  report.result["unlogged"] = followed.unlogged;
+  for (const auto& file : followed.unlogged)
+    report.text += fmt::format("signed although the log does not have it: {}\n", file);
+  add_left(followed, report);
+  add_unseen(enclaves, report);
+}
+
+Result<Report> new_permissions_ca(const fs::path& keystore, const std::string& subject,
+                                  const Arguments& arguments, const Context& context) {
+  CaOpener opener(arguments);
+  DDSSEC_ASSIGN_OR_RETURN(const auto old, opener.open(ca_paths(keystore, "permissions")));
+  DDSSEC_ASSIGN_OR_RETURN(const auto ca, new_root(old.certificate(), subject, context));
+  const Succession change{old, ca, ca.certificate().pem(), opener.used_passphrase(),
+                          arguments.has("--unlogged")};
+  Replacement out;
+  const auto enclaves = enclaves_of(keystore);
+  DDSSEC_ASSIGN_OR_RETURN(auto followed,
+                          follow_permissions_ca(out, change, followers_in(keystore, enclaves),
+                                                {keystore / "enclaves/governance.p7s"}, context));
+  DDSSEC_ASSIGN_OR_RETURN(auto files, put_in_place(out, followed));
+  auto report = report_of(keystore, "permissions", ca.certificate(), followed.again);
+  add_followed(followed, enclaves, report);
+  report.files_written = std::move(files);
+  return report;
+}
+
+// Until a keystore was split, its identity CA signed the documents as well.
+Result<OpenCa> former_signer(const fs::path& keystore, CaOpener& opener) {
+  DDSSEC_ASSIGN_OR_RETURN(auto out, opener.open(ca_paths(keystore, "identity")));
+  auto certificate = std::move(out.paths.certificate);
+  out.paths = ca_paths(keystore, "permissions");
+  out.paths.certificate = std::move(certificate);
+  return out;
+}
+
+// For enclaves whose folders took no files when the keystore was split.
+Result<Report> finish_split(const fs::path& keystore, const Enclaves& enclaves,
+                            const std::vector<Follower>& left, const Arguments& arguments,
+                            const Context& context) {
+  CaOpener opener(arguments);
+  DDSSEC_ASSIGN_OR_RETURN(const auto former, former_signer(keystore, opener));
+  DDSSEC_ASSIGN_OR_RETURN(const auto present, opener.open(ca_paths(keystore, "permissions")));
+  const Succession change{former, present.authority, present.trust_pem, nullptr,
+                          arguments.has("--unlogged")};
+  Replacement out;
+  DDSSEC_ASSIGN_OR_RETURN(auto followed,
+                          follow_present_permissions_ca(
+                              out, change, left, {keystore / "enclaves/governance.p7s"}, context));
+  DDSSEC_ASSIGN_OR_RETURN(auto files, put_in_place(out, followed));
+  auto report = report_of(keystore, "permissions", present.certificate(), followed.again);
+  add_followed(followed, enclaves, report);
+  report.files_written = std::move(files);
+  return report;
+}
+
+Result<Report> already_split(const fs::path& keystore, const Arguments& arguments,
+                             const Context& context) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto trusted,
+                          read_certificates(ca_paths(keystore, "permissions").certificate));
+  const auto enclaves = enclaves_of(keystore);
+  const auto left =
+      left_with_another_ca(followers_in(keystore, enclaves), to_pem(trusted), context.clock.now());
+  if (!left.empty()) return finish_split(keystore, enclaves, left, arguments, context);
+  auto report = report_of(keystore, "permissions", trusted.front(), {});
+  report.text = fmt::format("{}  has two CAs already\n", keystore.string());
+  add_unseen(enclaves, report);
+  return report;
+}
+
+Result<Report> new_identity_ca(const fs::path& keystore, const Arguments& arguments,
+                               const Context& context) {
+  CaOpener opener(arguments);
+  DDSSEC_ASSIGN_OR_RETURN(const auto old, opener.open(ca_paths(keystore, "identity")));
+  DDSSEC_ASSIGN_OR_RETURN(const auto ca,
+                          new_root(old.certificate(), old.certificate().subject(), context));
+  const Succession change{old, ca, ca.certificate().pem(), opener.used_passphrase(),
+                          arguments.has("--unlogged")};
+  Replacement out;
+  const auto enclaves = enclaves_of(keystore);
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto followed, follow_identity_ca(out, change, followers_in(keystore, enclaves), context));
+  DDSSEC_ASSIGN_OR_RETURN(auto files, put_in_place(out, followed));
+  auto report = report_of(keystore, "identity", ca.certificate(), followed.again);
+  for (const auto& name : followed.revoked) report.text += name + " is revoked and was left out\n";
+  add_left(followed, report);
+  add_unseen(enclaves, report);
+  report.files_written = std::move(files);
+  return report;
+}
+
+Result<Report> keystore_split_ca(const Arguments& arguments, const Context& context) {
+  const fs::path keystore = arguments.text("KEYSTORE");
+  DDSSEC_RETURN_IF_ERROR(check_keystore(keystore));
+  DDSSEC_ASSIGN_OR_RETURN(const auto one_ca, has_one_ca(keystore));
+  if (!one_ca) return already_split(keystore, arguments, context);
+  return new_permissions_ca(keystore, subject_for(keystore, "Permissions"), arguments, context);
+}
+
+Result<Report> keystore_rotate(const Arguments& arguments, const Context& context) {
+  const fs::path keystore = arguments.text("KEYSTORE");
+  DDSSEC_ASSIGN_OR_RETURN(const auto role, one_role(arguments));
+  std::error_code ignored;
+  if (fs::is_directory(keystore, ignored) && !fs::exists(keystore / "public", ignored))
+    return fail(Code::usage, {.field = "KEYSTORE",
+                              .note = "without a folder public it is no keystore of ROS 2; for a "
+                                      "CA of ca create or init it is: ddssec ca rotate"});
+  DDSSEC_RETURN_IF_ERROR(check_keystore(keystore));
+  DDSSEC_ASSIGN_OR_RETURN(const auto one_ca, has_one_ca(keystore));
+  if (one_ca)
+    return fail(Code::usage, {.field = "KEYSTORE",
+                              .note = "it has one CA for both: ddssec keystore split-ca first"});
+  DDSSEC_RETURN_IF_ERROR(
+      check_list_date(context.clock.now(), ca_paths(keystore, "identity"), arguments));
+  if (role == "identity") return new_identity_ca(keystore, arguments, context);
+  DDSSEC_ASSIGN_OR_RETURN(const auto ca,
+                          read_certificate(ca_paths(keystore, "permissions").certificate));
+  return new_permissions_ca(keystore, ca.subject(), arguments, context);
+}
+
+const Option kUnlogged{
+    "--unlogged", "",
+    "also what the CA's log does not have, such as what sros2 made; after a key was stolen, never "
+    "without reading it"};
+
+}  // namespace
+
+std::vector<Command> keystore_ca_commands() {
+  return {{.group = "keystore",
+           .name = "split-ca",
+           .summary = "Gives a keystore with one CA a permissions CA of its own; signs all anew.",
+           .positionals = {{"KEYSTORE", "the keystore's folder"}},
+           .options = {kUnlogged, kPassphraseFile, kPassphraseEnv, kInsecureKeyMode},
+           .examples = {"ddssec keystore split-ca keystore",
+                        "ddssec keystore split-ca keystore --unlogged"},
+           .run = keystore_split_ca},
+          {.group = "keystore",
+           .name = "rotate",
+           .summary = "Replaces a CA and its key; issues or signs everything of it anew.",
+           .positionals = {{"KEYSTORE", "the keystore's folder"}},
+           .options = {{.name = "--role",
+                        .value = "ROLE",
+                        .summary = "identity or permissions",
+                        .required = true},
+                       kClockIsRight,
+                       kUnlogged,
+                       kPassphraseFile,
+                       kPassphraseEnv,
+                       kInsecureKeyMode},
+           .examples = {"ddssec keystore rotate keystore --role permissions"},
+           .run = keystore_rotate}};
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,481 @@
+// keystore: creates and maintains the keystore of ROS 2, with two separate CAs and keys that only
+// their owner can read.
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "cli/ca/ca_folder.hpp"
+#include "cli/ca/logged_certificate.hpp"
+#include "cli/ca/revocation_lists.hpp"
+#include "cli/ca/subject_overlap.hpp"
+#include "cli/commands/groups.hpp"
+#include "cli/commands/keystore_upkeep.hpp"
+#include "cli/doctor/doctor_options.hpp"
+#include "cli/doctor/products.hpp"
+#include "cli/documents/documents.hpp"
+#include "cli/documents/extended_permissions.hpp"
+#include "cli/documents/governance_revision.hpp"
+#include "cli/documents/granted_domains.hpp"
+#include "cli/documents/ros_policy.hpp"
+#include "cli/documents/signed_documents.hpp"
+#include "cli/frame/held_folder.hpp"
+#include "cli/frame/new_folder.hpp"
+#include "cli/frame/options.hpp"
+#include "cli/frame/transaction.hpp"
+#include "cli/frame/unfinished.hpp"
+#include "cli/inputs.hpp"
+#include "cli/participant/keystore.hpp"
+#include "cli/participant/snippets.hpp"
+#include "governance/doctor/domains.hpp"
+#include "governance/doctor/shell_word.hpp"
+#include "governance/profile.hpp"
+#include "governance/read.hpp"
+#include "governance/ros_node.hpp"
+#include "governance/write.hpp"
+#include "pki/source.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+namespace doctor = governance::doctor;
+
+Result<pki::Authority> make_ca(const fs::path& keystore, std::string_view role,
+                               const Arguments& arguments, const Context& context) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto life, validity(arguments, context.clock.now()));
+  return pki::Authority::create_root(ca_subject(folder_name(keystore), role), {}, life,
+                                     context.random);
+}
+
+Json describe(std::string_view role, const pki::Certificate& ca) {
+  return {{"role", role},
+          {"subject", ca.subject()},
+          {"not_after", to_string(ca.not_after())},
+          {"sha256", to_hex(ca.fingerprint())}};
+}
+
+Result<Report> keystore_create(const Arguments& arguments, const Context& context) {
+  const fs::path target = arguments.text("KEYSTORE");
+  DDSSEC_ASSIGN_OR_RETURN(const auto profile, profile_option(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const auto domains, domain_ranges(arguments, "--domain"));
+  DDSSEC_RETURN_IF_ERROR(check_nameable(target));
+  DDSSEC_ASSIGN_OR_RETURN(auto folder, NewFolder::at(target));
+  std::optional<pki::Passphrase> secret;
+  if (!arguments.has("--no-passphrase")) {
+    DDSSEC_ASSIGN_OR_RETURN(secret, passphrase(arguments, Typed::twice));
+  }
+  const bool single = arguments.has("--single-ca");
+  DDSSEC_ASSIGN_OR_RETURN(const auto identity,
+                          make_ca(target, single ? "" : "Identity", arguments, context));
+  auto permissions = identity;
+  if (!single) {
+    DDSSEC_ASSIGN_OR_RETURN(permissions, make_ca(target, "Permissions", arguments, context));
+  }
+  DDSSEC_RETURN_IF_ERROR(
+      add_keystore_cas(folder, {identity, permissions, single}, secret ? &*secret : nullptr));
+  const auto xml = to_xml(governance::governance_of(profile, domains));
+  const auto text = with_first_revision(xml);
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto document,
+      permissions.sign_document(text.octets, context.clock.now(), context.random));
+  DDSSEC_RETURN_IF_ERROR(add_keystore_governance(folder, xml, document));
+  const auto logged = signed_line(permissions.certificate(), text,
+                                  target / "enclaves/governance.p7s", context.clock.now());
+  DDSSEC_RETURN_IF_ERROR(folder.add("private/permissions_ca.signed.jsonl", as_bytes(logged), 0600));
+  DDSSEC_ASSIGN_OR_RETURN(const auto list, first_crl(identity));
+  DDSSEC_RETURN_IF_ERROR(folder.add_public("public/identity_ca.crl.pem", list.pem()));
+  Report report;
+  report.result = {{"dir", target.string()},
+                   {"encrypted", secret.has_value()},
+                   {"cas",
+                    {describe("identity", identity.certificate()),
+                     describe("permissions", permissions.certificate())}}};
+  report.text = fmt::format("created {}{}\n  identity CA     {}\n  permissions CA  {}\n",
+                            target.string(), secret ? "" : "  (the CA keys are NOT encrypted)",
+                            identity.certificate().subject(), permissions.certificate().subject());
+  DDSSEC_ASSIGN_OR_RETURN(report.files_written, folder.commit());
+  return report;
+}
+
+/// Whether an enclave may keep the permissions that it has.
+enum class Rights : std::uint8_t { needed, may_stay };
+
+// Rights must be given explicitly, in one way: an enclave with all rights must be requested.
+Status check_one_source(const Arguments& arguments, Rights rights) {
+  const bool given[] = {arguments.has("--publish") || arguments.has("--subscribe"),
+                        arguments.has("--permissions"), arguments.has("--policy"),
+                        arguments.has("--allow-all")};
+  const auto count = std::ranges::count(given, true);
+  if (count == 1 || (count == 0 && rights == Rights::may_stay)) return {};
+  return fail(Code::usage, {.field = "--publish",
+                            .note = "give --publish and --subscribe, or one of --permissions, "
+                                    "--policy and --allow-all"});
+}
+
+// The rights of the enclave in the policy, as one grant.
+Result<governance::Grant> grant_of_policy(const fs::path& file, const ParticipantSpec& spec,
+                                          const Arguments& arguments, Report& report) {
+  DDSSEC_ASSIGN_OR_RETURN(auto file_policy, read_policy(file, {spec.name}));
+  const auto policy = with_options(std::move(file_policy), arguments);
+  add_findings(report, merged_profiles(policy), file);
+  add_findings(report, prefixed_names(policy), file);
+  auto grant = permissions_of(policy, {}).grants.front();
+  for (auto& rule : grant.rules) rule.domains.ranges = spec.domains;
+  return grant;
+}
+
+// A topic of ROS 2 has a prefix in DDS, and a policy's names have none.
+void warn_of_missing_prefixes(const ParticipantSpec& spec, Report& report) {
+  const auto is_of_ros = [](std::string_view topic) {
+    for (const std::string_view prefix :
+         {"rt/", "rq/", "rr/", "rs/", "ra/", "ros_discovery_info", "DCPS", "*", "?", "[", "/"})
+      if (topic.starts_with(prefix)) return true;
+    return false;
+  };
+  for (const auto* topics : {&spec.publish, &spec.subscribe})
+    for (const auto& topic : *topics)
+      if (!is_of_ros(topic))
+        report.findings.push_back(
+            {.rule = Rule::PERM034,
+             .message = fmt::format("\"{}\" is a DDS topic that no ROS 2 node uses", topic),
+             .hint = fmt::format("ROS 2 topic /{0} is rt/{0} in DDS; --policy takes the names of "
+                                 "ROS 2",
+                                 topic),
+             .severity = Severity::warning});
+}
+
+Status read_rights(ParticipantSpec& spec, const Arguments& arguments, Rights rights,
+                   Report& report) {
+  DDSSEC_RETURN_IF_ERROR(check_one_source(arguments, rights));
+  DDSSEC_ASSIGN_OR_RETURN(
+      spec.domains,
+      granted_domains(arguments, fs::path(arguments.text("KEYSTORE")) / "enclaves/governance.p7s",
+                      report.findings));
+  DDSSEC_ASSIGN_OR_RETURN(spec.publish, topics_of(arguments, "--publish"));
+  DDSSEC_ASSIGN_OR_RETURN(spec.subscribe, topics_of(arguments, "--subscribe"));
+  warn_of_missing_prefixes(spec, report);
+  warn_of_rights(spec, {}, report);
+  if (arguments.has("--allow-all")) spec.publish = spec.subscribe = {"*"};
+  spec.takes_other_grants = arguments.has("--other-grants");
+  if (arguments.has("--permissions")) {
+    DDSSEC_ASSIGN_OR_RETURN(spec.permissions,
+                            read_file(arguments.text("--permissions"), pki::kMostDocumentOctets));
+  }
+  if (arguments.has("--policy")) {
+    DDSSEC_ASSIGN_OR_RETURN(spec.grant,
+                            grant_of_policy(arguments.text("--policy"), spec, arguments, report));
+  } else if (arguments.has("--node-defaults"))
+    return fail(Code::usage, {.field = "--node-defaults",
+                              .note = "it takes the names of the nodes from --policy"});
+  return {};
+}
+
+// The document was just made, so it is valid and can be parsed.
+Status warn_of_missing_rights(std::string_view xml, const fs::path& document, Report& report) {
+  if (xml.empty()) return {};
+  DDSSEC_ASSIGN_OR_RETURN(const auto permissions, governance::read_permissions(as_bytes(xml)));
+  auto finding = missing_node_defaults(permissions);
+  if (!finding) return {};
+  finding->document = document;
+  report.findings.push_back(*std::move(finding));
+  return {};
+}
+
+// ROS 2 uses such names, so they are not an error: ddssec's plugins and Fast DDS distinguish them.
+Status warn_of_overlap(const ParticipantSpec& spec, const CaPaths& identity, const fs::path& target,
+                       WallTime now, Report& report) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(identity));
+  const auto apart = SubjectsInUse(log, target, now).check(spec.subject);
+  if (apart) return {};
+  const auto& details = apart.error().details();
+  report.findings.push_back(
+      {.rule = Rule::PERM011,
+       .message = fmt::format("{}: {}", details.found, details.note),
+       .hint = "let participants run ddssec's plugins; or choose names of which none has all the "
+               "parts of another",
+       .vendors = {"cyclonedds"}});
+  return {};
+}
+
+/// What `keystore enclave` makes.
+struct EnclaveJob {
+  const Arguments& arguments;
+  const Context& context;
+  fs::path keystore;
+  std::string name;
+  fs::path target;
+  bool is_again;  ///< the enclave is there, and gets a new key and certificate
+  pki::ParticipantFolder files;
+};
+
+Result<EnclaveJob> enclave_job(const Arguments& arguments, const Context& context) {
+  const fs::path keystore = arguments.text("KEYSTORE");
+  const auto name = arguments.text("ENCLAVE");
+  DDSSEC_RETURN_IF_ERROR(check_enclave(name));
+  if (name == "/") return fail(Code::enclave_name_unusable, {.found = name});
+  DDSSEC_RETURN_IF_ERROR(check_keystore(keystore));
+  const auto target = keystore / enclave_folder(name);
+  const auto files = pki::participant_folder(target, pki::FolderLayout::sros2);
+  const bool is_again = arguments.has("--replace") && is_there(target);
+  if (is_there(files.certificate) && !is_again)
+    return fail(Code::would_overwrite,
+                {.document = target,
+                 .note = "the enclave exists",
+                 .hint = "ddssec keystore permission gives it other rights; --replace issues it "
+                         "again, with a new key"});
+  DDSSEC_RETURN_IF_ERROR(check_nameable(target));
+  if (is_again) {
+    DDSSEC_RETURN_IF_ERROR(hold_folder(target));
+    DDSSEC_RETURN_IF_ERROR(finish_interrupted(target));
+  }
+  if (is_again && files.key.extension() == ".p11")
+    return fail(Code::key_in_token, {.document = files.key});
+  return EnclaveJob{arguments, context, keystore, name, target, is_again, files};
+}
+
+// The rights are those of the name, which stays. Whether they go on is for the user to decide.
+Result<std::string> about_kept_permissions(const EnclaveJob& job,
+                                           const pki::Certificate& certificate) {
+  const auto now = job.context.clock.now();
+  const auto old = [&]() -> Result<OldPermissions> {
+    const auto ca = ca_paths(job.keystore, "permissions").certificate;
+    DDSSEC_ASSIGN_OR_RETURN(const auto proof, verified(job.files.permissions, ca, now));
+    DDSSEC_ASSIGN_OR_RETURN(auto out, own_permissions(proof, certificate, now));
+    if (out.has_ended) return fail(Code::grant_expired, {.found = certificate.subject()});
+    return out;
+  }();
+  if (old)
+    return fmt::format("permissions.p7s stays, until {}\n", date(old->grant.validity.not_after));
+  auto details = old.error().details();
+  details.document = job.files.permissions;
+  details.hint =
+      "give its rights, too: --publish and --subscribe, or one of --permissions, --policy and "
+      "--allow-all";
+  return fail(old.error().code(), std::move(details));
+}
+
+Report report_on(const EnclaveJob& job, const pki::Certificate& certificate) {
+  Report report;
+  report.text = fmt::format("{}  {}  expires {}\n", job.target.string(), certificate.subject(),
+                            date(certificate.not_after()));
+  report.result = {{"name", job.name},
+                   {"dir", job.target.string()},
+                   {"subject", certificate.subject()},
+                   {"serial", certificate.serial()},
+                   {"not_after", to_string(certificate.not_after())}};
+  return report;
+}
+
+// The log comes before the files: a certificate that it lacks cannot be revoked.
+Result<std::vector<WrittenFile>> put_enclave(const EnclaveJob& job, EnclaveFolder& folder,
+                                             const NewParticipant& made, const OpenCa& identity,
+                                             const OpenCa* permissions) {
+  const auto now = job.context.clock.now();
+  DDSSEC_RETURN_IF_ERROR(add_enclave(folder, job.name, made));
+  DDSSEC_ASSIGN_OR_RETURN(const auto list, list_for_newcomers(identity.paths, now));
+  if (list) DDSSEC_RETURN_IF_ERROR(folder.add_public("crl.pem", list->pem()));
+  DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
+  DDSSEC_RETURN_IF_ERROR(log_issued(identity.paths, log_line(made, job.target, now)));
+  if (permissions != nullptr)
+    DDSSEC_RETURN_IF_ERROR(
+        log_signed(permissions->paths, signed_line(made, *permissions, job.target, now)));
+  return folder.commit();
+}
+
+Result<Report> keystore_enclave(const Arguments& arguments, const Context& context) {
+  const auto now = context.clock.now();
+  DDSSEC_ASSIGN_OR_RETURN(const auto job, enclave_job(arguments, context));
+  DDSSEC_ASSIGN_OR_RETURN(const auto life, validity(arguments, now));
+  DDSSEC_ASSIGN_OR_RETURN(const auto key, key_spec(arguments));
+  ParticipantSpec spec{.name = job.name, .subject = "CN=" + job.name, .life = life, .key = key};
+  Report report;
+  DDSSEC_RETURN_IF_ERROR(
+      read_rights(spec, arguments, job.is_again ? Rights::may_stay : Rights::needed, report));
+  using Existing = EnclaveFolder::Existing;
+  DDSSEC_ASSIGN_OR_RETURN(auto folder,
+                          EnclaveFolder::at(job.keystore, job.target,
+                                            job.is_again ? Existing::replaced : Existing::refused));
+  CaOpener opener(arguments);
+  DDSSEC_ASSIGN_OR_RETURN(const auto identity, opener.open(ca_paths(job.keystore, "identity")));
+  std::optional<OpenCa> permissions;
+  if (spec.has_permissions()) {
+    DDSSEC_ASSIGN_OR_RETURN(permissions, opener.open(ca_paths(job.keystore, "permissions")));
+  }
+  const auto* const signer = permissions ? &*permissions : nullptr;
+  DDSSEC_ASSIGN_OR_RETURN(spec.life,
+                          within_ca(spec.life, identity.certificate(), arguments.has("--clamp")));
+  DDSSEC_RETURN_IF_ERROR(warn_of_overlap(spec, identity.paths, job.target, now, report));
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto made,
+      named(make_participant(spec, {identity, signer}, context), arguments.text("--permissions")));
+  const auto& certificate = made.self.certificate;
+  auto out = report_on(job, certificate);
+  out.findings = std::move(report.findings);
+  DDSSEC_RETURN_IF_ERROR(warn_of_missing_rights(made.permissions_xml, job.files.permissions, out));
+  if (signer == nullptr) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto kept, about_kept_permissions(job, certificate));
+    out.text += kept;
+  }
+  if (job.is_again) out.text += about_former(job.files.certificate, job.keystore, now);
+  out.text += ros2_snippet(job.keystore, job.name);
+  DDSSEC_ASSIGN_OR_RETURN(out.files_written, put_enclave(job, folder, made, identity, signer));
+  return out;
+}
+
+Result<Report> keystore_list(const Arguments& arguments, const Context&) {
+  const fs::path keystore = arguments.text("KEYSTORE");
+  DDSSEC_RETURN_IF_ERROR(check_keystore(keystore));
+  Report report;
+  const auto enclaves = enclaves_of(keystore);
+  report.result = {{"enclaves", enclaves.names}};
+  for (const auto& name : enclaves.names) report.text += name + "\n";
+  add_unseen(enclaves, report);
+  return report;
+}
+
+// This command has no option with which the user could name the participant.
+Status check_of_enclave(const pki::Certificate& certificate, const fs::path& folder,
+                        const fs::path& keystore, const std::string& name) {
+  auto issued = check_issued_for(certificate, folder, ca_paths(keystore, "identity"));
+  if (issued || (issued.error().code() != Code::certificate_of_another_folder &&
+                 issued.error().code() != Code::certificate_unlogged))
+    return issued;
+  auto details = issued.error().details();
+  details.hint = fmt::format(
+      "put the enclave's own certificate back, or issue the enclave again: ddssec keystore enclave "
+      "{} {} --replace, with its rights{}",
+      governance::doctor::shell_word(keystore.string()), name,
+      issued.error().code() == Code::certificate_unlogged
+          ? "; what sros2 issued, ddssec keystore import takes over"
+          : "");
+  return fail(issued.error().code(), std::move(details));
+}
+
+Result<Report> keystore_permission(const Arguments& arguments, const Context& context) {
+  const fs::path keystore = arguments.text("KEYSTORE");
+  const auto name = arguments.text("ENCLAVE");
+  DDSSEC_RETURN_IF_ERROR(check_enclave(name));
+  DDSSEC_RETURN_IF_ERROR(check_keystore(keystore));
+  DDSSEC_RETURN_IF_ERROR(check_enclave_in(keystore, name));
+  const auto files =
+      pki::participant_folder(keystore / enclave_folder(name), pki::FolderLayout::sros2);
+  DDSSEC_RETURN_IF_ERROR(hold_folder(files.folder));
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(files.certificate));
+  // The enclave's folder may have come back from its device, and the certificate in it decides
+  // which subject gets the permissions, and until when.
+  DDSSEC_RETURN_IF_ERROR(check_of_enclave(certificate, files.folder, keystore, name));
+  ParticipantSpec spec{.name = name, .subject = {}, .life = {}};
+  Report report;
+  DDSSEC_RETURN_IF_ERROR(read_rights(spec, arguments, Rights::needed, report));
+  const auto now = context.clock.now();
+  DDSSEC_ASSIGN_OR_RETURN(const auto xml, named(permissions_xml(spec, certificate, now),
+                                                arguments.text("--permissions")));
+  CaOpener opener(arguments);
+  DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open(ca_paths(keystore, "permissions")));
+  DDSSEC_ASSIGN_OR_RETURN(const auto document,
+                          sign_permissions(ca.authority, xml, now, context.random));
+  DDSSEC_RETURN_IF_ERROR(warn_of_missing_rights(xml, files.permissions, report));
+  Replacement out;
+  DDSSEC_RETURN_IF_ERROR(out.put_public(files.folder / "permissions.xml", xml));
+  DDSSEC_RETURN_IF_ERROR(out.put(files.permissions, document, 0644));
+  DDSSEC_RETURN_IF_ERROR(log_signed(ca, as_bytes(xml), files.permissions, now));
+  report.text = fmt::format(
+      "{}  signed by {}; ddssec's plugins take it while they run, others when they start again\n",
+      files.permissions.string(), ca.certificate().subject());
+  report.result = {
+      {"name", name}, {"file", files.permissions.string()}, {"subject", certificate.subject()}};
+  DDSSEC_ASSIGN_OR_RETURN(report.files_written, out.commit());
+  return report;
+}
+
+const Positional kKeystore{"KEYSTORE", "the keystore's folder"};
+const Positional kEnclave{"ENCLAVE", "the enclave's name, such as /robot/camera"};
+
+std::vector<Option> rights_options() {
+  return {repeated("--domain", "N|A-B",
+                   "a domain or a range of them; without it, the governance document's"),
+          repeated("--publish", "TOPIC", "a topic or expression it may publish (rt/chatter)"),
+          repeated("--subscribe", "TOPIC", "a topic or expression it may subscribe to"),
+          {"--permissions", "FILE", "a permissions document to sign instead"},
+          kOtherGrants,
+          {"--policy", "FILE", "a ROS 2 policy (sros2), of which this enclave's part counts"},
+          kNodeDefaults,
+          {"--allow-all", "", "it may publish and subscribe to everything"},
+          kPassphraseFile,
+          kPassphraseEnv,
+          kInsecureKeyMode};
+}
+
+std::vector<Option> with(std::vector<Option> options, const std::vector<Option>& more) {
+  options.insert(options.end(), more.begin(), more.end());
+  return options;
+}
+
+}  // namespace
+
+std::vector<Command> keystore_commands() {
+  return {
+      {.group = "keystore",
+       .name = "create",
+       .summary = "Makes a keystore of ROS 2 with an identity CA and a permissions CA.",
+       .positionals = {{"KEYSTORE", "a new folder"}},
+       .options = {kDomains,
+                   {"--profile", "NAME", "open, balanced or strict", "strict"},
+                   {"--single-ca", "", "one CA for both, as sros2 makes it"},
+                   days("3650"),
+                   kPassphraseFile,
+                   kPassphraseEnv,
+                   kNoPassphrase},
+       .examples = {"ddssec keystore create keystore --domain 0 --no-passphrase"},
+       .run = keystore_create},
+      {.group = "keystore",
+       .name = "enclave",
+       .summary = "Makes an enclave: key, certificate, permissions and the links.",
+       .positionals = {kKeystore, kEnclave},
+       .options = with({days("365"),
+                        kKey,
+                        {"--clamp", "", "end with the CA if it ends before"},
+                        {"--replace", "",
+                         "make key and certificate of an enclave that is there anew; without "
+                         "rights, it keeps its permissions; enclaves below it stay as they are"}},
+                       rights_options()),
+       .examples = {"ddssec keystore enclave keystore /talker --publish rt/chatter",
+                    "ddssec keystore enclave keystore /talker --allow-all",
+                    "ddssec keystore enclave keystore /talker --replace"},
+       .run = keystore_enclave},
+      {.group = "keystore",
+       .name = "list",
+       .summary = "Lists the enclaves.",
+       .positionals = {kKeystore},
+       .options = {},
+       .examples = {"ddssec keystore list keystore"},
+       .run = keystore_list},
+      {.group = "keystore",
+       .name = "permission",
+       .summary = "Gives an enclave other permissions, in place of those that it has.",
+       .positionals = {kKeystore, kEnclave},
+       .options = rights_options(),
+       .examples = {"ddssec keystore permission keystore /talker --policy policy.xml "
+                    "--node-defaults",
+                    "ddssec keystore permission keystore /talker --permissions new.xml"},
+       .run = keystore_permission},
+      {.group = "keystore",
+       .name = "verify",
+       .summary = "Looks at every enclave as doctor does; exit 1 if a product refuses one.",
+       .positionals = {kKeystore},
+       .options = {kDomainToCheck},
+       .examples = {"ddssec keystore verify keystore"},
+       .run = keystore_verify},
+      {.group = "keystore",
+       .name = "import",
+       .summary = "Takes over a keystore of sros2: restricts its keys' file modes and records its "
+                  "certificates.",
+       .positionals = {kKeystore},
+       .options = {},
+       .examples = {"ddssec keystore import keystore"},
+       .run = keystore_import}};
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,359 @@
+#include "cli/commands/keystore_upkeep.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <fcntl.h>
+#include <filesystem>
+#include <map>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include "cli/ca/logged_certificate.hpp"
+#include "cli/doctor/doctor_options.hpp"
+#include "cli/doctor/products.hpp"
+#include "cli/doctor/renewal_list_check.hpp"
+#include "cli/frame/held_folder.hpp"
+#include "cli/frame/transaction.hpp"
+#include "cli/inputs.hpp"
+#include "cli/participant/keystore.hpp"
+#include "governance/doctor/diagnosis.hpp"
+#include "governance/doctor/lint_checks.hpp"
+#include "governance/doctor/ros.hpp"
+#include "governance/doctor/shell_word.hpp"
+#include "pki/key_digest.hpp"
+#include "pki/source.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+namespace doctor = governance::doctor;
+
+// Every private key of a keystore that is a file of its own.
+std::vector<fs::path> private_keys(const fs::path& keystore, const Enclaves& enclaves) {
+  std::vector<fs::path> out;
+  std::error_code ignored;
+  for (const auto* name : {"ca.key.pem", "identity_ca.key.pem", "permissions_ca.key.pem"})
+    if (fs::symlink_status(keystore / "private" / name, ignored).type() == fs::file_type::regular)
+      out.push_back(keystore / "private" / name);
+  for (const auto& enclave : enclaves.names) {
+    const auto key = keystore / enclave_folder(enclave) / "key.pem";
+    if (fs::symlink_status(key, ignored).type() == fs::file_type::regular) out.push_back(key);
+  }
+  return out;
+}
+
+bool is_for_others(const fs::path& path) {
+  struct stat status {};
+  return ::stat(path.c_str(), &status) == 0 && (status.st_mode & 077) != 0;
+}
+
+// Reports findings that apply to every enclave once.
+void add_once(const std::vector<Finding>& findings, Report& report) {
+  for (const auto& finding : findings)
+    if (std::ranges::find(report.findings, finding.message, &Finding::message) ==
+        report.findings.end())
+      report.findings.push_back(finding);
+}
+
+// An enclave that was copied from another keystore is valid in itself, but does not belong here.
+void check_belongs(const fs::path& keystore, const doctor::LoadedFolder& enclave,
+                   const std::string& name, Report& report) {
+  const auto differs = [&](const fs::path& file, const fs::path& ours) {
+    report.exit = Exit::no;
+    report.findings.push_back(
+        {.rule = Rule::DOC006,
+         .message = fmt::format("{} of enclave {} is not the keystore's {}",
+                                file.filename().string(), name, ours.string()),
+         .document = file.string()});
+  };
+  const auto compare_cas = [&](const Result<std::vector<pki::Certificate>>& cas,
+                               const fs::path& file, std::string_view role) {
+    const auto ours = ca_paths(keystore, role).certificate;
+    const auto expected = read_certificates(ours);
+    if (cas && expected && to_pem(*cas) != to_pem(*expected)) differs(file, ours);
+  };
+  compare_cas(enclave.identity_cas, enclave.paths.identity_ca, "identity");
+  compare_cas(enclave.permissions_cas, enclave.paths.permissions_ca, "permissions");
+  const auto governance = keystore / "enclaves/governance.p7s";
+  const auto expected = read_file(governance, pki::kMostDocumentOctets);
+  if (enclave.governance.readable && expected && enclave.governance.file != *expected)
+    differs(enclave.paths.governance, governance);
+}
+
+/// Finds enclaves that have the key of another one: each is valid in itself.
+class Copies {
+ public:
+  explicit Copies(const fs::path& keystore)
+      : keystore_(keystore),
+        paths_(ca_paths(keystore, "identity")),
+        log_(read_issue_log(paths_).value_or(pki::IssueLog())) {}
+
+  void look_at(const doctor::LoadedFolder& enclave, const std::string& name, Report& report) {
+    if (!enclave.certificate) return;
+    const auto& certificate = *enclave.certificate;
+    const One one{name, enclave.paths.certificate.string(), is_at_home(enclave, name)};
+    const auto [at, is_new] = enclave_of_key_.try_emplace(pki::key_digest(certificate), one);
+    if (is_new) return;
+    const bool is_original = one.is_at_home && !at->second.is_at_home;
+    const auto original = is_original ? one : at->second;
+    const auto copy = is_original ? at->second : one;
+    at->second = original;
+    report.exit = Exit::no;
+    report.findings.push_back(
+        {.rule = Rule::DOC006,
+         .message = fmt::format("enclave {} has the key of enclave {}, \"{}\": it is a copy",
+                                copy.name, original.name, certificate.subject()),
+         .document = copy.certificate,
+         .hint = hint_for(copy.name)});
+  }
+
+ private:
+  struct One {
+    std::string name, certificate;
+    bool is_at_home;  ///< the certificate was issued for it
+  };
+
+  bool is_at_home(const doctor::LoadedFolder& enclave, const std::string& name) const {
+    const auto& certificate = *enclave.certificate;
+    const auto belonging = belonging_of(certificate, enclave.paths.folder, paths_, log_);
+    return belonging == Belonging::own ||
+           (belonging == Belonging::unlogged && certificate.subject() == "CN=" + name);
+  }
+
+  std::string hint_for(const std::string& name) const {
+    if (name == "/")
+      return fmt::format(
+          "move cert.pem, key.pem and permissions.p7s out of {}, the folder of all enclaves",
+          (keystore_ / "enclaves").string());
+    return fmt::format(
+        "ddssec keystore enclave {} {} --replace, with its rights (--publish, --subscribe or "
+        "--policy), gives it a key of its own",
+        doctor::shell_word(keystore_.string()), name);
+  }
+
+  fs::path keystore_;
+  CaPaths paths_;
+  pki::IssueLog log_;
+  std::map<std::string, One> enclave_of_key_ = {};
+};
+
+void refuse(Rule rule, const fs::path& file, std::string message, Report& report) {
+  report.exit = Exit::no;
+  report.findings.push_back({.rule = rule,
+                             .message = std::move(message),
+                             .document = file.string(),
+                             .severity = Severity::error});
+}
+
+// Files in public/ are distributed to all participants.
+void check_no_key_in_public(const fs::path& keystore, Report& report) {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(keystore / "public", error)) {
+    const auto octets = read_file(entry.path(), pki::kMostCertificateOctets);
+    if (octets && as_text(*octets).contains("PRIVATE KEY-----"))
+      refuse(Rule::DOC004, entry.path(),
+             fmt::format("{} holds a private key, and public/ is for everybody",
+                         entry.path().string()),
+             report);
+  }
+}
+
+// The folders of enclaves are looked at with the rest of them.
+void check_folder_modes(const fs::path& keystore, Report& report) {
+  for (const auto* name : {"", "private", "public", "enclaves"}) {
+    const auto folder = *name == '\0' ? keystore : keystore / name;
+    struct stat status {};
+    if (::stat(folder.c_str(), &status) == 0 && (status.st_mode & S_IWOTH) != 0)
+      refuse(Rule::DOC104, folder,
+             fmt::format("{} can be written by every user of this machine (mode {:03o})",
+                         folder.string(), status.st_mode & 0777U),
+             report);
+  }
+}
+
+void add_empty(const fs::path& keystore, const Enclaves& enclaves, Report& report) {
+  for (const auto& name : enclaves.empty) {
+    const auto folder = keystore / enclave_folder(name);
+    report.findings.push_back({.rule = Rule::DOC105,
+                               .message = fmt::format("{} is empty", folder.string()),
+                               .document = folder.string()});
+  }
+}
+
+// A copy of the enclave for its device would carry the CA's key along.
+void add_findings_of(const doctor::Diagnosis& diagnosis, Report& report) {
+  for (const auto& check : diagnosis.checks())
+    for (auto finding : check.findings) {
+      if (finding.rule == Rule::DOC004) {
+        finding.severity = Severity::error;
+        report.exit = Exit::no;
+      }
+      report.findings.push_back(std::move(finding));
+    }
+}
+
+}  // namespace
+
+Result<Report> keystore_verify(const Arguments& arguments, const Context& context) {
+  const fs::path keystore = arguments.text("KEYSTORE");
+  DDSSEC_RETURN_IF_ERROR(check_keystore(keystore));
+  const auto now = context.clock.now();
+  Report report;
+  report.result = {{"enclaves", Json::array()}, {"keys_for_others", Json::array()}};
+  const auto enclaves = enclaves_of(keystore);
+  for (const auto& key : private_keys(keystore, enclaves)) {
+    if (!is_for_others(key)) continue;
+    report.result["keys_for_others"].push_back(key.string());
+    if (key.parent_path() == keystore / "private")  // an enclave's own key is DOC003
+      report.errors.emplace_back(Code::key_readable_by_others, ErrorDetails{.document = key});
+  }
+  check_no_key_in_public(keystore, report);
+  check_folder_modes(keystore, report);
+  add_empty(keystore, enclaves, report);
+  Report domains;
+  Copies copies(keystore);
+  const auto lineup = installed_lineup();
+  for (const auto& name : enclaves.names) {
+    const auto folder =
+        pki::participant_folder(keystore / enclave_folder(name), pki::FolderLayout::sros2);
+    const auto loaded = doctor::load_folder(folder, now);
+    DDSSEC_ASSIGN_OR_RETURN(const auto domain, domain_for(arguments, {&loaded}, now, domains));
+    const doctor::Settings settings{.now = now, .domain = domain, .lineup = lineup};
+    auto diagnosis = doctor::diagnose(loaded, settings);
+    doctor::check_ros_rights(loaded, settings, diagnosis);
+    doctor::check_lint(loaded, settings, diagnosis);
+    check_renewal_list(loaded, settings, diagnosis);
+    Json verdicts = Json::object();
+    std::string words;
+    for (const auto vendor : doctor::kVendors) {
+      const auto outcome = diagnosis.outcomes().of(vendor);
+      if (outcome != doctor::Outcome::ok) report.exit = Exit::no;
+      verdicts[doctor::id(vendor, lineup)] = to_string(outcome);
+      words += fmt::format("  {}: {}", doctor::label(vendor, lineup), to_string(outcome));
+    }
+    add_findings_of(diagnosis, report);
+    check_belongs(keystore, loaded, name, report);
+    copies.look_at(loaded, name, report);
+    report.text += fmt::format("{:<30}  domain {}{}\n", name, domain, words);
+    report.result["enclaves"].push_back(
+        {{"name", name}, {"domain", domain}, {"verdicts", verdicts}});
+  }
+  if (enclaves.names.empty())
+    report.text = "there is no enclave in it yet: ddssec keystore enclave KEYSTORE ENCLAVE\n";
+  add_once(domains.findings, report);
+  if (!report.result["keys_for_others"].empty()) report.exit = Exit::no;
+  add_unseen(enclaves, report);
+  return report;
+}
+
+namespace {
+
+void add_error(Error error, Report& report) {
+  report.exit = std::max(report.exit, exit_of(error.code()));
+  report.errors.push_back(std::move(error));
+}
+
+/// Takes over the certificates of enclaves into the CA's log.
+struct Import {
+  const CaPaths& paths;
+  const pki::Certificate& ca;
+  const pki::IssueLog& log;
+  std::map<std::string, fs::path> seen = {};
+  std::string lines = {};
+
+  Status add(const fs::path& folder, const std::string& name, WallTime now, Report& report) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(folder / "cert.pem"));
+    if (!certificate.is_issued_by(ca))
+      return fail(Code::issuer_unknown, {.document = folder / "cert.pem",
+                                         .expected = "one that " + ca.subject() + " issued",
+                                         .found = "one of " + certificate.issuer()});
+    DDSSEC_RETURN_IF_ERROR(check_alone(certificate, folder, paths, log, seen));
+    std::error_code ignored;
+    if (log.find(certificate.serial()) != nullptr) return {};
+    lines += pki::IssueLog::issued_line(
+        certificate, fs::absolute(folder, ignored).lexically_normal().string(), now);
+    report.result["logged"].push_back(name);
+    report.text += fmt::format("logged {}  {}\n", name, certificate.subject());
+    return {};
+  }
+};
+
+// A keystore may come from another user, who can make its folders links to any folder of this one.
+Status check_own_folders(const fs::path& keystore) {
+  for (const auto* name : {"private", "enclaves"}) {
+    std::error_code ignored;
+    if (!fs::is_symlink(keystore / name, ignored)) continue;
+    return fail(Code::file_unwritable,
+                {.document = keystore / name,
+                 .note = "it is a symbolic link: what it leads to may not belong to the keystore",
+                 .hint = "move the folder itself to that place"});
+  }
+  return {};
+}
+
+// Changes exactly the folder that was looked at, whatever its name leads to meanwhile.
+void close_folder(const fs::path& folder, Report& report) {
+  const int open = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+  if (open < 0) return;  // without keys there is no such folder
+  struct stat status {};
+  const bool is_open = ::fstat(open, &status) == 0 && (status.st_mode & 077) != 0;
+  const int error = is_open && !writes_nothing() && ::fchmod(open, 0700) != 0 ? errno : 0;
+  ::close(open);
+  if (error != 0) return add_error(Error(Code::file_unwritable, {.document = folder}), report);
+  if (!is_open) return;
+  report.result["folders_closed"].push_back(folder.string());
+  report.text += fmt::format("{} is for its owner only now; it was mode {:03o}\n", folder.string(),
+                             status.st_mode & 0777U);
+}
+
+// A key that cannot be restricted does not prevent restricting the others.
+void close_keys(const fs::path& keystore, const Enclaves& enclaves, Report& report) {
+  for (const auto& key : private_keys(keystore, enclaves)) {
+    if (!is_for_others(key)) continue;
+    const auto is_closed = close_key(key);
+    if (!is_closed) add_error(is_closed.error(), report);
+    if (!is_closed || !*is_closed) continue;
+    report.result["keys_closed"].push_back(key.string());
+    report.text += fmt::format(
+        "{} is for its owner only now; other users of this machine may have copied it\n",
+        key.string());
+  }
+}
+
+}  // namespace
+
+Result<Report> keystore_import(const Arguments& arguments, const Context& context) {
+  const fs::path keystore = arguments.text("KEYSTORE");
+  DDSSEC_RETURN_IF_ERROR(check_keystore(keystore));
+  DDSSEC_RETURN_IF_ERROR(check_own_folders(keystore));
+  const auto paths = ca_paths(keystore, "identity");
+  DDSSEC_ASSIGN_OR_RETURN(const auto ca, read_certificate(paths.certificate));
+  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(paths));
+  Report report;
+  report.result = {
+      {"folders_closed", Json::array()}, {"keys_closed", Json::array()}, {"logged", Json::array()}};
+  const auto enclaves = enclaves_of(keystore);
+  Import import{.paths = paths, .ca = ca, .log = log};
+  for (const auto& name : enclaves.names) {
+    auto added = import.add(keystore / enclave_folder(name), name, context.clock.now(), report);
+    // The user must decide which of two enclaves has the other's certificate; nothing is logged.
+    if (!added && added.error().code() == Code::certificate_of_another_folder) {
+      auto details = added.error().details();
+      details.hint = fmt::format("ddssec keystore verify {} names the enclave that is the copy",
+                                 doctor::shell_word(keystore.string()));
+      return fail(Code::certificate_of_another_folder, std::move(details));
+    }
+    if (!added) add_error(std::move(added).error(), report);
+  }
+  close_keys(keystore, enclaves, report);
+  close_folder(keystore / "private", report);
+  if (!import.lines.empty()) DDSSEC_RETURN_IF_ERROR(log_issued(paths, import.lines));
+  if (report.text.empty() && report.errors.empty()) report.text = "nothing was left to do\n";
+  add_unseen(enclaves, report);
+  return report;
+}
+
+}  // namespace ddssec::cli

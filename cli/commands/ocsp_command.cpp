@@ -1,0 +1,59 @@
+// identity ocsp: fetches the OCSP response that a participant shows to its peers.
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "base/tool_code.hpp"
+#include "cli/ca/ocsp_response.hpp"
+#include "cli/commands/groups.hpp"
+#include "cli/documents/documents.hpp"
+#include "cli/frame/transaction.hpp"
+#include "cli/inputs.hpp"
+#include "cli/near.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+Result<Report> identity_ocsp(const Arguments& arguments, const Context& context) {
+  const fs::path folder = arguments.text("DIR");
+  DDSSEC_RETURN_IF_ERROR(check_participant_folder(folder));
+  DDSSEC_ASSIGN_OR_RETURN(const auto seconds, arguments.number("--timeout", 1, 300));
+  const auto files = pki::participant_folder(folder);
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificate, certificate_of(folder));
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto response,
+      fetch_response({files, certificate, arguments.text("--url"), std::chrono::seconds(seconds)},
+                     context.clock.now()));
+  Replacement out;
+  DDSSEC_RETURN_IF_ERROR(out.put(ocsp_file(files), response.octets, 0644));
+  Report report;
+  DDSSEC_ASSIGN_OR_RETURN(report.files_written, out.commit());
+  const auto until = response.good.until();
+  report.text = fmt::format("{}  {} is good, says {}, until {}\n", ocsp_file(files).string(),
+                            certificate.subject(), response.url, to_string(until));
+  report.result = {{"file", ocsp_file(files).string()},
+                   {"subject", certificate.subject()},
+                   {"serial", certificate.serial()},
+                   {"url", response.url},
+                   {"this_update", to_string(response.good.this_update())},
+                   {"until", to_string(until)}};
+  return report;
+}
+
+}  // namespace
+
+std::vector<Command> ocsp_commands() {
+  return {{.group = "identity",
+           .name = "ocsp",
+           .summary = "Fetches the OCSP response that a participant shows to its peers.",
+           .positionals = {{"DIR", "the participant's folder, which gets ocsp.der"}},
+           .options = {{"--url", "URL",
+                        "the responder (http://...), if not the one that the certificate names"},
+                       {"--timeout", "SECONDS", "how long to wait for the answer", "10"}},
+           .examples = {"ddssec identity ocsp talker --url http://ca.example:2560/"},
+           .run = identity_ocsp}};
+}
+
+}  // namespace ddssec::cli

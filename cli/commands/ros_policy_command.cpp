@@ -1,0 +1,88 @@
+// permissions from-ros-policy: converts sros2's policy files to DDS permissions.
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "cli/commands/groups.hpp"
+#include "cli/documents/documents.hpp"
+#include "cli/documents/ros_policy.hpp"
+#include "cli/frame/options.hpp"
+#include "cli/inputs.hpp"
+#include "governance/lint.hpp"
+#include "governance/write.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+// As long as the certificate, as sros2 does; else for --days from now.
+Result<governance::Validity> life(const Arguments& arguments, WallTime now) {
+  if (arguments.has("--validity-from")) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto certificate,
+                            read_certificate(arguments.text("--validity-from")));
+    return governance::Validity{certificate.not_before(), certificate.not_after()};
+  }
+  DDSSEC_ASSIGN_OR_RETURN(const auto days, validity(arguments, now));
+  return governance::Validity{days.not_before, days.not_after};
+}
+
+Result<Report> from_ros_policy(const Arguments& arguments, const Context& context) {
+  const fs::path file = arguments.text("FILE");
+  DDSSEC_ASSIGN_OR_RETURN(auto file_policy, read_policy(file, arguments.all("--enclave")));
+  const auto policy = with_options(std::move(file_policy), arguments);
+  DDSSEC_ASSIGN_OR_RETURN(auto domain_id, domain_of(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const auto validity, life(arguments, context.clock.now()));
+  const governance::RosPermissionsOptions options{
+      .domain = std::move(domain_id),
+      .validity = validity,
+      .discovery_topic = !arguments.has("--no-discovery-topic")};
+  const bool as_sros2 = arguments.has("--sros2-order");
+  const auto xml =
+      as_sros2 ? sros2_permissions(policy, options) : to_xml(permissions_of(policy, options));
+  DDSSEC_ASSIGN_OR_RETURN(const auto document, governance::read_permissions(as_bytes(xml)));
+  auto findings = lint(document, {.now = context.clock.now()});
+  for (auto& finding : findings) finding.severity = std::min(finding.severity, Severity::warning);
+  Report report;
+  if (!as_sros2) add_findings(report, merged_profiles(policy), file);
+  add_findings(report, prefixed_names(policy), file);
+  DDSSEC_ASSIGN_OR_RETURN(report.files_written, write_document(xml, arguments, context));
+  add_findings(report, std::move(findings), report.files_written.front().path);
+  report.text = fmt::format("{}: {}\n", report.files_written.front().path,
+                            counted(document.grants.size(), "grant"));
+  report.result = {{"file", report.files_written.front().path}, {"grants", Json::array()}};
+  for (const auto& grant : document.grants)
+    report.result["grants"].push_back({{"name", grant.name}, {"subject", grant.subject_name}});
+  return report;
+}
+
+}  // namespace
+
+std::vector<Command> ros_policy_commands() {
+  return {
+      {.group = "permissions",
+       .name = "from-ros-policy",
+       .summary = "Writes the permissions that result from a ROS 2 policy (sros2).",
+       .positionals = {{"FILE", "the policy; what it includes is read from below its folder"}},
+       .options = {{.name = "-o", .value = "FILE", .summary = "the new document", .required = true},
+                   kDomain,
+                   repeated("--enclave", "PATH", "this enclave only"),
+                   {"--validity-from", "CERT", "valid as long as this certificate"},
+                   days("365"),
+                   kNodeDefaults,
+                   {"--no-discovery-topic", "", "do not allow ros_discovery_info"},
+                   {"--sros2-order", "", "octet for octet as sros2 writes it"},
+                   kReplace,
+                   kSign,
+                   kSigningCa,
+                   kPassphraseFile,
+                   kPassphraseEnv,
+                   kInsecureKeyMode},
+       .examples = {"ddssec permissions from-ros-policy policy.xml --enclave /talker "
+                    "--validity-from cert.pem -o permissions.xml",
+                    "ddssec permissions from-ros-policy policy.xml --node-defaults -o "
+                    "permissions.xml"},
+       .run = from_ros_policy}};
+}
+
+}  // namespace ddssec::cli

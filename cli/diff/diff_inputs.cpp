@@ -1,0 +1,218 @@
+#include "cli/diff/diff_inputs.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "cli/ca/ca_folder.hpp"
+#include "cli/documents/documents.hpp"
+#include "cli/inputs.hpp"
+#include "pki/smime_diagnosis.hpp"
+#include "pki/source.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kWidth = 100;
+constexpr std::size_t kLongestShown = 48;
+constexpr std::size_t kMostShown = 3;
+constexpr std::size_t kMostDomainsShown = 5;
+
+std::string claimed_signer(const pki::DocumentForm& form) {
+  const auto subject = form.embedded.empty() ? std::string() : form.embedded.front() + ", ";
+  return subject + pki::signer_words(form);
+}
+
+Result<DiffSide> read_side(const fs::path& path, const Arguments& arguments, WallTime now) {
+  DiffSide side{.path = path};
+  DDSSEC_ASSIGN_OR_RETURN(auto octets, read_file(path, pki::kMostDocumentOctets));
+  side.octets = octets.size();
+  auto form = pki::examine_document(octets);
+  side.is_signed = form.wrapping != pki::DocumentWrapping::none &&
+                   form.wrapping != pki::DocumentWrapping::unknown;
+  if (!side.is_signed) {
+    side.text = std::move(octets);
+  } else if (arguments.has("--ca")) {
+    const auto ca = ca_certificate_path(arguments.text("--ca"), "permissions");
+    DDSSEC_ASSIGN_OR_RETURN(const auto proof, verified(path, ca, now));
+    side.is_verified = true;
+    side.signer = to_hex(proof.signer().fingerprint());
+    side.text = to_bytes(proof.content());
+    side.first_line = proof.first_line();
+  } else if (form.ambiguous) {
+    return std::unexpected(form.ambiguous->in(path));
+  } else {
+    side.signer = claimed_signer(form);
+    side.text = std::move(form.unverified_text);
+    side.first_line = form.first_line;
+  }
+  return side;
+}
+
+std::string_view trust(const DiffSide& side) {
+  return !side.is_signed ? "is not signed" : side.is_verified ? "verified" : "NOT verified";
+}
+
+Json or_null(const std::string& text) { return text.empty() ? Json() : Json(text); }
+
+}  // namespace
+
+Result<DiffSides> diff_sides(fs::path (*document)(const fs::path&), const Arguments& arguments,
+                             const Context& context) {
+  const auto now = context.clock.now();
+  DDSSEC_ASSIGN_OR_RETURN(auto before, read_side(document(arguments.text("OLD")), arguments, now));
+  DDSSEC_ASSIGN_OR_RETURN(auto after, read_side(document(arguments.text("NEW")), arguments, now));
+  return DiffSides{std::move(before), std::move(after)};
+}
+
+Json signer_json(const DiffSides& sides) {
+  return {{"old", or_null(sides.before.signer)},
+          {"new", or_null(sides.after.signer)},
+          {"same", sides.before.signer == sides.after.signer},
+          {"verified", {{"old", sides.before.is_verified}, {"new", sides.after.is_verified}}}};
+}
+
+std::string signer_text(const DiffSides& sides) {
+  if (!sides.before.is_signed && !sides.after.is_signed) return {};
+  std::string text;
+  if (sides.before.signer == sides.after.signer) {
+    text = fmt::format("signer unchanged ({})\n", shown(sides.after.signer));
+  } else {
+    const auto name = [](const DiffSide& side) {
+      return side.signer.empty() ? std::string("no signer") : shown(side.signer);
+    };
+    text = fmt::format("signer CHANGED\n  old: {}\n  new: {}\n", name(sides.before),
+                       name(sides.after));
+  }
+  if (sides.before.is_verified && sides.after.is_verified) return text;
+  return text + fmt::format("signatures: old {}, new {}{}\n", trust(sides.before),
+                            trust(sides.after),
+                            sides.before.is_verified || sides.after.is_verified
+                                ? ""
+                                : " (--ca CERT verifies them)");
+}
+
+Result<std::optional<std::string>> fail_on(const Arguments& arguments,
+                                           const std::vector<std::string>& words) {
+  if (!arguments.has("--fail-on")) return std::nullopt;
+  const auto word = arguments.text("--fail-on");
+  if (std::ranges::find(words, word) != words.end()) return word;
+  return fail(Code::usage, {.field = "--fail-on",
+                            .expected = fmt::format("{}", fmt::join(words, ", ")),
+                            .found = '"' + word + '"'});
+}
+
+std::string escaped(std::string_view name) {
+  std::string text;
+  for (const char c : name) {
+    const auto octet = static_cast<unsigned char>(c);
+    text += octet < 0x20 || octet == 0x7F ? fmt::format("\\x{:02x}", octet) : std::string(1, c);
+  }
+  return text;
+}
+
+std::string shown(std::string_view name) {
+  if (name.empty()) return "(empty name)";
+  auto text = escaped(name);
+  if (text.size() <= kLongestShown) return text;
+  // Not within a letter of several octets.
+  std::size_t end = kLongestShown - 3;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;
+  return text.substr(0, end) + "...";
+}
+
+std::string shown(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kMostShown, names.size()); ++i) {
+    text += (i == 0 ? "" : ", ") + shown(names[i]);
+  }
+  if (names.size() > kMostShown) text += fmt::format(" and {} more", names.size() - kMostShown);
+  return text;
+}
+
+std::string shown(const std::vector<governance::DomainRange>& domains) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kMostDomainsShown, domains.size()); ++i) {
+    const auto first = domains[i].first, last = domains[i].last;
+    if (i > 0) text += ", ";
+    text += first == last ? std::to_string(first) : fmt::format("{}-{}", first, last);
+  }
+  if (domains.size() > kMostDomainsShown) {
+    text += fmt::format(" and {} more", domains.size() - kMostDomainsShown);
+  }
+  const bool one = domains.size() == 1 && domains[0].first == domains[0].last;
+  return (one ? "domain " : "domains ") + text;
+}
+
+std::string shown_lines(int old_line, int new_line) {
+  std::string text;
+  if (old_line > 0) text += fmt::format("old:{}", old_line);
+  if (new_line > 0) text += fmt::format("{}new:{}", text.empty() ? "" : " ", new_line);
+  return text;
+}
+
+Json domains_json(const std::vector<governance::DomainRange>& domains) {
+  Json list = Json::array();
+  for (const auto& range : domains) list.push_back({range.first, range.last});
+  return list;
+}
+
+std::string readings_text(const governance::Readings& readings) {
+  if (readings.all.empty()) return {};
+  std::string text = "what other products may read differently, and only one document has:\n";
+  for (const auto& reading : readings.all)
+    text += wrapped("  interop   ",
+                    {escaped(reading.sentence),
+                     reading.is_new ? shown_lines(0, reading.line) : shown_lines(reading.line, 0)});
+  return readings.is_complete ? text : text + "  there may be more\n";
+}
+
+Json readings_json(const governance::Readings& readings, const DiffSides& sides) {
+  Json all = Json::array();
+  for (const auto& reading : readings.all) {
+    const auto& side = reading.is_new ? sides.after : sides.before;
+    all.push_back({{"document", reading.is_new ? "new" : "old"},
+                   {"expression", or_null(reading.expression)},
+                   {"sentence", reading.sentence},
+                   {"widens", reading.widens},
+                   {"at", place(side.path, reading.line)}});
+  }
+  return {{"all", all}, {"complete", readings.is_complete}};
+}
+
+Json place(const fs::path& path, int line) {
+  return line > 0 ? Json(fmt::format("{}:{}", path.string(), line)) : Json();
+}
+
+std::string wrapped(std::string_view heading, const std::vector<std::string>& parts) {
+  std::string text, line(heading);
+  const std::string indentation(heading.size(), ' ');
+  const auto put = [&](std::string_view piece, std::string_view gap) {
+    const bool first = line.size() == heading.size();
+    if (!first && line.size() + gap.size() + piece.size() > kWidth) {
+      text += line + "\n";
+      line = indentation;
+    } else if (!first) {
+      line += gap;
+    }
+    line += piece;
+  };
+  for (const auto& part : parts) {
+    if (part.empty()) continue;
+    if (heading.size() + part.size() <= kWidth) {
+      put(part, "  ");
+      continue;
+    }
+    std::string_view rest = part;
+    for (std::string_view gap = "  "; !rest.empty(); gap = " ") {
+      const auto end = std::min(rest.find(' '), rest.size());
+      put(rest.substr(0, end), gap);
+      rest.remove_prefix(std::min(end + 1, rest.size()));
+    }
+  }
+  return text + line + "\n";
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,241 @@
+#include "cli/diff/governance_diff_report.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+#include "cli/diff/diff_words.hpp"
+#include "plugins/access_control/protection.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+using governance::ChangeClass;
+using governance::GovernanceChange;
+using governance::Interop;
+
+/// Everything that is not harmless is emphasized.
+std::string class_word(ChangeClass change) {
+  const auto word = governance::to_string(change);
+  return change == ChangeClass::neutral ? std::string(word) : ascii_upper(word);
+}
+
+std::string hex(std::uint32_t mask) { return fmt::format("0x{:08x}", mask); }
+
+/// The masks that discovery announces with one document and with the other; null without a rule.
+Json masks(const governance::DomainRule* domain, const governance::TopicRule* topic,
+           bool is_about_topics) {
+  if (is_about_topics ? topic == nullptr : domain == nullptr) return {{"mask", nullptr}};
+  const auto info = is_about_topics
+                        ? spi::security_info(access_control::endpoint_attributes(*topic))
+                        : spi::security_info(access_control::participant_attributes(*domain));
+  return {{"mask", hex(info.mask)}, {"plugin_mask", hex(info.plugin_mask)}};
+}
+
+Json properties_json(const governance::Properties& properties) {
+  Json names = Json::array();
+  for (const auto property : governance::listed(properties))
+    names.push_back(governance::to_string(property));
+  return names;
+}
+
+/// A name may be any octets; JSON is UTF-8.
+Json name_or_null(const GovernanceChange& change) {
+  return change.is_about_topics ? Json(change.witness) : Json();
+}
+
+Json of_some_json(const GovernanceChange& change) {
+  Json out = Json::array();
+  for (const auto& [property, witness] : change.of_some)
+    out.push_back({{"property", governance::to_string(property)}, {"witness", witness}});
+  return out;
+}
+
+Json to_json(const GovernanceChange& change, const DiffSides& sides) {
+  const auto before =
+      masks(change.old_domain.get(), change.old_topic.get(), change.is_about_topics);
+  const auto after = masks(change.new_domain.get(), change.new_topic.get(), change.is_about_topics);
+  Json out = {{"domains", domains_json(change.scope.domains)},
+              {"tag_set", tags_json(change.scope)},
+              {"topics",
+               {{"witness", name_or_null(change)},
+                {"sets", topic_set_json(change.topics)},
+                {"other_sets", change.topics.others},
+                {"expressions_old", change.expressions_old},
+                {"expressions_new", change.expressions_new}}},
+              {"element", change.element.element},
+              {"old", change.element.old_value},
+              {"new", change.element.new_value},
+              {"class", governance::to_string(change.element.change)},
+              {"interop", governance::to_string(change.element.interop)},
+              {"mask_old", before["mask"]},
+              {"mask_new", after["mask"]}};
+  if (before.contains("plugin_mask")) out["plugin_mask_old"] = before["plugin_mask"];
+  if (after.contains("plugin_mask")) out["plugin_mask_new"] = after["plugin_mask"];
+  out["properties_lost"] = properties_json(change.lost);
+  out["properties_gained"] = properties_json(change.gained);
+  out["properties_of_some"] = of_some_json(change);
+  out["old_at"] = place(sides.before.path, change.old_line());
+  out["new_at"] = place(sides.after.path, change.new_line());
+  if (change.scope.has_tags) out["tags"] = change.scope.tags.examples;
+  return out;
+}
+
+std::string where(const GovernanceChange& change) {
+  if (!change.is_about_topics)
+    return change.element.element == "domain_rule" ? "everything" : "all topics";
+  return shown(change.topics, change.witness);
+}
+
+/// Of a whole domain: which topics it concerns.
+std::string of_which(const GovernanceChange& change, governance::Property property) {
+  const auto found =
+      std::ranges::find(change.of_some, property, &governance::PropertyOfSome::property);
+  return found == change.of_some.end()
+             ? std::string()
+             : fmt::format(" (of some topics, such as {})", shown(found->witness));
+}
+
+/// The consequence of a change, if the properties do not show it. `others_lose`: other changes take
+/// protection away, which may be that of the same topics.
+std::string_view consequence(const GovernanceChange& change, bool others_lose) {
+  const bool wider = change.element.change == ChangeClass::wider;
+  if (change.element.element == "domain_rule")
+    return wider ? "now participants can be made there" : "now no participant can be made there";
+  if (change.element.element == "topic_rule")
+    return wider ? "now the topics can be used by insiders" : "now no endpoint can be made";
+  if (change.element.element.starts_with("allowed_crypto_algorithms"))
+    return change.element.change == ChangeClass::stronger
+               ? "participants with other algorithms no longer join"
+               : "now participants with other algorithms join";
+  if (change.element.change == ChangeClass::weaker && others_lose)
+    return "by itself it takes no protection away; the other lines say what is no longer protected";
+  if (change.element.change == ChangeClass::weaker)
+    return "what another element protects for the same topics stays protected";
+  return {};
+}
+
+std::string to_text(const GovernanceChange& change, bool others_lose) {
+  const auto heading = fmt::format("  {:<8} {:<7}", class_word(change.element.change),
+                                   change.element.interop == Interop::none ? "" : "breaks");
+  auto text = wrapped(
+      heading, {where(change),
+                fmt::format("{} {} -> {}", change.element.element, shown(change.element.old_value),
+                            shown(change.element.new_value)),
+                shown_lines(change.old_line(), change.new_line())});
+  const std::string indentation(heading.size(), ' ');
+  const auto below = [&](const std::string& line) { text += wrapped(indentation, {line}); };
+  for (const auto property : governance::listed(change.lost))
+    below(fmt::format("now {}{}", governance::without(property), of_which(change, property)));
+  for (const auto property : governance::listed(change.gained))
+    below(
+        fmt::format("no longer: {}{}", governance::without(property), of_which(change, property)));
+  const auto also = consequence(change, others_lose);
+  if (change.lost.none() && change.gained.none() && !also.empty()) below(std::string(also));
+  return text;
+}
+
+std::string to_text(const governance::RewrittenRules& rules, bool only_listed) {
+  const auto only_order = rules.only_old.empty() && rules.only_new.empty();
+  std::vector<std::string> parts = {only_order ? "rules stand in another order:" : ""};
+  if (!rules.only_old.empty()) parts.push_back(shown(rules.only_old) + " left,");
+  if (!rules.only_new.empty()) parts.push_back(shown(rules.only_new) + " came:");
+  parts.push_back(only_listed ? "none of the listed topics is treated differently"
+                              : "no name is treated differently");
+  return wrapped(fmt::format("  {:<8} {:<7}", "neutral", ""), parts);
+}
+
+std::string verdict_text(const governance::GovernanceDiff& diff, bool is_phased) {
+  auto verdict = ascii_upper(governance::to_string(diff.verdict)) + ';';
+  if (diff.flag_day_domains.empty()) {
+    return wrapped("verdict: ",
+                   {verdict + (diff.unknown_domains.empty()
+                                   ? " both files work together"
+                                   : " whether both files work together is not known")});
+  }
+  const auto domains = shown(diff.flag_day_domains);
+  if (is_phased)
+    return wrapped("verdict: ",
+                   {verdict + fmt::format(" on topics with a line \"breaks\" ({}),", domains),
+                    "a participant that stays with the old file no longer matches those that have",
+                    "changed to the new one; other topics work"}) +
+           wrapped(
+               "",
+               {"put it into all folders within a minute: embedded participants change together,",
+                "and no match ends; start others that use these topics again at that time"});
+  if (!diff.parts_participants)
+    return wrapped("verdict: ",
+                   {verdict + fmt::format(" on topics with a line \"breaks\" ({}),", domains),
+                    "endpoints with the old file do not match those with the new one;",
+                    "other topics work"}) +
+           wrapped("", {"deploy to all participants that use these topics at once,",
+                        "or move gradually by way of a second domain or other topic names"});
+  verdict += " participants still on the old file will not talk to those on the new one";
+  const auto one_line = fmt::format("{} ({})", verdict, domains);
+  constexpr std::size_t kFits = 91;
+  const auto told = one_line.size() <= kFits ? std::vector{one_line}
+                                             : std::vector{verdict, fmt::format("({})", domains)};
+  return wrapped("verdict: ", told) +
+         wrapped("", {fmt::format("deploy to all participants of {} at once,", domains),
+                      "or move gradually by way of a second domain or other topic names"});
+}
+
+std::string to_text(const governance::GovernanceDiff& diff, bool only_listed) {
+  std::string text, heading;
+  const auto under = [&](std::string next) {
+    if (next != heading) text += next + "\n";
+    heading = std::move(next);
+  };
+  if (!diff.unknown_domains.empty()) {
+    under(shown(diff.unknown_domains));
+    text +=
+        "  UNKNOWN  too many combinations of expressions to compare; --topics FILE compares\n"
+        "           the topics in use\n";
+  }
+  const bool some_lose = std::ranges::any_of(
+      diff.changes, [](const GovernanceChange& change) { return !change.lost.none(); });
+  for (const auto& change : diff.changes) {
+    under(shown(change.scope));
+    text += to_text(change, some_lose);
+  }
+  for (const auto& rules : diff.rewritten) {
+    under(shown(rules.scope));
+    text += to_text(rules, only_listed);
+  }
+  if (!diff.complete) text += "more rules than are named here changed in the same ways\n";
+  return text;
+}
+
+}  // namespace
+
+Report report_of(const governance::GovernanceDiff& diff, const DiffSides& sides, bool only_listed,
+                 bool is_phased) {
+  Report report;
+  report.text = to_text(diff, only_listed) + readings_text(diff.readings) + signer_text(sides) +
+                verdict_text(diff, is_phased);
+  if (only_listed)
+    report.text +=
+        "only the topics of --topics were compared; for others the verdict says nothing\n";
+  report.result = {{"verdict", governance::to_string(diff.verdict)},
+                   {"breaks_interop", !diff.flag_day_domains.empty()},
+                   {"flag_day_domains", domains_json(diff.flag_day_domains)},
+                   {"changes", Json::array()},
+                   {"rewritten", Json::array()},
+                   {"unknown_domains", domains_json(diff.unknown_domains)},
+                   {"complete", diff.complete}};
+  for (const auto& change : diff.changes) {
+    report.result["changes"].push_back(to_json(change, sides));
+  }
+  for (const auto& rules : diff.rewritten) {
+    report.result["rewritten"].push_back({{"domains", domains_json(rules.scope.domains)},
+                                          {"tag_set", tags_json(rules.scope)},
+                                          {"only_old", rules.only_old},
+                                          {"only_new", rules.only_new}});
+  }
+  report.result["readings"] = readings_json(diff.readings, sides);
+  report.result["signer"] = signer_json(sides);
+  return report;
+}
+
+}  // namespace ddssec::cli

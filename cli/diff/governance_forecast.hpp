@@ -1,0 +1,26 @@
+// What running participants do with a changed governance document.
+#pragma once
+
+#include <string>
+
+#include "cli/diff/diff_inputs.hpp"
+#include "cli/frame/report.hpp"
+#include "governance/model.hpp"
+
+namespace ddssec::cli {
+
+/// For each host: whether it takes the new document while it runs.
+struct GovernanceForecast {
+  std::string text;  ///< complete lines
+  Json live;         ///< of the result of `governance diff`
+  /// Embedded participants take it in two phases, if its revision allows it.
+  bool is_phased = false;
+};
+
+/// Considers every domain, without a tag and with each tag that a document names. `is_same`: both
+/// documents say the same.
+GovernanceForecast forecast_of(const governance::Governance& before,
+                               const governance::Governance& after, const DiffSides& sides,
+                               bool is_same);
+
+}  // namespace ddssec::cli

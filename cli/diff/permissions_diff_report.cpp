@@ -1,0 +1,156 @@
+#include "cli/diff/permissions_diff_report.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+#include "cli/diff/diff_words.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+using governance::ChangeClass;
+using governance::PermissionChange;
+
+Json data_tags_json(const std::vector<governance::DataTag>& tags) {
+  Json out = Json::array();
+  for (const auto& tag : tags) out.push_back({{"name", tag.name}, {"value", tag.value}});
+  return out;
+}
+
+/// Null for a change that does not concern endpoints.
+Json entities_json(const PermissionChange& change) {
+  if (!change.is_about_topics) return {};
+  const auto& entities = change.entities;
+  return {{"every", entities.every},
+          {"partitions", entities.partitions ? name_set_json(*entities.partitions) : Json()},
+          {"example_data_tags", data_tags_json(entities.example_data_tags)}};
+}
+
+Json to_json(const PermissionChange& change, const DiffSides& sides) {
+  Json out = {{"subject", change.subject},
+              {"domains", domains_json(change.scope.domains)},
+              {"tag_set", tags_json(change.scope)},
+              {"element", change.element},
+              {"operation", change.operation.empty() ? Json() : Json(change.operation)},
+              {"topics",
+               {{"witness", change.is_about_topics ? Json(change.witness) : Json()},
+                {"sets", topic_set_json(change.topics)},
+                {"other_sets", change.topics.others},
+                {"expressions_old", change.expressions_old},
+                {"expressions_new", change.expressions_new}}},
+              {"partitions", change.entities.example_partitions},
+              {"endpoints", entities_json(change)},
+              {"old", change.old_value.empty() ? Json() : Json(change.old_value)},
+              {"new", change.new_value.empty() ? Json() : Json(change.new_value)},
+              {"class", governance::to_string(change.change)},
+              {"hint", change.hint.empty() ? Json() : Json(change.hint)}};
+  out["old_at"] = place(sides.before.path, change.old_line);
+  out["new_at"] = place(sides.after.path, change.new_line);
+  return out;
+}
+
+std::string decided_by(const std::vector<std::string>& expressions) {
+  return expressions.empty() ? "the default" : shown(expressions);
+}
+
+/// The description of a change, as the parts of a line.
+std::vector<std::string> parts_of(const PermissionChange& change) {
+  const auto values = fmt::format("{} -> {}", change.old_value, change.new_value);
+  if (change.element == "rule" && change.change == ChangeClass::unknown) {
+    return {fmt::format("{}: too many combinations of expressions to compare",
+                        change.operation.empty() ? "tags" : change.operation)};
+  }
+  if (change.element == "rule") {
+    const auto by = fmt::format("by {} -> by {}", decided_by(change.expressions_old),
+                                decided_by(change.expressions_new));
+    return {fmt::format("{} {}", change.operation, shown(change.topics, change.witness)),
+            shown(change.entities), values, by};
+  }
+  if (change.element == "default")
+    return {"default " + values, "for all that no rule mentions, in every domain"};
+  if (change.element == "join") return {"joining the domain " + values};
+  if (change.element == "rewritten") {
+    const auto side = [](const std::vector<std::string>& expressions) {
+      return expressions.empty() ? std::string("nothing") : shown(expressions);
+    };
+    return {"written differently", side(change.expressions_old),
+            "-> " + side(change.expressions_new), "no name is treated differently"};
+  }
+  if (change.element == "validity") {
+    return {"validity", change.old_value, "-> " + change.new_value};
+  }
+  if (change.element == "grant") return {"grant " + values};
+  if (change.element == "subject_name") {
+    const bool is_same = change.change == ChangeClass::interop;
+    return {"subject", shown(change.old_value), "-> " + shown(change.new_value),
+            is_same ? "(the same to ddssec; other products compare the text)" : ""};
+  }
+  return {fmt::format("{} {}", change.element, values), "not compared any further"};
+}
+
+std::string to_text(const PermissionChange& change) {
+  const auto word = governance::to_string(change.change);
+  const bool harmless =
+      change.change == ChangeClass::neutral || change.change == ChangeClass::interop;
+  auto parts = parts_of(change);
+  if (change.element != "default" && !change.scope.domains.empty())
+    parts.push_back(shown(change.scope));
+  parts.push_back(shown_lines(change.old_line, change.new_line));
+  if (!change.hint.empty()) parts.push_back("(" + change.hint + ")");
+  return wrapped(fmt::format("  {:<9} ", harmless ? std::string(word) : ascii_upper(word)), parts);
+}
+
+std::string verdict_text(const governance::PermissionsDiff& diff) {
+  const auto word = ascii_upper(governance::to_string(diff.verdict));
+  std::string text;
+  if (!diff.is_complete) text += "more rules than are named here changed in the same ways\n";
+  if (!diff.is_exact) {
+    text += wrapped("", {"UNKNOWN:", "there are too many partitions, data tags or subjects to try",
+                         "every combination"});
+  }
+  const bool is_read_otherwise =
+      std::ranges::any_of(diff.readings.all,
+                          [](const auto& one) { return one.widens || one.narrows; }) ||
+      std::ranges::any_of(diff.changes, [](const auto& change) {
+        return change.element == "subject_name" && change.change == ChangeClass::interop;
+      });
+  text += is_read_otherwise
+              ? fmt::format(
+                    "verdict: {} for ddssec's plugins; the lines \"interop\" say what "
+                    "changes with other products\n",
+                    word)
+              : fmt::format("verdict: {}; old and new files work together\n", word);
+  return text;
+}
+
+}  // namespace
+
+Report report_of(const governance::PermissionsDiff& diff, const DiffSides& sides) {
+  Report report;
+  // The most serious subject first, each with all its changes.
+  std::vector<std::string> subjects;
+  std::map<std::string_view, std::string> texts;
+  report.result = {{"verdict", governance::to_string(diff.verdict)},
+                   {"breaks_interop", false},
+                   {"changes", Json::array()},
+                   {"complete", diff.is_complete},
+                   {"approximate", !diff.is_exact}};
+  for (const auto& change : diff.changes) {
+    report.result["changes"].push_back(to_json(change, sides));
+    auto& text = texts[change.subject];
+    if (text.empty()) subjects.push_back(change.subject);
+    text += to_text(change);
+  }
+  for (const auto& subject : subjects) {
+    report.text += fmt::format("subject {}\n{}", shown(subject), texts[subject]);
+  }
+  report.text += readings_text(diff.readings) + signer_text(sides) + verdict_text(diff);
+  report.result["readings"] = readings_json(diff.readings, sides);
+  report.result["signer"] = signer_json(sides);
+  return report;
+}
+
+}  // namespace ddssec::cli

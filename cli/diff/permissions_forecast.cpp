@@ -1,0 +1,165 @@
+#include "cli/diff/permissions_forecast.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "cli/diff/forecast.hpp"
+#include "governance/compare/subjects.hpp"
+#include "pki/source.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+using governance::ChangeClass;
+using governance::Grant;
+using governance::Grants;
+
+/// In the order of severity.
+enum class Live : std::uint8_t {
+  same,
+  live,
+  live_later,        ///< the grant begins in the future
+  live_if_believed,  ///< another CA signed it
+  restart,           ///< the participant is cut off already
+  refused,
+};
+
+std::string_view live_word(Live live) {
+  switch (live) {
+    case Live::same:
+      return "same";
+    case Live::live:
+      return "live";
+    case Live::live_later:
+      return "live when it begins";
+    case Live::live_if_believed:
+      return "live if the signer is believed";
+    case Live::restart:
+      return "restart";
+    case Live::refused:
+      return "refused";
+  }
+  return "";
+}
+
+using Prediction = Forecast<Live>;
+
+const Grant* valid_at(const Grants& grants, WallTime now) {
+  const auto found =
+      std::ranges::find_if(grants, [&](const Grant* one) { return one->validity.contains(now); });
+  return found == grants.end() ? nullptr : *found;
+}
+
+const Grant* begins_after(const Grants& grants, WallTime now) {
+  const auto found = std::ranges::find_if(
+      grants, [&](const Grant* one) { return one->validity.not_before > now; });
+  return found == grants.end() ? nullptr : *found;
+}
+
+/// As find_grant and check_follows judge it for a participant of this subject.
+void add_subject(const governance::Subject& subject, WallTime now, Prediction& out) {
+  const auto* const in_force = valid_at(subject.old_grants, now);
+  if (subject.old_grants.empty()) return;
+  const auto& name = governance::spelling_of(subject).subject_name;
+  if (in_force == nullptr) {
+    const auto& old = *subject.old_grants.front();
+    if (old.validity.not_after <= now)
+      out.add(Live::restart,
+              fmt::format("{}: the old grant ended at {}, and so did such a participant", name,
+                          to_string(old.validity.not_after)),
+              0);
+    return;
+  }
+  if (subject.new_grants.empty())
+    return out.add(Live::refused, fmt::format("there is no grant for {} any more", name), 0);
+  const auto* const next = valid_at(subject.new_grants, now);
+  if (next == nullptr) {
+    if (const auto* const later = begins_after(subject.new_grants, now))
+      return out.add(Live::live_later,
+                     fmt::format("{}: from {}", name, to_string(later->validity.not_before)),
+                     later->line);
+    const auto& ended = *subject.new_grants.front();
+    return out.add(
+        Live::refused,
+        fmt::format("{}: the new grant ended at {}", name, to_string(ended.validity.not_after)),
+        ended.line);
+  }
+  if (next->validity.not_before < in_force->validity.not_before)
+    return out.add(
+        Live::refused,
+        fmt::format("as older: {}: not_before {} must be {} or later", name,
+                    to_string(next->validity.not_before), to_string(in_force->validity.not_before)),
+        next->line);
+  out.add(Live::live, "", 0);
+}
+
+Prediction forecast(const PermissionsChangeOver& change, const DiffSides& sides) {
+  Prediction out;
+  if (sides.after.octets > pki::kMostSentPermissionsOctets)
+    out.add(Live::refused,
+            fmt::format("it has {} octets, and may have {}", sides.after.octets,
+                        pki::kMostSentPermissionsOctets),
+            0);
+  for (const auto& subject : governance::subjects_of(change.before, change.after).all)
+    add_subject(subject, change.now, out);
+  const auto &before = sides.before.signer, &after = sides.after.signer;
+  if (!before.empty() && !after.empty() && before != after)
+    out.add(Live::live_if_believed, "another CA signed the new document", 0);
+  return out;
+}
+
+bool takes_away(const governance::PermissionsDiff& diff) {
+  return diff.verdict == ChangeClass::narrower || diff.verdict == ChangeClass::mixed ||
+         diff.verdict == ChangeClass::unknown;
+}
+
+std::string_view in_words(Live live) {
+  switch (live) {
+    case Live::same:
+      return "nothing changes";
+    case Live::live:
+      return "taken while they run";
+    case Live::live_later:
+      return "taken while they run, when it begins";
+    case Live::live_if_believed:
+      return "refused, unless the new signer is one of their permissions CAs";
+    case Live::restart:
+      return "restart";
+    case Live::refused:
+      return "refused: the old document stays in force until a restart or its end";
+  }
+  return "";
+}
+
+}  // namespace
+
+void add_forecast(const PermissionsChangeOver& change, const DiffSides& sides, Report& report) {
+  const bool is_same =
+      sides.before.text == sides.after.text && sides.before.signer == sides.after.signer;
+  const auto ours = is_same ? Prediction() : forecast(change, sides);
+  const auto stock = is_same ? Live::same : Live::restart;
+  const bool narrows = takes_away(change.diff);
+  constexpr std::string_view kHeading = "running participants: ";
+  const std::string indentation(kHeading.size(), ' ');
+  report.text += wrapped(
+      kHeading, {"on ddssec's plugins:", std::string(in_words(ours.outcome)),
+                 ours.reason.empty() ? std::string() : fmt::format("({})", escaped(ours.reason))});
+  const bool is_taken = ours.outcome >= Live::live && ours.outcome <= Live::live_if_believed;
+  if (is_taken && narrows)
+    report.text += wrapped(
+        indentation, {"what was taken away ends within a second between embedded participants;",
+                      "in Cyclone DDS, matches that exist stay until the session with that peer",
+                      "begins again"});
+  report.text += wrapped(
+      indentation, {"on those of Cyclone DDS and Fast DDS:", std::string(in_words(stock)),
+                    !is_same && narrows ? "until then what was taken away stays allowed" : ""});
+  report.result["takes_effect"] = {{"embedded", live_word(ours.outcome)},
+                                   {"cyclonedds_ddssec", live_word(ours.outcome)},
+                                   {"cyclonedds", live_word(stock)},
+                                   {"fastdds", live_word(stock)},
+                                   {"reason", ours.reason},
+                                   {"at", place(sides.after.path, ours.line)}};
+}
+
+}  // namespace ddssec::cli

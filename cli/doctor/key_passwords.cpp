@@ -1,0 +1,80 @@
+#include "cli/doctor/key_passwords.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <utility>
+
+#include "base/source.hpp"
+#include "base/text.hpp"
+#include "cli/inputs.hpp"
+#include "governance/doctor/configuration_checks.hpp"
+#include "governance/doctor/cyclonedds_configuration.hpp"
+#include "pki/source.hpp"
+#include "plugins/spi/property_file.hpp"
+#include "plugins/spi/property_names.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace doctor = governance::doctor;
+namespace fs = std::filesystem;
+using doctor::LoadedFolder;
+
+constexpr std::string_view kFastDdsPassword = "dds.sec.auth.builtin.PKI-DH.password";
+
+// The first one of any domain: which of several counts is not judged.
+std::string of_cyclonedds(const LoadedFolder& folder) {
+  const auto file = folder.paths.folder / "cyclonedds.xml";
+  auto configuration = doctor::cyclonedds_configuration();
+  if (!configuration && is_there(file))
+    configuration = doctor::cyclonedds_configuration(file.string());
+  if (!configuration) return {};
+  const auto text = doctor::without_comments(*configuration);
+  const auto tag = doctor::find_tag(text, "password");
+  return tag ? std::string(trimmed(tag->after.substr(0, tag->after.find('<')), " \t\r\n"))
+             : std::string();
+}
+
+std::string of_fastdds(const LoadedFolder& folder) {
+  const auto file = folder.paths.folder / "fastdds.xml";
+  const auto octets = ddssec::load("file://" + file.string(), "", pki::kMostDocumentOctets);
+  if (!octets) return {};
+  const auto properties = doctor::properties_of_profile(as_text(*octets));
+  if (!properties) return {};
+  const auto found = std::ranges::find(*properties, kFastDdsPassword,
+                                       &doctor::ProfileProperties::value_type::first);
+  return found == properties->end() ? std::string() : found->second;
+}
+
+std::string of_embedded(const LoadedFolder& folder) {
+  if (!is_there(folder.paths.properties)) return {};
+  const auto properties = spi::read_property_file(folder.paths.properties);
+  return properties ? std::string(spi::property_value(*properties, spi::property::kPassword))
+                    : std::string();
+}
+
+/// Also keeps the opened key. A property wipes its value at its end.
+bool opens(std::string password, LoadedFolder& folder) {
+  const spi::Property property{std::string(spi::property::kPassword), std::move(password), false};
+  const auto passphrase = pki::Passphrase::copy_of(as_bytes(property.value));
+  if (property.value.empty() || !passphrase) return false;
+  auto key = pki::PrivateKey::load("file://" + folder.paths.key.string(), folder.paths.key.string(),
+                                   &*passphrase);
+  if (!key) return false;
+  folder.key = std::move(key);
+  return true;
+}
+
+}  // namespace
+
+void open_key(LoadedFolder& folder) {
+  if (folder.key || folder.key.error().code() != Code::passphrase_missing) return;
+  doctor::PasswordGiven given;
+  given.cyclonedds = opens(of_cyclonedds(folder), folder);
+  given.fastdds = opens(of_fastdds(folder), folder);
+  given.ours = opens(of_embedded(folder), folder) || given.cyclonedds;
+  if (folder.key) folder.password = given;
+}
+
+}  // namespace ddssec::cli

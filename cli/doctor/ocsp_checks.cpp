@@ -1,0 +1,116 @@
+#include "cli/doctor/ocsp_checks.hpp"
+
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "base/source.hpp"
+#include "cli/ca/ocsp_response.hpp"
+#include "cli/documents/documents.hpp"
+#include "cli/inputs.hpp"
+#include "plugins/spi/ocsp_policy.hpp"
+#include "plugins/spi/property_file.hpp"
+#include "plugins/spi/property_names.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace doctor = governance::doctor;
+namespace fs = std::filesystem;
+using doctor::LoadedFolder;
+using doctor::Outcome;
+
+/// What a file that cannot be read means is said elsewhere (DOC093).
+spi::PropertyList properties_of(const LoadedFolder& folder) {
+  if (!is_there(folder.paths.properties)) return {};
+  return spi::read_property_file(folder.paths.properties).value_or(spi::PropertyList());
+}
+
+fs::path response_file(const LoadedFolder& folder, const spi::PropertyList& properties) {
+  const auto named = spi::property_value(properties, spi::property::kOcspResponse);
+  return file_named_by(absolute_uri(named)).value_or(ocsp_file(folder.paths).string());
+}
+
+/// `judge`: whose CAs and revocation lists count. Errors: file_not_found; those of read_file and
+/// judge_ocsp, or of the parts that it needs.
+Result<pki::OcspGood> response_of(const LoadedFolder& folder, const fs::path& file,
+                                  const LoadedFolder& judge, WallTime now) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMostOcspOctets));
+  if (!folder.certificate) return std::unexpected(folder.certificate.error());
+  DDSSEC_ASSIGN_OR_RETURN(const auto verifier, judge.chain());
+  return pki::judge_ocsp(octets, *folder.certificate, verifier, now);
+}
+
+Finding about_response(const fs::path& file, const Error& error) {
+  return {.rule = Rule::DOC112,
+          .message = fmt::format("{}: {}", file.filename().string(), error.message()),
+          .document = file.string(),
+          .hint = error.code() == Code::ocsp_revoked ? std::string(error.hint()) : std::string()};
+}
+
+bool demands(const doctor::Party& party) {
+  if (party.vendor != doctor::Vendor::ours) return false;
+  const auto policy = spi::ocsp_policy(properties_of(party.folder));
+  return policy && *policy == spi::OcspPolicy::hard;
+}
+
+/// Why the participant shows no response that says "good" to the judge; empty if it does. It sends
+/// none that is not good to itself.
+std::string lack_of(const doctor::Party& party, const LoadedFolder& judge, WallTime now) {
+  if (party.vendor != doctor::Vendor::ours) return party.product() + " sends none";
+  const auto file = response_file(party.folder, properties_of(party.folder));
+  auto response = response_of(party.folder, file, party.folder, now);
+  if (response) response = response_of(party.folder, file, judge, now);
+  if (response) return {};
+  if (response.error().code() == Code::file_not_found)
+    return fmt::format("there is no {}", file.filename().string());
+  return fmt::format("{}: {}", file.filename().string(), response.error().message());
+}
+
+}  // namespace
+
+void check_ocsp(const LoadedFolder& folder, const doctor::Settings& settings,
+                doctor::Diagnosis& out) {
+  const auto properties = properties_of(folder);
+  const auto file = response_file(folder, properties);
+  const auto policy = spi::ocsp_policy(properties);
+  const bool is_asked = spi::find_property(properties, spi::property::kOcsp) != nullptr ||
+                        spi::find_property(properties, spi::property::kOcspResponse) != nullptr;
+  if (!is_there(file) && !is_asked) return;
+  out.pass(Rule::DOC112);
+  if (!policy)
+    out.report({.ours = Outcome::fail}, {.rule = Rule::DOC112,
+                                         .message = policy.error().to_sentence(),
+                                         .document = folder.paths.properties.string(),
+                                         .hint = std::string(policy.error().hint())});
+  if (!is_there(file) || !folder.certificate || !folder.chain()) return;
+  const auto response = response_of(folder, file, folder, settings.now);
+  if (response) return;
+  auto finding = about_response(file, response.error());
+  if (response.error().code() == Code::ocsp_revoked)
+    return out.report({.ours = Outcome::fail}, std::move(finding));
+  // The participant starts without it.
+  finding.severity = Severity::warning;
+  out.report({}, std::move(finding));
+}
+
+std::vector<Finding> demanded_responses(const doctor::Party& a, const doctor::Party& b,
+                                        WallTime now) {
+  std::vector<Finding> out;
+  const doctor::Party* const parties[] = {&a, &b};
+  for (int i = 0; i < 2; ++i) {
+    const auto& judge = *parties[i];
+    const auto& other = *parties[1 - i];
+    if (!demands(judge)) continue;
+    const auto lack = lack_of(other, judge.folder, now);
+    if (lack.empty()) continue;
+    out.push_back({.rule = Rule::DOC113,
+                   .message = fmt::format("{} demands an OCSP response ({} = hard), and {} has "
+                                          "none that it can use: {}",
+                                          judge.name, spi::property::kOcsp, other.name, lack),
+                   .document = judge.folder.paths.properties.string()});
+  }
+  return out;
+}
+
+}  // namespace ddssec::cli

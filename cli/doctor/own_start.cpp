@@ -1,0 +1,237 @@
+#include "cli/doctor/own_start.hpp"
+
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/clock.hpp"
+#include "base/event.hpp"
+#include "cli/inputs.hpp"
+#include "governance/doctor/cyclonedds_configuration.hpp"
+#include "governance/doctor/effective_security.hpp"
+#include "governance/doctor/expanded_variables.hpp"
+#include "pki/source.hpp"
+#include "plugins/access_control/access_control.hpp"
+#include "plugins/authentication/authentication.hpp"
+#include "plugins/cryptography/cryptography.hpp"
+#include "plugins/spi/clock_step_grace.hpp"
+#include "plugins/spi/process_properties.hpp"
+#include "plugins/spi/property_names.hpp"
+#include "rtps/security/own_security.hpp"
+#include "secured/engines.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace doctor = governance::doctor;
+namespace fs = std::filesystem;
+namespace property = spi::property;
+using doctor::Outcome;
+
+class StoppedClock final : public Clock {
+ public:
+  explicit StoppedClock(WallTime now) : now_(now) {}
+  WallTime now() const override { return now_; }
+  std::chrono::nanoseconds monotonic() const override { return now_.time_since_epoch(); }
+
+ private:
+  const WallTime now_;
+};
+
+class NoEvents final : public EventSink {
+ public:
+  void raise(const Event&) override {}
+};
+
+Status start(spi::PropertyList properties, const access_control::Options& options,
+             const doctor::Settings& settings) {
+  const StoppedClock clock(settings.now);
+  SystemRandom random;
+  NoEvents events;
+  const Environment environment{clock, random, events};
+  const auto authentication = authentication::make_authentication(environment);
+  const auto access_control = access_control::make_access_control(environment, options);
+  const auto cryptography = cryptography::make_cryptography(environment);
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto own, rtps::OwnSecurity::create({{*authentication, *access_control, *cryptography},
+                                                 std::move(properties)},
+                                                settings.domain, GuidPrefix{{1}}));
+  return {};
+}
+
+Status start_embedded(const fs::path& folder, const doctor::Settings& settings) {
+  DDSSEC_ASSIGN_OR_RETURN(auto properties, secured::folder_properties(folder));
+  DDSSEC_RETURN_IF_ERROR(spi::clock_step_grace(properties));
+  return start(std::move(properties),
+               {.host_revises_keys = true,
+                .host_has_pre_shared_keys = true,
+                .host_changes_protection = true},
+               settings);
+}
+
+bool starts(const doctor::Diagnosis& diagnosis) {
+  return diagnosis.outcomes().of(doctor::Vendor::ours) < Outcome::late;
+}
+
+// Errors about a value name the property, and those about a file the file.
+std::string document_of(const Error& error, const fs::path& otherwise) {
+  const auto& document = error.details().document;
+  return document.empty() || !is_there(document) ? otherwise.string() : document;
+}
+
+}  // namespace
+
+void check_own_start(const doctor::LoadedFolder& folder, const doctor::Settings& settings,
+                     const doctor::Diagnosis& before, doctor::Diagnosis& out) {
+  std::error_code ignored;
+  if (!fs::exists(folder.paths.properties, ignored)) return;
+  if (!starts(before) || !starts(doctor::diagnose(folder, settings))) return;
+  out.pass(Rule::DOC093);
+  const auto started = start_embedded(folder.paths.folder, settings);
+  if (started) return;
+  out.report({.ours = Outcome::fail},
+             {.rule = Rule::DOC093,
+              .message = started.error().to_sentence(),
+              .document = document_of(started.error(), folder.paths.properties),
+              .line = started.error().details().line});
+}
+
+// ---- Cyclone DDS
+
+namespace {
+
+/// A value of Cyclone DDS's configuration, and the property as which its core passes it.
+struct ConfiguredProperty {
+  std::string_view element;
+  std::string_view name;
+  fs::path pki::ParticipantFolder::*file;  ///< the folder's own; null: it has none
+};
+using Files = pki::ParticipantFolder;
+constexpr ConfiguredProperty kConfigured[] = {
+    {"identityca", property::kIdentityCa, &Files::identity_ca},
+    {"identitycertificate", property::kIdentityCertificate, &Files::certificate},
+    {"privatekey", property::kPrivateKey, &Files::key},
+    {"password", property::kPassword, nullptr},
+    {"trustedcadirectory", property::kTrustedCaDir, nullptr},
+    {"crl", property::kCrl, nullptr},
+    {"permissionsca", property::kPermissionsCa, &Files::permissions_ca},
+    {"governance", property::kGovernance, &Files::governance},
+    {"permissions", property::kPermissions, &Files::permissions},
+};
+
+/// A configuration, and what sentences call it.
+struct HostConfiguration {
+  std::string document;
+  doctor::EffectiveSecurity security;
+};
+
+// Of a participant that its QoS secures, as ROS 2 does: with the folder's files.
+Result<spi::PropertyList> properties_of_folder(const pki::ParticipantFolder& files) {
+  spi::PropertyList out;
+  for (const auto& [element, name, file] : kConfigured) {
+    if (file == nullptr) continue;
+    DDSSEC_ASSIGN_OR_RETURN(auto uri, pki::uri_of(files.*file));
+    out.push_back({std::string(name), std::move(uri), false});
+  }
+  return out;
+}
+
+spi::PropertyList properties_of(const doctor::EffectiveSecurity& security, DomainId domain) {
+  spi::PropertyList out;
+  for (const auto* plugin : {&security.authentication, &security.access_control})
+    for (const auto& [element, name, file] : kConfigured)
+      if (const auto* value = *plugin ? (*plugin)->value(element) : nullptr)
+        out.push_back({std::string(name),
+                       doctor::expanded_variables(value->text, domain).value_or(value->text),
+                       false});
+  return out;
+}
+
+// That of the environment, or the folder's own. None: an application without a configuration.
+std::optional<HostConfiguration> configuration_for(const doctor::LoadedFolder& folder,
+                                                   const doctor::Settings& settings) {
+  using Place = doctor::ConfigurationPlace;
+  if (const auto text = doctor::cyclonedds_configuration()) {
+    const auto inline_from = text->size() - doctor::inline_octets(std::getenv("CYCLONEDDS_URI"));
+    return HostConfiguration{
+        "CYCLONEDDS_URI",
+        doctor::effective_security(*text, settings.domain, Place::variable, inline_from)};
+  }
+  const auto file = folder.paths.folder / "cyclonedds.xml";
+  const auto text = is_there(file) && folder.paths.layout != pki::FolderLayout::sros2
+                        ? doctor::cyclonedds_configuration(file.string())
+                        : std::nullopt;
+  if (!text) return std::nullopt;
+  return HostConfiguration{file.string(),
+                           doctor::effective_security(*text, settings.domain, Place::file)};
+}
+
+// The environment may be that of another participant.
+bool is_of(const pki::ParticipantFolder& files, const spi::PropertyList& properties) {
+  const auto named = pki::load(spi::property_value(properties, property::kIdentityCertificate), "",
+                               pki::kMostCertificateOctets);
+  const auto own = pki::uri_of(files.certificate);
+  if (!named || !own) return false;
+  const auto octets = pki::load(*own, "", pki::kMostCertificateOctets);
+  return octets && *octets == *named;
+}
+
+std::string variable(const char* name) {
+  const char* const value = std::getenv(name);
+  return value == nullptr ? std::string() : value;
+}
+
+Status start_in_cyclonedds(spi::PropertyList of_host, const doctor::Settings& settings) {
+  DDSSEC_ASSIGN_OR_RETURN(auto properties, spi::with_process_properties(std::move(of_host)));
+  DDSSEC_RETURN_IF_ERROR(spi::check_properties_of_adapters(properties));
+  // Only an embedded participant reads it.
+  std::erase_if(properties,
+                [](const auto& one) { return one.name == property::kGovernanceChangeTime; });
+  return start(std::move(properties), {}, settings);
+}
+
+}  // namespace
+
+void check_start_in_cyclonedds(const doctor::LoadedFolder& folder, const doctor::Settings& settings,
+                               bool is_in_use, const doctor::Diagnosis& before,
+                               doctor::Diagnosis& out) {
+  const auto file = variable(spi::kPropertiesVariable);
+  const auto configuration = configuration_for(folder, settings);
+  const bool is_configured = configuration && configuration->security.is_there;
+  if (!is_configured && file.empty() && variable(spi::kCipherVariable).empty()) return;
+  if (!starts(before) || !starts(doctor::diagnose(folder, settings))) return;
+  auto of_folder = properties_of_folder(folder.paths);
+  if (of_folder && folder.password && is_configured) {
+    const auto of_file = properties_of(configuration->security, settings.domain);
+    of_folder->push_back({std::string(property::kPassword),
+                          std::string(spi::property_value(of_file, property::kPassword)), false});
+  }
+  // What else keeps such a process from starting is said of the document that does.
+  if (!of_folder || !start(*of_folder, {}, settings)) return;
+  const auto of_host =
+      is_configured ? properties_of(configuration->security, settings.domain) : *of_folder;
+  if (!is_of(folder.paths, of_host)) return;
+  const auto started = start_in_cyclonedds(of_host, settings);
+  if (started) return;
+  const auto& details = started.error().details();
+  const bool is_of_host = spi::find_property(of_host, details.document) != nullptr;
+  const auto otherwise =
+      file.empty() || is_of_host
+          ? fs::path(is_configured ? configuration->document : spi::kCipherVariable)
+          : fs::path(file);
+  Finding finding{.rule = Rule::DOC093,
+                  .message = fmt::format("a Cyclone DDS process on ddssec's plugins does not start "
+                                         "with the properties that are set: {}",
+                                         started.error().to_sentence()),
+                  .document = document_of(started.error(), otherwise),
+                  .line = details.line};
+  if (is_in_use) return out.report({.ours = Outcome::fail}, std::move(finding));
+  finding.severity = Severity::warning;
+  finding.vendors = {"ours"};
+  out.report({}, std::move(finding));
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,35 @@
+// The products and versions for which a command predicts.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cli/frame/command.hpp"
+#include "governance/doctor/vendor.hpp"
+
+namespace ddssec::cli {
+
+/// Products with one version each.
+struct Products {
+  std::vector<governance::doctor::Vendor> vendors;
+  governance::doctor::Lineup lineup;
+};
+
+/// The products of --vendor; all if it is not given. Versions that are not given are the installed
+/// ones. The report gets a note (DOC098) if a version was assumed or represents another. Error:
+/// usage.
+Result<Products> products_of(const Arguments& arguments, Report& report);
+
+/// The version of one product: the named one, otherwise the installed one, otherwise the oldest
+/// known. Notes as above.
+governance::doctor::Version version_of(const governance::doctor::NamedProduct& product,
+                                       Report& report);
+
+/// The installed versions, without notes.
+governance::doctor::Lineup installed_lineup();
+
+/// The error usage for an unknown --vendor: `before` and the vendors are the valid values.
+std::unexpected<Error> unknown_vendor(const std::string& word, std::string_view before);
+
+}  // namespace ddssec::cli

@@ -1,0 +1,224 @@
+#include "cli/documents/documents.hpp"
+
+#include <algorithm>
+#include <charconv>
+
+#include <fmt/format.h>
+
+#include "cli/ca/ca_folder.hpp"
+#include "cli/documents/governance_revision.hpp"
+#include "cli/documents/signed_documents.hpp"
+#include "cli/frame/transaction.hpp"
+#include "cli/inputs.hpp"
+#include "governance/lint.hpp"
+#include "pki/smime_diagnosis.hpp"
+#include "pki/source.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// "3" or "0-5"; nothing if it is neither.
+std::optional<governance::DomainRange> range_from(std::string_view text) {
+  governance::DomainRange range;
+  const auto* const end = text.data() + text.size();
+  auto [at, error] = std::from_chars(text.data(), end, range.first);
+  range.last = range.first;
+  if (error == std::errc() && at != end && *at == '-')
+    std::tie(at, error) = [&](auto r) {
+      return std::tuple(r.ptr, r.ec);
+    }(std::from_chars(at + 1, end, range.last));
+  const bool is_whole = error == std::errc() && at == end;
+  const bool is_sound =
+      0 <= range.first && range.first <= range.last && range.last <= governance::kHighestDomainId;
+  return is_whole && is_sound ? std::optional(range) : std::nullopt;
+}
+
+}  // namespace
+
+Result<pki::SignedDocument> verified(const fs::path& file, const fs::path& ca, WallTime now) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMostDocumentOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto file_octets, read_file(ca, pki::kMostBundleOctets));
+  auto anchors = named(pki::Certificate::bundle_from_pem(file_octets), ca);
+  DDSSEC_RETURN_IF_ERROR(anchors);
+  DDSSEC_ASSIGN_OR_RETURN(const auto verifier,
+                          named(pki::DocumentVerifier::make(*std::move(anchors)), ca));
+  return named(verifier.verify(octets, now), file);
+}
+
+// A text that is not a signed form is left to the XML parser, whose error is the most helpful.
+Result<DocumentText> unverified_text(const fs::path& file) {
+  DDSSEC_ASSIGN_OR_RETURN(auto octets, read_file(file, pki::kMostDocumentOctets));
+  auto form = pki::examine_document(octets);
+  using enum pki::DocumentWrapping;
+  if (form.wrapping == none || form.wrapping == unknown) return DocumentText{std::move(octets)};
+  if (form.ambiguous) return std::unexpected(form.ambiguous->in(file));
+  if (form.unverified_text.empty()) return fail(Code::smime_malformed, {.document = file});
+  return DocumentText{std::move(form.unverified_text), form.first_line};
+}
+
+std::size_t signed_size(BytesView octets) {
+  if (pki::examine_document(octets).wrapping != pki::DocumentWrapping::none) return octets.size();
+  // Lines of signed text end in CR LF.
+  const auto text = as_text(octets);
+  return text.size() + static_cast<std::size_t>(std::ranges::count(text, '\n')) -
+         static_cast<std::size_t>(std::ranges::count(text, '\r'));
+}
+
+void add_findings(Report& report, std::vector<Finding> findings, const fs::path& file) {
+  if (governance::has_errors(findings)) report.exit = Exit::no;
+  for (auto& finding : findings) {
+    if (finding.document.empty()) finding.document = file;
+    report.findings.push_back(std::move(finding));
+  }
+}
+
+namespace {
+
+struct Counts {
+  std::size_t errors = 0, warnings = 0, notes = 0;
+};
+
+Counts counts_of(const std::vector<Finding>& findings) {
+  Counts out;
+  for (const auto& finding : findings)
+    ++(finding.severity >= Severity::error     ? out.errors
+       : finding.severity == Severity::warning ? out.warnings
+                                               : out.notes);
+  return out;
+}
+
+Error with_replace_hint(const Error& error) {
+  if (error.code() != Code::would_overwrite) return error;
+  auto details = error.details();
+  details.hint = "--replace puts the new one in its place; or choose another place with -o";
+  return Error(error.code(), std::move(details));
+}
+
+}  // namespace
+
+std::string counted(const std::vector<Finding>& findings) {
+  const auto [errors, warnings, notes] = counts_of(findings);
+  std::string out;
+  for (const auto& [count, word] :
+       {std::pair(errors, "error"), std::pair(warnings, "warning"), std::pair(notes, "note")})
+    if (count > 0) out += (out.empty() ? "" : ", ") + counted(count, word);
+  return out.empty() ? "nothing found" : out;
+}
+
+Json counts_json(const std::vector<Finding>& findings) {
+  const auto [errors, warnings, notes] = counts_of(findings);
+  return {{"errors", errors}, {"warnings", warnings}, {"notes", notes}};
+}
+
+Result<governance::Profile> profile_option(const Arguments& arguments) {
+  const auto word = arguments.text("--profile");
+  if (const auto profile = governance::profile_from(word)) return *profile;
+  return fail(
+      Code::usage,
+      {.field = "--profile", .expected = "open, balanced or strict", .found = '"' + word + '"'});
+}
+
+Result<DomainId> domain_of(const Arguments& arguments) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto domain,
+                          arguments.number("--domain", 0, governance::kHighestDomainId));
+  return static_cast<DomainId>(domain);
+}
+
+Result<std::optional<DomainId>> domain_option(const Arguments& arguments) {
+  if (!arguments.has("--domain")) return std::nullopt;
+  DDSSEC_ASSIGN_OR_RETURN(auto domain_id, domain_of(arguments));
+  return domain_id;
+}
+
+Result<std::vector<governance::DomainRange>> domain_ranges(const Arguments& arguments,
+                                                           std::string_view option) {
+  std::vector<governance::DomainRange> out;
+  for (const auto& text : arguments.all(option)) {
+    const auto range = range_from(text);
+    if (!range)
+      return fail(Code::usage, {.field = std::string(option),
+                                .expected = "a domain such as 3 or a range such as 0-5, up to 230",
+                                .found = '"' + text + '"'});
+    out.push_back(*range);
+  }
+  return out;
+}
+
+Result<std::vector<std::string>> topics_of(const Arguments& arguments, std::string_view option) {
+  for (const auto& topic : arguments.all(option))
+    if (topic.find(',') != topic.npos)
+      return fail(Code::usage, {.field = std::string(option),
+                                .expected = fmt::format("one topic; {} may be repeated", option),
+                                .found = '"' + topic + '"'});
+  return arguments.all(option);
+}
+
+fs::path signed_path(const fs::path& document) {
+  return fs::path(document).replace_extension("p7s");
+}
+
+Status check_result_place(const fs::path& target, const Arguments& arguments) {
+  if (arguments.has("--replace")) return {};
+  const auto out = check_nothing_at(target);
+  return out ? Status{} : std::unexpected(with_replace_hint(out.error()));
+}
+
+Result<WrittenFile> write_result(const fs::path& target, BytesView octets,
+                                 const Arguments& arguments) {
+  if (arguments.has("--replace")) {
+    Replacement out;
+    DDSSEC_RETURN_IF_ERROR(out.put(target, octets, 0644));
+    DDSSEC_ASSIGN_OR_RETURN(const auto written, out.commit());
+    return written.front();
+  }
+  auto out = write_new_file(target, octets, 0644);
+  return out ? std::move(out) : std::unexpected(with_replace_hint(out.error()));
+}
+
+Result<std::vector<WrittenFile>> write_document(const std::string& xml, const Arguments& arguments,
+                                                const Context& context,
+                                                const governance::Governance* governance) {
+  fs::path plain = arguments.text("-o");
+  std::vector<WrittenFile> out;
+  if (!arguments.has("--sign")) {
+    DDSSEC_ASSIGN_OR_RETURN(auto written, write_result(plain, as_bytes(xml), arguments));
+    out.push_back(std::move(written));
+    return out;
+  }
+  if (plain.extension() == ".p7s") plain.replace_extension("xml");
+  if (!arguments.has("--ca"))
+    return fail(Code::usage, {.field = "--sign", .note = "it needs --ca DIR"});
+  DDSSEC_ASSIGN_OR_RETURN(const auto ca, CaOpener(arguments).open("permissions"));
+  NumberedText text{to_bytes(as_bytes(xml))};
+  if (governance != nullptr && !arguments.has("--no-revision")) {
+    DDSSEC_ASSIGN_OR_RETURN(text,
+                            with_next_revision(*governance, text.octets, signed_path(plain), ca));
+  }
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto signature,
+      ca.authority.sign_document(text.octets, context.clock.now(), context.random));
+  for (const auto& file : {plain, signed_path(plain)})
+    DDSSEC_RETURN_IF_ERROR(check_result_place(file, arguments));
+  DDSSEC_RETURN_IF_ERROR(log_signed(
+      ca.paths, signed_line(ca.certificate(), text, signed_path(plain), context.clock.now())));
+  if (arguments.has("--replace")) {
+    Replacement both;
+    DDSSEC_RETURN_IF_ERROR(both.put_public(plain, xml));
+    DDSSEC_RETURN_IF_ERROR(both.put(signed_path(plain), signature, 0644));
+    return both.commit();
+  }
+  DDSSEC_ASSIGN_OR_RETURN(auto written, write_result(plain, as_bytes(xml), arguments));
+  out.push_back(std::move(written));
+  auto second = write_result(signed_path(plain), signature, arguments);
+  if (!second) {
+    std::error_code ignored;
+    fs::remove(plain, ignored);
+    return std::unexpected(second.error());
+  }
+  out.push_back(*std::move(second));
+  return out;
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,120 @@
+// Reading and writing of governance and permissions documents by commands.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "base/clock.hpp"
+#include "cli/frame/command.hpp"
+#include "governance/model.hpp"
+#include "governance/profile.hpp"
+#include "governance/read.hpp"
+#include "pki/participant_folder.hpp"
+#include "pki/smime.hpp"
+
+namespace ddssec::cli {
+
+/// The result; an error without a document gets the path as its document.
+template <class T>
+Result<T> named(Result<T> result, const std::filesystem::path& path) {
+  if (result) return result;
+  return std::unexpected(result.error().in(path));
+}
+
+/// The signed document, verified at `now` against the permissions CA file `ca`.
+/// Errors: those of read_file, Certificate::bundle_from_pem and DocumentVerifier::verify.
+Result<pki::SignedDocument> verified(const std::filesystem::path& file,
+                                     const std::filesystem::path& ca, WallTime now);
+
+/// The XML of a document, plain or signed, and the line of its file on which it begins.
+struct DocumentText {
+  Bytes xml;
+  int first_line = 1;
+};
+/// The text of a document, NOT verified: only to be displayed and linted. Errors: those of
+/// read_file; smime_malformed if a signed form contains no text.
+Result<DocumentText> unverified_text(const std::filesystem::path& file);
+
+/// A kind of document, for commands that work on both kinds.
+struct GovernanceKind {
+  using Document = governance::Governance;
+  static constexpr auto kInFolder = &pki::ParticipantFolder::governance;
+  static Result<Document> read(BytesView xml, int first_line = 1) {
+    return governance::read_governance(xml, first_line);
+  }
+};
+struct PermissionsKind {
+  using Document = governance::Permissions;
+  static constexpr auto kInFolder = &pki::ParticipantFolder::permissions;
+  static Result<Document> read(BytesView xml, int first_line = 1) {
+    return governance::read_permissions(xml, first_line);
+  }
+};
+
+/// The document of a participant's folder; `given` itself if it is not a folder.
+template <class Kind>
+std::filesystem::path document_path(const std::filesystem::path& given) {
+  std::error_code ignored;
+  return std::filesystem::is_directory(given, ignored)
+             ? pki::participant_folder(given).*Kind::kInFolder
+             : given;
+}
+
+/// The document in a file, plain or signed, NOT verified. Errors: those of unverified_text,
+/// read_governance and read_permissions.
+template <class Kind>
+Result<typename Kind::Document> unverified_document(const std::filesystem::path& file) {
+  auto text = unverified_text(file);
+  if (!text) return std::unexpected(text.error());
+  return named(Kind::read(text->xml, text->first_line), file);
+}
+
+/// The length of the signed form of a document; `octets` are the document, plain or signed. For a
+/// plain one without the signature itself, which has 1 to 4 KiB.
+std::size_t signed_size(BytesView octets);
+
+/// Adds findings about this file to the report; the answer is "no" if one is an error.
+void add_findings(Report& report, std::vector<Finding> findings, const std::filesystem::path& file);
+/// "2 errors, 1 warning, 3 notes"; "nothing found" if there are none.
+std::string counted(const std::vector<Finding>& findings);
+/// The numbers of errors, warnings and notes.
+Json counts_json(const std::vector<Finding>& findings);
+
+/// The value of --profile. Error: usage.
+Result<governance::Profile> profile_option(const Arguments& arguments);
+
+/// The value of --domain, which has a default. Error: usage.
+Result<DomainId> domain_of(const Arguments& arguments);
+/// The value of --domain, if given. Error: usage.
+Result<std::optional<DomainId>> domain_option(const Arguments& arguments);
+
+/// The values of the option, each "3" or "0-5". Error: usage.
+Result<std::vector<governance::DomainRange>> domain_ranges(const Arguments& arguments,
+                                                           std::string_view option);
+
+/// The topics of a repeated option. Error: usage for a value with a comma, which would be the name
+/// of one topic that does not exist.
+Result<std::vector<std::string>> topics_of(const Arguments& arguments, std::string_view option);
+
+/// The path of the signed form beside a document: its path with the ending p7s.
+std::filesystem::path signed_path(const std::filesystem::path& document);
+
+/// Success if write_result() can use its target, so that no log contains a document that was never
+/// written. Error: would_overwrite.
+Status check_result_place(const std::filesystem::path& target, const Arguments& arguments);
+/// Writes a document for a command that has --replace. Errors: those of write_new_file and, with
+/// that option, of Replacement.
+Result<WrittenFile> write_result(const std::filesystem::path& target, BytesView octets,
+                                 const Arguments& arguments);
+
+/// Writes a new document to the path of -o and, with --sign, its signed form beside it (-o may name
+/// either). Writes both or neither. `governance`: the document itself, if it is one; its signed
+/// form has the next revision, unless --no-revision is given. Errors: usage (--sign without --ca),
+/// and those of CaOpener, with_next_revision, Authority::sign_document and write_new_file.
+Result<std::vector<WrittenFile>> write_document(const std::string& xml, const Arguments& arguments,
+                                                const Context& context,
+                                                const governance::Governance* governance = nullptr);
+
+}  // namespace ddssec::cli

@@ -1,0 +1,122 @@
+#include "cli/explain/cyclone_sentences.hpp"
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <string>
+
+#include "base/text.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+constexpr std::string_view kGap = "...";
+
+// docs/sentences-of-cyclone-dds.md says the same, and tests/cli/sentences_test.py compares them.
+constexpr std::array kSentences = {
+    CycloneSentence{"Could not load Authentication library: ...: cannot open shared object file",
+                    "the library of the <Library> element is not found",
+                    "the path in the line; LD_LIBRARY_PATH; ddssec doctor FOLDER"},
+    CycloneSentence{"Could not load Access Control library: ...: cannot open shared object file",
+                    "the library of the <Library> element is not found",
+                    "the path in the line; LD_LIBRARY_PATH; ddssec doctor FOLDER"},
+    CycloneSentence{"Could not load Cryptographic library: ...: cannot open shared object file",
+                    "the library of the <Library> element is not found",
+                    "the path in the line; LD_LIBRARY_PATH; ddssec doctor FOLDER"},
+    CycloneSentence{"Error occurred while validating local permission: ...",
+                    "this participant's own certificate, key or identity CA is refused: expired, "
+                    "wrong key, damaged file; \"permission\" is a slip of Cyclone DDS",
+                    "ddssec doctor FOLDER"},
+    CycloneSentence{"Error occurred while validating local permissions: ...",
+                    "this participant's own governance or permissions are refused: signed by "
+                    "another CA, changed after signing, expired, or no rule for this domain",
+                    "ddssec doctor FOLDER"},
+    CycloneSentence{
+        "It is not allowed to create participant: Could not find domain ... in governance",
+        "no <domain_rule> covers the domain; the stock plugins say it so",
+        "ddssec governance show FILE"},
+    CycloneSentence{"Not Allowed By Security",
+                    "the permissions do not allow this participant to write or read that topic; "
+                    "ddssec's own line names the rule, the stock plugins are silent",
+                    "ddssec can FOLDER publish TOPIC"},
+    CycloneSentence{"Begin handshake reply failed: ...",
+                    "this side refused the other's first message, mostly its certificate: another "
+                    "identity CA, expired, revoked",
+                    "ddssec check OWN OTHER"},
+    CycloneSentence{"Process handshake failed: ...",
+                    "this side refused a later message; \"Failed to finalize digest context\" is "
+                    "the stock plugins' sentence for a wrong signature: the other one has another "
+                    "participant's key",
+                    "ddssec check OWN OTHER; on the other side ddssec doctor FOLDER"},
+    CycloneSentence{"Failed to finalize digest context",
+                    "the stock plugins' sentence for a wrong signature: the other one has another "
+                    "participant's key",
+                    "on the other side ddssec doctor FOLDER"},
+    CycloneSentence{"Could not get remote participant ... permissions from plugin: ...",
+                    "the certificate is good and the permissions document is not, mostly since "
+                    "another permissions CA signed it",
+                    "ddssec check OWN OTHER"},
+    CycloneSentence{"match remote_participant ... security_attributes mismatch: ...",
+                    "the two governance documents protect the whole domain differently: discovery, "
+                    "liveliness or RTPS messages; \"not allowed\" follows",
+                    "ddssec governance diff OWN OTHER"},
+    CycloneSentence{"Remote secure participant ... not allowed",
+                    "the two do not match now: after a \"mismatch\" line it stays so; alone, "
+                    "at the start, it is mostly harmless: the other one was still authenticating; "
+                    "without a line of ddssec beside it, the log of the other side has the reason",
+                    "the line before it; ddssec check OWN OTHER"},
+    CycloneSentence{"match_remote_writer ... security_attributes mismatch: ...",
+                    "the participants meet, and protect this topic differently: there is no match "
+                    "for it",
+                    "ddssec governance diff OWN OTHER"},
+    CycloneSentence{"match_remote_reader ... security_attributes mismatch: ...",
+                    "the participants meet, and protect this topic differently: there is no match "
+                    "for it",
+                    "ddssec governance diff OWN OTHER"},
+    CycloneSentence{"failed to match in ...",
+                    "from ddsperf: no endpoints of another ddsperf were found; the line \"new\" "
+                    "before it comes before security, so it does not mean that keys were exchanged",
+                    "plugins_in_use in both logs; ddssec check OWN OTHER"},
+    CycloneSentence{"ddsi_udp_conn_write to udp/... failed with retcode -1",
+                    "not security: the other one announced an address that no route leads to",
+                    "ip route get ADDRESS"},
+};
+
+// Without the gaps at its end, which match anything.
+std::string_view without_end(std::string_view sentence) {
+  while (sentence.ends_with(kGap) || sentence.ends_with(' '))
+    sentence.remove_suffix(sentence.ends_with(kGap) ? kGap.size() : 1);
+  return sentence;
+}
+
+// True if everything between the gaps is in the line, in this order.
+bool is_in(std::string_view sentence, std::string_view line) {
+  auto rest = without_end(sentence);
+  while (true) {
+    const auto gap = rest.find(kGap);
+    const auto piece = rest.substr(0, gap);
+    const auto at = line.find(piece);
+    if (at == line.npos) return false;
+    if (gap == rest.npos) return true;
+    line.remove_prefix(at + piece.size());
+    rest.remove_prefix(gap + kGap.size());
+  }
+}
+
+}  // namespace
+
+std::span<const CycloneSentence> cyclone_sentences() { return kSentences; }
+
+std::vector<CycloneSentence> cyclone_sentences_like(std::string_view text) {
+  constexpr std::size_t kFewest = 4;
+  std::vector<CycloneSentence> out;
+  if (text.size() < kFewest) return out;
+  const auto wanted = ascii_upper(text);
+  std::ranges::copy_if(kSentences, std::back_inserter(out), [&](const CycloneSentence& row) {
+    const auto sentence = ascii_upper(row.sentence);
+    return sentence.contains(wanted) || is_in(sentence, wanted);
+  });
+  return out;
+}
+
+}  // namespace ddssec::cli

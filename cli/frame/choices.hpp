@@ -1,0 +1,16 @@
+// The possible words for an option or positional of a command, if they are few: for completion, and
+// for values in another letter case.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "cli/frame/command.hpp"
+
+namespace ddssec::cli {
+
+/// The words, separated by blanks; "" if any value is allowed. `name` is that of an option or a
+/// positional.
+std::string choices_of(const Command& command, std::string_view name);
+
+}  // namespace ddssec::cli

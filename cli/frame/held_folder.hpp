@@ -1,0 +1,38 @@
+// Folders that stay open from the first read to the last write: another user may own a
+// participant's folder, and meanwhile replace it by a link to another folder.
+#pragma once
+
+#include <filesystem>
+
+#include "base/result.hpp"
+#include "cli/frame/new_file.hpp"
+
+namespace ddssec::cli {
+
+/// Opens a participant's folder and keeps it open until the process ends. From now on commands read
+/// and write the files directly in it through its descriptor, wherever the path leads later. Call
+/// it before reading the first file whose content decides what is written. A symbolic link in its
+/// place is not followed, nor is one in the path that another user can change (guarded_path.hpp).
+/// Errors: would_overwrite (a link), link_untrusted, file_unwritable.
+Status hold_folder(const std::filesystem::path& folder);
+
+/// The descriptor of a folder, by the path given to hold_folder(). A folder that is not held is
+/// opened now, following links, and kept open for writing. Error: -1, with errno.
+int folder_descriptor(const std::filesystem::path& folder);
+
+/// Opens a folder in an open folder, for listing and writing; a symbolic link is not followed.
+/// Error: -1, with errno.
+Descriptor open_folder_in(int parent, const std::filesystem::path& name);
+
+/// The path with which to read a file directly in a held folder, or the folder itself; any other
+/// path is returned unchanged. For system calls, not for messages.
+std::filesystem::path as_held(const std::filesystem::path& path);
+
+/// Keeps the owner of a replaced file: a key that only root could read would stop the participant.
+/// A new file that all may read gets the owner of the folder.
+/// If root runs the command, the open `file` gets the owner and group of the target in `folder`; if
+/// the owner runs it, the group. Returns 0, or errno for a file that must not be readable for
+/// everyone, or whose group must be able to read it.
+int keep_owner(int file, int folder, const std::filesystem::path& target, unsigned mode);
+
+}  // namespace ddssec::cli

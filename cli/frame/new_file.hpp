@@ -1,0 +1,52 @@
+// Creates one file through the descriptor of its folder, and describes what could not be written.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "base/bytes.hpp"
+#include "base/descriptor.hpp"
+#include "base/result.hpp"
+#include "cli/frame/report.hpp"
+
+namespace ddssec::cli {
+
+/// From now on nothing is written (--dry-run): every check is made, and the files that would be
+/// written are reported.
+void write_nothing();
+/// True after write_nothing().
+bool writes_nothing();
+
+/// The folder of a path; "." for a bare name.
+std::filesystem::path folder_of(const std::filesystem::path& path);
+/// The error file_unwritable for a path, by errno; it reports a missing folder.
+std::unexpected<Error> unwritable(const std::filesystem::path& path, int error);
+/// The error of a rename that must not replace anything, by errno: would_overwrite or
+/// file_unwritable.
+std::unexpected<Error> rename_failed(const std::filesystem::path& target, int error);
+/// Success if there is nothing at the path, not even a dangling link, and its folder exists.
+/// Errors: would_overwrite, file_unwritable.
+Status check_nothing_at(const std::filesystem::path& path);
+
+/// A path by which a file can be reached: from `folder`, a descriptor, if it is relative.
+struct FilePlace {
+  int folder;
+  std::string path;
+};
+
+enum class Flush : std::uint8_t { now, later };
+
+/// Creates a file that does not exist, without following links. -1 with errno if it cannot.
+Descriptor open_new(const FilePlace& at, unsigned mode);
+/// Writes everything. 0 or errno.
+int write_all(int file, BytesView octets);
+/// Writes to a file of open_new and closes it; on an error it is removed. `meant` is its final
+/// path, which errors name. Error: file_unwritable.
+Status write_and_close(Descriptor file, const FilePlace& at, const std::filesystem::path& meant,
+                       BytesView octets, Flush flush);
+
+/// The line of the report about a file.
+WrittenFile written(const std::filesystem::path& path, BytesView octets, unsigned mode);
+
+}  // namespace ddssec::cli

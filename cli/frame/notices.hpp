@@ -1,0 +1,18 @@
+// Warnings from deep inside a command that its report shows, whatever its result.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "cli/frame/report.hpp"
+
+namespace ddssec::cli {
+
+/// Stores a warning for the report of this run; the same warning about the same document only once.
+void add_notice(Error warning);
+/// Adds a notice about unreadable lines of a CA's log: log_line_unreadable, once for each log.
+void notice_unreadable_lines(const std::filesystem::path& log, const std::vector<int>& lines);
+/// Moves the notices into the report.
+void report_notices(Report& report);
+
+}  // namespace ddssec::cli

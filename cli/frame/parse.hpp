@@ -1,0 +1,28 @@
+// Parses the command line by the table of commands.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "cli/frame/command.hpp"
+
+namespace ddssec::cli {
+
+/// The parsed request. `command` null: only print `help`.
+struct Request {
+  const Command* command = nullptr;
+  Arguments arguments{{}};
+  std::string help;
+};
+
+/// Parses the words after the program's name. Error: usage, with the most similar known word if
+/// there is one.
+Result<Request> parse(std::span<const std::string> words);
+
+/// The command, or the group of commands, that these words begin with; "" if they name none.
+std::string command_named(std::span<const std::string> words);
+
+/// Help on everything, on a group ("ca") or on a command ("ca create"); "" if it does not exist.
+std::string help_on(std::string_view what);
+
+}  // namespace ddssec::cli

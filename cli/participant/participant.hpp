@@ -1,0 +1,102 @@
+// Creates a participant: key, certificate and permissions, in one place for every command that
+// issues.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/ca/ca_folder.hpp"
+#include "cli/frame/command.hpp"
+#include "cli/frame/new_folder.hpp"
+#include "governance/model.hpp"
+#include "pki/participant_folder.hpp"
+
+namespace ddssec::cli {
+
+/// The specification of a new participant.
+struct ParticipantSpec {
+  std::string name;     ///< of its grant
+  std::string subject;  ///< of its certificate
+  pki::Validity life;
+  pki::KeySpec key = {};
+  std::vector<governance::DomainRange> domains = {{0, 0}};
+  std::vector<std::string> publish = {};
+  std::vector<std::string> subscribe = {};
+  std::vector<std::string> partitions = {};  ///< empty: only endpoints without partitions
+  /// A permissions document to sign instead of one made from the lists.
+  std::optional<Bytes> permissions = std::nullopt;
+  bool takes_other_grants = false;  ///< accept grants of that document for other subjects
+  /// Rules from elsewhere, as another alternative; subject and validity are those of the
+  /// certificate.
+  std::optional<governance::Grant> grant = std::nullopt;
+  std::filesystem::path dropin = {};  ///< drop_in_of
+  std::string ocsp_responder = {};    ///< URL for the certificate; empty: none
+
+  bool has_permissions() const {
+    return permissions || grant || !publish.empty() || !subscribe.empty();
+  }
+};
+
+/// The new participant.
+struct NewParticipant {
+  pki::Credential self;
+  std::string permissions_xml;        ///< empty if it has none
+  Bytes permissions;                  ///< the same, signed
+  std::filesystem::path dropin = {};  ///< for its configuration files
+};
+
+/// The CAs that issue and sign.
+struct Issuers {
+  const OpenCa& identity;
+  const OpenCa* permissions = nullptr;  ///< null: permissions cannot be signed
+  std::string_view crl = {};            ///< list_for_newcomers
+};
+
+/// The validity `wanted`, beginning not before the CA's. An end after the CA's is cut if `clamp`,
+/// otherwise refused: the certificate would become invalid before its own end. Error: outlives_ca.
+Result<pki::Validity> within_ca(pki::Validity wanted, const pki::Certificate& ca, bool clamp);
+
+/// Adds lint's findings about the topics and partitions of the spec: those that match nothing, that
+/// products read differently, or that look like names of ROS. Of a document in the spec also all
+/// else that some product reads differently or refuses. Each finding once, and none as an error:
+/// the document is written as specified.
+void warn_of_rights(const ParticipantSpec& spec, const std::string& document, Report& report);
+
+/// The permissions document of the spec for this certificate. Either the document in the spec: it
+/// must have a grant for the subject that is valid at `now`, and no grants for others unless the
+/// spec accepts them. Or a document with one grant and default DENY. The subject is the
+/// certificate's own text, which every vendor accepts. Errors: foreign_grant, those of
+/// read_permissions and find_grant.
+Result<std::string> permissions_xml(const ParticipantSpec& spec,
+                                    const pki::Certificate& certificate, WallTime now);
+
+/// Key, certificate and signed permissions. Errors: those of Authority::issue and sign_document,
+/// and of permissions_xml.
+Result<NewParticipant> make_participant(const ParticipantSpec& spec, const Issuers& issuers,
+                                        const Context& context);
+
+/// The signed document. Errors: those of sign_document; smime_too_large: ddssec's plugins would
+/// refuse it (PERM042).
+Result<Bytes> sign_permissions(const pki::Authority& ca, std::string_view xml, WallTime now,
+                               Random& random);
+
+/// Adds the participant to a new folder, in the flat layout, with the products' configuration
+/// files. `governance` may be empty: then there is none.
+Status add_flat(NewFolder& folder, const std::filesystem::path& below,
+                const NewParticipant& participant, const Issuers& issuers, BytesView governance);
+
+/// The line of the identity CA's log about the participant. It must be written before the
+/// certificate is handed out.
+std::string log_line(const NewParticipant& participant, const std::filesystem::path& folder,
+                     WallTime now);
+
+/// The line of the permissions CA's log about its permissions; empty if it has none.
+std::string signed_line(const NewParticipant& participant, const OpenCa& permissions,
+                        const std::filesystem::path& folder, WallTime now);
+
+/// The JSON about an issued certificate: subject, serial, not_after, sha256.
+Json certificate_json(const pki::Certificate& certificate);
+
+}  // namespace ddssec::cli

@@ -1,0 +1,273 @@
+#include "cli/participant/status_client.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <dirent.h>
+#include <fcntl.h>
+#include <memory>
+#include <optional>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <system_error>
+#include <tuple>
+
+#include <fmt/format.h>
+
+#include "base/guarded_path.hpp"
+#include "base/text.hpp"
+#include "base/tool_code.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::steady_clock;
+
+// For all sockets of a folder together: its owner can put many into it that never answer.
+constexpr std::chrono::seconds kAnswerPatience{10};
+constexpr std::size_t kMostAnswerOctets = 2 * 1024 * 1024;
+constexpr std::size_t kMostOctetsOfAll = 32 * 1024 * 1024;
+
+std::string errno_text(int error) { return std::generic_category().message(error); }
+
+std::optional<pid_t> pid_in(std::string_view name) {
+  constexpr std::string_view kStart = "ddssec-", kEnd = ".sock";
+  if (!name.starts_with(kStart) || !name.ends_with(kEnd)) return std::nullopt;
+  name = name.substr(kStart.size(), name.size() - kStart.size() - kEnd.size());
+  if (name.size() > 2 && name[name.size() - 2] == '-' && name.back() >= '2' && name.back() <= '8')
+    name.remove_suffix(2);
+  pid_t out = 0;
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), out);
+  const bool is_number = error == std::errc() && end == name.data() + name.size();
+  // No process writes 007 for its 7.
+  return is_number && out > 0 && fmt::to_string(out) == name ? std::optional(out) : std::nullopt;
+}
+
+/// In one line: a process that lies must not write lines of its own.
+std::string member(const Json& from, const char* name) {
+  return printable(from.at(name).get<std::string>());
+}
+
+/// "2026-11-21T03:13:43Z".
+bool is_time(std::string_view text) {
+  constexpr std::string_view kForm = "0000-00-00T00:00:00Z";
+  return std::ranges::equal(text, kForm, [](char c, char form) {
+    return form == '0' ? c >= '0' && c <= '9' : c == form;
+  });
+}
+
+/// Takes what is known from an answer: it may be of a later version, or of a process that lies.
+/// Missing members are exceptions of Json.
+class Reading {
+ public:
+  /// Empty: this is no answer of ddssec's plugins.
+  static std::optional<StatusFolder::Answer> answer_of(const std::string& answer) {
+    Reading reading;
+    const auto given = Json::parse(answer);
+    StatusFolder::Answer out{Json::array(), given.at("left_out").get<std::uint64_t>()};
+    for (const auto& participant : given.at("participants"))
+      out.participants.push_back(reading.participant_of(participant));
+    const bool is_ours = member(given, "schema") == "ddssec-status/1" && reading.has_times_;
+    return is_ours ? std::optional(std::move(out)) : std::nullopt;
+  }
+
+ private:
+  std::string time(const Json& from, const char* name) {
+    auto out = member(from, name);
+    has_times_ = has_times_ && is_time(out);
+    return out;
+  }
+
+  Json part_of(const Json& from) {
+    return {{"subject", member(from, "subject")},
+            {"number", member(from, "number")},
+            {"until", from.at("until").is_null() ? Json() : Json(time(from, "until"))},
+            {"sha256", member(from, "sha256")}};
+  }
+
+  Json refusal_of(const Json& from) {
+    if (from.is_null()) return {};
+    return {{"at", time(from, "at")},
+            {"file", member(from, "file")},
+            {"code", from.at("code").get<int>()},
+            {"name", member(from, "name")},
+            {"sentence", member(from, "sentence")},
+            {"stands", from.at("stands").get<bool>()}};
+  }
+
+  Json document_of(const Json& from) {
+    Json parts = Json::array();
+    for (const auto& part : from.at("in_force")) parts.push_back(part_of(part));
+    return {{"kind", member(from, "kind")},
+            {"file", member(from, "file")},
+            {"since", time(from, "since")},
+            {"in_force", std::move(parts)},
+            {"more", from.at("more").get<unsigned>()},
+            {"waiting", waiting_in(from)},
+            {"refused", refusal_of(from.at("refused"))}};
+  }
+
+  /// Processes with ddssec 0.2 do not say it.
+  Json waiting_in(const Json& from) {
+    const auto at = from.find("waiting");
+    return at == from.end() || at->is_null() ? Json() : part_of(*at);
+  }
+
+  Json participant_of(const Json& from) {
+    Json documents = Json::array();
+    for (const auto& document : from.at("documents")) documents.push_back(document_of(document));
+    return {{"identity", from.at("identity").get<std::int64_t>()},
+            {"guid", member(from, "guid")},
+            {"subject", member(from, "subject")},
+            {"cut_off", from.contains("cut_off") ? refusal_of(from["cut_off"]) : Json()},
+            {"documents", std::move(documents)}};
+  }
+
+  bool has_times_ = true;
+};
+
+}  // namespace
+
+bool is_running(pid_t pid) { return ::kill(pid, 0) == 0 || errno != ESRCH; }
+
+StatusFolder::StatusFolder(fs::path path, Descriptor folder, uid_t owner)
+    : path_(std::move(path)),
+      folder_(std::move(folder)),
+      owner_(owner),
+      octets_left_(kMostOctetsOfAll) {}
+
+Result<StatusFolder> StatusFolder::open(const fs::path& path) {
+  DDSSEC_ASSIGN_OR_RETURN(auto folder, open_guarded(path, O_RDONLY));
+  if (!folder) {
+    const int error = errno;
+    const auto code = error == EACCES   ? tool_code::status_of_another_user
+                      : error == ENOENT ? Code::file_not_found
+                                        : Code::file_unreadable;
+    return fail(code, {.document = path, .note = errno_text(error)});
+  }
+  struct stat status {};
+  if (::fstat(folder.number(), &status) != 0)
+    return fail(Code::file_unreadable, {.document = path, .note = errno_text(errno)});
+  if ((status.st_mode & 022) != 0)
+    return fail(tool_code::status_folder_untrusted,
+                {.document = path,
+                 .expected = "a folder that only its owner can write to",
+                 .found = fmt::format("mode {:04o}", status.st_mode & 07777)});
+  StatusFolder out(path, std::move(folder), status.st_uid);
+  out.until_ = steady_clock::now() + kAnswerPatience;
+  out.list();
+  return out;
+}
+
+void StatusFolder::list() {
+  Descriptor again(::openat(folder_.number(), ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!again) return;
+  const std::unique_ptr<DIR, int (*)(DIR*)> entries(::fdopendir(again.number()), ::closedir);
+  if (!entries) return;
+  again.release();
+  while (const auto* entry = ::readdir(entries.get())) {
+    const auto pid = pid_in(entry->d_name);
+    if (pid && sockets_.size() == kMostSockets) ++left_out_;
+    if (pid && sockets_.size() < kMostSockets) sockets_.push_back({*pid, entry->d_name});
+  }
+  // ddssec-1.sock before ddssec-1-2.sock.
+  std::ranges::sort(sockets_, {}, [](const Socket& one) {
+    return std::tuple(one.pid, one.name.size(), one.name);
+  });
+}
+
+std::unexpected<Error> StatusFolder::cannot(const Socket& socket, Code code,
+                                            std::string note) const {
+  return fail(code, {.document = path_ / socket.name,
+                     .field = fmt::format("process {}", socket.pid),
+                     .note = std::move(note)});
+}
+
+Result<Descriptor> StatusFolder::connect(const Socket& socket) const {
+  struct stat status {};
+  if (::fstatat(folder_.number(), socket.name.c_str(), &status, AT_SYMLINK_NOFOLLOW) != 0)
+    return cannot(socket, tool_code::status_process_ended, errno_text(errno));
+  if (!S_ISSOCK(status.st_mode))
+    return cannot(socket, tool_code::status_unanswered, "this is no socket");
+  Descriptor out(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  // Through the descriptor: a path may be too long for an address.
+  const auto path = fmt::format("/proc/self/fd/{}/{}", folder_.number(), socket.name);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::memcpy(address.sun_path, path.data(), std::min(path.size(), sizeof address.sun_path - 1));
+  const auto* const generic = static_cast<const sockaddr*>(static_cast<const void*>(&address));
+  if (out && ::connect(out.number(), generic, sizeof address) == 0) return out;
+  const int error = errno;
+  if (error == EACCES || error == EPERM)
+    return cannot(socket, tool_code::status_of_another_user,
+                  fmt::format("the socket is of user {}", status.st_uid));
+  const bool is_gone = error == ECONNREFUSED || error == ENOENT;
+  if (is_gone && is_running(socket.pid))
+    return cannot(socket, tool_code::status_process_ended,
+                  "the socket is of a former process with this number");
+  return cannot(socket, is_gone ? tool_code::status_process_ended : tool_code::status_unanswered,
+                is_gone ? "" : errno_text(error));
+}
+
+/// Root asks processes of users: what another user puts into the folder is not believed.
+Status StatusFolder::check_answering(const Socket& socket, int connection) const {
+  ucred peer{};
+  socklen_t size = sizeof peer;
+  if (::getsockopt(connection, SOL_SOCKET, SO_PEERCRED, &peer, &size) != 0)
+    return cannot(socket, tool_code::status_unanswered, errno_text(errno));
+  if (peer.uid == owner_ || peer.uid == 0 || peer.uid == ::geteuid()) return {};
+  return cannot(socket, tool_code::status_of_another_user,
+                fmt::format("user {} answers in a folder of user {}", peer.uid, owner_));
+}
+
+Result<std::string> StatusFolder::read_all(const Socket& socket, int connection) {
+  const auto most = std::min(kMostAnswerOctets, octets_left_);
+  std::string out;
+  std::array<char, 16384> piece;
+  while (true) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(until_ - steady_clock::now());
+    pollfd polled{connection, POLLIN, 0};
+    if (left.count() <= 0 || ::poll(&polled, 1, static_cast<int>(left.count())) == 0)
+      return cannot(socket, tool_code::status_unanswered,
+                    is_running(socket.pid) ? "no answer within 10 s" : "the process has ended");
+    const auto count = ::recv(connection, piece.data(), piece.size(), 0);
+    if (count == 0) {
+      octets_left_ -= out.size();
+      return out;
+    }
+    if (count < 0 && errno != EAGAIN && errno != EINTR)
+      return cannot(socket, tool_code::status_unanswered, errno_text(errno));
+    if (count > 0) out.append(piece.data(), static_cast<std::size_t>(count));
+    if (out.size() <= most) continue;
+    octets_left_ -= most;
+    return cannot(socket, tool_code::status_unanswered,
+                  most < kMostAnswerOctets ? "the answers of this folder are too long together"
+                                           : "the answer is too long");
+  }
+}
+
+Result<StatusFolder::Answer> StatusFolder::ask(const Socket& socket) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto connection, connect(socket));
+  DDSSEC_RETURN_IF_ERROR(check_answering(socket, connection.number()));
+  DDSSEC_ASSIGN_OR_RETURN(const auto answer, read_all(socket, connection.number()));
+  try {
+    if (auto read = Reading::answer_of(answer)) return *std::move(read);
+  } catch (const Json::parse_error& error) {
+    // The process has dropped the connection: it has no memory, or was kept from sending.
+    if (error.byte > answer.size())
+      return cannot(socket, tool_code::status_unanswered, "its answer is cut off");
+  } catch (const Json::exception&) {
+    // As any other answer that is not of the plugins.
+  }
+  return cannot(socket, tool_code::status_unanswered,
+                "what it answers is not what ddssec's plugins say");
+}
+
+}  // namespace ddssec::cli
