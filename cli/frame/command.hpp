@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/clock.hpp"
+#include "cli/frame/answer.hpp"
 #include "cli/frame/report.hpp"
 
 namespace ddssec::cli {
@@ -65,7 +66,7 @@ struct Command {
   std::vector<Positional> positionals;
   std::vector<Option> options;
   std::vector<std::string_view> examples;
-  Result<Report> (*run)(const Arguments&, const Context&);
+  Runner run;
 
   /// "ca create".
   std::string full_name() const;

@@ -4,15 +4,11 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "base/finding.hpp"
 #include "base/result.hpp"
+#include "cli/frame/fields.hpp"
 
 namespace ddssec::cli {
-
-/// JSON whose members keep their order.
-using Json = nlohmann::ordered_json;
 
 /// The exit codes of every command.
 enum class Exit : std::uint8_t {

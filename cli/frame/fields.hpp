@@ -1,0 +1,326 @@
+// The field list of a result: from it come the JSON, its schema and the table of the README.
+//
+// A result is a plain struct with one static member:
+//
+//   struct Signing {
+//     std::filesystem::path file;
+//     std::string signer;
+//     static constexpr auto fields() {
+//       return std::tuple(field("file", &Signing::file),
+//                         field("signer", &Signing::signer, {.def = "subject"}));
+//     }
+//   };
+//
+// A struct with kDef ("new_ca") has an entry of its own in the schema's $defs. A value with kDef
+// and a member json() is a leaf that the schema describes by hand. The alternatives of
+// a std::variant are results of one command; kWhen of the second and the later ones says when.
+#pragma once
+
+#include <algorithm>
+#include <concepts>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "base/clock.hpp"
+
+namespace ddssec::cli {
+
+/// JSON whose members keep their order.
+using Json = nlohmann::ordered_json;
+
+/// What is known of a field besides its type.
+struct Shown {
+  std::string_view note = {};     ///< for the README: "null: none"
+  std::string_view def = {};      ///< the entry of $defs for the value or, of a list, its elements
+  std::string_view words = {};    ///< all values that it can have, with | between them
+  std::string_view pattern = {};  ///< the regular expression that a text matches
+  bool same = false;              ///< `note` says of which struct the members are
+  std::size_t least = 0;          ///< elements of a list; the lowest number (not of std::int64_t)
+  std::size_t most = 0;           ///< 0: any number
+  bool absent = false;            ///< an empty std::optional is left out; otherwise it is null
+};
+
+/// One field of `Owner`.
+template <class Owner, class T>
+struct Field {
+  using Value = T;
+  std::string_view name;
+  T Owner::*member;
+  Shown shown;
+
+  const T& of(const Owner& owner) const { return owner.*member; }
+};
+
+template <class Owner, class T>
+constexpr Field<Owner, T> field(std::string_view name, T Owner::*member, Shown shown = {}) {
+  return {name, member, shown};
+}
+
+/// A field of a part of `Owner`, which stands among the fields of `Owner` itself.
+template <class Owner, class Part, class OfPart>
+struct PartField {
+  using Value = typename OfPart::Value;
+  std::string_view name;
+  Part Owner::*part;
+  OfPart inner;
+  Shown shown;
+
+  const Value& of(const Owner& owner) const { return inner.of(owner.*part); }
+};
+
+/// The fields of a part, for std::tuple_cat.
+template <class Owner, class Part>
+constexpr auto fields_within(Part Owner::*part) {
+  return std::apply(
+      [&](const auto&... inner) {
+        return std::tuple(PartField<Owner, Part, std::remove_cvref_t<decltype(inner)>>{
+            inner.name, part, inner, inner.shown}...);
+      },
+      Part::fields());
+}
+
+template <class T>
+concept HasFields = requires {
+  T::fields();
+};
+
+namespace fields_detail {
+
+template <class T, template <class...> class Template>
+inline constexpr bool kIsA = false;
+template <template <class...> class Template, class... Ts>
+inline constexpr bool kIsA<Template<Ts...>, Template> = true;
+
+template <class T>
+constexpr std::string_view def_of(const Shown& shown) {
+  if constexpr (requires { T::kDef; })
+    return T::kDef;
+  else if (!shown.def.empty())
+    return shown.def;
+  else if constexpr (std::same_as<T, std::filesystem::path>)
+    return "path";
+  else if constexpr (std::same_as<T, WallTime>)
+    return "time";
+  else
+    return {};
+}
+
+inline Json words_json(std::string_view words) {
+  Json out = Json::array();
+  while (!words.empty()) {
+    const auto end = std::min(words.find('|'), words.size());
+    out.push_back(words.substr(0, end));
+    words.remove_prefix(std::min(end + 1, words.size()));
+  }
+  return out;
+}
+
+}  // namespace fields_detail
+
+/// The value as JSON.
+template <class T>
+Json to_json(const T& value) {
+  using namespace fields_detail;
+  if constexpr (HasFields<T>) {
+    Json out = Json::object();
+    const auto add = [&](const auto& one) {
+      const auto& held = one.of(value);
+      if constexpr (kIsA<std::remove_cvref_t<decltype(held)>, std::optional>)
+        if (one.shown.absent && !held) return;
+      out[std::string(one.name)] = to_json(held);
+    };
+    std::apply([&](const auto&... all) { (add(all), ...); }, T::fields());
+    return out;
+  } else if constexpr (requires { value.json(); }) {
+    return value.json();
+  } else if constexpr (kIsA<T, std::optional>) {
+    return value ? to_json(*value) : Json();
+  } else if constexpr (kIsA<T, std::vector>) {
+    Json out = Json::array();
+    for (const auto& element : value) out.push_back(to_json(element));
+    return out;
+  } else if constexpr (kIsA<T, std::variant>) {
+    return std::visit([](const auto& held) { return to_json(held); }, value);
+  } else if constexpr (std::same_as<T, std::filesystem::path>) {
+    return value.string();
+  } else if constexpr (std::same_as<T, WallTime> || std::is_enum_v<T>) {
+    return to_string(value);
+  } else {
+    return value;
+  }
+}
+
+template <class T>
+Json schema_of(const Shown& shown = {});
+
+/// The schema of the struct itself, also where it has an entry of its own in $defs.
+template <HasFields T>
+Json object_schema() {
+  Json required = Json::array(), properties = Json::object();
+  const auto add = [&](const auto& one) {
+    if (!one.shown.absent) required.push_back(one.name);
+    properties[std::string(one.name)] =
+        schema_of<typename std::remove_cvref_t<decltype(one)>::Value>(one.shown);
+  };
+  std::apply([&](const auto&... all) { (add(all), ...); }, T::fields());
+  return {{"type", "object"},
+          {"additionalProperties", false},
+          {"required", std::move(required)},
+          {"properties", std::move(properties)}};
+}
+
+namespace fields_detail {
+
+template <class... Ts>
+Json alternatives(std::type_identity<std::variant<Ts...>>) {
+  return {{"oneOf", Json::array({schema_of<Ts>()...})}};
+}
+
+template <class T>
+Json text_schema(const Shown& shown) {
+  static_assert(
+      std::convertible_to<T, std::string_view> || std::is_enum_v<T> || !def_of<T>({}).empty(),
+      "a type without a schema: give it fields()");
+  if (!shown.words.empty()) return {{"enum", words_json(shown.words)}};
+  Json out = {{"type", "string"}};
+  if (!shown.pattern.empty()) out["pattern"] = shown.pattern;
+  return out;
+}
+
+template <class T>
+Json list_schema(const Shown& shown) {
+  Json out = {{"type", "array"}, {"items", schema_of<typename T::value_type>(shown)}};
+  if (shown.least > 0) out["minItems"] = shown.least;
+  if (shown.most > 0) out["maxItems"] = shown.most;
+  return out;
+}
+
+}  // namespace fields_detail
+
+/// The schema of a value of this type.
+template <class T>
+Json schema_of(const Shown& shown) {
+  using namespace fields_detail;
+  if constexpr (kIsA<T, std::optional>) {
+    auto inner = schema_of<typename T::value_type>(shown);
+    if (shown.absent) return inner;
+    return {{"anyOf", Json::array({Json{{"type", "null"}}, std::move(inner)})}};
+  } else if constexpr (kIsA<T, std::vector>) {
+    return list_schema<T>(shown);
+  } else {
+    if (const auto def = def_of<T>(shown); !def.empty())
+      return {{"$ref", "#/$defs/" + std::string(def)}};
+    if constexpr (HasFields<T>)
+      return object_schema<T>();
+    else if constexpr (kIsA<T, std::variant>)
+      return alternatives(std::type_identity<T>());
+    else if constexpr (std::same_as<T, bool>)
+      return {{"type", "boolean"}};
+    else if constexpr (std::same_as<T, std::int64_t>)
+      return {{"type", "integer"}};
+    else if constexpr (std::integral<T>)
+      return {{"type", "integer"}, {"minimum", shown.least}};
+    else if constexpr (std::same_as<T, Json>)
+      return Json::object();  // anything; Shown::def says what
+    else
+      return text_schema<T>(shown);
+  }
+}
+
+namespace fields_detail {
+
+/// The struct whose members a field of this type has; void if it has none.
+template <class T>
+struct Inner {
+  using Type = std::conditional_t<HasFields<T>, T, void>;
+  static constexpr bool kIsList = false;
+};
+template <class T>
+struct Inner<std::optional<T>> : Inner<T> {};
+template <class T>
+struct Inner<std::vector<T>> : Inner<T> {
+  static constexpr bool kIsList = true;
+};
+
+}  // namespace fields_detail
+
+/// Adds the entries of $defs that a value of this type needs and that are made from field lists.
+template <class T>
+void add_definitions(Json& out) {
+  using namespace fields_detail;
+  if constexpr (kIsA<T, std::variant>) {
+    [&]<class... Ts>(std::type_identity<std::variant<Ts...>>) {
+      (add_definitions<Ts>(out), ...);
+    }(std::type_identity<T>());
+  } else if constexpr (HasFields<typename Inner<T>::Type>) {
+    using Struct = typename Inner<T>::Type;
+    if constexpr (requires { Struct::kDef; })
+      out[std::string(Struct::kDef)] = object_schema<Struct>();
+    std::apply([&]<class... Fields>(
+                   const Fields&...) { (add_definitions<typename Fields::Value>(out), ...); },
+               Struct::fields());
+  }
+}
+
+/// The row of the README: "`dir`, `cas` (each: `role`, `subject`), `until` (null: none)".
+template <class T>
+std::string members_of();
+
+namespace fields_detail {
+
+template <class Value>
+std::string member_words(std::string_view name, const Shown& shown) {
+  std::string inside(shown.note);
+  if constexpr (HasFields<typename Inner<Value>::Type>) {
+    if (!shown.same) {
+      if (!inside.empty()) inside += "; ";
+      if (Inner<Value>::kIsList) inside += "each: ";
+      inside += members_of<typename Inner<Value>::Type>();
+    }
+  }
+  std::string out = "`" + std::string(name) + "`";
+  if (!inside.empty()) out += " (" + inside + ")";
+  return out;
+}
+
+template <class... Ts>
+std::string alternative_words(std::type_identity<std::variant<Ts...>>) {
+  std::string out;
+  const auto add = [&]<class T>(std::type_identity<T>) {
+    if (!out.empty()) out += "; ";
+    if constexpr (requires { T::kWhen; }) out += std::string(T::kWhen) + ": ";
+    out += members_of<T>();
+  };
+  (add(std::type_identity<Ts>()), ...);
+  return out;
+}
+
+}  // namespace fields_detail
+
+template <class T>
+std::string members_of() {
+  using namespace fields_detail;
+  if constexpr (kIsA<T, std::variant>) {
+    return alternative_words(std::type_identity<T>());
+  } else {
+    std::string out;
+    const auto add = [&](const auto& one) {
+      using Value = typename std::remove_cvref_t<decltype(one)>::Value;
+      out += (out.empty() ? "" : ", ") + member_words<Value>(one.name, one.shown);
+    };
+    std::apply([&](const auto&... all) { (add(all), ...); }, T::fields());
+    return out;
+  }
+}
+
+}  // namespace ddssec::cli
