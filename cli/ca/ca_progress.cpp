@@ -146,39 +146,41 @@ std::string next_step(const std::string& command, const std::string& role,
 
 }  // namespace
 
-Result<ShownRotation> shown_rotation(const fs::path& given, const std::string& role, WallTime now) {
+std::string RotationFacts::text() const {
+  auto out = until ? fmt::format(
+                         "overlap  this is the successor; the former CA counts beside it "
+                         "until {}; {}\n",
+                         date(*until), moved_words(folders - left.size(), folders))
+                   : fmt::format(
+                         "rotation not finished: {} still {} what an earlier key of this CA "
+                         "issued or signed, or trusts that key\n",
+                         counted(unfinished, "folder"), unfinished == 1 ? "has" : "have");
+  for (const auto& one : left) out += fmt::format("  left   {}\n", one);
+  for (const auto& one : elsewhere) out += fmt::format("  not here  {}\n", one);
+  return out + next;
+}
+
+Result<std::optional<RotationFacts>> shown_rotation(const fs::path& given, const std::string& role,
+                                                    WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(const auto progress, RotationProgress::of(given, role, now));
   DDSSEC_ASSIGN_OR_RETURN(const auto known, known_followers(given, now));
   const auto& overlap = progress.overlap();
   const auto left = overlap ? progress.not_moved(known.here) : progress.not_ended(known.here);
   const auto away =
       overlap ? std::vector<std::string>() : not_reached(ca_paths(given, role), known);
-  if (!overlap && left.empty() && away.empty()) return ShownRotation{"", Json()};
-  const auto all = known.here.size();
-  Json former = Json::array();
-  if (overlap)
-    for (const auto& one : overlap->former) former.push_back(to_hex(one.fingerprint()));
-  ShownRotation out;
-  out.result = {{"until", overlap ? Json(to_string(overlap->until)) : Json()},
-                {"former", former},
-                {"folders", all},
-                {"left", names_of(left)},
-                {"elsewhere", known.elsewhere}};
-  out.text = overlap ? fmt::format(
-                           "overlap  this is the successor; the former CA counts beside it "
-                           "until {}; {}\n",
-                           date(overlap->until), moved_words(all - left.size(), all))
-                     : fmt::format(
-                           "rotation not finished: {} still {} what an earlier key of this CA "
-                           "issued or signed, or trusts that key\n",
-                           counted(left.size() + away.size(), "folder"),
-                           left.size() + away.size() == 1 ? "has" : "have");
-  for (const auto& one : left) out.text += fmt::format("  left   {}\n", one.name);
-  for (const auto& one : known.elsewhere) out.text += fmt::format("  not here  {}\n", one);
-  out.text += next_step(fmt::format("ddssec ca rotate {}", given.string()), role,
-                        {.is_overlap = overlap.has_value(),
-                         .is_here_left = !left.empty(),
-                         .is_elsewhere = overlap ? !known.elsewhere.empty() : !away.empty()});
+  if (!overlap && left.empty() && away.empty()) return std::nullopt;
+  RotationFacts out{.folders = known.here.size(),
+                    .left = names_of(left),
+                    .elsewhere = known.elsewhere,
+                    .unfinished = left.size() + away.size()};
+  if (overlap) {
+    out.until = overlap->until;
+    for (const auto& one : overlap->former) out.former.push_back(to_hex(one.fingerprint()));
+  }
+  out.next = next_step(fmt::format("ddssec ca rotate {}", given.string()), role,
+                       {.is_overlap = overlap.has_value(),
+                        .is_here_left = !left.empty(),
+                        .is_elsewhere = overlap ? !known.elsewhere.empty() : !away.empty()});
   return out;
 }
 

@@ -8,6 +8,7 @@
 
 #include "cli/ca/ca_followers.hpp"
 #include "cli/ca/ca_overlap.hpp"
+#include "cli/frame/fields.hpp"
 #include "pki/issue_log.hpp"
 
 namespace ddssec::cli {
@@ -54,13 +55,33 @@ std::vector<std::string> not_reached(const CaPaths& ca, const KnownFollowers& kn
 /// "1 of 4 folders has moved".
 std::string moved_words(std::size_t moved, std::size_t all);
 
-/// The rotation of a CA as `ca show` tells it.
-struct ShownRotation {
-  std::string text;  ///< complete lines; empty if there is nothing to tell
-  Json result;       ///< null if there is nothing to tell
+/// The rotation of a CA as `ca show` reports it.
+struct RotationFacts {
+  static constexpr std::string_view kDef = "ca_rotation";
+  std::optional<WallTime> until = {};
+  std::vector<std::string> former = {};
+  std::size_t folders = 0;
+  std::vector<std::string> left = {}, elsewhere = {};
+  std::size_t unfinished = 0;  ///< folders, those elsewhere included; without an overlap
+  std::string next = {};       ///< the next step: complete lines
+
+  static constexpr auto fields() {
+    return std::tuple(
+        field("until", &RotationFacts::until, {"null: the former CA has ended"}),
+        field("former", &RotationFacts::former,
+              {.note = "SHA-256 of each former CA", .def = "sha256"}),
+        field("folders", &RotationFacts::folders, {"how many"}),
+        field("left", &RotationFacts::left,
+              {.note = "those that have not moved; after the end, those that still have or trust "
+                       "something of the former CA",
+               .def = "path"}),
+        field("elsewhere", &RotationFacts::elsewhere));
+  }
+  std::string text() const;
 };
-/// Errors: those of RotationProgress::of and known_followers.
-Result<ShownRotation> shown_rotation(const std::filesystem::path& given, const std::string& role,
-                                     WallTime now);
+/// Empty if no overlap is under way and no folder is left. Errors: those of RotationProgress::of
+/// and known_followers.
+Result<std::optional<RotationFacts>> shown_rotation(const std::filesystem::path& given,
+                                                    const std::string& role, WallTime now);
 
 }  // namespace ddssec::cli

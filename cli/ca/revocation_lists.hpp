@@ -53,6 +53,16 @@ Result<pki::Crl> next_crl(const OpenCa& ca, const pki::IssueLog& log, WallTime n
 std::string number_text(const pki::Crl& list);
 Json number_json(const pki::Crl& list);
 
+/// The same as a field of a result.
+struct ListNumber {
+  static constexpr std::string_view kDef = "crl_number";
+  Json number;
+  std::string text;
+
+  static ListNumber of(const pki::Crl& list) { return {number_json(list), number_text(list)}; }
+  const Json& json() const { return number; }
+};
+
 /// next_crl() for kListDays. A list without entries is valid as long as the CA, so that it need not
 /// be renewed before a certificate is revoked.
 Result<pki::Crl> routine_crl(const OpenCa& ca, const pki::IssueLog& log, WallTime now);

@@ -8,6 +8,7 @@
 #include "cli/ca/ca_folder.hpp"
 #include "cli/ca/ca_progress.hpp"
 #include "cli/ca/revocation_lists.hpp"
+#include "cli/commands/ca_results.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/documents/documents.hpp"
 #include "cli/frame/new_folder.hpp"
@@ -36,14 +37,6 @@ Result<std::vector<NewCa>> wanted(const std::string& role) {
   if (role == "identity" || role == "permissions") return std::vector<NewCa>{{role, ""}};
   return fail(Code::usage,
               {.field = "--role", .expected = "identity, permissions or both", .found = role});
-}
-
-Json describe(const pki::Certificate& certificate) {
-  return {{"subject", certificate.subject()},
-          {"algorithm", to_string(certificate.key_algorithm())},
-          {"not_before", to_string(certificate.not_before())},
-          {"not_after", to_string(certificate.not_after())},
-          {"sha256", to_hex(certificate.fingerprint())}};
 }
 
 std::string subject_of(const Arguments& arguments, const NewCa& ca, const fs::path& folder) {
@@ -75,7 +68,7 @@ Result<std::optional<OpenCa>> ca_above(const Arguments& arguments, CaOpener& ope
   return above;
 }
 
-Result<Report> ca_create(const Arguments& arguments, const Context& context) {
+Result<Answer<CreatedCas>> ca_create(const Arguments& arguments, const Context& context) {
   const fs::path target = arguments.text("DIR");
   DDSSEC_ASSIGN_OR_RETURN(const auto cas, wanted(arguments.text("--role")));
   if (cas.size() > 1 && arguments.has("--subject"))
@@ -97,13 +90,7 @@ Result<Report> ca_create(const Arguments& arguments, const Context& context) {
     DDSSEC_ASSIGN_OR_RETURN(secret, passphrase(arguments, Typed::twice));
   }
 
-  Report report;
-  report.text = fmt::format("created {}{}\n", target.string(),
-                            in_token ? "  (its key stays in the token)"
-                            : secret ? ""
-                                     : "  (the CA keys are NOT encrypted)");
-  report.result = {{"dir", target.string()}, {"encrypted", secret.has_value()}};
-  report.result["cas"] = Json::array();
+  Answer<CreatedCas> out{{target, secret.has_value(), {}, in_token}};
   std::string log_lines;
   for (const auto& wanted_ca : cas) {
     DDSSEC_ASSIGN_OR_RETURN(const auto key, new_key(arguments));
@@ -118,15 +105,11 @@ Result<Report> ca_create(const Arguments& arguments, const Context& context) {
       DDSSEC_RETURN_IF_ERROR(folder.add_public(ca_paths_in(wanted_ca.below).crl, list.pem()));
     }
     log_lines += pki::IssueLog::issued_line(ca.certificate(), "", now);
-    report.text += fmt::format("  {:<12} {}  expires {}\n", wanted_ca.role,
-                               ca.certificate().subject(), date(ca.certificate().not_after()));
-    auto row = describe(ca.certificate());
-    row["role"] = wanted_ca.role;
-    report.result["cas"].push_back(std::move(row));
+    out.result.cas.push_back({CaFacts::of(ca.certificate()), wanted_ca.role});
   }
   if (above) DDSSEC_RETURN_IF_ERROR(log_issued(above->paths, log_lines));
-  DDSSEC_ASSIGN_OR_RETURN(report.files_written, folder.commit());
-  return report;
+  DDSSEC_ASSIGN_OR_RETURN(out.report.files_written, folder.commit());
+  return out;
 }
 
 struct ImportedKey {
@@ -151,7 +134,7 @@ Result<ImportedKey> imported_key(const Arguments& arguments) {
 }
 
 // Below a folder that exists, or with it: both roles can be imported one after the other.
-Result<Report> ca_import(const Arguments& arguments, const Context&) {
+Result<Answer<ImportedCa>> ca_import(const Arguments& arguments, const Context&) {
   DDSSEC_ASSIGN_OR_RETURN(const auto role, one_role(arguments));
   const fs::path given = arguments.text("DIR");
   std::error_code ignored;
@@ -175,77 +158,46 @@ Result<Report> ca_import(const Arguments& arguments, const Context&) {
   } else {
     DDSSEC_RETURN_IF_ERROR(folder.add_public(names.certificate, to_pem(certificates)));
   }
-  Report report;
-  report.result = describe(ca);
-  report.result["role"] = role;
-  report.result["key"] = has_key;
-  report.text = fmt::format("imported {}  {} CA, {}\n", ca.subject(), role,
-                            has_key ? "with its key" : "without a key: it cannot issue here");
-  DDSSEC_ASSIGN_OR_RETURN(report.files_written, folder.commit());
-  return report;
+  Answer<ImportedCa> out{{CaFacts::of(ca), role, has_key}};
+  DDSSEC_ASSIGN_OR_RETURN(out.report.files_written, folder.commit());
+  return out;
 }
 
-// Null: it is not here.
-Result<Json> describe_key(const fs::path& key) {
+// Nothing: it is not here.
+Result<std::optional<KeyFacts>> key_facts(const fs::path& key) {
   struct stat status {};
-  if (::stat(key.c_str(), &status) != 0) return Json();
+  if (::stat(key.c_str(), &status) != 0) return std::nullopt;
   const bool in_token = key.extension() == ".p11";
   bool encrypted = false;
   if (!in_token) {
     DDSSEC_ASSIGN_OR_RETURN(encrypted, is_encrypted(key));
   }
-  Json out{{"encrypted", encrypted}, {"mode", fmt::format("{:04o}", status.st_mode & 07777)}};
+  KeyFacts out{encrypted, fmt::format("{:04o}", status.st_mode & 07777)};
   if (in_token) {
     DDSSEC_ASSIGN_OR_RETURN(const auto uri, pki::uri_of(key));
-    out["token"] = without_pin(uri);
+    out.token = without_pin(uri);
   }
   return out;
 }
 
-std::string key_words(const Json& key) {
-  if (key.is_null()) return "not here";
-  if (key.contains("token")) return "in a token, " + std::string(key["token"]);
-  return fmt::format("{}, mode {}", key["encrypted"] == true ? "encrypted" : "NOT encrypted",
-                     std::string(key["mode"]));
-}
-
-std::size_t revoked_count(const pki::IssueLog& log) { return log.revocations().size(); }
-
-// `role` null: the folder does not say which.
-Result<Report> show_one(const CaPaths& paths, const Json& role, WallTime now) {
+/// `role` null: the folder does not say which.
+Result<ShownCa> show_one(const CaPaths& paths, std::optional<std::string> role, WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(paths.certificate));
-  DDSSEC_ASSIGN_OR_RETURN(const auto key, describe_key(paths.key));
+  DDSSEC_ASSIGN_OR_RETURN(auto key, key_facts(paths.key));
   DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(paths));
   DDSSEC_ASSIGN_OR_RETURN(const auto crl, present_crl(paths));
-  const auto left = std::max(certificate.not_after() - now, {});
-  const auto days_left =
-      counted(static_cast<std::size_t>(std::chrono::floor<std::chrono::days>(left).count()), "day");
-  Report report;
-  report.result = {{"role", role}};
-  report.result.update(describe(certificate));
-  report.result["is_ca"] = certificate.is_ca();
-  report.result["key"] = key;
-  report.result["issued"] = log.issued().size();
-  report.result["revoked"] = revoked_count(log);
-  report.result["crl"] = Json();
-  std::string list = "no revocation list";
-  if (crl) {
-    const auto next = crl->next_update() ? Json(to_string(*crl->next_update())) : Json();
-    report.result["crl"] = {{"number", number_json(*crl)}, {"next_update", next}};
-    list = fmt::format("revocation list {} until {}", number_text(*crl),
-                       crl->next_update() ? date(*crl->next_update()) : "it is replaced");
-  }
-  report.text = fmt::format(
-      "subject  {}\nkey      {}, {}\nvalid    {} .. {}  ({} left)\nissued   {}, "
-      "{} revoked, {}\nsha256   {}\n",
-      certificate.subject(), to_string(certificate.key_algorithm()), key_words(key),
-      date(certificate.not_before()), date(certificate.not_after()), days_left,
-      counted(log.issued().size(), "certificate"), revoked_count(log), list,
-      to_hex(certificate.fingerprint()));
-  if (certificate.is_ca()) return report;
-  report.exit = Exit::no;
-  report.errors.emplace_back(Code::not_a_ca, ErrorDetails{.document = paths.certificate});
-  return report;
+  const auto left =
+      std::chrono::floor<std::chrono::days>(std::max(certificate.not_after() - now, {}));
+  ShownCa out{.role = std::move(role),
+              .ca = CaFacts::of(certificate),
+              .is_ca = certificate.is_ca(),
+              .key = std::move(key),
+              .issued = log.issued().size(),
+              .revoked = log.revocations().size(),
+              .crl = {},
+              .days_left = counted(static_cast<std::size_t>(left.count()), "day")};
+  if (crl) out.crl = ListFacts{ListNumber::of(*crl), crl->next_update()};
+  return out;
 }
 
 // True if the folder belongs to a single CA, or one CA has both roles.
@@ -270,30 +222,28 @@ Result<std::vector<std::string>> shown_roles(const Arguments& arguments) {
   return out;
 }
 
-Result<Report> ca_show(const Arguments& arguments, const Context& context) {
+Result<Answer<ShownCas>> ca_show(const Arguments& arguments, const Context& context) {
   DDSSEC_ASSIGN_OR_RETURN(const auto roles, shown_roles(arguments));
   const fs::path given = arguments.text("DIR");
-  Report report;
+  const auto now = context.clock.now();
+  std::optional<Answer<ShownCas>> out;
+  std::vector<Error> errors;
   for (const auto& role : roles) {
     DDSSEC_RETURN_IF_ERROR(check_ca_folder(given, role));
-    DDSSEC_ASSIGN_OR_RETURN(auto one,
-                            show_one(ca_paths(given, role), is_one_ca(given) ? Json() : Json(role),
-                                     context.clock.now()));
-    DDSSEC_ASSIGN_OR_RETURN(auto rotation, shown_rotation(given, role, context.clock.now()));
-    one.result["rotation"] = std::move(rotation.result);
-    one.text += rotation.text;
-    if (one.exit != Exit::done) report.exit = one.exit;
-    const auto title = roles.size() > 1 ? fmt::format("{} CA\n", role) : "";
-    report.text += fmt::format("{}{}{}", report.text.empty() ? "" : "\n", title, one.text);
-    report.errors.insert(report.errors.end(), one.errors.begin(), one.errors.end());
-    if (report.result.empty()) {
-      report.result = std::move(one.result);
-      report.result["others"] = Json::array();
-    } else {
-      report.result["others"].push_back(std::move(one.result));
-    }
+    const auto paths = ca_paths(given, role);
+    auto shown_role = is_one_ca(given) ? std::nullopt : std::optional(role);
+    DDSSEC_ASSIGN_OR_RETURN(auto one, show_one(paths, std::move(shown_role), now));
+    DDSSEC_ASSIGN_OR_RETURN(one.rotation, shown_rotation(given, role, now));
+    if (!one.is_ca)
+      errors.emplace_back(Code::not_a_ca, ErrorDetails{.document = paths.certificate});
+    if (out)
+      out->result.others.push_back(std::move(one));
+    else
+      out = Answer<ShownCas>{{std::move(one)}};
   }
-  return report;
+  if (!errors.empty()) out->report.exit = Exit::no;
+  out->report.errors = std::move(errors);
+  return *std::move(out);
 }
 
 // The present certificate stays in the file after the new one as long as it is valid, so that the
@@ -360,7 +310,7 @@ Result<std::string> steps_after_renewal(const OpenCa& ca, const std::string& rol
   return out;
 }
 
-Result<Report> ca_renew(const Arguments& arguments, const Context& context) {
+Result<Answer<RenewedCa>> ca_renew(const Arguments& arguments, const Context& context) {
   DDSSEC_ASSIGN_OR_RETURN(const auto role, one_role(arguments));
   CaOpener opener(arguments);
   DDSSEC_RETURN_IF_ERROR(check_ca_folder(arguments.text("DIR"), role));
@@ -370,24 +320,16 @@ Result<Report> ca_renew(const Arguments& arguments, const Context& context) {
   Replacement files;
   DDSSEC_RETURN_IF_ERROR(
       files.put_public(ca.paths.certificate, renewed_trust(renewed, ca.trust_pem)));
-  Report report;
-  report.result = describe(renewed);
-  report.result["dir"] = arguments.text("DIR");
-  report.result["folders"] = Json::array();
   DDSSEC_ASSIGN_OR_RETURN(
-      const auto steps, steps_after_renewal(ca, role, arguments.text("DIR"), context.clock.now()));
-  report.text = fmt::format("{}  renewed with the same key, expires {}\n", renewed.subject(),
-                            date(renewed.not_after())) +
-                steps;
+      auto steps, steps_after_renewal(ca, role, arguments.text("DIR"), context.clock.now()));
+  Answer<RenewedCa> out{
+      {.ca = CaFacts::of(renewed), .dir = arguments.text("DIR"), .steps = std::move(steps)}};
   DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(ca.paths));
   const LoggedFolders folders(ca.paths, log);
-  for (const auto& logged : log.places()) {
-    const auto holder = folders.today(logged).string();
-    report.result["folders"].push_back(holder);
-    report.text += fmt::format("  {}\n", holder);
-  }
-  DDSSEC_ASSIGN_OR_RETURN(report.files_written, files.commit());
-  return report;
+  for (const auto& logged : log.places())
+    out.result.folders.push_back(folders.today(logged).string());
+  DDSSEC_ASSIGN_OR_RETURN(out.report.files_written, files.commit());
+  return out;
 }
 
 const Option kOneRole{"--role", "ROLE", "identity or permissions, where DIR has both", "identity"};

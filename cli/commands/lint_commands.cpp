@@ -15,24 +15,32 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Report report_on(const fs::path& file, std::vector<Finding> findings) {
-  Report report;
-  report.text = fmt::format("{}: {}\n", file.string(), counted(findings));
-  report.result = {{"file", file.string()}};
-  report.result.update(counts_json(findings));
-  add_findings(report, std::move(findings), file);
-  return report;
+struct Linted {
+  static constexpr std::string_view kDef = "linted";
+  fs::path file;
+  FindingCounts counts;
+
+  static constexpr auto fields() {
+    return std::tuple_cat(std::tuple(field("file", &Linted::file)), fields_within(&Linted::counts));
+  }
+  std::string text() const { return fmt::format("{}: {}\n", file.string(), counts.words()); }
+};
+
+Answer<Linted> linted(const fs::path& file, std::vector<Finding> findings) {
+  Answer<Linted> out{{file, FindingCounts::of(findings)}};
+  add_findings(out.report, std::move(findings), file);
+  return out;
 }
 
-Result<Report> governance_lint(const Arguments& arguments, const Context&) {
+Result<Answer<Linted>> governance_lint(const Arguments& arguments, const Context&) {
   const auto file = document_path<GovernanceKind>(arguments.text("FILE"));
   DDSSEC_ASSIGN_OR_RETURN(const auto domain, domain_option(arguments));
   const governance::GovernanceUse use{.domain = domain, .choices = true};
   DDSSEC_ASSIGN_OR_RETURN(const auto document, unverified_document<GovernanceKind>(file));
-  return report_on(file, lint(document, use));
+  return linted(file, lint(document, use));
 }
 
-Result<Report> permissions_lint(const Arguments& arguments, const Context& context) {
+Result<Answer<Linted>> permissions_lint(const Arguments& arguments, const Context& context) {
   const auto file = document_path<PermissionsKind>(arguments.text("FILE"));
   std::optional<pki::Certificate> certificate;
   std::optional<governance::Governance> governance;
@@ -46,10 +54,10 @@ Result<Report> permissions_lint(const Arguments& arguments, const Context& conte
   }
   DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMostDocumentOctets));
   DDSSEC_ASSIGN_OR_RETURN(const auto document, unverified_document<PermissionsKind>(file));
-  return report_on(file, lint(document, {.now = context.clock.now(),
-                                         .certificate = certificate ? &*certificate : nullptr,
-                                         .governance = governance ? &*governance : nullptr,
-                                         .signed_octets = signed_size(octets)}));
+  return linted(file, lint(document, {.now = context.clock.now(),
+                                      .certificate = certificate ? &*certificate : nullptr,
+                                      .governance = governance ? &*governance : nullptr,
+                                      .signed_octets = signed_size(octets)}));
 }
 
 const Positional kDocument{

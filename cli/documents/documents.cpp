@@ -76,19 +76,6 @@ void add_findings(Report& report, std::vector<Finding> findings, const fs::path&
 
 namespace {
 
-struct Counts {
-  std::size_t errors = 0, warnings = 0, notes = 0;
-};
-
-Counts counts_of(const std::vector<Finding>& findings) {
-  Counts out;
-  for (const auto& finding : findings)
-    ++(finding.severity >= Severity::error     ? out.errors
-       : finding.severity == Severity::warning ? out.warnings
-                                               : out.notes);
-  return out;
-}
-
 Error with_replace_hint(const Error& error) {
   if (error.code() != Code::would_overwrite) return error;
   auto details = error.details();
@@ -98,8 +85,16 @@ Error with_replace_hint(const Error& error) {
 
 }  // namespace
 
-std::string counted(const std::vector<Finding>& findings) {
-  const auto [errors, warnings, notes] = counts_of(findings);
+FindingCounts FindingCounts::of(const std::vector<Finding>& findings) {
+  FindingCounts out;
+  for (const auto& finding : findings)
+    ++(finding.severity >= Severity::error     ? out.errors
+       : finding.severity == Severity::warning ? out.warnings
+                                               : out.notes);
+  return out;
+}
+
+std::string FindingCounts::words() const {
   std::string out;
   for (const auto& [count, word] :
        {std::pair(errors, "error"), std::pair(warnings, "warning"), std::pair(notes, "note")})
@@ -107,9 +102,8 @@ std::string counted(const std::vector<Finding>& findings) {
   return out.empty() ? "nothing found" : out;
 }
 
-Json counts_json(const std::vector<Finding>& findings) {
-  const auto [errors, warnings, notes] = counts_of(findings);
-  return {{"errors", errors}, {"warnings", warnings}, {"notes", notes}};
+std::string counted(const std::vector<Finding>& findings) {
+  return FindingCounts::of(findings).words();
 }
 
 Result<governance::Profile> profile_option(const Arguments& arguments) {

@@ -77,10 +77,22 @@ std::size_t signed_size(BytesView octets);
 
 /// Adds findings about this file to the report; the answer is "no" if one is an error.
 void add_findings(Report& report, std::vector<Finding> findings, const std::filesystem::path& file);
-/// "2 errors, 1 warning, 3 notes"; "nothing found" if there are none.
+/// The numbers of findings.
+struct FindingCounts {
+  std::size_t errors = 0, warnings = 0, notes = 0;
+
+  static FindingCounts of(const std::vector<Finding>& findings);
+  static constexpr auto fields() {
+    return std::tuple(
+        field("errors", &FindingCounts::errors), field("warnings", &FindingCounts::warnings),
+        field("notes", &FindingCounts::notes, {"how many; the findings are in `diagnostics`"}));
+  }
+  /// "2 errors, 1 warning, 3 notes"; "nothing found" if there are none.
+  std::string words() const;
+};
+
+/// FindingCounts::words() of these.
 std::string counted(const std::vector<Finding>& findings);
-/// The numbers of errors, warnings and notes.
-Json counts_json(const std::vector<Finding>& findings);
 
 /// The value of --profile. Error: usage.
 Result<governance::Profile> profile_option(const Arguments& arguments);

@@ -1,0 +1,178 @@
+// Results of the commands ca ...
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "cli/ca/ca_progress.hpp"
+#include "cli/ca/certificate_facts.hpp"
+#include "cli/ca/revocation_lists.hpp"
+#include "cli/frame/report.hpp"
+#include "cli/inputs.hpp"
+
+namespace ddssec::cli {
+
+/// A CA of a folder.
+struct CaOfFolder {
+  CaFacts ca;
+  std::string role;
+
+  static constexpr auto fields() {
+    return std::tuple_cat(fields_within(&CaOfFolder::ca),
+                          std::tuple(field("role", &CaOfFolder::role, {.words = kRoles})));
+  }
+};
+
+struct CreatedCas {
+  std::filesystem::path dir;
+  bool encrypted;
+  std::vector<CaOfFolder> cas;
+  bool in_token;  ///< the key
+
+  static constexpr auto fields() {
+    return std::tuple(field("dir", &CreatedCas::dir), field("encrypted", &CreatedCas::encrypted),
+                      field("cas", &CreatedCas::cas, {.least = 1, .most = 2}));
+  }
+  std::string text() const {
+    auto out = fmt::format("created {}{}\n", dir.string(),
+                           in_token    ? "  (its key stays in the token)"
+                           : encrypted ? ""
+                                       : "  (the CA keys are NOT encrypted)");
+    for (const auto& [ca, role] : cas)
+      out += fmt::format("  {:<12} {}  expires {}\n", role, ca.subject, date(ca.not_after));
+    return out;
+  }
+};
+
+struct ImportedCa {
+  CaFacts ca;
+  std::string role;
+  bool key;
+
+  static constexpr auto fields() {
+    return std::tuple_cat(fields_within(&ImportedCa::ca),
+                          std::tuple(field("role", &ImportedCa::role, {.words = kRoles}),
+                                     field("key", &ImportedCa::key, {"true: taken over too"})));
+  }
+  std::string text() const {
+    return fmt::format("imported {}  {} CA, {}\n", ca.subject, role,
+                       key ? "with its key" : "without a key: it cannot issue here");
+  }
+};
+
+struct KeyFacts {
+  bool encrypted;
+  std::string mode;
+  std::optional<std::string> token = {};
+
+  static constexpr auto fields() {
+    return std::tuple(field("encrypted", &KeyFacts::encrypted),
+                      field("mode", &KeyFacts::mode, {.pattern = "^[0-7]{4}$"}),
+                      field("token", &KeyFacts::token,
+                            {.note = "its URI without a PIN, if it is in one", .absent = true}));
+  }
+  std::string words() const {
+    if (token) return "in a token, " + *token;
+    return fmt::format("{}, mode {}", encrypted ? "encrypted" : "NOT encrypted", mode);
+  }
+};
+
+struct ListFacts {
+  ListNumber number;
+  std::optional<WallTime> next_update;
+
+  static constexpr auto fields() {
+    return std::tuple(field("number", &ListFacts::number),
+                      field("next_update", &ListFacts::next_update, {"null: none"}));
+  }
+  std::string words() const {
+    return fmt::format("revocation list {} until {}", number.text,
+                       next_update ? date(*next_update) : "it is replaced");
+  }
+};
+
+/// One CA of a folder.
+struct ShownCa {
+  static constexpr std::string_view kDef = "shown_ca";
+  std::optional<std::string> role;
+  CaFacts ca;
+  bool is_ca;
+  std::optional<KeyFacts> key;
+  std::size_t issued, revoked;
+  std::optional<ListFacts> crl;
+  std::optional<RotationFacts> rotation = {};
+  std::string days_left;
+
+  static constexpr auto fields() {
+    return std::tuple_cat(
+        std::tuple(field("role", &ShownCa::role,
+                         {.note = "null: the folder does not say", .words = kRoles})),
+        fields_within(&ShownCa::ca),
+        std::tuple(
+            field("is_ca", &ShownCa::is_ca), field("key", &ShownCa::key, {"null: no key here"}),
+            field("issued", &ShownCa::issued), field("revoked", &ShownCa::revoked),
+            field("crl", &ShownCa::crl, {"null: none"}),
+            field("rotation", &ShownCa::rotation, {"null: no overlap, and no folder left"})));
+  }
+  std::string text() const {
+    return fmt::format(
+               "subject  {}\nkey      {}, {}\nvalid    {} .. {}  ({} left)\nissued   {}, "
+               "{} revoked, {}\nsha256   {}\n",
+               ca.subject, ca.algorithm, key ? key->words() : "not here", date(ca.not_before),
+               date(ca.not_after), days_left, counted(issued, "certificate"), revoked,
+               crl ? crl->words() : "no revocation list", ca.sha256) +
+           (rotation ? rotation->text() : "");
+  }
+};
+
+struct ShownCas {
+  ShownCa first;
+  std::vector<ShownCa> others = {};
+
+  static constexpr auto fields() {
+    return std::tuple_cat(
+        fields_within(&ShownCas::first),
+        std::tuple(field("others", &ShownCas::others,
+                         {.note = "the same of the folder's other CA, without --role",
+                          .same = true,
+                          .most = 1})));
+  }
+  std::string text() const {
+    if (others.empty()) return first.text();
+    auto out = titled(first);
+    for (const auto& one : others) out += "\n" + titled(one);
+    return out;
+  }
+
+ private:
+  static std::string titled(const ShownCa& one) {
+    return fmt::format("{} CA\n{}", one.role.value_or(""), one.text());
+  }
+};
+
+struct RenewedCa {
+  CaFacts ca;
+  std::filesystem::path dir;
+  std::vector<std::string> folders = {};
+  std::string steps;  ///< what to do with the new certificate
+
+  static constexpr auto fields() {
+    return std::tuple_cat(fields_within(&RenewedCa::ca),
+                          std::tuple(field("dir", &RenewedCa::dir),
+                                     field("folders", &RenewedCa::folders,
+                                           {"whose participants need the new certificate"})));
+  }
+  std::string text() const {
+    auto out = fmt::format("{}  renewed with the same key, expires {}\n{}", ca.subject,
+                           date(ca.not_after), steps);
+    for (const auto& folder : folders) out += fmt::format("  {}\n", folder);
+    return out;
+  }
+};
+
+}  // namespace ddssec::cli
