@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "cli/ca/certificate_facts.hpp"
 #include "cli/ca/logged_certificate.hpp"
 #include "cli/ca/subject_overlap.hpp"
 #include "cli/commands/groups.hpp"
@@ -23,37 +24,74 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Result<Report> identity_show(const Arguments& arguments, const Context& context) {
+struct ShownIdentity {
+  std::string subject, issuer, algorithm, serial;
+  WallTime not_before, not_after;
+  bool valid_now;
+  std::string sha256, guid_start;
+
+  static constexpr auto fields() {
+    using Self = ShownIdentity;
+    return std::tuple(field("subject", &Self::subject, {.def = "subject"}),
+                      field("issuer", &Self::issuer, {.def = "subject"}),
+                      field("algorithm", &Self::algorithm, {.def = "algorithm"}),
+                      field("serial", &Self::serial, {.def = "serial"}),
+                      field("not_before", &Self::not_before), field("not_after", &Self::not_after),
+                      field("valid_now", &Self::valid_now),
+                      field("sha256", &Self::sha256, {.def = "sha256"}),
+                      field("guid_start", &Self::guid_start,
+                            {.note = "48 bits, in hexadecimal", .pattern = "^[0-9a-f]{12}$"}));
+  }
+  std::string text() const {
+    return fmt::format(
+        "subject  {}\nissuer   {}\nkey      {}\nserial   {}\nvalid    {} .. {}\nsha256   {}\n"
+        "guid     {}...  (whose GUID is lower, starts the handshake)\n",
+        subject, issuer, algorithm, serial, date(not_before), date(not_after), sha256, guid_start);
+  }
+};
+
+Result<Answer<ShownIdentity>> identity_show(const Arguments& arguments, const Context& context) {
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate, certificate_of(arguments.text("PATH")));
   const auto now = context.clock.now();
   const bool valid = certificate.not_before() <= now && now <= certificate.not_after();
-  const auto guid = fmt::format("{:012x}", governance::doctor::guid_start(certificate));
-  Report report;
-  report.exit = valid ? Exit::done : Exit::no;
-  report.text = fmt::format(
-      "subject  {}\nissuer   {}\nkey      {}\nserial   {}\nvalid    {} .. {}\nsha256   {}\n"
-      "guid     {}...  (whose GUID is lower, starts the handshake)\n",
-      certificate.subject(), certificate.issuer(), to_string(certificate.key_algorithm()),
-      certificate.serial(), date(certificate.not_before()), date(certificate.not_after()),
-      to_hex(certificate.fingerprint()), guid);
-  report.result = {{"subject", certificate.subject()},
-                   {"issuer", certificate.issuer()},
-                   {"algorithm", to_string(certificate.key_algorithm())},
-                   {"serial", certificate.serial()},
-                   {"not_before", to_string(certificate.not_before())},
-                   {"not_after", to_string(certificate.not_after())},
-                   {"valid_now", valid},
-                   {"sha256", to_hex(certificate.fingerprint())},
-                   {"guid_start", guid}};
-  if (!valid)
-    report.errors.emplace_back(now < certificate.not_before() ? Code::certificate_not_yet_valid
-                                                              : Code::certificate_expired,
-                               ErrorDetails{.document = certificate_path(arguments.text("PATH")),
-                                            .found = to_string(now)});
-  return report;
+  Answer<ShownIdentity> out{
+      {.subject = certificate.subject(),
+       .issuer = certificate.issuer(),
+       .algorithm = std::string(to_string(certificate.key_algorithm())),
+       .serial = certificate.serial(),
+       .not_before = certificate.not_before(),
+       .not_after = certificate.not_after(),
+       .valid_now = valid,
+       .sha256 = to_hex(certificate.fingerprint()),
+       .guid_start = fmt::format("{:012x}", governance::doctor::guid_start(certificate))}};
+  if (valid) return out;
+  out.report.exit = Exit::no;
+  out.report.errors.emplace_back(
+      now < certificate.not_before() ? Code::certificate_not_yet_valid : Code::certificate_expired,
+      ErrorDetails{.document = certificate_path(arguments.text("PATH")), .found = to_string(now)});
+  return out;
 }
 
-Result<Report> identity_csr(const Arguments& arguments, const Context&) {
+struct MadeRequest {
+  std::string name;
+  fs::path dir;
+  std::string subject, algorithm;
+  fs::path request;
+  bool in_token;  ///< the key
+
+  static constexpr auto fields() {
+    return std::tuple(field("name", &MadeRequest::name), field("dir", &MadeRequest::dir),
+                      field("subject", &MadeRequest::subject, {.def = "subject"}),
+                      field("algorithm", &MadeRequest::algorithm, {.def = "algorithm"}),
+                      field("request", &MadeRequest::request));
+  }
+  std::string text() const {
+    return fmt::format("{}  a key, which stays {}, and request.pem for {}\n", dir.string(),
+                       in_token ? "in its token" : "here", subject);
+  }
+};
+
+Result<Answer<MadeRequest>> identity_csr(const Arguments& arguments, const Context&) {
   const auto name = arguments.text("NAME");
   DDSSEC_RETURN_IF_ERROR(check_name(name));
   const fs::path target = arguments.text("-o");
@@ -63,18 +101,15 @@ Result<Report> identity_csr(const Arguments& arguments, const Context&) {
   DDSSEC_ASSIGN_OR_RETURN(const auto request, pki::make_request(made.key, subject));
   DDSSEC_RETURN_IF_ERROR(add_key(folder, "key.pem", made));
   DDSSEC_RETURN_IF_ERROR(folder.add_public("request.pem", request));
-  Report report;
-  report.text = fmt::format(
-      "{}  a key, which stays {}, and request.pem for {}\n"
-      "next, where the CA is: ddssec identity sign-csr request.pem --ca CA\n",
-      target.string(), made.token_uri.empty() ? "here" : "in its token", subject);
-  report.result = {{"name", name},
-                   {"dir", target.string()},
-                   {"subject", subject},
-                   {"algorithm", to_string(made.key.algorithm())},
-                   {"request", (target / "request.pem").string()}};
-  DDSSEC_ASSIGN_OR_RETURN(report.files_written, folder.commit());
-  return report;
+  Answer<MadeRequest> out{{.name = name,
+                           .dir = target,
+                           .subject = subject,
+                           .algorithm = std::string(to_string(made.key.algorithm())),
+                           .request = target / "request.pem",
+                           .in_token = !made.token_uri.empty()}};
+  out.report.text = "next, where the CA is: ddssec identity sign-csr request.pem --ca CA\n";
+  DDSSEC_ASSIGN_OR_RETURN(out.report.files_written, folder.commit());
+  return out;
 }
 
 // The request's subject becomes the participant's name, so the user must have checked it.
@@ -148,7 +183,25 @@ std::string after_signing(const fs::path& to, const OpenCa& ca, const std::strin
       has_both ? permissions.string() : "the permissions CA's certificate");
 }
 
-Result<Report> identity_sign_csr(const Arguments& arguments, const Context& context) {
+struct SignedRequest {
+  fs::path file;
+  std::string algorithm;
+  CertificateFacts certificate;
+
+  static constexpr auto fields() {
+    return std::tuple_cat(
+        std::tuple(field("file", &SignedRequest::file),
+                   field("algorithm", &SignedRequest::algorithm, {.def = "algorithm"})),
+        fields_within(&SignedRequest::certificate));
+  }
+  std::string text() const {
+    return fmt::format("{}  {}  expires {}\n", file.string(), certificate.subject,
+                       date(certificate.not_after));
+  }
+};
+
+Result<Answer<SignedRequest>> identity_sign_csr(const Arguments& arguments,
+                                                const Context& context) {
   std::error_code ignored;
   const fs::path given = arguments.text("CSR");
   const auto from = fs::is_directory(given, ignored) ? given / "request.pem" : given;
@@ -177,16 +230,13 @@ Result<Report> identity_sign_csr(const Arguments& arguments, const Context& cont
   DDSSEC_RETURN_IF_ERROR(log_issued(
       ca.paths,
       pki::IssueLog::issued_line(certificate, folder.string(), now, to.filename().string())));
-  Report report;
+  Answer<SignedRequest> out{
+      {to, std::string(to_string(content.key)), CertificateFacts::of(certificate)}};
   DDSSEC_ASSIGN_OR_RETURN(auto written, write_new_file(to, as_bytes(certificate.pem()), 0644));
-  report.files_written.push_back(std::move(written));
-  report.text = fmt::format("{}  {}  expires {}\n", to.string(), certificate.subject(),
-                            date(certificate.not_after())) +
-                same_key_text(certificate, log, now) +
-                after_signing(to, ca, arguments.text("--ca"));
-  report.result = {{"file", to.string()}, {"algorithm", to_string(content.key)}};
-  report.result.update(certificate_json(certificate));
-  return report;
+  out.report.files_written.push_back(std::move(written));
+  out.report.text =
+      same_key_text(certificate, log, now) + after_signing(to, ca, arguments.text("--ca"));
+  return out;
 }
 
 const Option kNewFolder{

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "cli/ca/ca_overlap.hpp"
+#include "cli/ca/certificate_facts.hpp"
 #include "cli/ca/issuing_cas.hpp"
 #include "cli/ca/logged_certificate.hpp"
 #include "cli/ca/revocation_lists.hpp"
@@ -97,9 +98,13 @@ std::string not_in_it(bool has_permissions, bool has_governance) {
   return out;
 }
 
+using IssuedParticipants = std::variant<IssuedFacts, IssuedFleet>;
+using IssueAnswer = Answer<IssuedParticipants>;
+
 // Issues many participants with one command: all or none. Existing participants of a fleet stay
 // unchanged.
-Result<Report> issue_fleet(const Arguments& arguments, const Context& context, Findings& findings) {
+Result<IssueAnswer> issue_fleet(const Arguments& arguments, const Context& context,
+                                Findings& findings) {
   const auto now = context.clock.now();
   for (const auto* option : {"--subject", "--permissions"})
     if (arguments.has(option))
@@ -115,8 +120,8 @@ Result<Report> issue_fleet(const Arguments& arguments, const Context& context, F
   const bool any_rights = std::ranges::any_of(specs, &ParticipantSpec::has_permissions);
   DDSSEC_ASSIGN_OR_RETURN(const auto cas, open_issuing_cas(arguments, any_rights, now));
   DDSSEC_ASSIGN_OR_RETURN(const auto governance, governance_of(arguments, now));
+  IssuedFleet fleet{target};
   Report report;
-  report.result = {{"dir", target.string()}, {"participants", Json::array()}};
   FleetMembers members(cas.permissions ? &*cas.permissions : nullptr, target, now);
   SubjectsOfFleet subjects(from);
   DDSSEC_ASSIGN_OR_RETURN(auto issue_log, read_issue_log(cas.identity.paths));
@@ -128,7 +133,7 @@ Result<Report> issue_fleet(const Arguments& arguments, const Context& context, F
     warn_of_rights(spec, from.string(), report);
     DDSSEC_RETURN_IF_ERROR(
         folder.add(i, spec.name, made, cas.issuers(spec.has_permissions()), governance));
-    members.add(spec.name, made, report);
+    fleet.participants.push_back(members.add(spec.name, made));
     const auto& certificate = made.self.certificate;
     subjects.add(spec.name, certificate, report);
     DDSSEC_RETURN_IF_ERROR(named(in_use.check(certificate.subject()), from));
@@ -139,7 +144,7 @@ Result<Report> issue_fleet(const Arguments& arguments, const Context& context, F
   report.text += folder.text() + drop_in_line(drop_in);
   DDSSEC_RETURN_IF_ERROR(log_all(cas, members.issued(), members.signed_lines()));
   DDSSEC_ASSIGN_OR_RETURN(report.files_written, folder.commit());
-  return report;
+  return IssueAnswer{std::move(fleet), std::move(report)};
 }
 
 /// One participant, as the command line asks for it.
@@ -154,13 +159,8 @@ struct Job {
   bool is_replacing() const { return arguments.has("--replace"); }
 };
 
-Report report_on(const Job& job, const pki::Certificate& certificate, std::string_view done) {
-  Report report;
-  report.text = fmt::format("{}  {}  {}expires {}\n", job.target.string(), certificate.subject(),
-                            done, date(certificate.not_after()));
-  report.result = {{"name", job.spec.name}, {"dir", job.target.string()}};
-  report.result.update(certificate_json(certificate));
-  return report;
+IssuedFacts issued_of(const Job& job, const pki::Certificate& certificate, std::string done = {}) {
+  return {job.spec.name, job.target, CertificateFacts::of(certificate), std::move(done)};
 }
 
 /// The contents of one participant's folder, and the CAs that signed it.
@@ -182,7 +182,8 @@ Result<Issued> issue(Job& job) {
 
 // Reports what the folder lacks after everything is in place; in a dry run it reports nothing about
 // that.
-Result<Report> finished(Report report, const Job& job, Result<std::vector<WrittenFile>> committed) {
+Result<IssueAnswer> finished(IssuedFacts issued, Report report, const Job& job,
+                             Result<std::vector<WrittenFile>> committed) {
   DDSSEC_ASSIGN_OR_RETURN(report.files_written, std::move(committed));
   const bool has_permissions = is_there(job.files.permissions);
   const bool has_governance = is_there(job.files.governance);
@@ -192,17 +193,17 @@ Result<Report> finished(Report report, const Job& job, Result<std::vector<Writte
   if (!job.spec.dropin.empty() || leaves_libraries_open(job.target))
     report.text += drop_in_line(job.spec.dropin);
   warn_of_rights(job.spec, job.arguments.text("--permissions"), report);
-  return report;
+  return IssueAnswer{std::move(issued), std::move(report)};
 }
 
-Result<Report> make_folder(Job& job) {
+Result<IssueAnswer> make_folder(Job& job) {
   DDSSEC_ASSIGN_OR_RETURN(auto folder, NewFolder::at(job.target));
   DDSSEC_ASSIGN_OR_RETURN(const auto issued, issue(job));
   const auto& [cas, made] = issued;
   DDSSEC_RETURN_IF_ERROR(
       add_flat(folder, "", made, cas.issuers(job.spec.has_permissions()), job.governance));
   DDSSEC_RETURN_IF_ERROR(log_one(cas, made, job.target, job.context.clock.now()));
-  return finished(report_on(job, made.self.certificate, ""), job, folder.commit());
+  return finished(issued_of(job, made.self.certificate), {}, job, folder.commit());
 }
 
 std::unexpected<Error> in_the_way(const fs::path& file, std::string note) {
@@ -296,7 +297,7 @@ Status add_permissions(const Job& job, const pki::Certificate& certificate, Comp
 }
 
 // Key and certificate stay; only missing files are added.
-Result<Report> complete_folder(Job& job) {
+Result<IssueAnswer> complete_folder(Job& job) {
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(job.files.certificate));
   const auto paths = ca_paths(job.arguments.text("--ca"), "identity");
   DDSSEC_ASSIGN_OR_RETURN(const auto lock, lock_records(paths));
@@ -319,7 +320,7 @@ Result<Report> complete_folder(Job& job) {
                           missing_configuration_files(job.files, job.spec.dropin));
   for (const auto& [name, text] : missing_files)
     DDSSEC_RETURN_IF_ERROR(out.put(job.target / name, text));
-  return finished(report_on(job, certificate, "completed, key and certificate are as before, "),
+  return finished(issued_of(job, certificate, "completed, key and certificate are as before, "), {},
                   job, out.commit());
 }
 
@@ -336,7 +337,7 @@ Status check_nothing_in_token(const Job& job) {
 }
 
 // Everything that the command creates replaces existing files; other files stay.
-Result<Report> fill_folder(Job& job) {
+Result<IssueAnswer> fill_folder(Job& job) {
   DDSSEC_RETURN_IF_ERROR(check_nothing_in_token(job));
   DDSSEC_ASSIGN_OR_RETURN(const auto issued, issue(job));
   const auto& [cas, made] = issued;
@@ -369,21 +370,22 @@ Result<Report> fill_folder(Job& job) {
       pem.expose([&](BytesView octets) { return out.put(files.key, octets, 0600); }));
   DDSSEC_RETURN_IF_ERROR(out.put_public(files.certificate, made.self.certificate.pem()));
   DDSSEC_RETURN_IF_ERROR(log_one(cas, made, job.target, job.context.clock.now()));
-  auto report = report_on(job, made.self.certificate, "");
-  report.text +=
+  Report report;
+  report.text =
       about_former(job.files.certificate, job.arguments.text("--ca"), job.context.clock.now());
-  return finished(std::move(report), job, out.commit());
+  return finished(issued_of(job, made.self.certificate), std::move(report), job, out.commit());
 }
 
 // A folder without a participant: nothing of one may be there.
-Result<Report> start_folder(Job& job) {
+Result<IssueAnswer> start_folder(Job& job) {
   for (const auto* file : {&job.files.identity_ca, &job.files.permissions_ca, &job.files.governance,
                            &job.files.permissions, &job.files.crl})
     if (is_there(*file)) return in_the_way(*file, "it is there without a key and a certificate");
   return fill_folder(job);
 }
 
-Result<Report> issue_one(const Arguments& arguments, const Context& context, Findings& findings) {
+Result<IssueAnswer> issue_one(const Arguments& arguments, const Context& context,
+                              Findings& findings) {
   DDSSEC_ASSIGN_OR_RETURN(auto spec, spec_of(arguments, context.clock.now(), findings));
   const fs::path given = arguments.text("-o");
   const fs::path target = given.has_filename() ? given : given.parent_path();
@@ -407,7 +409,7 @@ Result<Report> issue_one(const Arguments& arguments, const Context& context, Fin
   return is_there(job.files.certificate) ? complete_folder(job) : start_folder(job);
 }
 
-Result<Report> identity_issue(const Arguments& arguments, const Context& context) {
+Result<IssueAnswer> identity_issue(const Arguments& arguments, const Context& context) {
   if (arguments.has("--from") == arguments.has("NAME"))
     return fail(Code::usage, {.field = "NAME", .note = "give either a name or --from"});
   if (arguments.has("--from") && arguments.has("--replace"))
@@ -415,11 +417,12 @@ Result<Report> identity_issue(const Arguments& arguments, const Context& context
                               .note = "it is for one participant, not with "
                                       "--from"});
   Findings findings;
-  DDSSEC_ASSIGN_OR_RETURN(auto report, arguments.has("--from")
+  DDSSEC_ASSIGN_OR_RETURN(auto answer, arguments.has("--from")
                                            ? issue_fleet(arguments, context, findings)
                                            : issue_one(arguments, context, findings));
-  report.findings.insert(report.findings.end(), findings.begin(), findings.end());
-  return report;
+  auto& all = answer.report.findings;
+  all.insert(all.end(), findings.begin(), findings.end());
+  return answer;
 }
 
 const Option kParticipantFolder{.name = "-o",

@@ -203,21 +203,62 @@ std::vector<std::string> without_list(const ParticipantPlaces& places) {
   return out;
 }
 
-Result<std::string> report_places(const CaPaths& ca, const pki::IssueLog& log,
-                                  const std::string& given, Report& report) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto places, participant_places(ca, log));
-  const auto bare = without_list(places);
-  auto& out = report.result;
-  out["folders"] = Json::array();
-  for (const auto& folder : places.here) out["folders"].push_back(folder.string());
-  out["without_list"] = bare;
-  out["elsewhere"] = places.elsewhere;
-  for (const auto& folder : places.other_copies) out["elsewhere"].push_back(folder);
-  for (const auto& folder : out["elsewhere"]) out["folders"].push_back(folder);
-  out["left_behind"] = places.left_behind;
-  out["of_other_cas"] = places.of_other_cas;
-  return next_steps(given, places, bare, ca, log);
-}
+struct ListThatRevokes {
+  fs::path file;
+  ListNumber number;
+  WallTime next_update;
+
+  static constexpr auto fields() {
+    using Self = ListThatRevokes;
+    return std::tuple(field("file", &Self::file), field("number", &Self::number),
+                      field("next_update", &Self::next_update));
+  }
+};
+
+struct Revoked {
+  using Folders = std::optional<std::vector<std::string>>;
+  std::string subject;
+  std::vector<std::string> serials, same_key;
+  std::optional<ListThatRevokes> crl = {};
+  Folders folders = {}, without_list = {}, elsewhere = {}, left_behind = {}, of_other_cas = {};
+  std::string revoked = {};        ///< "(2 certificates)", or why it is revoked again
+  std::string certificates = {};   ///< complete lines: those of `serials`
+  std::string same_key_text = {};  ///< complete lines
+
+  static constexpr auto fields() {
+    using Self = Revoked;
+    constexpr auto kIfAny = [](std::string_view note) {
+      return Shown{.note = note, .absent = true};
+    };
+    return std::tuple(
+        field("subject", &Self::subject, {.def = "subject"}),
+        field("serials", &Self::serials, {.note = "none: revoked before", .def = "serial"}),
+        field("same_key", &Self::same_key,
+              {.note = "other certificates of the key, which stay valid", .def = "serial"}),
+        field("crl", &Self::crl, kIfAny("unless it was revoked before, as all that follow")),
+        field("folders", &Self::folders, kIfAny("that need the list")),
+        field("without_list", &Self::without_list, kIfAny("of these: here, no crl.pem yet")),
+        field("elsewhere", &Self::elsewhere, kIfAny("of these: not on this machine")),
+        field("left_behind", &Self::left_behind, kIfAny("as for crl distribute")),
+        field("of_other_cas", &Self::of_other_cas, kIfAny("as for crl distribute")));
+  }
+  std::string text() const {
+    if (!crl) return fmt::format("{}  revoked already\n{}", subject, same_key_text);
+    return fmt::format("{}  revoked {}; revocation list {} holds until {}\n{}{}", subject, revoked,
+                       crl->number.text, date(crl->next_update), certificates, same_key_text);
+  }
+
+  void add_places(const ParticipantPlaces& places, std::vector<std::string> bare) {
+    folders.emplace();
+    for (const auto& folder : places.here) folders->push_back(folder.string());
+    without_list = std::move(bare);
+    elsewhere = places.elsewhere;
+    for (const auto& folder : places.other_copies) elsewhere->push_back(folder);
+    folders->insert(folders->end(), elsewhere->begin(), elsewhere->end());
+    left_behind = places.left_behind;
+    of_other_cas = places.of_other_cas;
+  }
+};
 
 std::string log_lines(const Doomed& what, const std::vector<pki::Revocation>& revocations) {
   std::string out;
@@ -235,7 +276,7 @@ std::string_view how_revoked_before(const Doomed& what) {
                                    : "already, but the log did not have its key";
 }
 
-Result<Report> identity_revoke(const Arguments& arguments, const Context& context) {
+Result<Answer<Revoked>> identity_revoke(const Arguments& arguments, const Context& context) {
   const auto now = context.clock.now();
   DDSSEC_ASSIGN_OR_RETURN(const auto reason, reason_of(arguments));
   DDSSEC_ASSIGN_OR_RETURN(const int days, arguments.number("--next-update", 1, kMostDays));
@@ -245,16 +286,12 @@ Result<Report> identity_revoke(const Arguments& arguments, const Context& contex
   DDSSEC_ASSIGN_OR_RETURN(auto log, read_issue_log(ca.paths));
   DDSSEC_ASSIGN_OR_RETURN(auto what, doomed(arguments, ca, log));
   add_same_key(log, reason, what);
-  Report report;
-  report.result = {
-      {"subject", what.subject}, {"serials", what.serials}, {"same_key", what.same_key_serials}};
+  Answer<Revoked> answer{{what.subject, what.serials, what.same_key_serials}};
+  auto& [result, report, has_result] = answer;
+  result.same_key_text = same_key_text(what, arguments.text("--ca"));
   if (what.serials.empty() && what.unlogged_key.empty()) {
     DDSSEC_ASSIGN_OR_RETURN(const auto is_complete, lists_all(ca.paths, log));
-    if (is_complete) {
-      report.text = fmt::format("{}  revoked already\n{}", what.subject,
-                                same_key_text(what, arguments.text("--ca")));
-      return report;
-    }
+    if (is_complete) return answer;
   }
   for (const auto& serial : what.serials)
     DDSSEC_RETURN_IF_ERROR(log.add(pki::Revocation{serial, now, reason}));
@@ -266,17 +303,15 @@ Result<Report> identity_revoke(const Arguments& arguments, const Context& contex
   DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   // The log comes first: if the machine stops here, the next list is made from it.
   if (!lines.empty()) DDSSEC_RETURN_IF_ERROR(log_issued(ca.paths, lines));
-  report.result["crl"] = {{"file", ca.paths.crl.string()},
-                          {"number", number_json(crl)},
-                          {"next_update", to_string(*crl.next_update())}};
-  DDSSEC_ASSIGN_OR_RETURN(const auto next,
-                          report_places(ca.paths, log, arguments.text("--ca"), report));
-  report.text = fmt::format("{}  revoked {}; revocation list {} holds until {}\n{}{}", what.subject,
-                            what.serials.empty()
-                                ? std::string(how_revoked_before(what))
-                                : fmt::format("({})", counted(what.serials.size(), "certificate")),
-                            number_text(crl), date(*crl.next_update()), what.in_words(),
-                            same_key_text(what, arguments.text("--ca")) + next);
+  result.crl = ListThatRevokes{ca.paths.crl, ListNumber::of(crl), *crl.next_update()};
+  result.revoked = what.serials.empty()
+                       ? std::string(how_revoked_before(what))
+                       : fmt::format("({})", counted(what.serials.size(), "certificate"));
+  result.certificates = what.in_words();
+  DDSSEC_ASSIGN_OR_RETURN(const auto places, participant_places(ca.paths, log));
+  const auto bare = without_list(places);
+  result.add_places(places, bare);
+  report.text = next_steps(arguments.text("--ca"), places, bare, ca.paths, log);
   report.text += about_clock(crl, now, arguments.text("--ca"));
   // A participant that has moved may still have its former certificate, too.
   DDSSEC_ASSIGN_OR_RETURN(const auto overlap, read_overlap(ca.paths));
@@ -286,7 +321,7 @@ Result<Report> identity_revoke(const Arguments& arguments, const Context& contex
     report.exit = Exit::no;
   }
   DDSSEC_ASSIGN_OR_RETURN(report.files_written, out.commit());
-  return report;
+  return answer;
 }
 
 }  // namespace

@@ -16,7 +16,26 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Result<Report> identity_ocsp(const Arguments& arguments, const Context& context) {
+struct FetchedResponse {
+  fs::path file;
+  std::string subject, serial, url;
+  WallTime this_update, until;
+
+  static constexpr auto fields() {
+    using Self = FetchedResponse;
+    return std::tuple(field("file", &Self::file),
+                      field("subject", &Self::subject, {.def = "subject"}),
+                      field("serial", &Self::serial, {.def = "serial"}),
+                      field("url", &Self::url, {"of the responder"}),
+                      field("this_update", &Self::this_update), field("until", &Self::until));
+  }
+  std::string text() const {
+    return fmt::format("{}  {} is good, says {}, until {}\n", file.string(), subject, url,
+                       to_string(until));
+  }
+};
+
+Result<Answer<FetchedResponse>> identity_ocsp(const Arguments& arguments, const Context& context) {
   const fs::path folder = arguments.text("DIR");
   DDSSEC_RETURN_IF_ERROR(check_participant_folder(folder));
   DDSSEC_ASSIGN_OR_RETURN(const auto seconds, arguments.number("--timeout", 1, 300));
@@ -28,18 +47,14 @@ Result<Report> identity_ocsp(const Arguments& arguments, const Context& context)
                      context.clock.now()));
   Replacement out;
   DDSSEC_RETURN_IF_ERROR(out.put(ocsp_file(files), response.octets, 0644));
-  Report report;
-  DDSSEC_ASSIGN_OR_RETURN(report.files_written, out.commit());
-  const auto until = response.good.until();
-  report.text = fmt::format("{}  {} is good, says {}, until {}\n", ocsp_file(files).string(),
-                            certificate.subject(), response.url, to_string(until));
-  report.result = {{"file", ocsp_file(files).string()},
-                   {"subject", certificate.subject()},
-                   {"serial", certificate.serial()},
-                   {"url", response.url},
-                   {"this_update", to_string(response.good.this_update())},
-                   {"until", to_string(until)}};
-  return report;
+  Answer<FetchedResponse> answer{{.file = ocsp_file(files),
+                                  .subject = certificate.subject(),
+                                  .serial = certificate.serial(),
+                                  .url = response.url,
+                                  .this_update = response.good.this_update(),
+                                  .until = response.good.until()}};
+  DDSSEC_ASSIGN_OR_RETURN(answer.report.files_written, out.commit());
+  return answer;
 }
 
 }  // namespace

@@ -71,16 +71,11 @@ bool FleetFolder::has(const ParticipantSpec& spec) const {
       pki::participant_folder(target_ / spec.name, pki::FolderLayout::flat).certificate);
 }
 
-void FleetMembers::add(const std::string& name, const NewParticipant& made, Report& report) {
+IssuedFacts FleetMembers::add(const std::string& name, const NewParticipant& made) {
   const auto place = target_ / name;
   issued_ += log_line(made, place, now_);
   if (permissions_ != nullptr) signed_ += signed_line(made, *permissions_, place, now_);
-  const auto& certificate = made.self.certificate;
-  report.text += fmt::format("{}  {}  expires {}\n", place.string(), certificate.subject(),
-                             date(certificate.not_after()));
-  Json row = {{"name", name}, {"dir", place.string()}};
-  row.update(certificate_json(certificate));
-  report.result["participants"].push_back(std::move(row));
+  return {name, place, CertificateFacts::of(made.self.certificate)};
 }
 
 }  // namespace ddssec::cli

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/ca/certificate_facts.hpp"
 #include "cli/frame/new_folder.hpp"
 #include "cli/participant/participant.hpp"
 
@@ -40,14 +41,33 @@ class FleetFolder {
   std::vector<NewFolder> parts_;
 };
 
-/// The lines of the CAs' logs and of the report for the participants of a fleet.
+/// The result for all participants of a fleet.
+struct IssuedFleet {
+  static constexpr std::string_view kWhen = "with --from";
+  std::filesystem::path dir;
+  std::vector<IssuedFacts> participants = {};
+
+  static constexpr auto fields() {
+    return std::tuple(field("dir", &IssuedFleet::dir),
+                      field("participants", &IssuedFleet::participants,
+                            {.note = "each: the same", .same = true, .least = 1}));
+  }
+  std::string text() const {
+    std::string out;
+    for (const auto& one : participants) out += one.text();
+    return out;
+  }
+};
+
+/// The lines of the CAs' logs for the participants of a fleet.
 class FleetMembers {
  public:
   /// `permissions`: the permissions CA, or null.
   FleetMembers(const OpenCa* permissions, std::filesystem::path target, WallTime now)
       : permissions_(permissions), target_(std::move(target)), now_(now) {}
 
-  void add(const std::string& name, const NewParticipant& made, Report& report);
+  /// What the report says of it.
+  IssuedFacts add(const std::string& name, const NewParticipant& made);
   const std::string& issued() const { return issued_; }
   const std::string& signed_lines() const { return signed_; }
 
