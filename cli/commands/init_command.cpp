@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "cli/ca/ca_folder.hpp"
+#include "cli/ca/certificate_facts.hpp"
 #include "cli/ca/revocation_lists.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/documents/documents.hpp"
@@ -105,12 +106,66 @@ Result<OpenCa> make_ca(const Plan& plan, std::string_view role, const Context& c
   return OpenCa{{}, std::move(authority), std::move(pem)};
 }
 
+struct FirstParticipant {
+  std::string name;
+  fs::path dir;
+  std::string subject;
+  WallTime not_after;
+
+  static constexpr auto fields() {
+    using Self = FirstParticipant;
+    return std::tuple(field("name", &Self::name), field("dir", &Self::dir),
+                      field("subject", &Self::subject, {.def = "subject"}),
+                      field("not_after", &Self::not_after));
+  }
+};
+
+/// What configurations must have.
+struct Snippets {
+  std::string cyclonedds, fastdds;
+  std::optional<std::string> ros2 = {};
+
+  static constexpr auto fields() {
+    return std::tuple(field("cyclonedds", &Snippets::cyclonedds),
+                      field("fastdds", &Snippets::fastdds),
+                      field("ros2", &Snippets::ros2, {.note = "sros2 only", .absent = true}));
+  }
+};
+
+struct Initialised {
+  fs::path dir;
+  std::vector<NewCaFacts> cas;
+  std::string profile;
+  std::vector<FirstParticipant> participants;
+  Snippets snippets;
+  std::string domains, topics;  ///< in words
+
+  static constexpr auto fields() {
+    using Self = Initialised;
+    return std::tuple(field("dir", &Self::dir), field("cas", &Self::cas, {.least = 2, .most = 2}),
+                      field("profile", &Self::profile, {.words = "open|balanced|strict"}),
+                      field("participants", &Self::participants, {.least = 1}),
+                      field("snippets", &Self::snippets, {"of the first participant"}));
+  }
+  std::string text() const {
+    auto out =
+        fmt::format("created {}  (to try things: the CA keys are NOT encrypted)\n", dir.string());
+    for (const auto& ca : cas)
+      out += fmt::format("  {:<15} {}  expires {}  sha256 {}\n", ca.role + " CA", ca.subject,
+                         date(ca.not_after), ca.sha256);
+    out += fmt::format("  {:<15} domain {}, profile {}\n", "governance", domains, profile);
+    for (const auto& one : participants)
+      out += fmt::format("  {:<15} {}  publish and subscribe {}  expires {}\n", one.name,
+                         one.subject, topics, date(one.not_after));
+    return out;
+  }
+};
+
 /// The participants that the finished folder will contain.
 struct Members {
-  Json rows = Json::array();
-  std::string log;         ///< of the identity CA
-  std::string signed_log;  ///< of the permissions CA
-  std::string text;
+  std::vector<FirstParticipant> rows = {};
+  std::string log = {};         ///< of the identity CA
+  std::string signed_log = {};  ///< of the permissions CA
 };
 
 Result<Members> add_members(NewFolder& folder, const Plan& plan, const Issuers& issuers,
@@ -136,13 +191,7 @@ Result<Members> add_members(NewFolder& folder, const Plan& plan, const Issuers& 
     out.log += log_line(made, plan.target / below, now);
     out.signed_log += signed_line(made, *issuers.permissions, plan.target / below, now);
     const auto& certificate = made.self.certificate;
-    out.rows.push_back({{"name", name},
-                        {"dir", (plan.target / below).string()},
-                        {"subject", certificate.subject()},
-                        {"not_after", to_string(certificate.not_after())}});
-    out.text += fmt::format("  {:<15} {}  publish and subscribe {}  expires {}\n", name,
-                            certificate.subject(), fmt::join(plan.topics, " "),
-                            date(certificate.not_after()));
+    out.rows.push_back({name, plan.target / below, certificate.subject(), certificate.not_after()});
     progress.step();
   }
   return out;
@@ -162,18 +211,6 @@ Status add_cas(NewFolder& folder, const Plan& plan, const OpenCa& identity,
   return folder.add_public("ca/identity/crl.pem", crl.pem());
 }
 
-Json describe_ca(std::string_view role, const pki::Certificate& ca) {
-  return {{"role", role},
-          {"subject", ca.subject()},
-          {"not_after", to_string(ca.not_after())},
-          {"sha256", to_hex(ca.fingerprint())}};
-}
-
-std::string ca_line(std::string_view role, const pki::Certificate& ca) {
-  return fmt::format("  {:<15} {}  expires {}  sha256 {}\n", std::string(role) + " CA",
-                     ca.subject(), date(ca.not_after()), to_hex(ca.fingerprint()));
-}
-
 std::string domain_words(const std::vector<governance::DomainRange>& domains) {
   std::string out;
   for (const auto& range : domains)
@@ -183,30 +220,29 @@ std::string domain_words(const std::vector<governance::DomainRange>& domains) {
   return out;
 }
 
-Json snippets_of(const Plan& plan) {
+Snippets snippets_of(const Plan& plan) {
   const bool sros2 = plan.layout == pki::FolderLayout::sros2;
   const auto& first = plan.names.front();
   const auto files = pki::participant_folder(
       plan.target / (sros2 ? enclave_folder(first) : fs::path(first)), plan.layout);
-  Json out = {{"cyclonedds", cyclonedds_snippet(files, plan.dropin)},
-              {"fastdds", fastdds_snippet(files)}};
-  if (sros2) out["ros2"] = ros2_snippet(plan.target, first);
+  Snippets out{cyclonedds_snippet(files, plan.dropin), fastdds_snippet(files)};
+  if (sros2) out.ros2 = ros2_snippet(plan.target, first);
   return out;
 }
 
-std::string next_steps(const Plan& plan, const Json& snippets) {
+std::string next_steps(const Plan& plan, const Snippets& snippets) {
   const auto& first = plan.names.front();
   const bool sros2 = plan.layout == pki::FolderLayout::sros2;
   const auto folder = plan.target / (sros2 ? enclave_folder(first) : fs::path(first));
   const auto out =
       fmt::format("next: ddssec doctor {}\n", governance::doctor::shell_word(folder.string()));
-  if (sros2) return out + fmt::format("\n{} with ROS 2:\n{}", first, std::string(snippets["ros2"]));
+  if (sros2) return out + fmt::format("\n{} with ROS 2:\n{}", first, snippets.ros2.value_or(""));
   return out + configuration_lines(first, folder) +
          "each participant's folder has these two files; they name it by its whole path\n" +
          drop_in_line(plan.dropin);
 }
 
-Result<Report> init(const Arguments& arguments, const Context& context) {
+Result<Answer<Initialised>> init(const Arguments& arguments, const Context& context) {
   const auto now = context.clock.now();
   DDSSEC_ASSIGN_OR_RETURN(const auto plan, plan_of(arguments, now));
   DDSSEC_RETURN_IF_ERROR(check_nameable(plan.target));
@@ -229,8 +265,7 @@ Result<Report> init(const Arguments& arguments, const Context& context) {
     DDSSEC_RETURN_IF_ERROR(folder.add_public("governance.xml", xml));
     DDSSEC_RETURN_IF_ERROR(folder.add("governance.p7s", governance, 0644));
   }
-  DDSSEC_ASSIGN_OR_RETURN(const auto members,
-                          add_members(folder, plan, issuers, governance, context));
+  DDSSEC_ASSIGN_OR_RETURN(auto members, add_members(folder, plan, issuers, governance, context));
   const auto document = plan.target / (sros2 ? "enclaves/governance.p7s" : "governance.p7s");
   DDSSEC_RETURN_IF_ERROR(folder.add_public(
       sros2 ? "private/permissions_ca.signed.jsonl" : "ca/permissions/signed.jsonl",
@@ -238,24 +273,17 @@ Result<Report> init(const Arguments& arguments, const Context& context) {
   DDSSEC_RETURN_IF_ERROR(folder.add_public(
       sros2 ? "private/identity_ca.issued.jsonl" : "ca/identity/issued.jsonl", members.log));
 
-  Report report;
-  const auto& identity_ca = identity.certificate();
-  const auto& permissions_ca = permissions.certificate();
-  const auto snippets = snippets_of(plan);
-  report.text = fmt::format(
-      "created {}  (to try things: the CA keys are NOT encrypted)\n{}{}  {:<15} domain {}, profile "
-      "{}\n{}{}",
-      plan.target.string(), ca_line("identity", identity_ca),
-      ca_line("permissions", permissions_ca), "governance", domain_words(plan.domains),
-      to_string(plan.profile), members.text, next_steps(plan, snippets));
-  report.result = {
-      {"dir", plan.target.string()},
-      {"cas", {describe_ca("identity", identity_ca), describe_ca("permissions", permissions_ca)}},
-      {"profile", to_string(plan.profile)},
-      {"participants", members.rows},
-      {"snippets", snippets}};
-  DDSSEC_ASSIGN_OR_RETURN(report.files_written, folder.commit());
-  return report;
+  Answer<Initialised> out{{.dir = plan.target,
+                           .cas = {NewCaFacts::of("identity", identity.certificate()),
+                                   NewCaFacts::of("permissions", permissions.certificate())},
+                           .profile = std::string(to_string(plan.profile)),
+                           .participants = std::move(members.rows),
+                           .snippets = snippets_of(plan),
+                           .domains = domain_words(plan.domains),
+                           .topics = fmt::format("{}", fmt::join(plan.topics, " "))}};
+  out.report.text = next_steps(plan, out.result.snippets);
+  DDSSEC_ASSIGN_OR_RETURN(out.report.files_written, folder.commit());
+  return out;
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "cli/ca/ca_folder.hpp"
 #include "cli/ca/ca_rotation.hpp"
+#include "cli/ca/certificate_facts.hpp"
 #include "cli/ca/list_dates.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/documents/documents.hpp"
@@ -36,20 +37,38 @@ std::vector<Follower> followers_in(const fs::path& keystore, const Enclaves& enc
   return out;
 }
 
-Report report_of(const fs::path& keystore, std::string_view role, const pki::Certificate& ca,
-                 const std::vector<std::string>& enclaves) {
-  Report report;
-  report.text = fmt::format(
-      "{}  {} CA is {} now, with a new key; {} signed anew\nEvery participant must start again "
-      "with "
-      "the new files. Copies of enclaves on other machines need them, too.\n",
-      keystore.string(), role, ca.subject(), counted(enclaves.size(), "enclave"));
-  report.result = {{"role", role},
-                   {"subject", ca.subject()},
-                   {"not_after", to_string(ca.not_after())},
-                   {"sha256", to_hex(ca.fingerprint())},
-                   {"enclaves", enclaves}};
-  return report;
+/// A CA that signed a keystore's enclaves anew.
+struct KeystoreCa {
+  static constexpr std::string_view kDef = "keystore_ca";
+  NewCaFacts ca;
+  std::vector<std::string> enclaves;
+  std::optional<std::vector<std::string>> unlogged = {};
+  fs::path keystore;
+  bool is_new = true;
+
+  static constexpr auto fields() {
+    return std::tuple_cat(fields_within(&KeystoreCa::ca),
+                          std::tuple(field("enclaves", &KeystoreCa::enclaves, {"signed anew"}),
+                                     field("unlogged", &KeystoreCa::unlogged,
+                                           {.note = "documents signed although the log lacks them",
+                                            .absent = true})));
+  }
+  std::string text() const {
+    if (!is_new) return fmt::format("{}  has two CAs already\n", keystore.string());
+    auto out = fmt::format(
+        "{}  {} CA is {} now, with a new key; {} signed anew\nEvery participant must start again "
+        "with "
+        "the new files. Copies of enclaves on other machines need them, too.\n",
+        keystore.string(), ca.role, ca.subject, counted(enclaves.size(), "enclave"));
+    for (const auto& file : unlogged.value_or(std::vector<std::string>()))
+      out += fmt::format("signed although the log does not have it: {}\n", file);
+    return out;
+  }
+};
+
+Answer<KeystoreCa> answer_of(const fs::path& keystore, std::string_view role,
+                             const pki::Certificate& ca, std::vector<std::string> enclaves) {
+  return {{.ca = NewCaFacts::of(role, ca), .enclaves = std::move(enclaves), .keystore = keystore}};
 }
 
 std::string subject_for(const fs::path& keystore, std::string_view role) {
@@ -57,16 +76,14 @@ std::string subject_for(const fs::path& keystore, std::string_view role) {
   return ca_subject(fs::absolute(keystore, ignored).lexically_normal().filename().string(), role);
 }
 
-void add_followed(const Followed& followed, const Enclaves& enclaves, Report& report) {
-  report.result["unlogged"] = followed.unlogged;
-  for (const auto& file : followed.unlogged)
-    report.text += fmt::format("signed although the log does not have it: {}\n", file);
-  add_left(followed, report);
-  add_unseen(enclaves, report);
+void add_followed(const Followed& followed, const Enclaves& enclaves, Answer<KeystoreCa>& out) {
+  out.result.unlogged = followed.unlogged;
+  add_left(followed, out.report);
+  add_unseen(enclaves, out.report);
 }
 
-Result<Report> new_permissions_ca(const fs::path& keystore, const std::string& subject,
-                                  const Arguments& arguments, const Context& context) {
+Result<Answer<KeystoreCa>> new_permissions_ca(const fs::path& keystore, const std::string& subject,
+                                              const Arguments& arguments, const Context& context) {
   CaOpener opener(arguments);
   DDSSEC_ASSIGN_OR_RETURN(const auto old, opener.open(ca_paths(keystore, "permissions")));
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, new_root(old.certificate(), subject, context));
@@ -78,10 +95,10 @@ Result<Report> new_permissions_ca(const fs::path& keystore, const std::string& s
                           follow_permissions_ca(out, change, followers_in(keystore, enclaves),
                                                 {keystore / "enclaves/governance.p7s"}, context));
   DDSSEC_ASSIGN_OR_RETURN(auto files, put_in_place(out, followed));
-  auto report = report_of(keystore, "permissions", ca.certificate(), followed.again);
-  add_followed(followed, enclaves, report);
-  report.files_written = std::move(files);
-  return report;
+  auto answer = answer_of(keystore, "permissions", ca.certificate(), followed.again);
+  add_followed(followed, enclaves, answer);
+  answer.report.files_written = std::move(files);
+  return answer;
 }
 
 // Until a keystore was split, its identity CA signed the documents as well.
@@ -94,9 +111,9 @@ Result<OpenCa> former_signer(const fs::path& keystore, CaOpener& opener) {
 }
 
 // For enclaves whose folders took no files when the keystore was split.
-Result<Report> finish_split(const fs::path& keystore, const Enclaves& enclaves,
-                            const std::vector<Follower>& left, const Arguments& arguments,
-                            const Context& context) {
+Result<Answer<KeystoreCa>> finish_split(const fs::path& keystore, const Enclaves& enclaves,
+                                        const std::vector<Follower>& left,
+                                        const Arguments& arguments, const Context& context) {
   CaOpener opener(arguments);
   DDSSEC_ASSIGN_OR_RETURN(const auto former, former_signer(keystore, opener));
   DDSSEC_ASSIGN_OR_RETURN(const auto present, opener.open(ca_paths(keystore, "permissions")));
@@ -107,28 +124,28 @@ Result<Report> finish_split(const fs::path& keystore, const Enclaves& enclaves,
                           follow_present_permissions_ca(
                               out, change, left, {keystore / "enclaves/governance.p7s"}, context));
   DDSSEC_ASSIGN_OR_RETURN(auto files, put_in_place(out, followed));
-  auto report = report_of(keystore, "permissions", present.certificate(), followed.again);
-  add_followed(followed, enclaves, report);
-  report.files_written = std::move(files);
-  return report;
+  auto answer = answer_of(keystore, "permissions", present.certificate(), followed.again);
+  add_followed(followed, enclaves, answer);
+  answer.report.files_written = std::move(files);
+  return answer;
 }
 
-Result<Report> already_split(const fs::path& keystore, const Arguments& arguments,
-                             const Context& context) {
+Result<Answer<KeystoreCa>> already_split(const fs::path& keystore, const Arguments& arguments,
+                                         const Context& context) {
   DDSSEC_ASSIGN_OR_RETURN(const auto trusted,
                           read_certificates(ca_paths(keystore, "permissions").certificate));
   const auto enclaves = enclaves_of(keystore);
   const auto left =
       left_with_another_ca(followers_in(keystore, enclaves), to_pem(trusted), context.clock.now());
   if (!left.empty()) return finish_split(keystore, enclaves, left, arguments, context);
-  auto report = report_of(keystore, "permissions", trusted.front(), {});
-  report.text = fmt::format("{}  has two CAs already\n", keystore.string());
-  add_unseen(enclaves, report);
-  return report;
+  auto answer = answer_of(keystore, "permissions", trusted.front(), {});
+  answer.result.is_new = false;
+  add_unseen(enclaves, answer.report);
+  return answer;
 }
 
-Result<Report> new_identity_ca(const fs::path& keystore, const Arguments& arguments,
-                               const Context& context) {
+Result<Answer<KeystoreCa>> new_identity_ca(const fs::path& keystore, const Arguments& arguments,
+                                           const Context& context) {
   CaOpener opener(arguments);
   DDSSEC_ASSIGN_OR_RETURN(const auto old, opener.open(ca_paths(keystore, "identity")));
   DDSSEC_ASSIGN_OR_RETURN(const auto ca,
@@ -140,15 +157,16 @@ Result<Report> new_identity_ca(const fs::path& keystore, const Arguments& argume
   DDSSEC_ASSIGN_OR_RETURN(
       auto followed, follow_identity_ca(out, change, followers_in(keystore, enclaves), context));
   DDSSEC_ASSIGN_OR_RETURN(auto files, put_in_place(out, followed));
-  auto report = report_of(keystore, "identity", ca.certificate(), followed.again);
-  for (const auto& name : followed.revoked) report.text += name + " is revoked and was left out\n";
-  add_left(followed, report);
-  add_unseen(enclaves, report);
-  report.files_written = std::move(files);
-  return report;
+  auto answer = answer_of(keystore, "identity", ca.certificate(), followed.again);
+  for (const auto& name : followed.revoked)
+    answer.report.text += name + " is revoked and was left out\n";
+  add_left(followed, answer.report);
+  add_unseen(enclaves, answer.report);
+  answer.report.files_written = std::move(files);
+  return answer;
 }
 
-Result<Report> keystore_split_ca(const Arguments& arguments, const Context& context) {
+Result<Answer<KeystoreCa>> keystore_split_ca(const Arguments& arguments, const Context& context) {
   const fs::path keystore = arguments.text("KEYSTORE");
   DDSSEC_RETURN_IF_ERROR(check_keystore(keystore));
   DDSSEC_ASSIGN_OR_RETURN(const auto one_ca, has_one_ca(keystore));
@@ -156,7 +174,7 @@ Result<Report> keystore_split_ca(const Arguments& arguments, const Context& cont
   return new_permissions_ca(keystore, subject_for(keystore, "Permissions"), arguments, context);
 }
 
-Result<Report> keystore_rotate(const Arguments& arguments, const Context& context) {
+Result<Answer<KeystoreCa>> keystore_rotate(const Arguments& arguments, const Context& context) {
   const fs::path keystore = arguments.text("KEYSTORE");
   DDSSEC_ASSIGN_OR_RETURN(const auto role, one_role(arguments));
   std::error_code ignored;

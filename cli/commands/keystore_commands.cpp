@@ -11,6 +11,7 @@
 #include "cli/ca/revocation_lists.hpp"
 #include "cli/ca/subject_overlap.hpp"
 #include "cli/commands/groups.hpp"
+#include "cli/commands/keystore_results.hpp"
 #include "cli/commands/keystore_upkeep.hpp"
 #include "cli/doctor/doctor_options.hpp"
 #include "cli/doctor/products.hpp"
@@ -49,14 +50,8 @@ Result<pki::Authority> make_ca(const fs::path& keystore, std::string_view role,
                                      context.random);
 }
 
-Json describe(std::string_view role, const pki::Certificate& ca) {
-  return {{"role", role},
-          {"subject", ca.subject()},
-          {"not_after", to_string(ca.not_after())},
-          {"sha256", to_hex(ca.fingerprint())}};
-}
-
-Result<Report> keystore_create(const Arguments& arguments, const Context& context) {
+Result<Answer<CreatedKeystore>> keystore_create(const Arguments& arguments,
+                                                const Context& context) {
   const fs::path target = arguments.text("KEYSTORE");
   DDSSEC_ASSIGN_OR_RETURN(const auto profile, profile_option(arguments));
   DDSSEC_ASSIGN_OR_RETURN(const auto domains, domain_ranges(arguments, "--domain"));
@@ -86,17 +81,12 @@ Result<Report> keystore_create(const Arguments& arguments, const Context& contex
   DDSSEC_RETURN_IF_ERROR(folder.add("private/permissions_ca.signed.jsonl", as_bytes(logged), 0600));
   DDSSEC_ASSIGN_OR_RETURN(const auto list, first_crl(identity));
   DDSSEC_RETURN_IF_ERROR(folder.add_public("public/identity_ca.crl.pem", list.pem()));
-  Report report;
-  report.result = {{"dir", target.string()},
-                   {"encrypted", secret.has_value()},
-                   {"cas",
-                    {describe("identity", identity.certificate()),
-                     describe("permissions", permissions.certificate())}}};
-  report.text = fmt::format("created {}{}\n  identity CA     {}\n  permissions CA  {}\n",
-                            target.string(), secret ? "" : "  (the CA keys are NOT encrypted)",
-                            identity.certificate().subject(), permissions.certificate().subject());
-  DDSSEC_ASSIGN_OR_RETURN(report.files_written, folder.commit());
-  return report;
+  Answer<CreatedKeystore> out{{target,
+                               secret.has_value(),
+                               {NewCaFacts::of("identity", identity.certificate()),
+                                NewCaFacts::of("permissions", permissions.certificate())}}};
+  DDSSEC_ASSIGN_OR_RETURN(out.report.files_written, folder.commit());
+  return out;
 }
 
 /// Whether an enclave may keep the permissions that it has.
@@ -256,18 +246,6 @@ Result<std::string> about_kept_permissions(const EnclaveJob& job,
   return fail(old.error().code(), std::move(details));
 }
 
-Report report_on(const EnclaveJob& job, const pki::Certificate& certificate) {
-  Report report;
-  report.text = fmt::format("{}  {}  expires {}\n", job.target.string(), certificate.subject(),
-                            date(certificate.not_after()));
-  report.result = {{"name", job.name},
-                   {"dir", job.target.string()},
-                   {"subject", certificate.subject()},
-                   {"serial", certificate.serial()},
-                   {"not_after", to_string(certificate.not_after())}};
-  return report;
-}
-
 // The log comes before the files: a certificate that it lacks cannot be revoked.
 Result<std::vector<WrittenFile>> put_enclave(const EnclaveJob& job, EnclaveFolder& folder,
                                              const NewParticipant& made, const OpenCa& identity,
@@ -284,7 +262,7 @@ Result<std::vector<WrittenFile>> put_enclave(const EnclaveJob& job, EnclaveFolde
   return folder.commit();
 }
 
-Result<Report> keystore_enclave(const Arguments& arguments, const Context& context) {
+Result<Answer<MadeEnclave>> keystore_enclave(const Arguments& arguments, const Context& context) {
   const auto now = context.clock.now();
   DDSSEC_ASSIGN_OR_RETURN(const auto job, enclave_job(arguments, context));
   DDSSEC_ASSIGN_OR_RETURN(const auto life, validity(arguments, now));
@@ -311,28 +289,32 @@ Result<Report> keystore_enclave(const Arguments& arguments, const Context& conte
       const auto made,
       named(make_participant(spec, {identity, signer}, context), arguments.text("--permissions")));
   const auto& certificate = made.self.certificate;
-  auto out = report_on(job, certificate);
-  out.findings = std::move(report.findings);
-  DDSSEC_RETURN_IF_ERROR(warn_of_missing_rights(made.permissions_xml, job.files.permissions, out));
+  Answer<MadeEnclave> out{{.name = job.name,
+                           .dir = job.target,
+                           .subject = certificate.subject(),
+                           .serial = certificate.serial(),
+                           .not_after = certificate.not_after()}};
+  out.report.findings = std::move(report.findings);
+  DDSSEC_RETURN_IF_ERROR(
+      warn_of_missing_rights(made.permissions_xml, job.files.permissions, out.report));
   if (signer == nullptr) {
     DDSSEC_ASSIGN_OR_RETURN(const auto kept, about_kept_permissions(job, certificate));
-    out.text += kept;
+    out.report.text += kept;
   }
-  if (job.is_again) out.text += about_former(job.files.certificate, job.keystore, now);
-  out.text += ros2_snippet(job.keystore, job.name);
-  DDSSEC_ASSIGN_OR_RETURN(out.files_written, put_enclave(job, folder, made, identity, signer));
+  if (job.is_again) out.report.text += about_former(job.files.certificate, job.keystore, now);
+  out.report.text += ros2_snippet(job.keystore, job.name);
+  DDSSEC_ASSIGN_OR_RETURN(out.report.files_written,
+                          put_enclave(job, folder, made, identity, signer));
   return out;
 }
 
-Result<Report> keystore_list(const Arguments& arguments, const Context&) {
+Result<Answer<ListedEnclaves>> keystore_list(const Arguments& arguments, const Context&) {
   const fs::path keystore = arguments.text("KEYSTORE");
   DDSSEC_RETURN_IF_ERROR(check_keystore(keystore));
-  Report report;
   const auto enclaves = enclaves_of(keystore);
-  report.result = {{"enclaves", enclaves.names}};
-  for (const auto& name : enclaves.names) report.text += name + "\n";
-  add_unseen(enclaves, report);
-  return report;
+  Answer<ListedEnclaves> out{{enclaves.names}};
+  add_unseen(enclaves, out.report);
+  return out;
 }
 
 // This command has no option with which the user could name the participant.
@@ -353,7 +335,8 @@ Status check_of_enclave(const pki::Certificate& certificate, const fs::path& fol
   return fail(issued.error().code(), std::move(details));
 }
 
-Result<Report> keystore_permission(const Arguments& arguments, const Context& context) {
+Result<Answer<SignedForEnclave>> keystore_permission(const Arguments& arguments,
+                                                     const Context& context) {
   const fs::path keystore = arguments.text("KEYSTORE");
   const auto name = arguments.text("ENCLAVE");
   DDSSEC_RETURN_IF_ERROR(check_enclave(name));
@@ -381,13 +364,10 @@ Result<Report> keystore_permission(const Arguments& arguments, const Context& co
   DDSSEC_RETURN_IF_ERROR(out.put_public(files.folder / "permissions.xml", xml));
   DDSSEC_RETURN_IF_ERROR(out.put(files.permissions, document, 0644));
   DDSSEC_RETURN_IF_ERROR(log_signed(ca, as_bytes(xml), files.permissions, now));
-  report.text = fmt::format(
-      "{}  signed by {}; ddssec's plugins take it while they run, others when they start again\n",
-      files.permissions.string(), ca.certificate().subject());
-  report.result = {
-      {"name", name}, {"file", files.permissions.string()}, {"subject", certificate.subject()}};
   DDSSEC_ASSIGN_OR_RETURN(report.files_written, out.commit());
-  return report;
+  return Answer<SignedForEnclave>{
+      {name, files.permissions, certificate.subject(), ca.certificate().subject()},
+      std::move(report)};
 }
 
 const Positional kKeystore{"KEYSTORE", "the keystore's folder"};

@@ -197,16 +197,17 @@ void add_findings_of(const doctor::Diagnosis& diagnosis, Report& report) {
 
 }  // namespace
 
-Result<Report> keystore_verify(const Arguments& arguments, const Context& context) {
+Result<Answer<VerifiedKeystore>> keystore_verify(const Arguments& arguments,
+                                                 const Context& context) {
   const fs::path keystore = arguments.text("KEYSTORE");
   DDSSEC_RETURN_IF_ERROR(check_keystore(keystore));
   const auto now = context.clock.now();
-  Report report;
-  report.result = {{"enclaves", Json::array()}, {"keys_for_others", Json::array()}};
+  Answer<VerifiedKeystore> out;
+  auto& [result, report, has_result] = out;
   const auto enclaves = enclaves_of(keystore);
   for (const auto& key : private_keys(keystore, enclaves)) {
     if (!is_for_others(key)) continue;
-    report.result["keys_for_others"].push_back(key.string());
+    result.keys_for_others.push_back(key.string());
     if (key.parent_path() == keystore / "private")  // an enclave's own key is DOC003
       report.errors.emplace_back(Code::key_readable_by_others, ErrorDetails{.document = key});
   }
@@ -226,27 +227,22 @@ Result<Report> keystore_verify(const Arguments& arguments, const Context& contex
     doctor::check_ros_rights(loaded, settings, diagnosis);
     doctor::check_lint(loaded, settings, diagnosis);
     check_renewal_list(loaded, settings, diagnosis);
-    Json verdicts = Json::object();
-    std::string words;
+    VerifiedEnclave enclave{name, domain};
     for (const auto vendor : doctor::kVendors) {
       const auto outcome = diagnosis.outcomes().of(vendor);
       if (outcome != doctor::Outcome::ok) report.exit = Exit::no;
-      verdicts[doctor::id(vendor, lineup)] = to_string(outcome);
-      words += fmt::format("  {}: {}", doctor::label(vendor, lineup), to_string(outcome));
+      enclave.verdicts[doctor::id(vendor, lineup)] = to_string(outcome);
+      enclave.words += fmt::format("  {}: {}", doctor::label(vendor, lineup), to_string(outcome));
     }
     add_findings_of(diagnosis, report);
     check_belongs(keystore, loaded, name, report);
     copies.look_at(loaded, name, report);
-    report.text += fmt::format("{:<30}  domain {}{}\n", name, domain, words);
-    report.result["enclaves"].push_back(
-        {{"name", name}, {"domain", domain}, {"verdicts", verdicts}});
+    result.enclaves.push_back(std::move(enclave));
   }
-  if (enclaves.names.empty())
-    report.text = "there is no enclave in it yet: ddssec keystore enclave KEYSTORE ENCLAVE\n";
   add_once(domains.findings, report);
-  if (!report.result["keys_for_others"].empty()) report.exit = Exit::no;
+  if (!result.keys_for_others.empty()) report.exit = Exit::no;
   add_unseen(enclaves, report);
-  return report;
+  return out;
 }
 
 namespace {
@@ -264,7 +260,8 @@ struct Import {
   std::map<std::string, fs::path> seen = {};
   std::string lines = {};
 
-  Status add(const fs::path& folder, const std::string& name, WallTime now, Report& report) {
+  Status add(const fs::path& folder, const std::string& name, WallTime now,
+             ImportedKeystore& done) {
     DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(folder / "cert.pem"));
     if (!certificate.is_issued_by(ca))
       return fail(Code::issuer_unknown, {.document = folder / "cert.pem",
@@ -275,8 +272,8 @@ struct Import {
     if (log.find(certificate.serial()) != nullptr) return {};
     lines += pki::IssueLog::issued_line(
         certificate, fs::absolute(folder, ignored).lexically_normal().string(), now);
-    report.result["logged"].push_back(name);
-    report.text += fmt::format("logged {}  {}\n", name, certificate.subject());
+    done.logged.push_back(name);
+    done.subjects.push_back(certificate.subject());
     return {};
   }
 };
@@ -295,50 +292,45 @@ Status check_own_folders(const fs::path& keystore) {
 }
 
 // Changes exactly the folder that was looked at, whatever its name leads to meanwhile.
-void close_folder(const fs::path& folder, Report& report) {
+void close_folder(const fs::path& folder, Answer<ImportedKeystore>& out) {
   const int open = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
   if (open < 0) return;  // without keys there is no such folder
   struct stat status {};
   const bool is_open = ::fstat(open, &status) == 0 && (status.st_mode & 077) != 0;
   const int error = is_open && !writes_nothing() && ::fchmod(open, 0700) != 0 ? errno : 0;
   ::close(open);
-  if (error != 0) return add_error(Error(Code::file_unwritable, {.document = folder}), report);
+  if (error != 0) return add_error(Error(Code::file_unwritable, {.document = folder}), out.report);
   if (!is_open) return;
-  report.result["folders_closed"].push_back(folder.string());
-  report.text += fmt::format("{} is for its owner only now; it was mode {:03o}\n", folder.string(),
-                             status.st_mode & 0777U);
+  out.result.folders_closed.push_back(folder.string());
+  out.result.closed_mode = fmt::format("{:03o}", status.st_mode & 0777U);
 }
 
 // A key that cannot be restricted does not prevent restricting the others.
-void close_keys(const fs::path& keystore, const Enclaves& enclaves, Report& report) {
+void close_keys(const fs::path& keystore, const Enclaves& enclaves, Answer<ImportedKeystore>& out) {
   for (const auto& key : private_keys(keystore, enclaves)) {
     if (!is_for_others(key)) continue;
     const auto is_closed = close_key(key);
-    if (!is_closed) add_error(is_closed.error(), report);
+    if (!is_closed) add_error(is_closed.error(), out.report);
     if (!is_closed || !*is_closed) continue;
-    report.result["keys_closed"].push_back(key.string());
-    report.text += fmt::format(
-        "{} is for its owner only now; other users of this machine may have copied it\n",
-        key.string());
+    out.result.keys_closed.push_back(key.string());
   }
 }
 
 }  // namespace
 
-Result<Report> keystore_import(const Arguments& arguments, const Context& context) {
+Result<Answer<ImportedKeystore>> keystore_import(const Arguments& arguments,
+                                                 const Context& context) {
   const fs::path keystore = arguments.text("KEYSTORE");
   DDSSEC_RETURN_IF_ERROR(check_keystore(keystore));
   DDSSEC_RETURN_IF_ERROR(check_own_folders(keystore));
   const auto paths = ca_paths(keystore, "identity");
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, read_certificate(paths.certificate));
   DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(paths));
-  Report report;
-  report.result = {
-      {"folders_closed", Json::array()}, {"keys_closed", Json::array()}, {"logged", Json::array()}};
+  Answer<ImportedKeystore> out;
   const auto enclaves = enclaves_of(keystore);
   Import import{.paths = paths, .ca = ca, .log = log};
   for (const auto& name : enclaves.names) {
-    auto added = import.add(keystore / enclave_folder(name), name, context.clock.now(), report);
+    auto added = import.add(keystore / enclave_folder(name), name, context.clock.now(), out.result);
     // The user must decide which of two enclaves has the other's certificate; nothing is logged.
     if (!added && added.error().code() == Code::certificate_of_another_folder) {
       auto details = added.error().details();
@@ -346,14 +338,14 @@ Result<Report> keystore_import(const Arguments& arguments, const Context& contex
                                  doctor::shell_word(keystore.string()));
       return fail(Code::certificate_of_another_folder, std::move(details));
     }
-    if (!added) add_error(std::move(added).error(), report);
+    if (!added) add_error(std::move(added).error(), out.report);
   }
-  close_keys(keystore, enclaves, report);
-  close_folder(keystore / "private", report);
+  close_keys(keystore, enclaves, out);
+  close_folder(keystore / "private", out);
   if (!import.lines.empty()) DDSSEC_RETURN_IF_ERROR(log_issued(paths, import.lines));
-  if (report.text.empty() && report.errors.empty()) report.text = "nothing was left to do\n";
-  add_unseen(enclaves, report);
-  return report;
+  out.result.is_complete = out.report.errors.empty();
+  add_unseen(enclaves, out.report);
+  return out;
 }
 
 }  // namespace ddssec::cli

@@ -1,0 +1,142 @@
+// Results of the commands keystore ...
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "base/ids.hpp"
+#include "cli/ca/certificate_facts.hpp"
+#include "cli/frame/fields.hpp"
+#include "cli/inputs.hpp"
+
+namespace ddssec::cli {
+
+struct CreatedKeystore {
+  std::filesystem::path dir;
+  bool encrypted;
+  std::vector<NewCaFacts> cas;
+
+  static constexpr auto fields() {
+    return std::tuple(field("dir", &CreatedKeystore::dir),
+                      field("encrypted", &CreatedKeystore::encrypted),
+                      field("cas", &CreatedKeystore::cas, {.least = 2, .most = 2}));
+  }
+  std::string text() const {
+    auto out = fmt::format("created {}{}\n", dir.string(),
+                           encrypted ? "" : "  (the CA keys are NOT encrypted)");
+    for (const auto& ca : cas) out += fmt::format("  {:<15} {}\n", ca.role + " CA", ca.subject);
+    return out;
+  }
+};
+
+struct MadeEnclave {
+  std::string name;
+  std::filesystem::path dir;
+  std::string subject, serial;
+  WallTime not_after;
+
+  static constexpr auto fields() {
+    return std::tuple(field("name", &MadeEnclave::name), field("dir", &MadeEnclave::dir),
+                      field("subject", &MadeEnclave::subject, {.def = "subject"}),
+                      field("serial", &MadeEnclave::serial, {.def = "serial"}),
+                      field("not_after", &MadeEnclave::not_after));
+  }
+  std::string text() const {
+    return fmt::format("{}  {}  expires {}\n", dir.string(), subject, date(not_after));
+  }
+};
+
+struct ListedEnclaves {
+  std::vector<std::string> enclaves;
+
+  static constexpr auto fields() {
+    return std::tuple(field("enclaves", &ListedEnclaves::enclaves));
+  }
+  std::string text() const {
+    std::string out;
+    for (const auto& name : enclaves) out += name + "\n";
+    return out;
+  }
+};
+
+struct SignedForEnclave {
+  std::string name;
+  std::filesystem::path file;
+  std::string subject;
+  std::string signer;
+
+  static constexpr auto fields() {
+    return std::tuple(field("name", &SignedForEnclave::name),
+                      field("file", &SignedForEnclave::file),
+                      field("subject", &SignedForEnclave::subject, {.def = "subject"}));
+  }
+  std::string text() const {
+    return fmt::format(
+        "{}  signed by {}; ddssec's plugins take it while they run, others when they start again\n",
+        file.string(), signer);
+  }
+};
+
+/// The prediction for one enclave.
+struct VerifiedEnclave {
+  std::string name;
+  DomainId domain;
+  Json verdicts = Json::object();
+  std::string words = {};  ///< the verdicts by the products' names
+
+  static constexpr auto fields() {
+    using Self = VerifiedEnclave;
+    return std::tuple(field("name", &Self::name), field("domain", &Self::domain),
+                      field("verdicts", &Self::verdicts, {.note = "by vendor", .def = "outcomes"}));
+  }
+};
+
+struct VerifiedKeystore {
+  std::vector<VerifiedEnclave> enclaves = {};
+  std::vector<std::string> keys_for_others = {};
+
+  static constexpr auto fields() {
+    return std::tuple(field("enclaves", &VerifiedKeystore::enclaves),
+                      field("keys_for_others", &VerifiedKeystore::keys_for_others,
+                            {"that other users can read"}));
+  }
+  std::string text() const {
+    if (enclaves.empty())
+      return "there is no enclave in it yet: ddssec keystore enclave KEYSTORE ENCLAVE\n";
+    std::string out;
+    for (const auto& one : enclaves)
+      out += fmt::format("{:<30}  domain {}{}\n", one.name, one.domain, one.words);
+    return out;
+  }
+};
+
+/// What was done for a keystore that was made elsewhere.
+struct ImportedKeystore {
+  std::vector<std::string> folders_closed = {}, keys_closed = {}, logged = {};
+  std::vector<std::string> subjects = {};  ///< of `logged`
+  std::string closed_mode = {};            ///< that the folder had
+  bool is_complete = false;                ///< no error
+
+  static constexpr auto fields() {
+    using Self = ImportedKeystore;
+    return std::tuple(field("folders_closed", &Self::folders_closed),
+                      field("keys_closed", &Self::keys_closed), field("logged", &Self::logged));
+  }
+  std::string text() const {
+    std::string out;
+    for (std::size_t i = 0; i < logged.size(); ++i)
+      out += fmt::format("logged {}  {}\n", logged[i], subjects[i]);
+    for (const auto& key : keys_closed)
+      out += fmt::format(
+          "{} is for its owner only now; other users of this machine may have copied it\n", key);
+    for (const auto& folder : folders_closed)
+      out += fmt::format("{} is for its owner only now; it was mode {}\n", folder, closed_mode);
+    return out.empty() && is_complete ? "nothing was left to do\n" : out;
+  }
+};
+
+}  // namespace ddssec::cli
