@@ -1,5 +1,6 @@
 // governance new: a document from a profile and a few topic rules.
 #include <algorithm>
+#include <filesystem>
 #include <optional>
 
 #include <fmt/format.h>
@@ -122,27 +123,49 @@ Result<governance::Governance> document_from(const Arguments& arguments) {
   return out;
 }
 
-Result<Report> governance_new(const Arguments& arguments, const Context& context) {
+struct NewGovernance {
+  std::filesystem::path file;
+  std::string profile;
+  std::size_t topic_rules;
+  std::optional<std::size_t> revision = {};
+  std::vector<WrittenFile> files = {};  ///< all of them
+
+  static constexpr auto fields() {
+    using Self = NewGovernance;
+    return std::tuple(field("file", &Self::file),
+                      field("profile", &Self::profile, {.words = "open|balanced|strict"}),
+                      field("topic_rules", &Self::topic_rules, {"how many"}),
+                      field("revision", &Self::revision,
+                            {.note = "with `--sign`", .def = "revision", .absent = true}));
+  }
+  std::string text() const {
+    std::string out;
+    for (const auto& one : files) out += (out.empty() ? "" : "\n") + one.path;
+    return out + (revision ? fmt::format("  revision {}\n", *revision) : "\n");
+  }
+};
+
+Result<Answer<NewGovernance>> governance_new(const Arguments& arguments, const Context& context) {
   DDSSEC_ASSIGN_OR_RETURN(const auto governance_document, document_from(arguments));
   const auto xml = to_xml(governance_document);
   // The arguments may contain something that no document can.
   DDSSEC_ASSIGN_OR_RETURN(const auto document, governance::read_governance(as_bytes(xml)));
-  Report report;
+  Answer<NewGovernance> out{};
+  auto& report = out.report;
   add_findings(report, lint(document), arguments.text("-o"));
   if (report.exit != Exit::done) {
     report.text = "not written: the rules contradict one another\n";
-    return report;
+    out.has_result = false;
+    return out;
   }
   DDSSEC_ASSIGN_OR_RETURN(report.files_written, write_document(xml, arguments, context, &document));
-  for (const auto& file : report.files_written) report.text += file.path + "\n";
-  report.result = {{"file", report.files_written.front().path},
-                   {"profile", arguments.text("--profile")},
-                   {"topic_rules", document.domain_rules[0].topic_rules.size()}};
-  if (const auto revision = revision_of(report.files_written.back().path); revision != 0) {
-    report.text.insert(report.text.size() - 1, fmt::format("  revision {}", revision));
-    report.result["revision"] = revision;
-  }
-  return report;
+  out.result = {.file = report.files_written.front().path,
+                .profile = arguments.text("--profile"),
+                .topic_rules = document.domain_rules[0].topic_rules.size(),
+                .files = report.files_written};
+  if (const auto revision = revision_of(report.files_written.back().path); revision != 0)
+    out.result.revision = revision;
+  return out;
 }
 
 }  // namespace

@@ -107,10 +107,36 @@ Status check_issued_here(const pki::Certificate& certificate, const Arguments& a
                        ca_paths(ca, "permissions").certificate.parent_path().string()});
 }
 
-Result<Report> permissions_new(const Arguments& arguments, const Context& context) {
+struct NewPermissions {
+  fs::path file;
+  std::string subject;
+  WallTime not_before, not_after;
+  bool has_rights = true;               ///< a right to use a topic
+  std::vector<WrittenFile> files = {};  ///< all of them
+
+  static constexpr auto fields() {
+    using Self = NewPermissions;
+    return std::tuple(field("file", &Self::file),
+                      field("subject", &Self::subject, {.def = "subject"}),
+                      field("not_before", &Self::not_before), field("not_after", &Self::not_after));
+  }
+  std::string text() const {
+    std::string out;
+    if (!has_rights)
+      out =
+          "it lets the participant join and use no topic: --publish and --subscribe allow "
+          "topics\n";
+    for (const auto& one : files)
+      out += fmt::format("{}  for {} until {}\n", one.path, subject, date(not_after));
+    return out;
+  }
+};
+
+Result<Answer<NewPermissions>> permissions_new(const Arguments& arguments, const Context& context) {
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate, certificate_of(arguments.text("--cert")));
   DDSSEC_RETURN_IF_ERROR(check_issued_here(certificate, arguments));
-  Report report;
+  Answer<NewPermissions> out{};
+  auto& report = out.report;
   DDSSEC_ASSIGN_OR_RETURN(const auto rights, rights_from(arguments, report));
   DDSSEC_ASSIGN_OR_RETURN(const auto validity, life(arguments, certificate, context.clock.now()));
   const auto grant = grant_of("participant", certificate, rights, validity);
@@ -121,24 +147,16 @@ Result<Report> permissions_new(const Arguments& arguments, const Context& contex
                arguments.text("-o"));
   if (report.exit != Exit::done) {
     report.text = "not written: it would be of no use\n";
-    return report;
+    out.has_result = false;
+    return out;
   }
   const bool has_rights = std::ranges::any_of(document.grants[0].rules, [](const auto& rule) {
     return !rule.publish.empty() || !rule.subscribe.empty();
   });
-  if (!has_rights)
-    report.text =
-        "it lets the participant join and use no topic: --publish and --subscribe allow "
-        "topics\n";
   DDSSEC_ASSIGN_OR_RETURN(report.files_written, write_document(xml, arguments, context));
-  for (const auto& file : report.files_written)
-    report.text += fmt::format("{}  for {} until {}\n", file.path, grant.subject_name,
-                               date(grant.validity.not_after));
-  report.result = {{"file", report.files_written.front().path},
-                   {"subject", grant.subject_name},
-                   {"not_before", to_string(grant.validity.not_before)},
-                   {"not_after", to_string(grant.validity.not_after)}};
-  return report;
+  out.result = {report.files_written.front().path, grant.subject_name, grant.validity.not_before,
+                grant.validity.not_after,          has_rights,         report.files_written};
+  return out;
 }
 
 }  // namespace

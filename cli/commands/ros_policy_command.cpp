@@ -27,7 +27,30 @@ Result<governance::Validity> life(const Arguments& arguments, WallTime now) {
   return governance::Validity{days.not_before, days.not_after};
 }
 
-Result<Report> from_ros_policy(const Arguments& arguments, const Context& context) {
+struct GrantOfPolicy {
+  std::string name, subject;
+
+  static constexpr auto fields() {
+    return std::tuple(field("name", &GrantOfPolicy::name),
+                      field("subject", &GrantOfPolicy::subject));
+  }
+};
+
+struct PolicyPermissions {
+  fs::path file;
+  std::vector<GrantOfPolicy> grants = {};
+
+  static constexpr auto fields() {
+    return std::tuple(field("file", &PolicyPermissions::file),
+                      field("grants", &PolicyPermissions::grants, {.least = 1}));
+  }
+  std::string text() const {
+    return fmt::format("{}: {}\n", file.string(), counted(grants.size(), "grant"));
+  }
+};
+
+Result<Answer<PolicyPermissions>> from_ros_policy(const Arguments& arguments,
+                                                  const Context& context) {
   const fs::path file = arguments.text("FILE");
   DDSSEC_ASSIGN_OR_RETURN(auto file_policy, read_policy(file, arguments.all("--enclave")));
   const auto policy = with_options(std::move(file_policy), arguments);
@@ -43,17 +66,16 @@ Result<Report> from_ros_policy(const Arguments& arguments, const Context& contex
   DDSSEC_ASSIGN_OR_RETURN(const auto document, governance::read_permissions(as_bytes(xml)));
   auto findings = lint(document, {.now = context.clock.now()});
   for (auto& finding : findings) finding.severity = std::min(finding.severity, Severity::warning);
-  Report report;
+  Answer<PolicyPermissions> out{};
+  auto& report = out.report;
   if (!as_sros2) add_findings(report, merged_profiles(policy), file);
   add_findings(report, prefixed_names(policy), file);
   DDSSEC_ASSIGN_OR_RETURN(report.files_written, write_document(xml, arguments, context));
   add_findings(report, std::move(findings), report.files_written.front().path);
-  report.text = fmt::format("{}: {}\n", report.files_written.front().path,
-                            counted(document.grants.size(), "grant"));
-  report.result = {{"file", report.files_written.front().path}, {"grants", Json::array()}};
+  out.result.file = report.files_written.front().path;
   for (const auto& grant : document.grants)
-    report.result["grants"].push_back({{"name", grant.name}, {"subject", grant.subject_name}});
-  return report;
+    out.result.grants.push_back({grant.name, grant.subject_name});
+  return out;
 }
 
 }  // namespace

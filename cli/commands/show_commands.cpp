@@ -22,94 +22,155 @@ using governance::Grant;
 using governance::Property;
 using governance::TopicRule;
 
+constexpr Shown kKind{.def = "protection_kind"};
+
 Json range_list(const governance::DomainSet& domains) { return domains_json(domains.ranges); }
 
-Json to_json(const TopicRule& rule) {
-  return {{"expression", rule.topic_expression},
-          {"line", rule.line},
-          {"data", to_string(rule.data_protection_kind)},
-          {"metadata", to_string(rule.metadata_protection_kind)},
-          {"discovery", rule.enable_discovery_protection},
-          {"liveliness", rule.enable_liveliness_protection},
-          {"read_access_control", rule.enable_read_access_control},
-          {"write_access_control", rule.enable_write_access_control}};
-}
+struct TopicRuleFacts {
+  static constexpr std::string_view kDef = "topic_rule";
+  std::string expression;
+  int line;
+  std::string data, metadata;
+  bool discovery, liveliness, read_access_control, write_access_control;
 
-Json to_json(const DomainRule& rule) {
-  Json out = {{"domains", range_list(rule.domains)},
-              {"line", rule.line},
-              {"allow_unauthenticated", rule.allow_unauthenticated_participants},
-              {"join_access_control", rule.enable_join_access_control},
-              {"discovery", to_string(rule.discovery_protection_kind)},
-              {"liveliness", to_string(rule.liveliness_protection_kind)},
-              {"rtps", to_string(rule.rtps_protection_kind)}};
-  if (is_protected(rule.rtps_psk_protection_kind))
-    out["pre_shared_key"] = to_string(rule.rtps_psk_protection_kind);
-  if (rule.enable_key_revision) out["key_revision"] = true;
-  return out;
-}
+  static TopicRuleFacts of(const TopicRule& rule) {
+    return {rule.topic_expression,
+            rule.line,
+            std::string(to_string(rule.data_protection_kind)),
+            std::string(to_string(rule.metadata_protection_kind)),
+            rule.enable_discovery_protection,
+            rule.enable_liveliness_protection,
+            rule.enable_read_access_control,
+            rule.enable_write_access_control};
+  }
+  static constexpr auto fields() {
+    using Self = TopicRuleFacts;
+    return std::tuple(field("expression", &Self::expression), field("line", &Self::line),
+                      field("data", &Self::data, kKind), field("metadata", &Self::metadata, kKind),
+                      field("discovery", &Self::discovery), field("liveliness", &Self::liveliness),
+                      field("read_access_control", &Self::read_access_control),
+                      field("write_access_control", &Self::write_access_control));
+  }
+};
 
-/// Of DDS-Security 1.2: nothing where there is none, as everywhere but in domains of embedded
-/// participants.
-std::string newer_elements(const DomainRule& rule) {
-  std::string out;
-  if (is_protected(rule.rtps_psk_protection_kind))
-    out += fmt::format("  pre-shared key {}", to_string(rule.rtps_psk_protection_kind));
-  if (rule.enable_key_revision) out += "  keys are revised";
-  return out;
-}
+struct DomainRuleFacts {
+  Json domains;
+  int line;
+  bool allow_unauthenticated, join_access_control;
+  std::string discovery, liveliness, rtps;
+  // Of DDS-Security 1.2: nothing where there is none, as everywhere but in domains of embedded
+  // participants.
+  std::optional<std::string> pre_shared_key = {};
+  std::optional<bool> key_revision = {};
+  std::string domain_words = {};
+
+  static DomainRuleFacts of(const DomainRule& rule) {
+    DomainRuleFacts out{.domains = range_list(rule.domains),
+                        .line = rule.line,
+                        .allow_unauthenticated = rule.allow_unauthenticated_participants,
+                        .join_access_control = rule.enable_join_access_control,
+                        .discovery = std::string(to_string(rule.discovery_protection_kind)),
+                        .liveliness = std::string(to_string(rule.liveliness_protection_kind)),
+                        .rtps = std::string(to_string(rule.rtps_protection_kind)),
+                        .domain_words = shown(rule.domains.ranges)};
+    if (is_protected(rule.rtps_psk_protection_kind))
+      out.pre_shared_key = to_string(rule.rtps_psk_protection_kind);
+    if (rule.enable_key_revision) out.key_revision = true;
+    return out;
+  }
+  static constexpr auto fields() {
+    using Self = DomainRuleFacts;
+    return std::tuple(
+        field("domains", &Self::domains, {.def = "domain_ranges"}), field("line", &Self::line),
+        field("allow_unauthenticated", &Self::allow_unauthenticated),
+        field("join_access_control", &Self::join_access_control),
+        field("discovery", &Self::discovery, kKind), field("liveliness", &Self::liveliness, kKind),
+        field("rtps", &Self::rtps, kKind),
+        field("pre_shared_key", &Self::pre_shared_key,
+              {.note = "if there is one", .words = "SIGN|ENCRYPT", .absent = true}),
+        field("key_revision", &Self::key_revision,
+              {.note = "if keys are revised", .absent = true}));
+  }
+  std::string newer_elements() const {
+    std::string out;
+    if (pre_shared_key) out += fmt::format("  pre-shared key {}", *pre_shared_key);
+    if (key_revision) out += "  keys are revised";
+    return out;
+  }
+};
 
 std::string_view yes(bool value) { return value ? "yes" : "no"; }
 
-std::string domain_text(const DomainRule& rule, std::size_t number, const fs::path& file) {
-  return fmt::format(
-      "domain rule {}: {} ({}:{})\n"
-      "  discovery {}  liveliness {}  rtps {}{}\n"
-      "  strangers {}, permissions needed to join: {}\n",
-      number, shown(rule.domains.ranges), file.string(), rule.line,
-      to_string(rule.discovery_protection_kind), to_string(rule.liveliness_protection_kind),
-      to_string(rule.rtps_protection_kind), newer_elements(rule),
-      rule.allow_unauthenticated_participants ? "allowed" : "refused",
-      yes(rule.enable_join_access_control));
-}
-
-std::string topic_row(const TopicRule& rule, std::size_t number) {
+std::string topic_row(const TopicRuleFacts& rule, std::size_t number) {
   return fmt::format(
       "  {:>4}  {:<40} data {:<8} metadata {:<8} read {} write {} discovery {} "
       "(line {})\n",
-      number, shown(rule.topic_expression), to_string(rule.data_protection_kind),
-      to_string(rule.metadata_protection_kind),
-      rule.enable_read_access_control ? "by permission" : "free",
-      rule.enable_write_access_control ? "by permission" : "free",
-      rule.enable_discovery_protection ? "protected" : "open", rule.line);
+      number, shown(rule.expression), rule.data, rule.metadata,
+      rule.read_access_control ? "by permission" : "free",
+      rule.write_access_control ? "by permission" : "free", rule.discovery ? "protected" : "open",
+      rule.line);
 }
 
-Report whole(const Governance& document, const fs::path& file) {
-  Report report;
-  report.result = {{"file", file.string()}, {"domain_rules", Json::array()}};
-  if (document.revision != 0) {
-    report.text = fmt::format("revision {}\n", document.revision);
-    report.result["revision"] = document.revision;
+struct ShownDomainRule {
+  DomainRuleFacts rule;
+  std::vector<TopicRuleFacts> topic_rules = {};
+
+  static constexpr auto fields() {
+    return std::tuple_cat(fields_within(&ShownDomainRule::rule),
+                          std::tuple(field("topic_rules", &ShownDomainRule::topic_rules)));
   }
-  for (std::size_t i = 0; i < document.domain_rules.size(); ++i) {
-    const auto& rule = document.domain_rules[i];
-    auto row = to_json(rule);
-    row["topic_rules"] = Json::array();
-    report.text += domain_text(rule, i + 1, file);
-    for (std::size_t j = 0; j < rule.topic_rules.size(); ++j) {
-      report.text += topic_row(rule.topic_rules[j], j + 1);
-      row["topic_rules"].push_back(to_json(rule.topic_rules[j]));
+  std::string text(std::size_t number, const fs::path& file) const {
+    auto out = fmt::format(
+        "domain rule {}: {} ({}:{})\n"
+        "  discovery {}  liveliness {}  rtps {}{}\n"
+        "  strangers {}, permissions needed to join: {}\n",
+        number, rule.domain_words, file.string(), rule.line, rule.discovery, rule.liveliness,
+        rule.rtps, rule.newer_elements(), rule.allow_unauthenticated ? "allowed" : "refused",
+        yes(rule.join_access_control));
+    for (std::size_t i = 0; i < topic_rules.size(); ++i) out += topic_row(topic_rules[i], i + 1);
+    return out;
+  }
+};
+
+struct ShownGovernance {
+  fs::path file;
+  std::vector<ShownDomainRule> domain_rules = {};
+  std::optional<std::size_t> revision = {};
+
+  static ShownGovernance of(const Governance& document, const fs::path& file) {
+    ShownGovernance out{file};
+    if (document.revision != 0) out.revision = document.revision;
+    for (const auto& rule : document.domain_rules) {
+      out.domain_rules.push_back({DomainRuleFacts::of(rule)});
+      for (const auto& topic : rule.topic_rules)
+        out.domain_rules.back().topic_rules.push_back(TopicRuleFacts::of(topic));
     }
-    report.result["domain_rules"].push_back(std::move(row));
+    return out;
   }
-  return report;
-}
+  static constexpr auto fields() {
+    using Self = ShownGovernance;
+    return std::tuple(field("file", &Self::file),
+                      field("domain_rules", &Self::domain_rules, {.least = 1}),
+                      field("revision", &Self::revision,
+                            {.note = "if it has one", .def = "revision", .absent = true}));
+  }
+  std::string text() const {
+    auto out = revision ? fmt::format("revision {}\n", *revision) : "";
+    for (std::size_t i = 0; i < domain_rules.size(); ++i) out += domain_rules[i].text(i + 1, file);
+    return out;
+  }
+};
 
-/// The rules that decide for one topic of one domain.
-struct Deciding {
-  const DomainRule& domain;
-  const TopicRule& topic;
-  std::size_t domain_number, topic_number;
+/// A rule and which of the document's it is.
+template <class Facts>
+struct Numbered {
+  Facts rule;
+  std::size_t number;
+
+  static constexpr auto fields() {
+    return std::tuple_cat(fields_within(&Numbered::rule),
+                          std::tuple(field("number", &Numbered::number)));
+  }
 };
 
 bool has(const governance::Properties& properties, Property property) {
@@ -137,27 +198,48 @@ std::string_view asked_of(bool access_control) {
   return access_control ? "by permission" : "free: every participant of the domain";
 }
 
-std::string_view effect(bool flag, ProtectionKind kind) {
-  return flag && is_protected(kind) ? "protected" : "open";
+std::string_view effect(bool flag, std::string_view kind) {
+  return flag && kind != to_string(ProtectionKind::none) ? "protected" : "open";
 }
 
-std::string to_text(const Deciding& by, const fs::path& file, const std::string& topic,
-                    DomainId domain) {
-  const auto& [rule, row, rule_number, row_number] = by;
-  return fmt::format(
-             "topic {}, domain {}           rule {} {} ({}:{})\n"
-             "  payload    {:<12} metadata   {:<12} rtps  {} (domain rule {}, line {})\n"
-             "  discovery  {:<12} liveliness {}\n"
-             "  access     read {}, write {}\n",
-             shown(topic), domain, row_number, '"' + shown(row.topic_expression) + '"',
-             file.string(), row.line, to_string(row.data_protection_kind),
-             to_string(row.metadata_protection_kind), to_string(rule.rtps_protection_kind),
-             rule_number, rule.line,
-             effect(row.enable_discovery_protection, rule.discovery_protection_kind),
-             effect(row.enable_liveliness_protection, rule.liveliness_protection_kind),
-             asked_of(row.enable_read_access_control), asked_of(row.enable_write_access_control)) +
-         sentence(properties(rule, row));
-}
+/// The rules that decide for one topic of one domain.
+struct ShownTopic {
+  static constexpr std::string_view kWhen = "with --topic";
+  fs::path file;
+  std::string topic;
+  DomainId domain;
+  Numbered<DomainRuleFacts> domain_rule;
+  Numbered<TopicRuleFacts> topic_rule;
+  std::vector<std::string> properties;
+  std::string achieves;  ///< the properties in words: complete lines
+
+  static constexpr auto fields() {
+    using Self = ShownTopic;
+    return std::tuple(
+        field("file", &Self::file), field("topic", &Self::topic), field("domain", &Self::domain),
+        field("domain_rule", &Self::domain_rule,
+              {.note = "the same without `topic_rules`, and `number`", .same = true}),
+        field("topic_rule", &Self::topic_rule, {.note = "the same, and `number`", .same = true}),
+        field("properties", &Self::properties,
+              {.pattern = "^(outsider|insider|relay)\\.[a-z_]+$"}));
+  }
+  std::string text() const {
+    const auto& [rule, rule_number] = domain_rule;
+    const auto& [row, row_number] = topic_rule;
+    return fmt::format(
+               "topic {}, domain {}           rule {} {} ({}:{})\n"
+               "  payload    {:<12} metadata   {:<12} rtps  {} (domain rule {}, line {})\n"
+               "  discovery  {:<12} liveliness {}\n"
+               "  access     read {}, write {}\n",
+               shown(topic), domain, row_number, '"' + shown(row.expression) + '"', file.string(),
+               row.line, row.data, row.metadata, rule.rtps, rule_number, rule.line,
+               effect(row.discovery, rule.discovery), effect(row.liveliness, rule.liveliness),
+               asked_of(row.read_access_control), asked_of(row.write_access_control)) +
+           achieves;
+  }
+};
+
+using ShownDocument = std::variant<ShownGovernance, ShownTopic>;
 
 template <class T>
 std::size_t number_in(const std::vector<T>& all, const T& one) {
@@ -169,8 +251,8 @@ DomainId domain_for(const Governance& document, std::optional<DomainId> wanted) 
   return wanted.value_or(document.domain_rules.front().domains.ranges.front().first);
 }
 
-Result<Report> one_topic(const Governance& document, const fs::path& file, const std::string& topic,
-                         DomainId domain) {
+Result<Answer<ShownDocument>> one_topic(const Governance& document, const fs::path& file,
+                                        const std::string& topic, DomainId domain) {
   const auto* rule = document.find(domain);
   if (rule == nullptr)
     return fail(
@@ -181,22 +263,21 @@ Result<Report> one_topic(const Governance& document, const fs::path& file, const
   });
   if (row == rule->topic_rules.end())
     return fail(Code::topic_not_covered, {.document = file, .line = rule->line, .found = topic});
-  const Deciding by{*rule, *row, number_in(document.domain_rules, *rule),
-                    number_in(rule->topic_rules, *row)};
-  Report report;
-  report.text = to_text(by, file, topic, domain);
-  report.result = {{"file", file.string()}, {"topic", topic}, {"domain", domain}};
-  report.result["domain_rule"] = to_json(*rule);
-  report.result["domain_rule"]["number"] = by.domain_number;
-  report.result["topic_rule"] = to_json(*row);
-  report.result["topic_rule"]["number"] = by.topic_number;
-  report.result["properties"] = Json::array();
-  for (const auto property : governance::listed(properties(*rule, *row)))
-    report.result["properties"].push_back(to_string(property));
-  return report;
+  const auto achieved = properties(*rule, *row);
+  ShownTopic out{
+      .file = file,
+      .topic = topic,
+      .domain = domain,
+      .domain_rule = {DomainRuleFacts::of(*rule), number_in(document.domain_rules, *rule)},
+      .topic_rule = {TopicRuleFacts::of(*row), number_in(rule->topic_rules, *row)},
+      .properties = {},
+      .achieves = sentence(achieved)};
+  for (const auto property : governance::listed(achieved))
+    out.properties.emplace_back(to_string(property));
+  return Answer<ShownDocument>{std::move(out)};
 }
 
-Result<Report> governance_show(const Arguments& arguments, const Context&) {
+Result<Answer<ShownDocument>> governance_show(const Arguments& arguments, const Context&) {
   const auto file = document_path<GovernanceKind>(arguments.text("FILE"));
   DDSSEC_ASSIGN_OR_RETURN(const auto wanted, domain_option(arguments));
   DDSSEC_ASSIGN_OR_RETURN(const auto document, unverified_document<GovernanceKind>(file));
@@ -205,125 +286,192 @@ Result<Report> governance_show(const Arguments& arguments, const Context&) {
   if (wanted && document.find(*wanted) == nullptr)
     return fail(Code::domain_not_covered,
                 {.document = file, .expected = "domain " + std::to_string(*wanted)});
-  if (!wanted) return whole(document, file);
+  if (!wanted) return Answer<ShownDocument>{ShownGovernance::of(document, file)};
   Governance part{.revision = document.revision};
   part.domain_rules.push_back(*document.find(*wanted));
-  return whole(part, file);
+  return Answer<ShownDocument>{ShownGovernance::of(part, file)};
 }
 
-Json texts_json(const std::vector<governance::Text>& texts) {
-  Json out = Json::array();
+std::vector<std::string> texts_of(const std::vector<governance::Text>& texts) {
+  std::vector<std::string> out;
   for (const auto& text : texts) out.push_back(text.text);
   return out;
 }
 
-Json to_json(const std::vector<governance::Criteria>& list) {
-  Json out = Json::array();
-  for (const auto& criteria : list) {
-    Json row = {
-        {"line", criteria.line},
-        {"topics", texts_json(criteria.topics)},
-        {"partitions", criteria.partitions ? texts_json(*criteria.partitions) : Json::array()}};
-    if (criteria.data_tags) {
-      row["data_tags"] = Json::array();
-      for (const auto& tag : *criteria.data_tags)
-        row["data_tags"].push_back({{"name", tag.name}, {"value", tag.value}});
-    }
-    out.push_back(std::move(row));
-  }
-  return out;
-}
-
-// Of DDS-Security 1.2: only where there are some.
-void add_domain_tags(Json& out, const governance::DomainSet& domains) {
-  if (!domains.tags.empty()) out["domain_tags"] = texts_json(domains.tags);
-  if (!domains.tag_expressions.empty())
-    out["domain_tag_expressions"] = texts_json(domains.tag_expressions);
-}
-
-Json to_json(const governance::Rule& rule) {
-  Json out = {{"allow", rule.allow},
-              {"line", rule.line},
-              {"domains", range_list(rule.domains)},
-              {"publish", to_json(rule.publish)},
-              {"subscribe", to_json(rule.subscribe)},
-              {"relay", to_json(rule.relay)}};
-  add_domain_tags(out, rule.domains);
-  return out;
-}
-
-std::string joined_texts(const std::vector<governance::Text>& texts) {
+// Whole, unlike in a comparison: two names may differ in their last letter.
+std::string joined_texts(const std::vector<std::string>& texts) {
   std::string out;
-  // Whole, unlike in a comparison: two names may differ in their last letter.
   for (const auto& text : texts)
-    out += (out.empty() ? "" : ", ") + (text.text.empty() ? "(empty name)" : printable(text.text));
+    out += (out.empty() ? "" : ", ") + (text.empty() ? "(empty name)" : printable(text));
   return out;
 }
 
-std::string data_tags(const governance::Criteria& criteria) {
-  std::string out;
-  if (!criteria.data_tags) return out;
-  for (const auto& tag : *criteria.data_tags)
-    out += fmt::format("{}{}={}", out.empty() ? "  with data tags " : ", ", shown(tag.name),
-                       shown(tag.value));
-  return out.empty() ? "  with no data tags" : out;
-}
+struct DataTag {
+  std::string name, value;
 
-void add_rows(std::string& out, std::string_view action,
-              const std::vector<governance::Criteria>& list) {
-  for (const auto& criteria : list)
-    out += fmt::format(
-        "      {:<10} {}{}{}  (line {})\n", action, joined_texts(criteria.topics),
-        criteria.partitions ? "  in partitions " + joined_texts(*criteria.partitions) : "",
-        data_tags(criteria), criteria.line);
-}
-
-std::string to_text(const Grant& grant, WallTime now) {
-  auto out = fmt::format("{}  {} .. {}{}  (line {})\n", shown(grant.subject_name),
-                         to_string(grant.validity.not_before), to_string(grant.validity.not_after),
-                         grant.validity.contains(now) ? "" : "  NOT VALID NOW", grant.line);
-  for (std::size_t i = 0; i < grant.rules.size(); ++i) {
-    const auto& rule = grant.rules[i];
-    out += fmt::format("  {:>2}  {:<5} {}  (line {})\n", i + 1, rule.allow ? "allow" : "deny",
-                       shown(rule.domains.ranges), rule.line);
-    add_rows(out, "publish", rule.publish);
-    add_rows(out, "subscribe", rule.subscribe);
-    add_rows(out, "relay", rule.relay);
+  static constexpr auto fields() {
+    return std::tuple(field("name", &DataTag::name), field("value", &DataTag::value));
   }
-  return out + fmt::format("      all else: {}\n", grant.default_allow ? "ALLOWED" : "denied");
-}
+};
 
-Json to_json(const Grant& grant, WallTime now) {
-  Json out = {{"name", grant.name},
-              {"subject", grant.subject_name},
-              {"line", grant.line},
-              {"not_before", to_string(grant.validity.not_before)},
-              {"not_after", to_string(grant.validity.not_after)},
-              {"valid_now", grant.validity.contains(now)},
-              {"default", grant.default_allow ? "ALLOW" : "DENY"},
-              {"rules", Json::array()}};
-  for (const auto& rule : grant.rules) out["rules"].push_back(to_json(rule));
+struct CriterionFacts {
+  static constexpr std::string_view kDef = "criterion";
+  int line;
+  std::vector<std::string> topics, partitions;
+  std::optional<std::vector<DataTag>> data_tags = {};
+  bool has_partitions = false;  ///< also an empty list of them
+
+  static CriterionFacts of(const governance::Criteria& criteria) {
+    CriterionFacts out{.line = criteria.line,
+                       .topics = texts_of(criteria.topics),
+                       .partitions = {},
+                       .has_partitions = criteria.partitions.has_value()};
+    if (criteria.partitions) out.partitions = texts_of(*criteria.partitions);
+    if (!criteria.data_tags) return out;
+    out.data_tags.emplace();
+    for (const auto& tag : *criteria.data_tags) out.data_tags->push_back({tag.name, tag.value});
+    return out;
+  }
+  static constexpr auto fields() {
+    using Self = CriterionFacts;
+    return std::tuple(
+        field("line", &Self::line), field("topics", &Self::topics),
+        field("partitions", &Self::partitions),
+        field("data_tags", &Self::data_tags, {.note = "where there are some", .absent = true}));
+  }
+  std::string text(std::string_view action) const {
+    return fmt::format("      {:<10} {}{}{}  (line {})\n", action, joined_texts(topics),
+                       has_partitions ? "  in partitions " + joined_texts(partitions) : "",
+                       data_tags_text(), line);
+  }
+
+ private:
+  std::string data_tags_text() const {
+    std::string out;
+    if (!data_tags) return out;
+    for (const auto& tag : *data_tags)
+      out += fmt::format("{}{}={}", out.empty() ? "  with data tags " : ", ", shown(tag.name),
+                         shown(tag.value));
+    return out.empty() ? "  with no data tags" : out;
+  }
+};
+
+std::vector<CriterionFacts> criteria_of(const std::vector<governance::Criteria>& list) {
+  std::vector<CriterionFacts> out;
+  std::ranges::transform(list, std::back_inserter(out), &CriterionFacts::of);
   return out;
 }
 
-Result<Report> permissions_show(const Arguments& arguments, const Context& context) {
+struct RuleFacts {
+  bool allow;
+  int line;
+  Json domains;
+  std::vector<CriterionFacts> publish, subscribe, relay;
+  // Of DDS-Security 1.2: only where there are some.
+  std::optional<std::vector<std::string>> domain_tags = {}, domain_tag_expressions = {};
+  std::string domain_words = {};
+
+  static RuleFacts of(const governance::Rule& rule) {
+    RuleFacts out{.allow = rule.allow,
+                  .line = rule.line,
+                  .domains = range_list(rule.domains),
+                  .publish = criteria_of(rule.publish),
+                  .subscribe = criteria_of(rule.subscribe),
+                  .relay = criteria_of(rule.relay),
+                  .domain_words = shown(rule.domains.ranges)};
+    if (!rule.domains.tags.empty()) out.domain_tags = texts_of(rule.domains.tags);
+    if (!rule.domains.tag_expressions.empty())
+      out.domain_tag_expressions = texts_of(rule.domains.tag_expressions);
+    return out;
+  }
+  static constexpr auto fields() {
+    using Self = RuleFacts;
+    constexpr Shown kTheSame{.note = "the same", .same = true};
+    constexpr Shown kIfAny{.note = "where there are some", .absent = true};
+    return std::tuple(
+        field("allow", &Self::allow), field("line", &Self::line),
+        field("domains", &Self::domains, {.def = "domain_ranges"}),
+        field("publish", &Self::publish), field("subscribe", &Self::subscribe, kTheSame),
+        field("relay", &Self::relay, kTheSame), field("domain_tags", &Self::domain_tags, kIfAny),
+        field("domain_tag_expressions", &Self::domain_tag_expressions, kIfAny));
+  }
+  std::string text(std::size_t number) const {
+    auto out = fmt::format("  {:>2}  {:<5} {}  (line {})\n", number, allow ? "allow" : "deny",
+                           domain_words, line);
+    for (const auto& [action, list] :
+         {std::pair("publish", &publish), std::pair("subscribe", &subscribe),
+          std::pair("relay", &relay)})
+      for (const auto& criterion : *list) out += criterion.text(action);
+    return out;
+  }
+};
+
+struct GrantFacts {
+  std::string name, subject;
+  int line;
+  WallTime not_before, not_after;
+  bool valid_now;
+  std::string otherwise;
+  std::vector<RuleFacts> rules = {};
+
+  static GrantFacts of(const Grant& grant, WallTime now) {
+    GrantFacts out{grant.name,
+                   grant.subject_name,
+                   grant.line,
+                   grant.validity.not_before,
+                   grant.validity.not_after,
+                   grant.validity.contains(now),
+                   grant.default_allow ? "ALLOW" : "DENY"};
+    std::ranges::transform(grant.rules, std::back_inserter(out.rules), &RuleFacts::of);
+    return out;
+  }
+  static constexpr auto fields() {
+    using Self = GrantFacts;
+    return std::tuple(field("name", &Self::name), field("subject", &Self::subject),
+                      field("line", &Self::line), field("not_before", &Self::not_before),
+                      field("not_after", &Self::not_after), field("valid_now", &Self::valid_now),
+                      field("default", &Self::otherwise, {.words = "ALLOW|DENY"}),
+                      field("rules", &Self::rules));
+  }
+  std::string text() const {
+    auto out = fmt::format("{}  {} .. {}{}  (line {})\n", shown(subject), to_string(not_before),
+                           to_string(not_after), valid_now ? "" : "  NOT VALID NOW", line);
+    for (std::size_t i = 0; i < rules.size(); ++i) out += rules[i].text(i + 1);
+    return out + fmt::format("      all else: {}\n", otherwise == "ALLOW" ? "ALLOWED" : "denied");
+  }
+};
+
+struct ShownPermissions {
+  fs::path file;
+  std::vector<GrantFacts> grants = {};
+
+  static constexpr auto fields() {
+    return std::tuple(field("file", &ShownPermissions::file),
+                      field("grants", &ShownPermissions::grants));
+  }
+  std::string text() const {
+    std::string out;
+    for (const auto& grant : grants) out += grant.text();
+    return out;
+  }
+};
+
+Result<Answer<ShownPermissions>> permissions_show(const Arguments& arguments,
+                                                  const Context& context) {
   const auto file = document_path<PermissionsKind>(arguments.text("FILE"));
   DDSSEC_ASSIGN_OR_RETURN(const auto document, unverified_document<PermissionsKind>(file));
   std::optional<pki::SubjectName> subject;
   if (arguments.has("--subject")) {
     DDSSEC_ASSIGN_OR_RETURN(subject, pki::SubjectName::parse(arguments.text("--subject")));
   }
-  Report report;
-  report.result = {{"file", file.string()}, {"grants", Json::array()}};
-  for (const auto& grant : document.grants) {
-    if (subject && !is_for(grant, *subject)) continue;
-    report.text += to_text(grant, context.clock.now());
-    report.result["grants"].push_back(to_json(grant, context.clock.now()));
-  }
-  if (subject && report.result["grants"].empty())
+  Answer<ShownPermissions> out{{file}};
+  for (const auto& grant : document.grants)
+    if (!subject || is_for(grant, *subject))
+      out.result.grants.push_back(GrantFacts::of(grant, context.clock.now()));
+  if (subject && out.result.grants.empty())
     return fail(Code::no_grant_for_subject,
                 {.document = file, .expected = arguments.text("--subject")});
-  return report;
+  return out;
 }
 
 const Positional kDocument{
