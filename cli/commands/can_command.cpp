@@ -42,7 +42,7 @@ Code code_of(governance::Action action) {
 }
 
 /// The answer for a participant, and the source of the answer.
-struct Answer {
+struct Ruling {
   bool allowed;
   std::string because;
   fs::path document;
@@ -65,14 +65,14 @@ doctor::Diagnosis diagnosis_for(const Question& question) {
 }
 
 /// The reason why the participant does not start at all, as `check` reports it.
-std::optional<Answer> by_doctor(const Question& question) {
+std::optional<Ruling> by_doctor(const Question& question) {
   const auto diagnosis = diagnosis_for(question);
   for (const auto& check : diagnosis.checks()) {
     const auto worst = check.outcomes.ours;
     const bool is_about_topics = check.rule == Rule::DOC103 && worst == doctor::Outcome::late;
     if (worst < doctor::Outcome::late || check.findings.empty() || is_about_topics) continue;
     const auto& finding = check.findings.front();
-    return Answer{
+    return Ruling{
         false,
         fmt::format("the participant does not start: {}: {}", info(check.rule).id, finding.message),
         finding.document, finding.line};
@@ -126,7 +126,7 @@ Status check_identity(const Question& question) {
   return {};
 }
 
-Answer by_grant(const Question& question, const governance::CompiledGrant& grant,
+Ruling by_grant(const Question& question, const governance::CompiledGrant& grant,
                 const governance::Verdict& verdict, std::string_view what) {
   const auto who = verdict.rule == nullptr ? "no rule decides; the default"
                    : verdict.allowed       ? "an allow_rule"
@@ -146,14 +146,14 @@ bool is_superseded(const pki::Crl& list, const std::vector<pki::Crl>& lists,
 
 // A revoked participant has no rights, whatever its documents say: its peers refuse it. The CA's
 // own list also counts if it is beside the participant.
-std::optional<Answer> by_revocation(const pki::ParticipantFolder& folder) {
+std::optional<Ruling> by_revocation(const pki::ParticipantFolder& folder) {
   const auto certificate = read_certificate(folder.certificate);
   const auto cas = read_certificates(folder.identity_ca);
   const auto own = read_crls(folder.crl);
   if (!certificate || !cas || !own) return std::nullopt;  // doctor reports it
   const auto newer = governance::doctor::newer_ca_list(folder, *cas, *own);
   const auto answer = [&](const pki::Crl& list, const fs::path& file) {
-    return Answer{false,
+    return Ruling{false,
                   fmt::format("the certificate is revoked by list {} of the CA", number_text(list)),
                   file, 0};
   };
@@ -247,7 +247,7 @@ void warn_of_places(const Question& question, Report& report) {
 }
 
 // All steps as in check: identity, grant, joining, topic rule and rights.
-Result<Answer> answer_to(const Question& question) {
+Result<Ruling> answer_to(const Question& question) {
   if (auto answer = by_revocation(question.folder.paths)) return *std::move(answer);
   DDSSEC_ASSIGN_OR_RETURN(const auto documents, documents_for(question));
   const auto& [governance, grant] = documents;
@@ -260,17 +260,17 @@ Result<Answer> answer_to(const Question& question) {
   const auto& file = question.folder.paths.governance;
   const auto* rule = governance->topic_rule(question.request.topic);
   if (rule == nullptr)
-    return Answer{false, "no topic_rule matches the topic", file, domain_rule.line};
+    return Ruling{false, "no topic_rule matches the topic", file, domain_rule.line};
   if (runs_drop_in(question.folder))
     if (const auto finding =
             refused_by_drop_in(question.folder, domain_rule, *rule, question.action))
-      return Answer{false, fmt::format("{}: {}", info(finding->rule).id, finding->message), file,
+      return Ruling{false, fmt::format("{}: {}", info(finding->rule).id, finding->message), file,
                     rule->line, std::string(info(finding->rule).hint)};
   const bool controlled = question.action == governance::Action::publish
                               ? rule->enable_write_access_control
                               : rule->enable_read_access_control;
   if (!controlled)
-    return Answer{true, "the topic_rule \"" + rule->topic_expression + "\" asks for no permission",
+    return Ruling{true, "the topic_rule \"" + rule->topic_expression + "\" asks for no permission",
                   file, rule->line};
   const auto verdict = grant->judge(question.action, question.request);
   auto out = by_grant(question, *grant, verdict, "");
@@ -299,7 +299,27 @@ Result<DomainId> domain_to_ask(const Arguments& arguments, const doctor::LoadedF
                             .note = "the documents are for more than one domain"});
 }
 
-Result<Report> can(const Arguments& arguments, const Context& context) {
+struct MayUse {
+  bool allowed;
+  DomainId domain;
+  std::string judge, because;
+  fs::path file;
+  int line;
+
+  static constexpr auto fields() {
+    return std::tuple(field("allowed", &MayUse::allowed), field("domain", &MayUse::domain),
+                      field("judge", &MayUse::judge, {.words = "ddssec"}),
+                      field("because", &MayUse::because), field("file", &MayUse::file),
+                      field("line", &MayUse::line));
+  }
+  std::string text() const {
+    return fmt::format("{} in domain {} by {}'s plugins: {} ({}{})\n",
+                       allowed ? "allowed" : "denied", domain, judge, because, file.string(),
+                       line > 0 ? fmt::format(":{}", line) : "");
+  }
+};
+
+Result<Answer<MayUse>> can(const Arguments& arguments, const Context& context) {
   DDSSEC_ASSIGN_OR_RETURN(const auto action, action_of(arguments));
   const auto now = context.clock.now();
   DDSSEC_RETURN_IF_ERROR(check_participant_folder(arguments.text("SUBJECT")));
@@ -309,30 +329,23 @@ Result<Report> can(const Arguments& arguments, const Context& context) {
   const auto& names = arguments.all("--partition");
   const std::vector<std::string_view> partitions(names.begin(), names.end());
   const Question question{folder, action, {.topic = topic, .partitions = partitions}, domain, now};
-  DDSSEC_ASSIGN_OR_RETURN(const auto answer, answer_to(question));
-  Report report{.exit = answer.allowed ? Exit::done : Exit::no,
-                .text = fmt::format("{} in domain {} by ddssec's plugins: {} ({}{})\n",
-                                    answer.allowed ? "allowed" : "denied", domain, answer.because,
-                                    answer.document.string(),
-                                    answer.line > 0 ? fmt::format(":{}", answer.line) : ""),
-                .result = {{"allowed", answer.allowed},
-                           {"domain", domain},
-                           {"judge", "ddssec"},
-                           {"because", answer.because},
-                           {"file", answer.document.string()},
-                           {"line", answer.line}}};
-  if (!answer.hint.empty())
-    report.errors.emplace_back(code_of(action), ErrorDetails{.document = answer.document,
-                                                             .line = answer.line,
-                                                             .found = answer.because,
-                                                             .hint = answer.hint});
+  DDSSEC_ASSIGN_OR_RETURN(const auto ruling, answer_to(question));
+  Answer<MayUse> out{
+      {ruling.allowed, domain, "ddssec", ruling.because, ruling.document, ruling.line}};
+  auto& report = out.report;
+  if (!ruling.allowed) report.exit = Exit::no;
+  if (!ruling.hint.empty())
+    report.errors.emplace_back(code_of(action), ErrorDetails{.document = ruling.document,
+                                                             .line = ruling.line,
+                                                             .found = ruling.because,
+                                                             .hint = ruling.hint});
   warn_of_places(question, report);
   note_stock_products(folder, report);
-  if (answer.allowed) {
+  if (ruling.allowed) {
     note_refused_topic(question, report);
     note_drop_in(question, report);
   }
-  return report;
+  return out;
 }
 
 }  // namespace

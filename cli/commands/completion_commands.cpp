@@ -292,19 +292,28 @@ std::string man_page() {
          "\\-\\-color says so.\n";
 }
 
-Report page(std::string_view form, std::string text) {
-  return {.text = text, .result = {{"form", form}, {"text", text}}};
-}
+struct Printed {
+  static constexpr std::string_view kDef = "printed";
+  std::string form, page;
 
-Result<Report> completion(const Arguments& arguments, const Context&) {
+  static constexpr auto fields() {
+    return std::tuple(field("form", &Printed::form, {.words = "bash|zsh|fish|man"}),
+                      field("text", &Printed::page));
+  }
+  const std::string& text() const { return page; }
+};
+
+Result<Answer<Printed>> completion(const Arguments& arguments, const Context&) {
   const auto shell = arguments.text("SHELL");
-  if (shell == "bash") return page(shell, bash());
-  if (shell == "zsh") return page(shell, zsh());
-  if (shell == "fish") return page(shell, fish());
+  if (shell == "bash") return Answer<Printed>{{shell, bash()}};
+  if (shell == "zsh") return Answer<Printed>{{shell, zsh()}};
+  if (shell == "fish") return Answer<Printed>{{shell, fish()}};
   return fail(Code::usage, {.field = "SHELL", .expected = "bash, zsh or fish", .found = shell});
 }
 
-Result<Report> man(const Arguments&, const Context&) { return page("man", man_page()); }
+Result<Answer<Printed>> man(const Arguments&, const Context&) {
+  return Answer<Printed>{{"man", man_page()}};
+}
 
 }  // namespace
 

@@ -332,13 +332,47 @@ std::string_view state_of(const Ending& ending, WallTime now, WallTime horizon) 
   return ending.end <= std::min(horizon, soon_from(ending, now, horizon)) ? "soon" : "ok";
 }
 
-std::string row(const Ending& ending, std::string_view state, std::int64_t days) {
-  return fmt::format("{:<8} {:<16} {}  {:>6} d  {}  {}{}\n", state, ending.kind, date(ending.end),
-                     days, ending.subject, ending.file.string(),
-                     ending.places > 1 ? fmt::format(" and {} more", ending.places - 1) : "");
-}
+struct ExpiryEntry {
+  std::string state, kind, subject;
+  WallTime not_after;
+  std::int64_t days_left;
+  fs::path file;
+  std::size_t places;
+  bool is_quiet = false;  ///< --quiet leaves the line out
 
-Result<Report> expiry(const Arguments& arguments, const Context& context) {
+  static constexpr auto fields() {
+    using Self = ExpiryEntry;
+    return std::tuple(
+        field("state", &Self::state, {.words = "ok|soon|expired|not yet|revoked"}),
+        field("kind", &Self::kind,
+              {.words = "CA|certificate|OCSP response|permissions|revocation list"}),
+        field("subject", &Self::subject), field("not_after", &Self::not_after),
+        field("days_left", &Self::days_left), field("file", &Self::file),
+        field("places", &Self::places, {.note = "how many files have it", .least = 1}));
+  }
+  std::string text() const {
+    return fmt::format("{:<8} {:<16} {}  {:>6} d  {}  {}{}\n", state, kind, date(not_after),
+                       days_left, subject, file.string(),
+                       places > 1 ? fmt::format(" and {} more", places - 1) : "");
+  }
+};
+
+struct Expiry {
+  WallTime until;
+  std::vector<ExpiryEntry> entries = {};
+
+  static constexpr auto fields() {
+    return std::tuple(field("until", &Expiry::until), field("entries", &Expiry::entries));
+  }
+  std::string text() const {
+    std::string out;
+    for (const auto& entry : entries)
+      if (!entry.is_quiet) out += entry.text();
+    return out;
+  }
+};
+
+Result<Answer<Expiry>> expiry(const Arguments& arguments, const Context& context) {
   DDSSEC_ASSIGN_OR_RETURN(const auto within, duration(arguments, "--within"));
   Search search;
   auto paths = arguments.all("PATHS");
@@ -347,26 +381,26 @@ Result<Report> expiry(const Arguments& arguments, const Context& context) {
   search.check_links();
   const auto now = context.clock.now();
   const auto horizon = now + within;
-  Report report;
-  report.result = {{"until", to_string(horizon)}, {"entries", Json::array()}};
+  Answer<Expiry> out{{horizon}};
   std::size_t due = 0;
   for (const auto& ending : search.endings()) {
     const auto by_time = state_of(ending, now, horizon);
     const auto state = by_time == "ok" && search.is_revoked(ending) ? "revoked" : by_time;
-    const auto days = std::chrono::floor<std::chrono::days>(ending.end - now).count();
     if (by_time != "ok") ++due;
-    if (by_time != "ok" || !arguments.has("--quiet")) report.text += row(ending, state, days);
-    report.result["entries"].push_back({{"state", state},
-                                        {"kind", ending.kind},
-                                        {"subject", ending.subject},
-                                        {"not_after", to_string(ending.end)},
-                                        {"days_left", days},
-                                        {"file", ending.file.string()},
-                                        {"places", ending.places}});
+    out.result.entries.push_back(
+        {.state = std::string(state),
+         .kind = std::string(ending.kind),
+         .subject = ending.subject,
+         .not_after = ending.end,
+         .days_left = std::chrono::floor<std::chrono::days>(ending.end - now).count(),
+         .file = ending.file,
+         .places = ending.places,
+         .is_quiet = by_time == "ok" && arguments.has("--quiet")});
   }
+  auto& report = out.report;
   report.errors = search.unreadable();
   report.exit = due > 0 ? Exit::no : report.errors.empty() ? Exit::done : Exit::unreadable;
-  return report;
+  return out;
 }
 
 }  // namespace

@@ -93,42 +93,69 @@ std::vector<OtherSeverity> others_of(const Row& row) {
   return out;
 }
 
-// "error; note where --vendor does not name the products".
-std::string severities_of(const Row& row) {
-  std::string out(severity_of(row));
-  for (const auto& other : others_of(row))
-    out += fmt::format("; {} {}", severity_word(other.severity), other.when);
-  return out;
-}
+struct SeverityElsewhere {
+  std::string severity, when;
 
-Json other_severities_of(const Row& row) {
-  Json out = Json::array();
-  for (const auto& other : others_of(row))
-    out.push_back({{"severity", severity_word(other.severity)}, {"when", other.when}});
-  return out;
-}
-
-Report about(const Row& row) {
-  Report report;
-  // A rule's title names the check, not its result.
-  const bool is_rule = row.number == 0;
-  report.text =
-      fmt::format("{}{} ({})\n  {}{}\n  {}{}\n", row.name,
-                  is_rule ? "" : fmt::format(" {}", row.number), severities_of(row),
-                  is_rule ? "checks: " : "", row.summary, is_rule ? "if it fails: " : "", row.hint);
-  report.result = {{"name", row.name}};
-  if (!is_rule) report.result["number"] = row.number;
-  report.result["severity"] = severity_of(row);
-  report.result["other_severities"] = other_severities_of(row);
-  report.result["summary"] = row.summary;
-  report.result["hint"] = row.hint;
-  report.result["examples"] = Json::array();
-  for (const auto line : examples_of(row.name)) {
-    report.text += fmt::format(
-        "  {}  {}\n", report.result["examples"].empty() ? "for example:" : "            ", line);
-    report.result["examples"].push_back(line);
+  static constexpr auto fields() {
+    return std::tuple(field("severity", &SeverityElsewhere::severity, {.def = "severity"}),
+                      field("when", &SeverityElsewhere::when));
   }
-  return report;
+};
+
+/// A code or a rule.
+struct Explained {
+  std::string name;
+  std::optional<std::size_t> number;
+  std::string severity;
+  std::vector<SeverityElsewhere> other_severities = {};
+  std::string summary, hint;
+  std::vector<std::string> examples = {};
+
+  static constexpr auto fields() {
+    return std::tuple(
+        field("name", &Explained::name),
+        field("number", &Explained::number, {.note = "rules have none", .absent = true}),
+        field("severity", &Explained::severity, {.def = "severity"}),
+        field("other_severities", &Explained::other_severities,
+              {"that findings of a rule can have as well"}),
+        field("summary", &Explained::summary), field("hint", &Explained::hint),
+        field("examples", &Explained::examples, {"commands and lines of configurations"}));
+  }
+  std::string text() const {
+    // A rule's title names the check, not its result.
+    auto out = fmt::format("{}{} ({})\n  {}{}\n  {}{}\n", name,
+                           number ? fmt::format(" {}", *number) : "", severities(),
+                           number ? "" : "checks: ", summary, number ? "" : "if it fails: ", hint);
+    std::string_view before = "for example:";
+    for (const auto& line : examples) {
+      out += fmt::format("  {:<12}  {}\n", before, line);
+      before = "";
+    }
+    return out;
+  }
+
+ private:
+  // "error; note where --vendor does not name the products".
+  std::string severities() const {
+    auto out = severity;
+    for (const auto& other : other_severities)
+      out += fmt::format("; {} {}", other.severity, other.when);
+    return out;
+  }
+};
+
+Explained about(const Row& row) {
+  Explained out{.name = std::string(row.name),
+                .number = {},
+                .severity = std::string(severity_of(row)),
+                .summary = std::string(row.summary),
+                .hint = std::string(row.hint)};
+  if (row.number != 0) out.number = static_cast<std::size_t>(row.number);
+  for (const auto& other : others_of(row))
+    out.other_severities.push_back(
+        {std::string(severity_word(other.severity)), std::string(other.when)});
+  for (const auto line : examples_of(row.name)) out.examples.emplace_back(line);
+  return out;
 }
 
 /// The codes and rules that match a part of a name or number.
@@ -148,35 +175,74 @@ std::vector<Row> like(const std::string& wanted) {
   return out;
 }
 
-Report list_of(const std::vector<Row>& rows) {
-  constexpr std::size_t kMost = 30;
-  Report report;
-  report.result = {{"matches", Json::array()}};
-  for (const auto& row : rows) {
-    Json entry = {{"name", row.name}};
-    if (row.number != 0) entry["number"] = row.number;
-    entry["severity"] = severity_of(row);
-    entry["summary"] = row.summary;
-    report.result["matches"].push_back(std::move(entry));
-    if (report.result["matches"].size() <= kMost)
-      report.text += fmt::format("{:<32} {:<5} {}\n", row.name,
-                                 row.number != 0 ? std::to_string(row.number) : "", row.summary);
-  }
-  if (rows.size() > kMost) report.text += fmt::format("and {} more\n", rows.size() - kMost);
-  report.text += "ddssec explain NAME says more of one\n";
-  return report;
-}
+struct Match {
+  std::string name;
+  std::optional<std::size_t> number;
+  std::string severity, summary;
 
-Report list_of(const std::vector<CycloneSentence>& sentences) {
-  Report report;
-  report.result = {{"sentences", Json::array()}};
-  for (const auto& [sentence, meaning, look_with] : sentences) {
-    report.text +=
-        fmt::format("Cyclone DDS: {}\n  {}\n  look with: {}\n", sentence, meaning, look_with);
-    report.result["sentences"].push_back(
-        {{"sentence", sentence}, {"meaning", meaning}, {"look_with", look_with}});
+  static constexpr auto fields() {
+    return std::tuple(field("name", &Match::name),
+                      field("number", &Match::number, {.absent = true}),
+                      field("severity", &Match::severity, {.def = "severity"}),
+                      field("summary", &Match::summary));
   }
-  return report;
+  static Match of(const Row& row) {
+    Match out{std::string(row.name), {}, std::string(severity_of(row)), std::string(row.summary)};
+    if (row.number != 0) out.number = static_cast<std::size_t>(row.number);
+    return out;
+  }
+};
+
+struct Matches {
+  static constexpr std::string_view kWhen = "of a part that several codes and rules have";
+  std::vector<Match> matches = {};
+
+  static constexpr auto fields() {
+    return std::tuple(field("matches", &Matches::matches, {.least = 2}));
+  }
+  std::string text() const {
+    constexpr std::size_t kMost = 30;
+    std::string out;
+    for (const auto& one : matches | std::views::take(kMost))
+      out += fmt::format("{:<32} {:<5} {}\n", one.name,
+                         one.number ? std::to_string(*one.number) : "", one.summary);
+    if (matches.size() > kMost) out += fmt::format("and {} more\n", matches.size() - kMost);
+    return out + "ddssec explain NAME says more of one\n";
+  }
+};
+
+struct Sentence {
+  std::string sentence, meaning, look_with;
+
+  static constexpr auto fields() {
+    return std::tuple(field("sentence", &Sentence::sentence), field("meaning", &Sentence::meaning),
+                      field("look_with", &Sentence::look_with));
+  }
+};
+
+struct Sentences {
+  static constexpr std::string_view kWhen = "of a sentence of Cyclone DDS";
+  std::vector<Sentence> sentences = {};
+
+  static constexpr auto fields() {
+    return std::tuple(field("sentences", &Sentences::sentences, {.least = 1}));
+  }
+  std::string text() const {
+    std::string out;
+    for (const auto& one : sentences)
+      out += fmt::format("Cyclone DDS: {}\n  {}\n  look with: {}\n", one.sentence, one.meaning,
+                         one.look_with);
+    return out;
+  }
+};
+
+using Explanation = std::variant<Explained, Sentences, Matches>;
+
+Answer<Explanation> list_of(const std::vector<CycloneSentence>& found) {
+  Sentences out;
+  for (const auto& [sentence, meaning, look_with] : found)
+    out.sentences.push_back({std::string(sentence), std::string(meaning), std::string(look_with)});
+  return {std::move(out)};
 }
 
 /// Codes and rules whose sentence has these words.
@@ -219,14 +285,17 @@ std::vector<std::string> names_like(const std::string& wanted) {
   return {near};  // a rule's name has nothing between words
 }
 
-Report about(const std::vector<Row>& rows) {
-  return rows.size() == 1 ? about(rows.front()) : list_of(rows);
+Answer<Explanation> about(const std::vector<Row>& rows) {
+  if (rows.size() == 1) return {about(rows.front())};
+  Matches out;
+  std::ranges::transform(rows, std::back_inserter(out.matches), &Match::of);
+  return {std::move(out)};
 }
 
-Result<Report> explain(const Arguments& arguments, const Context&) {
+Result<Answer<Explanation>> explain(const Arguments& arguments, const Context&) {
   const auto wanted = arguments.text("CODE");
-  if (const auto row = find_in_line(wanted)) return about(*row);
-  if (const auto row = find(bare(wanted))) return about(*row);
+  if (const auto row = find_in_line(wanted)) return Answer<Explanation>{about(*row)};
+  if (const auto row = find(bare(wanted))) return Answer<Explanation>{about(*row)};
   if (wanted.contains(' ')) {
     if (const auto found = cyclone_sentences_like(wanted); !found.empty()) return list_of(found);
     if (const auto rows = saying(ascii_upper(wanted)); !rows.empty()) return about(rows);

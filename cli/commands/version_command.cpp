@@ -8,38 +8,57 @@
 namespace ddssec::cli {
 namespace {
 
-std::string text_of(const OpensslFlaw& flaw) {
-  const auto fixed = flaw.fixed_in.empty() ? "no release of this series fixes it"
-                                           : fmt::format("fixed in OpenSSL {}", flaw.fixed_in);
-  const auto doubt =
-      flaw.is_certain ? "" : ", perhaps also in your distribution's package of this version";
-  return fmt::format("  {}: {}; {}{}; {}\n", flaw.id, flaw.summary, fixed, doubt,
-                     flaw.guard.empty() ? "ddssec cannot prevent it: update OpenSSL" : flaw.guard);
-}
+struct FlawFacts {
+  std::string id, summary, fixed_in;
+  bool certain;
+  std::string guard;
 
-Json json_of(const OpensslFlaw& flaw) {
-  return {{"id", flaw.id},
-          {"summary", flaw.summary},
-          {"fixed_in", flaw.fixed_in},
-          {"certain", flaw.is_certain},
-          {"guard", flaw.guard}};
-}
-
-Result<Report> version(const Arguments&, const Context&) {
-  const auto openssl = openssl_version();
-  const auto flaws = openssl_flaws(openssl);
-  std::string listed;
-  Json of_flaws = Json::array();
-  for (const auto& flaw : flaws) {
-    listed += text_of(flaw);
-    of_flaws.push_back(json_of(flaw));
+  static constexpr auto fields() {
+    return std::tuple(
+        field("id", &FlawFacts::id), field("summary", &FlawFacts::summary),
+        field("fixed_in", &FlawFacts::fixed_in,
+              {.note = "empty: no release of the series",
+               .pattern = "^([0-9]+\\.[0-9]+\\.[0-9]+)?$"}),
+        field("certain", &FlawFacts::certain,
+              {"false: the distribution's package of this version may have the fix"}),
+        field("guard", &FlawFacts::guard, {"what ddssec does; empty: only an update helps"}));
   }
-  return Report{.text = fmt::format("ddssec {}\n{}{}\n{}", DDSSEC_VERSION, openssl,
-                                    flaws.empty() ? "" : "; known flaws of this version:", listed),
-                .result = {{"version", DDSSEC_VERSION},
-                           {"schema", "ddssec/1"},
-                           {"openssl", openssl},
-                           {"openssl_flaws", of_flaws}}};
+  std::string text() const {
+    const auto fixed = fixed_in.empty() ? "no release of this series fixes it"
+                                        : fmt::format("fixed in OpenSSL {}", fixed_in);
+    const auto doubt =
+        certain ? "" : ", perhaps also in your distribution's package of this version";
+    return fmt::format("  {}: {}; {}{}; {}\n", id, summary, fixed, doubt,
+                       guard.empty() ? "ddssec cannot prevent it: update OpenSSL" : guard);
+  }
+};
+
+struct VersionFacts {
+  std::string version, schema, openssl;
+  std::vector<FlawFacts> openssl_flaws = {};
+
+  static constexpr auto fields() {
+    return std::tuple(
+        field("version", &VersionFacts::version, {.pattern = "^[0-9]+\\.[0-9]+\\.[0-9]+$"}),
+        field("schema", &VersionFacts::schema, {.words = "ddssec/1"}),
+        field("openssl", &VersionFacts::openssl, {"the version that runs"}),
+        field("openssl_flaws", &VersionFacts::openssl_flaws, {"known flaws of that version"}));
+  }
+  std::string text() const {
+    auto out = fmt::format("ddssec {}\n{}{}\n", version, openssl,
+                           openssl_flaws.empty() ? "" : "; known flaws of this version:");
+    for (const auto& flaw : openssl_flaws) out += flaw.text();
+    return out;
+  }
+};
+
+Result<Answer<VersionFacts>> version(const Arguments&, const Context&) {
+  Answer<VersionFacts> out{{DDSSEC_VERSION, "ddssec/1", openssl_version()}};
+  for (const auto& flaw : openssl_flaws(out.result.openssl))
+    out.result.openssl_flaws.push_back({std::string(flaw.id), std::string(flaw.summary),
+                                        std::string(flaw.fixed_in), flaw.is_certain,
+                                        std::string(flaw.guard)});
+  return out;
 }
 
 }  // namespace
