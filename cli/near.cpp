@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "cli/ca/ca_folder.hpp"
-#include "cli/frame/suggestions.hpp"
+#include "cli/frame/missing_path.hpp"
 #include "cli/inputs.hpp"
 #include "cli/participant/keystore.hpp"
 #include "pki/participant_folder.hpp"
@@ -24,10 +24,6 @@ constexpr int kMostLooks = 5'000;
 constexpr std::size_t kMostShown = 4;
 
 using Wanted = std::function<bool(const fs::path&)>;
-
-fs::path without_slash(const fs::path& path) {
-  return path.has_filename() ? path : path.parent_path();
-}
 
 // The folder that the path would be in, or the nearest above it that is there; "" is the present
 // one.
@@ -152,26 +148,6 @@ std::string participants_near(const fs::path& missing) {
   const auto name = without_slash(missing).filename();
   return listed("participants here: ",
                 Search(is_participant).around(nearest_folder(missing), name));
-}
-
-std::string about_missing(const fs::path& missing) {
-  const auto plain = without_slash(missing);
-  const auto folder = plain.has_parent_path() ? plain.parent_path() : fs::path(".");
-  std::error_code error;
-  if (!fs::exists(folder, error))
-    return fmt::format("the folder {} does not exist", folder.string());
-  if (fs::is_symlink(plain, error))
-    return fmt::format("it is a link to {}, which does not exist",
-                       fs::read_symlink(plain, error).string());
-  const auto own = plain.filename().string();
-  std::vector<std::string> names;
-  for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
-    if (names.size() == kMostInFolder) break;
-    if (auto name = at->path().filename().string(); name != own) names.push_back(std::move(name));
-  }
-  const auto name = nearest(own, names);
-  if (name.empty()) return {};
-  return fmt::format("is {} meant?", (plain.parent_path() / name).string());
 }
 
 Status check_participant_folder(const fs::path& given) {

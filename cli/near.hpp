@@ -22,10 +22,6 @@ Result<pki::Certificate> certificate_of(const std::filesystem::path& given);
 /// any.
 std::string participants_near(const std::filesystem::path& missing);
 
-/// A possible error in the path of a missing file: its folder does not exist, or its name is
-/// similar to that of another file. Empty if neither.
-std::string about_missing(const std::filesystem::path& missing);
-
 /// Success unless `given` is the folder of a CA or of several participants, to which the files of
 /// one more participant, `name`, do not belong. Error: would_overwrite.
 Status check_not_above_participants(const std::filesystem::path& given, std::string_view name);

@@ -7,7 +7,7 @@
 #include "base/text.hpp"
 #include "base/tool_code.hpp"
 #include "cli/frame/explain_severities.hpp"
-#include "cli/near.hpp"
+#include "cli/frame/missing_path.hpp"
 
 namespace ddssec::cli {
 namespace {

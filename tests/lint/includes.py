@@ -40,7 +40,10 @@ ARROWS = {
                 "plugins/access_control", "plugins/cryptography"],
     "programs": ["base", "pki", "governance", "wire", "rtps", "secured", "plugins"],
     "idl": [],
-    "cli": ["base", "pki", "governance", "governance/compare", "governance/doctor", "plugins/spi", "plugins/authentication",
+    "cli/frame": ["base", "pki"],
+    "cli": ["cli/frame", "base", "pki", "governance", "governance/compare", "governance/doctor", "plugins/spi", "plugins/authentication",
+            "plugins/access_control", "plugins/cryptography", "wire", "rtps", "secured"],
+    "cli/commands": ["cli", "cli/frame", "base", "pki", "governance", "governance/compare", "governance/doctor", "plugins/spi", "plugins/authentication",
             "plugins/access_control", "plugins/cryptography", "wire", "rtps", "secured"],
 }
 

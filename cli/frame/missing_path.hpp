@@ -1,0 +1,16 @@
+// Suggestions for a path at which there is nothing.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace ddssec::cli {
+
+/// The path without a slash at its end.
+std::filesystem::path without_slash(const std::filesystem::path& path);
+
+/// A possible error in the path of a missing file: its folder does not exist, or its name is
+/// similar to that of another file. Empty if neither.
+std::string about_missing(const std::filesystem::path& missing);
+
+}  // namespace ddssec::cli
