@@ -1,0 +1,116 @@
+#!/usr/bin/env python3
+"""Holds cli/schema and the tables of cli/README.md to the field lists of the results.
+
+With --write as the last word, brings both up to date: tests/cli/results_test.py DDSSEC RESULTS --write
+"""
+
+import json
+import pathlib
+import re
+import subprocess
+import sys
+import unittest
+
+CLI = pathlib.Path(__file__).resolve().parent.parent.parent / "cli"
+SCHEMA = CLI / "schema/ddssec-1.schema.json"
+PAGE = CLI / "README.md"
+WIDTH = 110
+UNTYPED = 17  # commands that have no field list yet: only ever fewer
+
+
+def shapes(program):
+    """command -> its shape, or None."""
+    return json.loads(subprocess.run([program], capture_output=True, check=True, timeout=60).stdout)
+
+
+def definitions(shapes_of):
+    """$defs entry -> what the field lists make of it."""
+    out = {}
+    for command, shape in shapes_of.items():
+        if shape:
+            out.update(shape["definitions"], **{f"result of {command}": shape["schema"]})
+    return out
+
+
+def packed(value, indent):
+    """JSON, on one line if it fits."""
+    line = json.dumps(value, ensure_ascii=False)
+    if len(line) + indent <= WIDTH or not isinstance(value, (dict, list)):
+        return line
+    pad = " " * (indent + 1)
+    if isinstance(value, dict):
+        rows = [f"{pad}{json.dumps(key)}: {packed(inner, indent + 1)}" for key, inner in value.items()]
+        return "{\n" + ",\n".join(rows) + "\n" + " " * indent + "}"
+    return "[\n" + ",\n".join(pad + packed(inner, indent + 1) for inner in value) + "\n" + " " * indent + "]"
+
+
+def plain(schema):
+    """The same without what only helps to read it."""
+    if isinstance(schema, dict):
+        return {key: sorted(inner) if key == "required" else plain(inner)
+                for key, inner in schema.items() if key != "description" or not isinstance(inner, str)}
+    return [plain(inner) for inner in schema] if isinstance(schema, list) else schema
+
+
+def with_definition(text, name, value):
+    """The schema file with another entry of $defs."""
+    entry = re.compile(rf'^  {re.escape(json.dumps(name))}: (?:\{{.*\}}|\{{\n(?:   .*\n)*?  \}})(?=,?$)', re.M)
+    found = entry.findall(text)
+    assert len(found) == 1, f"{name}: {len(found)} entries of $defs"
+    return entry.sub(lambda _: f"  {json.dumps(name)}: {packed(value, 2)}", text)
+
+
+def row_of(page, command):
+    """The row of the tables that is about the command: (line, second cell); None if there is none or several."""
+    rows = [line for line in page.split("\n")
+            if re.match(r"\| [a-z]", line) and command in line.split(" | ")[0].removeprefix("| ").split(", ")]
+    return (rows[0], rows[0].split(" | ", 1)[1].removesuffix(" |")) if len(rows) == 1 else None
+
+
+def write(shapes_of):
+    text, page = SCHEMA.read_text(), PAGE.read_text()
+    present = json.loads(text)["$defs"]
+    for name, value in definitions(shapes_of).items():
+        if name not in present:
+            text = text.replace(' "$defs": {\n', f' "$defs": {{\n  {json.dumps(name)}: {packed(value, 2)},\n', 1)
+        elif plain(present[name]) != plain(value):
+            text = with_definition(text, name, value)
+    for command, shape in shapes_of.items():
+        row = row_of(page, command) if shape else None
+        if row:
+            page = page.replace(row[0], f"{row[0].split(' | ')[0]} | {shape['members']} |")
+        elif shape:
+            print(f"{command} needs one row of its own: | {command} | {shape['members']} |")
+    SCHEMA.write_text(text)
+    PAGE.write_text(page)
+
+
+class Results(unittest.TestCase):
+    maxDiff = None
+
+    def test_the_schema_is_that_of_the_field_lists(self):
+        present = json.loads(SCHEMA.read_text())["$defs"]
+        for name, value in definitions(SHAPES).items():
+            with self.subTest(name):
+                self.assertEqual(plain(present.get(name)), plain(value))
+
+    def test_the_readme_is_that_of_the_field_lists(self):
+        page = PAGE.read_text()
+        for command, shape in SHAPES.items():
+            with self.subTest(command):
+                if shape:
+                    row = row_of(page, command)
+                    self.assertIsNotNone(row, "one row of the tables of cli/README.md")
+                    self.assertEqual(row[1], shape["members"])
+
+    def test_no_more_commands_are_without_a_field_list(self):
+        self.assertLessEqual(sum(shape is None for shape in SHAPES.values()), UNTYPED)
+
+
+if __name__ == "__main__":
+    if sys.argv[-1] == "--write":
+        write(shapes(sys.argv[2]))
+    else:
+        SHAPES = shapes(sys.argv.pop(2))
+        sys.argv.pop(1)
+        unittest.main()
