@@ -175,4 +175,56 @@ struct RenewedCa {
   }
 };
 
+/// A step of a rotation. "until" and the lists are empty where the step has none.
+struct RotatedCa {
+  std::string role, step;
+  std::optional<WallTime> until;  ///< when the former CA should end
+  std::string subject;
+  WallTime not_after;
+  std::string sha256;
+  std::vector<std::string> folders = {}, revoked = {}, unlogged = {}, elsewhere = {};
+
+  static constexpr auto fields() {
+    using Self = RotatedCa;
+    return std::tuple(
+        field("role", &Self::role, {.words = kRoles}),
+        field("step", &Self::step,
+              {.note = "replaced, begun, moved, ended, not due",
+               .words = "replaced|begun|moved|ended|not due"}),
+        field("until", &Self::until, {"when the former CA should end; null: no overlap"}),
+        field("subject", &Self::subject, {.def = "subject"}), field("not_after", &Self::not_after),
+        field("sha256", &Self::sha256, {.def = "sha256"}),
+        field("folders", &Self::folders, {"with new files"}),
+        field("revoked", &Self::revoked, {"folders left as they were"}),
+        field("unlogged", &Self::unlogged, {"documents signed although the log lacks them"}),
+        field("elsewhere", &Self::elsewhere,
+              {"folders, or CAs below, that the log knows and this machine does not have"}));
+  }
+  std::string text() const {
+    auto out = summary();
+    for (const auto& name : folders) out += fmt::format("  {}\n", name);
+    for (const auto& name : revoked) out += fmt::format("revoked and left out: {}\n", name);
+    for (const auto& file : unlogged)
+      out += fmt::format("signed although the log does not have it: {}\n", file);
+    return out;
+  }
+
+ private:
+  std::string summary() const {
+    const auto count = counted(folders.size(), "folder");
+    if (step == "begun")
+      return fmt::format("{} CA {} has a successor of that name; until {} both count in {}\n", role,
+                         subject, until ? date(*until) : "", count);
+    if (step == "moved")
+      return fmt::format("{} with what the successor of the {} CA {} issued or signed\n", count,
+                         role, subject);
+    if (step == "ended")
+      return fmt::format("the former {} CA {} has ended; its successor alone counts in {}\n", role,
+                         subject, count);
+    if (step == "not due")
+      return fmt::format("not due: the former {} CA ends on {}\n", role, until ? date(*until) : "");
+    return fmt::format("{} CA is {} with a new key now; {} signed anew\n", role, subject, count);
+  }
+};
+
 }  // namespace ddssec::cli

@@ -11,6 +11,7 @@
 #include "cli/ca/ca_progress.hpp"
 #include "cli/ca/ca_rotation.hpp"
 #include "cli/ca/list_dates.hpp"
+#include "cli/commands/ca_results.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/documents/documents.hpp"
 #include "cli/frame/options.hpp"
@@ -106,26 +107,6 @@ std::string_view step_word(Step step) {
   return "";
 }
 
-/// What happened.
-std::string summary(const std::string& role, const Succession& change, std::size_t count) {
-  const auto& subject = change.ca.certificate().subject();
-  const auto folders = counted(count, "folder");
-  switch (change.step) {
-    case Step::replace:
-      break;
-    case Step::begin:
-      return fmt::format("{} CA {} has a successor of that name; until {} both count in {}\n", role,
-                         subject, date(change.overlap->until), folders);
-    case Step::move:
-      return fmt::format("{} with what the successor of the {} CA {} issued or signed\n", folders,
-                         role, subject);
-    case Step::end:
-      return fmt::format("the former {} CA {} has ended; its successor alone counts in {}\n", role,
-                         subject, folders);
-  }
-  return fmt::format("{} CA is {} with a new key now; {} signed anew\n", role, subject, folders);
-}
-
 std::string next_step(const std::string& role, Step step, const std::string& given) {
   const auto command = fmt::format("ddssec ca rotate {} --role {}", given, role);
   switch (step) {
@@ -149,33 +130,35 @@ std::string next_step(const std::string& role, Step step, const std::string& giv
          "old ones and new ones do not meet.\n";
 }
 
-Report report_of(const std::string& role, const Succession& change, const Followed& followed,
-                 const std::vector<std::string>& elsewhere, const std::string& given) {
-  Report report;
-  const auto& ca = change.ca.certificate();
-  report.result = {{"role", role},
-                   {"step", step_word(change.step)},
-                   {"until", change.overlap ? Json(to_string(change.overlap->until)) : Json()},
-                   {"subject", ca.subject()},
-                   {"not_after", to_string(ca.not_after())},
-                   {"sha256", to_hex(ca.fingerprint())},
-                   {"folders", followed.again},
-                   {"revoked", followed.revoked},
-                   {"unlogged", followed.unlogged},
-                   {"elsewhere", elsewhere}};
-  report.text = summary(role, change, followed.again.size());
-  for (const auto& name : followed.again) report.text += fmt::format("  {}\n", name);
-  for (const auto& name : followed.revoked)
-    report.text += fmt::format("revoked and left out: {}\n", name);
-  for (const auto& file : followed.unlogged)
-    report.text += fmt::format("signed although the log does not have it: {}\n", file);
+RotatedCa rotated(const std::string& role, std::string_view step, const pki::Certificate& ca,
+                  const std::optional<Overlap>& overlap) {
+  RotatedCa out{.role = role,
+                .step = std::string(step),
+                .until = {},
+                .subject = ca.subject(),
+                .not_after = ca.not_after(),
+                .sha256 = to_hex(ca.fingerprint())};
+  if (overlap) out.until = overlap->until;
+  return out;
+}
+
+Answer<RotatedCa> answer_of(const std::string& role, const Succession& change,
+                            const Followed& followed, const std::vector<std::string>& elsewhere,
+                            const std::string& given) {
+  Answer<RotatedCa> out{
+      rotated(role, step_word(change.step), change.ca.certificate(), change.overlap)};
+  auto& [result, report, has_result] = out;
+  result.folders = followed.again;
+  result.revoked = followed.revoked;
+  result.unlogged = followed.unlogged;
+  result.elsewhere = elsewhere;
   add_left(followed, report);
   for (const auto& name : elsewhere)
     report.errors.emplace_back(Code::participant_elsewhere, ErrorDetails{.found = name});
   report.text += next_step(role, change.step, given);
   if (role == "permissions" && change.step == Step::replace)
     report.text += "A signed document that lies elsewhere is still the old CA's: sign it again.\n";
-  return report;
+  return out;
 }
 
 Result<Step> step_of(const Arguments& arguments) {
@@ -222,20 +205,6 @@ Result<Succession> with_successor(const OpenCa& old, const Successor& successor,
   change.overlap = overlap_of(std::move(next), former, until);
   change.trust_pem = change.overlap->former_first();
   return change;
-}
-
-Report not_due(const std::string& role, const OpenCa& ca, const Overlap& overlap) {
-  return {.text = fmt::format("not due: the former {} CA ends on {}\n", role, date(overlap.until)),
-          .result = {{"role", role},
-                     {"step", "not due"},
-                     {"until", to_string(overlap.until)},
-                     {"subject", ca.certificate().subject()},
-                     {"not_after", to_string(ca.certificate().not_after())},
-                     {"sha256", to_hex(ca.certificate().fingerprint())},
-                     {"folders", Json::array()},
-                     {"revoked", Json::array()},
-                     {"unlogged", Json::array()},
-                     {"elsewhere", Json::array()}}};
 }
 
 // What it means for a participant that a step cannot write its folder, and what to do then.
@@ -335,8 +304,8 @@ void remove_file(const fs::path& file) {
   if (!writes_nothing()) fs::remove(file, ignored);
 }
 
-Result<Report> follow(const std::string& role, const Work& work, const Arguments& arguments,
-                      const Context& context) {
+Result<Answer<RotatedCa>> follow(const std::string& role, const Work& work,
+                                 const Arguments& arguments, const Context& context) {
   const fs::path given = arguments.text("DIR");
   const auto& change = work.change;
   Replacement out;
@@ -355,13 +324,14 @@ Result<Report> follow(const std::string& role, const Work& work, const Arguments
   // If this fails, nothing is wrong: the former CA is not in the CA's file any more.
   if (is_over) remove_file(overlap_file(paths));
   if (is_over && away.empty()) remove_file(unreached_file(paths));
-  auto report = report_of(role, change, followed, work.known.elsewhere, given.string());
+  auto answer = answer_of(role, change, followed, work.known.elsewhere, given.string());
+  auto& report = answer.report;
   if (change.step != Step::replace && !work.known.gone.empty())
     report.exit = std::max(report.exit, Exit::no);
   report.errors.insert(report.errors.end(), work.warnings.begin(), work.warnings.end());
   if (change.step != Step::begin) add_not_taken(role, work.known.here, followed, report);
   report.files_written = std::move(files);
-  return report;
+  return answer;
 }
 
 std::unexpected<Error> nothing_left(Step step, const OpenCa& ca, std::size_t unmoved,
@@ -415,7 +385,7 @@ Result<std::optional<FileLock>> lock_places(const fs::path& given, const std::st
   return lock_records(paths);
 }
 
-Result<Report> ca_rotate(const Arguments& arguments, const Context& context) {
+Result<Answer<RotatedCa>> ca_rotate(const Arguments& arguments, const Context& context) {
   const fs::path given = arguments.text("DIR");
   DDSSEC_ASSIGN_OR_RETURN(const auto role, one_role(arguments));
   DDSSEC_ASSIGN_OR_RETURN(const auto step, step_of(arguments));
@@ -432,8 +402,8 @@ Result<Report> ca_rotate(const Arguments& arguments, const Context& context) {
   if (!overlap_read && step != Step::replace) return std::unexpected(overlap_read.error());
   const auto overlap = std::move(overlap_read).value_or(std::nullopt);
   if (step == Step::end && overlap && arguments.has("--when-due") && now < overlap->until)
-    return not_due(role, old, *overlap);
-  const auto run = [&](Work work) -> Result<Report> {
+    return Answer<RotatedCa>{rotated(role, "not due", old.certificate(), overlap)};
+  const auto run = [&](Work work) -> Result<Answer<RotatedCa>> {
     work.change.takes_unlogged = arguments.has("--unlogged");
     work.change.lead_out = lead_out(role, step, given.string());
     DDSSEC_ASSIGN_OR_RETURN(work.warnings,
