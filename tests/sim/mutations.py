@@ -159,11 +159,27 @@ FAULTS = [
 ]
 
 
+# Checks that are made twice, by two parts of the product: what else is replaced for that fault.
+ALSO = {
+    "the domain in signed data": ("plugins/authentication/participant_data.cpp",
+                                  "if (is_same_id && is_same_tag && !peer.is_ambiguous) return {};",
+                                  "if (FAULT || (is_same_id && is_same_tag && !peer.is_ambiguous)) return {};"),
+}
+
+
+def replacements():
+    """Of each fault: its number, what is removed, and where."""
+    for number, (what, *where) in enumerate(FAULTS, 1):
+        yield number, what, where
+        if what in ALSO:
+            yield number, what, ALSO[what]
+
+
 def patched(root):
     """{name of a file: its text with all faults}. Each fault's text must stand in its file once, also when the faults
     before it are in; a change of the product must change it here, too."""
     texts, wrong = {}, []
-    for number, (what, name, old, new) in enumerate(FAULTS, 1):
+    for number, what, (name, old, new) in replacements():
         original = (root / name).read_text(encoding="utf-8")
         text = texts.get(name, original)
         if original.count(old) != 1 or text.count(old) != 1:

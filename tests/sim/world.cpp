@@ -107,7 +107,11 @@ void World::send_false_keys() {
   if (tokens.empty() || outsider_.recorded().empty() || !victim.is_running()) return;
   Forger forger(ledger_, invariants_, outsider_.recorded(), further_);
   StolenKeys keys(forger, outsider_.recorded(), further_);
-  auto octets = keys.key_exchange(further_.of(tokens), victim.prefix());
+  // Of the latest ones, whose owners still use them.
+  const auto latest = std::min<std::size_t>(tokens.size(), 60);
+  Bytes octets;
+  for (int attempt = 0; attempt < 8 && octets.empty(); ++attempt)
+    octets = keys.key_exchange(tokens[tokens.size() - 1 - further_.below(latest)], victim.prefix());
   const auto from = address_of(further_.below(nodes_.size() + 3));
   if (!octets.empty()) outsider_.inject({from, victim.address(), std::move(octets)}, now_);
 }
