@@ -30,8 +30,9 @@ inline constexpr const char* kSupportedCiphersSymbol = "ddssec_supported_ciphers
 using HasKeysOf = bool(DDS_Security_IdentityHandle);
 inline constexpr const char* kHasKeysOfSymbol = "ddssec_has_keys_of";
 
-/// Whether it has sent keys for each local participant that met it.
-inline constexpr const char* kHasAllKeysOfSymbol = "ddssec_has_all_keys_of";
+/// Whether it has sent keys for that local participant, the second one.
+using HasKeysFor = bool(DDS_Security_IdentityHandle, DDS_Security_IdentityHandle);
+inline constexpr const char* kHasKeysForSymbol = "ddssec_has_keys_for";
 
 /// The time of the last decrypted message that only the holder of the shared secret can produce, in
 /// nanoseconds of the monotonic clock; 0: never.

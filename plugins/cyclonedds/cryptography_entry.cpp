@@ -23,8 +23,9 @@ DDSSEC_EXPORT bool ddssec_has_keys_of(DDS_Security_IdentityHandle remote) {
   return cyclonedds::PeersWithKeys::of_process().contains({remote});
 }
 
-DDSSEC_EXPORT bool ddssec_has_all_keys_of(DDS_Security_IdentityHandle remote) {
-  return cyclonedds::PeersWithKeys::of_process().has_sent_all_keys({remote});
+DDSSEC_EXPORT bool ddssec_has_keys_for(DDS_Security_IdentityHandle remote,
+                                       DDS_Security_IdentityHandle local) {
+  return cyclonedds::PeersWithKeys::of_process().has_sent_keys({remote}, {local});
 }
 
 DDSSEC_EXPORT bool ddssec_is_matched_with(DDS_Security_IdentityHandle remote) {

@@ -143,15 +143,10 @@ bool HandshakeWatch::is_settled(IdentityHandle handle, Remote& remote, const Que
 }
 
 /// The handshakes of other local participants with a peer that has a session with one.
-void HandshakeWatch::give_up_pairs(IdentityHandle handle, Remote& remote, const Questions& ask,
+bool HandshakeWatch::give_up_pairs(IdentityHandle handle, const Remote& remote,
                                    std::vector<Stuck>& out) {
   const auto now = clock_.monotonic();
-  const bool has_all_keys = !ask.has_all_keys || ask.has_all_keys(handle);
-  std::erase_if(remote.unfinished, [&](const auto& entry) {
-    if (!entry.second.is_finished || !has_all_keys) return false;
-    resting_.finished(entry.first, remote.guid);
-    return true;
-  });
+  const auto before = out.size();
   for (const auto& [local, half] : remote.unfinished)
     if (!half.is_asked_again && now - half.met >= kMaxWait)
       out.push_back({.remote = handle,
@@ -162,6 +157,16 @@ void HandshakeWatch::give_up_pairs(IdentityHandle handle, Remote& remote, const 
                      .waited = now - half.met,
                      .is_shared = true,
                      .rest = resting_.failed(local, remote.guid, now)});
+  return out.size() > before;
+}
+
+void HandshakeWatch::note_finished(IdentityHandle handle, Remote& remote, const Questions& ask) {
+  std::erase_if(remote.unfinished, [&](const auto& entry) {
+    const auto& [local, half] = entry;
+    if (!half.is_finished || (ask.has_keys_for && !ask.has_keys_for(handle, local))) return false;
+    resting_.finished(local, remote.guid);
+    return true;
+  });
 }
 
 /// Pairs that have rested: the host begins their handshake only after it has forgotten the peer.
@@ -187,7 +192,9 @@ std::vector<HandshakeWatch::Stuck> HandshakeWatch::give_up(const Questions& ask)
   std::vector<Stuck> out;
   for (auto& [handle, remote] : remotes_) {
     remote.is_settled = is_settled(handle, remote, ask);
-    if (remote.is_settled) give_up_pairs(handle, remote, ask, out);
+    note_finished(handle, remote, ask);
+    const bool has_session = remote.is_settled || remote.lacks_endpoints;
+    if (has_session && give_up_pairs(handle, remote, out)) continue;
     if (!is_stuck(remote, now)) continue;
     auto& past = past_of(remote.guid, now);
     out.push_back({handle, remote.guid, remote.was_disturbed, remote.lacks_endpoints,

@@ -86,8 +86,8 @@ class HandshakeWatch {
   struct Questions {
     /// Has the remote participant sent its keys?
     std::function<bool(spi::IdentityHandle)> has_keys = {};
-    /// Has it sent keys for each local participant that met it?
-    std::function<bool(spi::IdentityHandle)> has_all_keys = {};
+    /// Has it sent keys for that local participant, the second one?
+    std::function<bool(spi::IdentityHandle, spi::IdentityHandle)> has_keys_for = {};
     /// Has the host matched it with all local builtin endpoints? A forged announcement that omits
     /// or disposes some of them would keep the two participants from discovering each other's
     /// endpoints, because the host removes builtin endpoints only together with their participant.
@@ -130,8 +130,8 @@ class HandshakeWatch {
   bool is_settled(spi::IdentityHandle handle, Remote& remote, const Questions& ask) const;
   void await_keys(spi::IdentityHandle handle, Remote& remote, const Questions& ask) const;
   bool is_stuck(const Remote& remote, Duration now) const;
-  void give_up_pairs(spi::IdentityHandle handle, Remote& remote, const Questions& ask,
-                     std::vector<Stuck>& out);
+  void note_finished(spi::IdentityHandle handle, Remote& remote, const Questions& ask);
+  bool give_up_pairs(spi::IdentityHandle handle, const Remote& remote, std::vector<Stuck>& out);
   void give_up_rested(std::vector<Stuck>& out);
   Past& past_of(const Guid& guid, Duration now);
   Remote* of(spi::HandshakeHandle handshake);

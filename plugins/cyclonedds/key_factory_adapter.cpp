@@ -47,6 +47,7 @@ CHandle register_local_participant(Instance* instance, const DDS_Security_Identi
                                 adapter.key_factory().register_local_participant(
                                     {identity}, {permissions}, list, attributes_from(*attributes)));
         adapter.note_local(local, {identity});
+        PeersWithKeys::of_process().add_local(local, {identity});
         return local;
       });
 }
@@ -68,7 +69,7 @@ CHandle register_matched_remote_participant(Instance* instance, const CHandle lo
         PeersWithKeys::of_process().met(peer, {remote_identity}, {local},
                                         is_ours ? secret.peer_builtin_endpoints : 0);
         if (secret.peer_prefix)
-          SessionResets::of_process().expect(peer, {remote_identity},
+          SessionResets::of_process().expect({peer, {local}}, {remote_identity},
                                              spi::derive_reset_token(secret, *secret.peer_prefix));
         return peer;
       });

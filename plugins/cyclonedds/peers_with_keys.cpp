@@ -11,6 +11,16 @@ PeersWithKeys& PeersWithKeys::of_process() {
   return peers;
 }
 
+void PeersWithKeys::add_local(spi::ParticipantCryptoHandle local,
+                              spi::IdentityHandle identity) noexcept {
+  const std::lock_guard lock(mutex_);
+  try {
+    local_of_[identity.value] = local.value;
+  } catch (...) {
+    // As declared.
+  }
+}
+
 void PeersWithKeys::met(spi::ParticipantCryptoHandle peer, spi::IdentityHandle identity,
                         spi::ParticipantCryptoHandle local,
                         std::uint32_t builtin_endpoints) noexcept {
@@ -39,15 +49,21 @@ void PeersWithKeys::sent_keys(spi::ParticipantCryptoHandle peer,
   }
 }
 
-void PeersWithKeys::left(spi::ParticipantCryptoHandle peer) {
+void PeersWithKeys::left(spi::ParticipantCryptoHandle participant) {
   const std::lock_guard lock(mutex_);
-  const auto known = peers_.find(peer.value);
+  std::erase_if(local_of_, [&](const auto& entry) { return entry.second == participant.value; });
+  for (auto& [handle, peer] : peers_) {
+    peer.locals.erase(participant.value);
+    peer.with_keys.erase(participant.value);
+  }
+  const auto known = peers_.find(participant.value);
   if (known == peers_.end()) return;
   if (const auto named = by_identity_.find(known->second.identity);
-      named != by_identity_.end() && named->second == peer.value)
+      named != by_identity_.end() && named->second == participant.value)
     by_identity_.erase(named);
   if (!known->second.sent_keys) --awaited_;
-  std::erase_if(endpoints_, [&](const auto& entry) { return entry.second.peer == peer.value; });
+  std::erase_if(endpoints_,
+                [&](const auto& entry) { return entry.second.peer == participant.value; });
   peers_.erase(known);
 }
 
@@ -113,10 +129,11 @@ bool PeersWithKeys::contains(spi::IdentityHandle identity) const {
   return peer != nullptr && peer->sent_keys;
 }
 
-bool PeersWithKeys::has_sent_all_keys(spi::IdentityHandle identity) const {
+bool PeersWithKeys::has_sent_keys(spi::IdentityHandle identity, spi::IdentityHandle local) const {
   const std::lock_guard lock(mutex_);
   const auto* const peer = find(identity);
-  return peer != nullptr && std::ranges::includes(peer->with_keys, peer->locals);
+  const auto known = local_of_.find(local.value);
+  return peer != nullptr && known != local_of_.end() && peer->with_keys.contains(known->second);
 }
 
 bool PeersWithKeys::is_matched(spi::IdentityHandle identity) const {

@@ -23,13 +23,16 @@ class PeersWithKeys {
   /// participants, publications and subscriptions, secure liveliness, and the key exchange.
   static constexpr std::uint32_t kSecureEndpoints = 0x0f3f0000;
 
+  /// A local participant. If memory runs out, no peer counts as one that sent it keys.
+  void add_local(spi::ParticipantCryptoHandle local, spi::IdentityHandle identity) noexcept;
   /// The local participant `local` met the peer, which signed that it has these builtin endpoints.
   /// If memory runs out, the peer stays unknown and counts as one without keys.
   void met(spi::ParticipantCryptoHandle peer, spi::IdentityHandle identity,
            spi::ParticipantCryptoHandle local, std::uint32_t builtin_endpoints) noexcept;
   /// If memory runs out, the keys count for no local participant.
   void sent_keys(spi::ParticipantCryptoHandle peer, spi::ParticipantCryptoHandle local) noexcept;
-  void left(spi::ParticipantCryptoHandle peer);
+  /// A remote participant, or a local one.
+  void left(spi::ParticipantCryptoHandle participant);
   /// Adds a protected local builtin endpoint. If memory runs out, it is not waited for.
   void add_builtin(std::int64_t endpoint, spi::ParticipantCryptoHandle local) noexcept;
   /// The host matched the peer's `endpoint` with the local endpoint `own`. If memory runs out,
@@ -43,8 +46,8 @@ class PeersWithKeys {
   bool awaits_keys() const noexcept { return awaited_.load(std::memory_order_relaxed) > 0; }
 
   bool contains(spi::IdentityHandle identity) const;
-  /// True if its keys came for each local participant that met it.
-  bool has_sent_all_keys(spi::IdentityHandle identity) const;
+  /// True if its keys came for that local participant.
+  bool has_sent_keys(spi::IdentityHandle identity, spi::IdentityHandle local) const;
   /// True if each protected local builtin endpoint is matched. Also true for a peer that does not
   /// have all kSecureEndpoints, because it is not known here which ones it lacks.
   bool is_matched(spi::IdentityHandle identity) const;
@@ -71,6 +74,7 @@ class PeersWithKeys {
   mutable std::mutex mutex_;
   std::unordered_map<std::int64_t, Peer> peers_;                ///< by crypto handle
   std::unordered_map<std::int64_t, std::int64_t> by_identity_;  ///< crypto handle
+  std::unordered_map<std::int64_t, std::int64_t> local_of_;     ///< crypto handle, by identity
   std::unordered_map<std::int64_t, Endpoint> endpoints_;        ///< of peers
   /// Local builtin endpoints: their participant.
   std::unordered_map<std::int64_t, std::int64_t> builtin_;

@@ -41,9 +41,10 @@ HandshakeWatch::Questions questions_to_cryptography() {
     questions.has_keys = [ask = reinterpret_cast<HasKeysOf*>(symbol)](auto remote) {
       return ask(remote.value);
     };
-  if (void* const symbol = dlsym(RTLD_DEFAULT, kHasAllKeysOfSymbol))
-    questions.has_all_keys = [ask = reinterpret_cast<HasKeysOf*>(symbol)](auto remote) {
-      return ask(remote.value);
+  if (void* const symbol = dlsym(RTLD_DEFAULT, kHasKeysForSymbol))
+    questions.has_keys_for = [ask = reinterpret_cast<HasKeysFor*>(symbol)](auto remote,
+                                                                           auto local) {
+      return ask(remote.value, local.value);
     };
   if (void* const symbol = dlsym(RTLD_DEFAULT, kIsMatchedWithSymbol))
     questions.is_matched = [ask = reinterpret_cast<IsMatchedWith*>(symbol)](auto remote) {

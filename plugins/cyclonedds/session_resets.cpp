@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "base/hash.hpp"
-#include "base/rollback.hpp"
 
 namespace ddssec::cyclonedds {
 
@@ -14,30 +13,24 @@ SessionResets& SessionResets::of_process() {
   return resets;
 }
 
-void SessionResets::expect(spi::ParticipantCryptoHandle peer, spi::IdentityHandle identity,
+void SessionResets::expect(Pair pair, spi::IdentityHandle identity,
                            spi::ResetToken token) noexcept {
   const std::lock_guard lock(mutex_);
   try {
-    const auto name = token.name;
-    if (!sessions_.try_emplace(name, Session{peer, identity, std::move(token.proof)}).second)
-      return;
-    Rollback forget([&] { sessions_.erase(name); });
-    names_.emplace(peer.value, name);
-    forget.release();
+    sessions_.try_emplace(token.name, Session{pair, identity, std::move(token.proof)});
   } catch (...) {
     // As declared.
   }
 }
 
-void SessionResets::forget(spi::ParticipantCryptoHandle peer) {
+void SessionResets::forget(spi::ParticipantCryptoHandle participant) {
   const std::lock_guard lock(mutex_);
-  const auto [first, end] = names_.equal_range(peer.value);
-  for (auto of_peer = first; of_peer != end; ++of_peer) {
-    const auto session = sessions_.find(of_peer->second);
-    if (session->second.is_lost) --lost_;
-    sessions_.erase(session);
-  }
-  names_.erase(first, end);
+  std::erase_if(sessions_, [&](const auto& entry) {
+    const auto& [pair, identity, proof, is_lost] = entry.second;
+    if (pair.peer != participant && pair.local != participant) return false;
+    if (is_lost) --lost_;
+    return true;
+  });
 }
 
 bool SessionResets::received(const spi::Reset& reset) {

@@ -18,11 +18,17 @@ class SessionResets {
  public:
   static SessionResets& of_process();
 
-  /// From now on `peer` can prove with `token` that it has lost the session. If memory runs out it
-  /// cannot, and the session stays as it is.
-  void expect(spi::ParticipantCryptoHandle peer, spi::IdentityHandle identity,
-              spi::ResetToken token) noexcept;
-  void forget(spi::ParticipantCryptoHandle peer);
+  /// A remote and a local participant.
+  struct Pair {
+    spi::ParticipantCryptoHandle peer;
+    spi::ParticipantCryptoHandle local;
+  };
+  /// From now on the peer can prove with `token` that it has lost the session. If memory runs out
+  /// it cannot, and the session stays as it is.
+  void expect(Pair pair, spi::IdentityHandle identity, spi::ResetToken token) noexcept;
+  /// A remote participant, or a local one: a peer that hears its end loses the session, which
+  /// concerns no other.
+  void forget(spi::ParticipantCryptoHandle participant);
   /// Checks a received reset. False if it is not the token of an existing session.
   bool received(const spi::Reset& reset);
   /// True if that remote participant has requested a reset since the last call.
@@ -30,7 +36,7 @@ class SessionResets {
 
  private:
   struct Session {
-    spi::ParticipantCryptoHandle peer;
+    Pair pair;
     spi::IdentityHandle identity;
     spi::ResetProof proof;
     bool is_lost = false;
@@ -38,7 +44,6 @@ class SessionResets {
 
   std::mutex mutex_;
   std::map<spi::ResetName, Session> sessions_;
-  std::multimap<std::int64_t, spi::ResetName> names_;  ///< by the peer's handle
   /// Not yet taken; `take` is called for every peer each second.
   std::atomic<std::size_t> lost_ = 0;
 };

@@ -311,7 +311,7 @@ TEST_F(SharedPeerTest, IsLeftToTheOtherParticipantAfterTheSecondTime) {
 }
 
 TEST_F(SharedPeerTest, IsForgivenOnceItHasFinishedWithBoth) {
-  ask.has_all_keys = [](auto) { return true; };
+  ask.has_keys_for = [](auto, auto) { return true; };
   meet();
   ASSERT_EQ(after(80s).size(), 1u);
   meet();
@@ -323,12 +323,31 @@ TEST_F(SharedPeerTest, IsForgivenOnceItHasFinishedWithBoth) {
 }
 
 TEST_F(SharedPeerTest, MustSendItsKeysToBoth) {
-  ask.has_all_keys = [](auto) { return false; };
-  meet();
-  watch.progressed({second_local, remote}, second);
-  watch.finished(second);
-  EXPECT_TRUE(after(79s).empty());
-  EXPECT_EQ(after(2s).at(0).is_shared, true);
+  ask.has_keys_for = [&](auto, auto asked) { return asked == local; };
+  for (int i = 0; i < 2; ++i) {
+    meet();
+    watch.progressed({second_local, remote}, second);
+    watch.finished(second);
+    EXPECT_TRUE(after(79s).empty());
+    const auto stuck = after(2s);
+    ASSERT_EQ(stuck.size(), 1u);
+    EXPECT_TRUE(stuck[0].is_shared);
+  }
+  EXPECT_EQ(watch.rest_of(local, guid_of(1)), 0s) << "it has its keys";
+  EXPECT_GT(watch.rest_of(second_local, guid_of(1)), 9min);
+}
+
+// A peer that finishes one handshake at the last moment, and lacks endpoints then.
+TEST_F(SharedPeerTest, ThatLacksEndpointsIsGivenUpInTimeAllTheSame) {
+  ask.is_matched = [](auto) { return false; };
+  watch.met({local, remote}, guid_of(1));
+  watch.met({second_local, remote}, guid_of(1));
+  for (int i = 0; i < 5; ++i) {
+    watch.progressed({local, remote}, handshake);
+    EXPECT_TRUE(after(15s).empty());
+  }
+  watch.finished(handshake);
+  EXPECT_EQ(after(5100ms).size(), 1u);
 }
 
 // The second one does not trust its CA, say. The host asks once a second.

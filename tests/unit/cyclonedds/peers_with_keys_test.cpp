@@ -26,17 +26,23 @@ TEST(PeersWithKeys, AreThoseWhoseKeysCame) {
   peers.left({70});
 }
 
-TEST(PeersWithKeys, HaveSentAllOnceEachLocalParticipantHasThem) {
+TEST(PeersWithKeys, SendThemForEachLocalParticipant) {
   PeersWithKeys peers;
-  EXPECT_FALSE(peers.has_sent_all_keys({7}));
+  peers.add_local(kLocal, {21});
+  peers.add_local(kSecond, {22});
+  EXPECT_FALSE(peers.has_sent_keys({7}, {21}));
   peers.met({70}, {7}, kLocal, kAll);
-  peers.sent_keys({70}, kLocal);
-  EXPECT_TRUE(peers.has_sent_all_keys({7}));
   peers.met({70}, {7}, kSecond, kAll);
-  EXPECT_TRUE(peers.contains({7}));
-  EXPECT_FALSE(peers.has_sent_all_keys({7}));
+  peers.sent_keys({70}, kLocal);
+  EXPECT_TRUE(peers.has_sent_keys({7}, {21}));
+  EXPECT_FALSE(peers.has_sent_keys({7}, {22}));
+  EXPECT_FALSE(peers.has_sent_keys({7}, {23}));
   peers.sent_keys({70}, kSecond);
-  EXPECT_TRUE(peers.has_sent_all_keys({7}));
+  EXPECT_TRUE(peers.has_sent_keys({7}, {22}));
+  peers.left(kSecond);
+  EXPECT_FALSE(peers.has_sent_keys({7}, {22}));
+  EXPECT_TRUE(peers.has_sent_keys({7}, {21}));
+  EXPECT_TRUE(peers.contains({7}));
 }
 
 TEST(PeersWithKeys, ALaterPeerOfTheSameIdentityStartsWithout) {

@@ -152,7 +152,7 @@ TEST_F(SessionResetTest, IsNotSentToAPeerWithOtherPlugins) {
 TEST_F(SessionResetTest, MakesTheHostBeginAnew) {
   const auto remote = authenticate();
   auto& resets = SessionResets::of_process();
-  resets.expect({70}, {remote}, spi::derive_reset_token(*secret(), kRemote));
+  resets.expect({{70}, {1}}, {remote}, spi::derive_reset_token(*secret(), kRemote));
   // With the second question the first has had no effect.
   const auto before = questions.load();
   for (int i = 0; i < 1000 && questions < before + 2; ++i) std::this_thread::sleep_for(10ms);

@@ -21,7 +21,7 @@ bool receive(SessionResets& resets, const Bytes& message) {
 
 TEST(SessionResets, AreTakenOnce) {
   SessionResets resets;
-  resets.expect({70}, {7}, token_of(1));
+  resets.expect({{70}, {1}}, {7}, token_of(1));
   EXPECT_FALSE(resets.take({7}));
   EXPECT_TRUE(receive(resets, message_of(1)));
   EXPECT_TRUE(receive(resets, message_of(1)));  // sent again
@@ -32,7 +32,7 @@ TEST(SessionResets, AreTakenOnce) {
 
 TEST(SessionResets, NeedTheProofOfASessionThatIsThere) {
   SessionResets resets;
-  resets.expect({70}, {7}, token_of(1));
+  resets.expect({{70}, {1}}, {7}, token_of(1));
   EXPECT_FALSE(receive(resets, message_of(2)));
   auto forged = message_of(1);
   forged[forged.size() - 25] ^= 1;  // last octet of the proof
@@ -43,14 +43,27 @@ TEST(SessionResets, NeedTheProofOfASessionThatIsThere) {
   EXPECT_FALSE(resets.take({7}));
 }
 
+// Its end is the reason why the peer has lost the session.
+TEST(SessionResets, OfALocalParticipantThatEnded_ResetNoOther) {
+  SessionResets resets;
+  resets.expect({{70}, {1}}, {7}, token_of(1));
+  resets.expect({{70}, {2}}, {7}, token_of(2));
+  resets.forget({2});
+  EXPECT_FALSE(receive(resets, message_of(2)));
+  EXPECT_FALSE(resets.take({7}));
+  EXPECT_TRUE(receive(resets, message_of(1)));
+  EXPECT_TRUE(resets.take({7}));
+}
+
 TEST(SessionResets, OfAForgottenPeerAreNotWaitedFor) {
   SessionResets resets;
-  resets.expect({70}, {7}, token_of(1));
-  resets.expect({70}, {7}, token_of(2));  // a second local participant
+  resets.expect({{70}, {1}}, {7}, token_of(1));
+  resets.expect({{70}, {1}}, {7}, token_of(2));  // a second local participant
   EXPECT_TRUE(receive(resets, message_of(2)));
   resets.forget({70});
   EXPECT_FALSE(resets.take({7}));
-  resets.expect({71}, {7}, token_of(3));  // the next session is not reset by the former's token
+  resets.expect({{71}, {1}}, {7},
+                token_of(3));  // the next session is not reset by the former's token
   EXPECT_FALSE(receive(resets, message_of(2)));
   EXPECT_FALSE(resets.take({7}));
 }
