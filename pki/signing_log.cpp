@@ -65,6 +65,7 @@ bool SigningLog::add_line(std::string_view line) {
   if (auto old = member(object, "extends"); old.size() == kDigits)
     extends_[document] = std::move(old);
   last_in_[file] = document;
+  line_of_[document] = ++lines_;
   if (const auto found = object.find("revision"); found != object.end())
     last_revision_ = std::max(last_revision_, revision_in(*found));
   return true;
@@ -88,16 +89,26 @@ bool SigningLog::is_current_in(const std::string& file, const std::string& docum
   return *text == document;
 }
 
+bool SigningLog::is_superseded_in(const std::string& file, const std::string& document) const {
+  const auto last = last_in_.find(file);
+  return last != last_in_.end() && !is_current_in(file, document) &&
+         line_of_.at(document) < line_of_.at(last->second);
+}
+
 // A new CA that signs the same text again supersedes nothing: the old document is used until the
 // new one is in place.
-SigningLog::Standing SigningLog::standing(BytesView text, const Certificate& ca) const {
+SigningLog::Standing SigningLog::standing(BytesView text, const Certificate& ca,
+                                          const std::vector<std::string>& files) const {
   const auto document = document_digest(text);
   const bool is_signed = std::ranges::any_of(KeyDigests(ca).all(), [&](const auto& key) {
     return signed_.contains(entry(key, document));
   });
   if (!is_signed) return Standing::unknown;
-  const bool is_current = std::ranges::any_of(
-      files_of_.at(document), [&](const auto& file) { return is_current_in(file, document); });
+  const bool is_current =
+      std::ranges::any_of(files_of_.at(document),
+                          [&](const auto& file) { return is_current_in(file, document); }) &&
+      std::ranges::none_of(files,
+                           [&](const auto& file) { return is_superseded_in(file, document); });
   return is_current ? Standing::current : Standing::superseded;
 }
 
@@ -112,10 +123,16 @@ std::string SigningLog::signed_line(BytesView text, const Certificate& ca, std::
   return object.dump(-1, ' ', false, LogJson::error_handler_t::replace) + "\n";
 }
 
-std::string SigningLog::with_revision(const std::string& line, std::uint32_t revision) {
-  auto object = LogJson::parse(line);
-  object["revision"] = revision;
-  return object.dump(-1, ' ', false, LogJson::error_handler_t::replace) + "\n";
+std::string SigningLog::with_revision(const std::string& lines, std::uint32_t revision) {
+  std::string out;
+  for (std::size_t begin = 0; begin < lines.size();) {
+    const auto end = std::min(lines.find('\n', begin), lines.size());
+    auto object = LogJson::parse(lines.substr(begin, end - begin));
+    object["revision"] = revision;
+    out += object.dump(-1, ' ', false, LogJson::error_handler_t::replace) + "\n";
+    begin = end + 1;
+  }
+  return out;
 }
 
 }  // namespace ddssec::pki

@@ -35,8 +35,11 @@ class SigningLog {
   /// lines are ignored and listed in unreadable().
   static SigningLog parse(BytesView text);
 
-  /// The status of a document that was signed with the key of `ca`.
-  Standing standing(BytesView text, const Certificate& ca) const;
+  /// The status of a document that was signed with the key of `ca`. `files`: the names of the file
+  /// that it is in now. What was signed for one of them later supersedes it, even if it is the last
+  /// text of another file: a folder may have been moved, and its former document put back.
+  Standing standing(BytesView text, const Certificate& ca,
+                    const std::vector<std::string>& files = {}) const;
   /// True if a text is the last one that was signed for this file, by any CA in the log. The log
   /// alone decides: the signature need not be of a CA that still exists.
   bool is_last_of(const std::string& file, BytesView text) const;
@@ -50,16 +53,20 @@ class SigningLog {
   /// may be killed before the new one is in place.
   static std::string signed_line(BytesView text, const Certificate& ca, std::string_view file,
                                  WallTime now, BytesView extended = {});
-  /// The same line with the revision of a governance document.
-  static std::string with_revision(const std::string& line, std::uint32_t revision);
+  /// The same lines with the revision of a governance document.
+  static std::string with_revision(const std::string& lines, std::uint32_t revision);
 
  private:
   bool add_line(std::string_view line);
   bool is_current_in(const std::string& file, const std::string& document) const;
+  bool is_superseded_in(const std::string& file, const std::string& document) const;
 
   std::unordered_set<std::string> signed_;  ///< "key_digest() of the CA, document_digest()"
   std::unordered_map<std::string, std::vector<std::string>> files_of_;  ///< by document_digest()
   std::unordered_map<std::string, std::string> last_in_;  ///< by file: the last document_digest()
+  /// By document_digest(): the number of the last line.
+  std::unordered_map<std::string, std::size_t> line_of_;
+  std::size_t lines_ = 0;
   std::unordered_map<std::string, std::string> extends_;  ///< document_digest() of both
   std::uint32_t last_revision_ = 0;
   std::vector<int> unreadable_;

@@ -93,7 +93,7 @@ Result<fs::path> check_renewable(const RenewalRequest& request, const pki::Certi
 // A document that the CA has replaced since may give more. It would live on with each renewal.
 Status check_current(const pki::SignedDocument& document, const fs::path& file, const OpenCa& ca) {
   DDSSEC_ASSIGN_OR_RETURN(const auto log, read_signing_log(ca.paths));
-  const auto standing = log.standing(document.content(), document.signer());
+  const auto standing = log.standing(document.content(), document.signer(), logged_names(file));
   if (standing == pki::SigningLog::Standing::current) return {};
   const bool is_known = standing == pki::SigningLog::Standing::superseded;
   return fail(

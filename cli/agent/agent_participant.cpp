@@ -263,7 +263,7 @@ WallTime renewal_from(const pki::Certificate& renewed, WallTime now) {
 Status put_list_of_ca(const Participant& self) {
   DDSSEC_ASSIGN_OR_RETURN(const auto list, pki::RenewalList::parse(as_bytes(self.task.renewals)));
   Replacement out;
-  DDSSEC_RETURN_IF_ERROR(put_renewals(out, self.files, {list, {}, self.now()}));
+  DDSSEC_RETURN_IF_ERROR(put_renewals(out, self.files, {list, {}, {}, self.now()}));
   DDSSEC_RETURN_IF_ERROR(out.commit_each());
   return {};
 }

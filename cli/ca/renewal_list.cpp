@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <optional>
+#include <ranges>
 #include <set>
 #include <utility>
 
@@ -15,6 +16,7 @@
 #include "cli/inputs.hpp"
 #include "governance/read.hpp"
 #include "governance/write.hpp"
+#include "pki/key_digest.hpp"
 #include "pki/smime.hpp"
 #include "pki/smime_diagnosis.hpp"
 
@@ -77,14 +79,8 @@ class Entries {
  public:
   /// Of permissions, those that name a subject.
   void add(const pki::RenewalList& list, WallTime now) {
-    std::vector<pki::Certificate> certificates;
     for (const auto& one : list.certificates)
-      if (one.not_after() > now) certificates.push_back(one);
-    std::erase_if(certificates_, [&](const auto& old) {
-      return std::ranges::find(certificates, old.subject_digest(),
-                               &pki::Certificate::subject_digest) != certificates.end();
-    });
-    std::ranges::move(certificates, std::back_inserter(certificates_));
+      if (one.not_after() > now) add(one);
     for (const auto& file : list.permissions) {
       auto next = look_into(file);
       if (!next || next->end <= now) continue;
@@ -98,12 +94,19 @@ class Entries {
     std::size_t octets = 0;
     for (const auto& one : certificates_) octets += one.pem().size();
     for (const auto& one : documents_) octets += size_in_list(one.file);
-    while (!documents_.empty() &&
-           (documents_.size() > pki::kMostRenewals || octets > pki::kMostRenewalListOctets)) {
-      const auto least = documents_.begin() + static_cast<std::ptrdiff_t>(least_document());
-      octets -= size_in_list(least->file);
-      for (const auto& grant : least->grants) left_out_.insert(grant.subject_name);
-      documents_.erase(least);
+    const auto is_too_long = [&](std::size_t left) {
+      return left > pki::kMostRenewals || octets > pki::kMostRenewalListOctets;
+    };
+    if (is_too_long(documents_.size())) {
+      auto documents = least_first();
+      auto keep = documents.begin();
+      for (;
+           keep != documents.end() && is_too_long(static_cast<std::size_t>(documents.end() - keep));
+           ++keep) {
+        octets -= size_in_list(keep->file);
+        for (const auto& grant : keep->grants) left_out_.insert(grant.subject_name);
+      }
+      documents_.assign(std::make_move_iterator(keep), std::make_move_iterator(documents.end()));
     }
     while (certificates_.size() > pki::kMostRenewals || octets > pki::kMostRenewalListOctets) {
       const auto least = std::ranges::min_element(certificates_, {}, &pki::Certificate::not_after);
@@ -122,22 +125,36 @@ class Entries {
   const std::set<std::string>& left_out() const { return left_out_; }
 
  private:
-  // Later documents are for the same subjects.
-  bool is_older(std::size_t index) const {
-    std::set<std::string_view> later;
-    for (std::size_t i = index + 1; i < documents_.size(); ++i)
-      for (const auto& grant : documents_[i].grants) later.insert(grant.subject_name);
-    return std::ranges::all_of(documents_[index].grants, [&](const auto& grant) {
-      return later.contains(grant.subject_name);
-    });
+  // An older list may be added after a newer one. Of one subject and key, what ends last counts.
+  void add(const pki::Certificate& one) {
+    const auto former =
+        std::ranges::find(certificates_, one.subject_digest(), &pki::Certificate::subject_digest);
+    if (former == certificates_.end())
+      certificates_.push_back(one);
+    else if (former->not_after() <= one.not_after() || !has_key_of(*former, one))
+      *former = one;
   }
-  std::size_t least_document() const {
-    std::size_t ends_first = 0;
-    for (std::size_t i = 0; i < documents_.size(); ++i) {
-      if (is_older(i)) return i;
-      if (documents_[i].end < documents_[ends_first].end) ends_first = i;
+  static bool has_key_of(const pki::Certificate& a, const pki::Certificate& b) {
+    return pki::key_digest(a) == pki::key_digest(b);
+  }
+  // First those of subjects that have later ones, then those that end first.
+  std::vector<ListedDocument> least_first() const {
+    std::set<std::string_view> later;
+    std::vector<std::pair<bool, const ListedDocument*>> order;
+    for (const auto& document : std::views::reverse(documents_)) {
+      order.emplace_back(!std::ranges::all_of(
+                             document.grants,
+                             [&](const auto& grant) { return later.contains(grant.subject_name); }),
+                         &document);
+      for (const auto& grant : document.grants) later.insert(grant.subject_name);
     }
-    return ends_first;
+    std::ranges::reverse(order);
+    std::ranges::stable_sort(order, {}, [](const auto& one) {
+      return std::pair(one.first, one.first ? one.second->end : WallTime());
+    });
+    std::vector<ListedDocument> out;
+    for (const auto& [is_last, document] : order) out.push_back(*document);
+    return out;
   }
 
   std::vector<pki::Certificate> certificates_;
@@ -202,14 +219,13 @@ Status add_to(const fs::path& file, const pki::RenewalList& next, WallTime now) 
   return {};
 }
 
-// What is there of CAs that the folder has: the others have no effect. Nothing of `without`.
+// What is there of CAs that the folder has: the others have no effect.
 pki::RenewalList of_trusted(pki::RenewalList list, const pki::ParticipantFolder& files,
-                            WallTime now, const std::vector<pki::Certificate>& without = {}) {
+                            WallTime now) {
   const auto identity_cas = read_certificates(files.identity_ca);
   std::erase_if(list.certificates, [&](const auto& one) {
     const auto is_issuer = [&](const auto& ca) { return one.is_issued_by(ca); };
-    return std::ranges::any_of(without, is_issuer) || !identity_cas ||
-           std::ranges::none_of(*identity_cas, is_issuer);
+    return !identity_cas || std::ranges::none_of(*identity_cas, is_issuer);
   });
   auto permissions_cas = read_certificates(files.permissions_ca);
   if (!permissions_cas) {
@@ -219,8 +235,7 @@ pki::RenewalList of_trusted(pki::RenewalList list, const pki::ParticipantFolder&
   const auto verifier = pki::DocumentVerifier::make(*std::move(permissions_cas));
   std::erase_if(list.permissions, [&](const auto& one) {
     if (!verifier) return true;
-    const auto proof = verifier->verify(one, now);
-    return !proof || std::ranges::find(without, proof->signer()) != without.end();
+    return !verifier->verify(one, now);
   });
   return list;
 }
@@ -279,7 +294,7 @@ RenewalsOfCas renewals_of(const fs::path& given, const pki::Crl* revoked) {
     std::ranges::move(list->permissions, std::back_inserter(out.list.permissions));
     std::ranges::move(*cas, std::back_inserter(out.cas));
   }
-  std::set<std::string> serials;
+  auto& serials = out.revoked;
   if (revoked != nullptr) {
     const auto entries = revoked->revoked();
     if (!entries) {
@@ -297,8 +312,13 @@ RenewalsOfCas renewals_of(const fs::path& given, const pki::Crl* revoked) {
 
 Status put_renewals(Replacement& out, const pki::ParticipantFolder& files,
                     const RenewalsForFolder& what) {
-  const auto former = of_trusted(read_renewals(files.renewals).value_or(pki::RenewalList{}), files,
-                                 what.now, what.cas);
+  // The entries can only extend, so none leaves because another list lacks it.
+  auto former =
+      of_trusted(read_renewals(files.renewals).value_or(pki::RenewalList{}), files, what.now);
+  std::erase_if(former.certificates, [&](const auto& one) {
+    return what.revoked.contains(one.serial()) &&
+           std::ranges::any_of(what.cas, [&](const auto& ca) { return one.is_issued_by(ca); });
+  });
   const auto entries = entries_of(former, of_trusted(what.entries, files, what.now), what.now);
   if (!entries.left_out().empty()) add_notice(too_long(files.renewals, entries.left_out()));
   const auto list = entries.list();

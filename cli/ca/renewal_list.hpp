@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -47,6 +48,7 @@ bool extends(const governance::Permissions& next, const std::vector<governance::
 struct RenewalsOfCas {
   pki::RenewalList list = {};
   std::vector<pki::Certificate> cas = {};  ///< whose lists were read
+  std::set<std::string> revoked = {};      ///< serial numbers of the identity CA
   std::vector<Error> problems = {};  ///< of the others: those of read_file and RenewalList::parse
 };
 /// The lists of both CAs at `given`, as one. Without certificates that `revoked` names, the present
@@ -56,12 +58,13 @@ RenewalsOfCas renewals_of(const std::filesystem::path& given, const pki::Crl* re
 /// Entries for a participant's folder.
 struct RenewalsForFolder {
   const pki::RenewalList& entries;
-  const std::vector<pki::Certificate>& cas;  ///< these have no other entries; may be empty
+  const std::vector<pki::Certificate>& cas;  ///< what these issued leaves if it is `revoked`
+  const std::set<std::string>& revoked;      ///< serial numbers
   WallTime now;
 };
 
 /// Drafts the renewal list of a participant's folder: the entries, and those that are there of
-/// other CAs that the folder has, as NewlyListed::write adds them. A list that cannot be read is
+/// CAs that the folder has, as NewlyListed::write adds them. A list that cannot be read is
 /// made anew. Nothing if the list is there already. A notice (file_too_large) if something was left
 /// out. Errors: those of Replacement::put.
 Status put_renewals(Replacement& out, const pki::ParticipantFolder& files,

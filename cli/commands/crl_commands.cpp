@@ -265,8 +265,9 @@ Status put_renewal_lists(Distributed& done, const Distribution& what) {
   std::ranges::copy(what.renewals.problems, std::back_inserter(done.errors));
   for (const auto& folder : done.folders) {
     Replacement out;
-    auto status = put_renewals(out, pki::participant_folder(folder),
-                               {what.renewals.list, what.renewals.cas, what.now});
+    auto status =
+        put_renewals(out, pki::participant_folder(folder),
+                     {what.renewals.list, what.renewals.cas, what.renewals.revoked, what.now});
     if (status) {
       auto files = out.commit_each();
       if (files)

@@ -87,7 +87,8 @@ Status check_not_ended(const OldPermissions& old, const pki::ParticipantFolder& 
 Status check_not_superseded(const pki::ParticipantFolder& files, const OpenCa& ca, WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(const auto proof, verified(files.permissions, ca.paths.certificate, now));
   DDSSEC_ASSIGN_OR_RETURN(const auto log, read_signing_log(ca.paths));
-  if (log.standing(proof.content(), proof.signer()) != pki::SigningLog::Standing::superseded)
+  if (log.standing(proof.content(), proof.signer(), logged_names(files.permissions)) !=
+      pki::SigningLog::Standing::superseded)
     return {};
   return fail(
       tool_code::document_superseded,

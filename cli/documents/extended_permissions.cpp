@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/tool_code.hpp"
 #include "governance/grant.hpp"
 #include "governance/read.hpp"
 #include "pki/subject_name.hpp"
@@ -15,10 +16,25 @@ Result<OldPermissions> own_permissions(const pki::SignedDocument& signed_documen
       const auto document,
       governance::read_permissions(signed_document.content(), signed_document.first_line()));
   const auto subject = pki::SubjectName::of(certificate);
-  const auto found = std::ranges::find_if(
-      document.grants, [&](const auto& grant) { return governance::is_for(grant, subject); });
+  const auto is_own = [&](const auto& grant) { return governance::is_for(grant, subject); };
+  const auto is_valid_now = [&](const auto& grant) {
+    return is_own(grant) && grant.validity.not_before <= now && now < grant.validity.not_after;
+  };
+  auto found = std::ranges::find_if(document.grants, is_valid_now);
+  if (found == document.grants.end()) found = std::ranges::find_if(document.grants, is_own);
   if (found == document.grants.end())
     return fail(Code::no_grant_for_subject, {.found = certificate.subject()});
+  // An extension would put off what the other one says.
+  const auto planned = std::ranges::find_if(document.grants, [&](const auto& grant) {
+    return is_own(grant) && grant.validity.not_after > found->validity.not_after;
+  });
+  if (planned != document.grants.end())
+    return fail(tool_code::document_superseded,
+                {.field = "grants",
+                 .expected = "one grant for " + certificate.subject(),
+                 .found = "another that begins on " + to_string(planned->validity.not_before),
+                 .note = "a document that plans other rights is not extended",
+                 .hint = "sign a document for the time that follows: ddssec permissions sign"});
   return OldPermissions{*found, found->validity.not_after <= now,
                         to_bytes(signed_document.content())};
 }

@@ -39,16 +39,12 @@ Status check_standing(Standing standing, const fs::path& file, const OpenCa& ca)
                          file.string())});
 }
 
-std::string logged_path(const fs::path& file) {
-  std::error_code ignored;
-  return fs::absolute(file, ignored).lexically_normal().string();
-}
-
 // A document that the CA's present key did not sign, or an error: the given one.
 Result<DocumentOfCa> logged_text(const fs::path& file, const pki::SigningLog& log,
                                  const Error& error) {
   const auto found = unverified_text(file);
-  if (!found || !log.is_last_of(logged_path(file), found->xml)) return std::unexpected(error);
+  const auto is_last = [&](const auto& name) { return log.is_last_of(name, found->xml); };
+  if (!found || !std::ranges::all_of(logged_names(file), is_last)) return std::unexpected(error);
   DocumentOfCa out{std::string(as_text(found->xml)), true};
   std::erase(out.text, '\r');
   return out;
@@ -56,9 +52,22 @@ Result<DocumentOfCa> logged_text(const fs::path& file, const pki::SigningLog& lo
 
 }  // namespace
 
+std::vector<std::string> logged_names(const fs::path& file) {
+  std::error_code ignored;
+  const auto given = fs::absolute(file, ignored).lexically_normal();
+  const auto folder = fs::weakly_canonical(given.parent_path(), ignored);
+  std::vector<std::string> out{given.string()};
+  if (!folder.empty() && folder != given.parent_path())
+    out.push_back((folder / given.filename()).string());
+  return out;
+}
+
 std::string signed_line(const pki::Certificate& ca, BytesView text, const fs::path& file,
-                        WallTime now) {
-  return pki::SigningLog::signed_line(text, ca, logged_path(file), now);
+                        WallTime now, BytesView extended) {
+  std::string out;
+  for (const auto& name : logged_names(file))
+    out += pki::SigningLog::signed_line(text, ca, name, now, extended);
+  return out;
 }
 
 Status log_signed(const CaPaths& ca, std::string_view lines) {
@@ -70,8 +79,7 @@ Status log_signed(const CaPaths& ca, std::string_view lines) {
 
 Status log_signed(const OpenCa& ca, BytesView text, const fs::path& file, WallTime now,
                   BytesView extended) {
-  return log_signed(ca.paths, pki::SigningLog::signed_line(text, ca.certificate(),
-                                                           logged_path(file), now, extended));
+  return log_signed(ca.paths, signed_line(ca.certificate(), text, file, now, extended));
 }
 
 Result<pki::SigningLog> read_signing_log(const CaPaths& ca) {
@@ -88,7 +96,7 @@ Result<DocumentOfCa> document_of(const fs::path& file, const OpenCa& ca, const p
                                  bool takes_unlogged, WallTime now) {
   const auto proof = verified(file, ca.paths.certificate, within(ca.certificate(), now));
   if (!proof) return logged_text(file, log, proof.error());
-  const auto standing = log.standing(proof->content(), proof->signer());
+  const auto standing = log.standing(proof->content(), proof->signer(), logged_names(file));
   if (!takes_unlogged) DDSSEC_RETURN_IF_ERROR(check_standing(standing, file, ca));
   DocumentOfCa out{std::string(as_text(proof->content())), standing == Standing::current};
   std::erase(out.text, '\r');
@@ -100,7 +108,8 @@ Result<DocumentOfCa> document_of_former_key(const fs::path& file, const fs::path
                                             WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(const auto anchors, read_certificates(trusted));
   DDSSEC_ASSIGN_OR_RETURN(const auto proof, verified(file, trusted, within(anchors.front(), now)));
-  DDSSEC_RETURN_IF_ERROR(check_standing(log.standing(proof.content(), proof.signer()), file, ca));
+  DDSSEC_RETURN_IF_ERROR(
+      check_standing(log.standing(proof.content(), proof.signer(), logged_names(file)), file, ca));
   DocumentOfCa out{std::string(as_text(proof.content())), true};
   std::erase(out.text, '\r');
   return out;

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "cli/ca/ca_folder.hpp"
 #include "cli/frame/command.hpp"
@@ -11,9 +12,12 @@
 
 namespace ddssec::cli {
 
-/// The line of the CA's log for a document signed for `file`.
+/// The names of a file in the CA's log: as it is given, and without symbolic links in its folder.
+std::vector<std::string> logged_names(const std::filesystem::path& file);
+
+/// The line of the CA's log for a document signed for `file`, for each of logged_names.
 std::string signed_line(const pki::Certificate& ca, BytesView text,
-                        const std::filesystem::path& file, WallTime now);
+                        const std::filesystem::path& file, WallTime now, BytesView extended = {});
 
 /// Appends whole lines to the CA's log. The last step before files are put in place. Errors:
 /// interrupted, length_out_of_range, those of append_lines.

@@ -36,6 +36,23 @@ TEST(SigningLog, ALaterDocumentOfTheSameFileSupersedes) {
   EXPECT_EQ(again.standing(as_bytes("new"), c), Standing::superseded);
 }
 
+// A folder was moved from /a to /b, a narrower document was signed there, and the former put back.
+TEST(SigningLog, AFormerDocument_InAFileForWhichAnotherWasSignedLater_IsSuperseded) {
+  const auto ca = make_ca();
+  const auto& c = ca.certificate();
+  const auto text = line("wide", c, "/a") + line("narrow", c, "/b");
+  const auto log = SigningLog::parse(as_bytes(text));
+  const auto standing = [&](std::string_view document, const std::vector<std::string>& files) {
+    return log.standing(as_bytes(document), c, files);
+  };
+  EXPECT_EQ(standing("wide", {"/b"}), Standing::superseded);
+  EXPECT_EQ(standing("wide", {"/a"}), Standing::current);
+  EXPECT_EQ(standing("wide", {"/c"}), Standing::current) << "moved, and nothing was signed since";
+  EXPECT_EQ(standing("narrow", {"/b"}), Standing::current);
+  EXPECT_EQ(standing("narrow", {"/a"}), Standing::current) << "signed elsewhere, and put there";
+  EXPECT_EQ(standing("wide", {"/a", "/b"}), Standing::superseded) << "two names of one file";
+}
+
 TEST(SigningLog, ACaThatSignsTheSameTextAnewSupersedesNothing) {
   const auto old = make_ca();
   const auto next = make_ca();
