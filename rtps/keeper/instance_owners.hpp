@@ -8,6 +8,7 @@
 
 #include "base/clock.hpp"
 #include "base/ids.hpp"
+#include "rtps/dcps/ended_instances.hpp"
 
 namespace ddssec::rtps {
 
