@@ -84,7 +84,8 @@ struct DescriptorPassing::Shared {
   void fetch(std::uint64_t id, const Offer& offer, MonotonicTime now);
   /// Returns true if the request has ended.
   bool look_at(Request& request, MonotonicTime now);
-  std::optional<Work> next_work();
+  /// `fetches`: not only what no other process can delay.
+  std::optional<Work> next_work(bool fetches);
   template <class T, class R>
   void give(std::vector<T>& results, std::uint64_t id, R result);
   bool takes_work() const;
@@ -149,9 +150,7 @@ void DescriptorPassing::Shared::wait_for_work(MonotonicTime now) {
 }
 
 void DescriptorPassing::Shared::turn(MonotonicTime now, bool wait) {
-  while (requests.size() < kMostAtOnce) {
-    auto next = next_work();
-    if (!next) break;
+  while (auto next = next_work(requests.size() < kMostAtOnce)) {
     const auto id = next->id;
     const bool is_fetch = std::holds_alternative<Fetch>(next->what);
     try {
@@ -168,11 +167,13 @@ void DescriptorPassing::Shared::turn(MonotonicTime now, bool wait) {
   std::erase_if(requests, [&](Request& each) { return look_at(each, now); });
 }
 
-std::optional<Work> DescriptorPassing::Shared::next_work() {
+std::optional<Work> DescriptorPassing::Shared::next_work(bool fetches) {
   const std::lock_guard held(lock);
-  if (work.empty()) return std::nullopt;
-  auto out = std::move(work.front());
-  work.pop_front();
+  const auto at = std::ranges::find_if(
+      work, [&](const Work& one) { return fetches || !std::holds_alternative<Fetch>(one.what); });
+  if (at == work.end()) return std::nullopt;
+  auto out = std::move(*at);
+  work.erase(at);
   return out;
 }
 

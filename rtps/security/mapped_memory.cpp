@@ -15,7 +15,7 @@ void MappedMemory::remove_reader(const Guid& writer, const EntityId& reader) {
   it.readers.erase(reader);
   if (!it.readers.empty()) return;
   forget_former(it);
-  end_request(it);
+  abandon_request(writer.prefix, it);
   segments_ -= it.latest ? 1 : 0;
   writers_.erase(at);
   const auto next = writers_.lower_bound({writer.prefix, {}});
@@ -34,7 +34,7 @@ void MappedMemory::on_offer(const GuidPrefix& from, MemoryOffer offer, Monotonic
   if (at == writers_.end()) return answer(writer, segment, memory::Refusal::not_matched);
   auto& it = at->second;
   if (!it.offers.take(now)) return;
-  end_request(it);
+  abandon_request(from, it);
   if (!has_room(from)) return answer(writer, segment, memory::Refusal::no_memory);
   const auto id = passing_.fetch(std::move(offer.offer));
   if (!id) return answer(writer, segment, id.error());
@@ -44,7 +44,9 @@ void MappedMemory::on_offer(const GuidPrefix& from, MemoryOffer offer, Monotonic
 
 bool MappedMemory::has_room(const GuidPrefix& from) const {
   if (segments_ + requests_ >= kMostSegments) return false;
-  std::size_t of_one = 0, requests_of_one = 0;
+  std::size_t of_one = 0;
+  auto requests_of_one = static_cast<std::size_t>(
+      std::ranges::count(abandoned_, from, [](const auto& entry) { return entry.second; }));
   for (auto at = writers_.lower_bound({from, {}}); at != writers_.end(); ++at) {
     const auto& [writer, it] = *at;
     if (writer.prefix != from) break;
@@ -85,6 +87,12 @@ void MappedMemory::end_request(OfWriter& it) {
   it.request.reset();
 }
 
+// Passing goes on with it, and has room for few: so it counts until its result is there.
+void MappedMemory::abandon_request(const GuidPrefix& from, OfWriter& it) {
+  if (it.request) abandoned_.emplace(it.request->id, from);
+  end_request(it);
+}
+
 void MappedMemory::serve(MonotonicTime now) {
   for (auto& fetched : passing_.take_fetched()) take(std::move(fetched), now);
   if (requests_ + formers_ == 0) return;
@@ -92,12 +100,13 @@ void MappedMemory::serve(MonotonicTime now) {
     if (it.former && now >= it.former_until) forget_former(it);
     if (!it.request || now < it.request->until) continue;
     answer(writer, it.request->segment, memory::Refusal::no_answer);
-    end_request(it);
+    abandon_request(writer.prefix, it);
   }
 }
 
 // What no request waits for any longer is unmapped.
 void MappedMemory::take(memory::DescriptorPassing::Fetched fetched, MonotonicTime now) {
+  if (abandoned_.erase(fetched.id) > 0) return;
   const auto at = std::ranges::find_if(writers_, [&](const auto& entry) {
     const auto& request = entry.second.request;
     return request && request->id == fetched.id;

@@ -84,6 +84,7 @@ class MappedMemory {
   bool may_copy(const GuidPrefix& from, std::size_t octets, MonotonicTime now);
   void take(memory::DescriptorPassing::Fetched fetched, MonotonicTime now);
   void end_request(OfWriter& it);
+  void abandon_request(const GuidPrefix& from, OfWriter& it);
   void keep(OfWriter& it, Segment segment, MonotonicTime now);
   void forget_former(OfWriter& it);
 
@@ -97,6 +98,8 @@ class MappedMemory {
 
   std::map<Guid, OfWriter> writers_;
   std::map<GuidPrefix, Copies> copies_;
+  /// Requests whose results are no longer wanted, and did not come yet.
+  std::map<std::uint64_t, GuidPrefix> abandoned_;
   std::size_t requests_ = 0, segments_ = 0, formers_ = 0;
 };
 

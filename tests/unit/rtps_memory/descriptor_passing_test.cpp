@@ -74,6 +74,20 @@ TEST(DescriptorPassing, SilentProcess_AnswerComesInTime) {
   EXPECT_EQ(fetched->segment.error(), Refusal::no_answer);
 }
 
+TEST(DescriptorPassing, ManySilentProcesses_OwnMemoryIsMadeMeanwhile) {
+  Passing passing;
+  std::vector<std::unique_ptr<Impostor>> impostors;
+  for (int i = 0; i < 40; ++i) {
+    impostors.push_back(std::make_unique<Impostor>());
+    ASSERT_TRUE(passing.it->fetch(std::move(impostors.back()->offer)).has_value());
+  }
+  const auto begin = real_now();
+  ASSERT_TRUE(passing.it->make_slots(9, 10'000).has_value());
+  const auto prepared = passing.next_prepared();
+  EXPECT_TRUE(prepared && prepared->slots);
+  EXPECT_LT(real_now() - begin, DescriptorPassing::kLongestRequest);
+}
+
 TEST(DescriptorPassing, Wiped_NothingIsLeft) {
   Passing passing;
   auto slots = *SampleSlots::make(9, 10'000);

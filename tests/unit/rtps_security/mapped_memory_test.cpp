@@ -226,6 +226,26 @@ TEST(MappedMemory, ManySilentRequestsOfOneParticipant_Limited) {
   EXPECT_EQ(refused, 20 - MappedMemory::kMostRequestsOfOne);
 }
 
+// The thread that passes descriptors goes on with a request until its time is over.
+TEST(MappedMemory, SilentRequestsReplacedAgainAndAgain_StillLimited) {
+  Sides sides;
+  const auto offer_all = [&] {
+    for (std::uint8_t i = 0; i < MappedMemory::kMostRequestsOfOne; ++i) {
+      auto offer = sides.offer();
+      offer.writer = {{9, 9, i, 2}};
+      sides.mapped.add_reader({sides.prefix, offer.writer}, kReader);
+      sides.mapped.on_offer(sides.prefix, std::move(offer), sides.now);
+    }
+    return std::exchange(sides.answers, {}).size();
+  };
+  EXPECT_EQ(offer_all(), 0u);
+  sides.now += 1s;
+  EXPECT_EQ(offer_all(), MappedMemory::kMostRequestsOfOne) << "refused";
+  sides.exchange();
+  sides.answers.clear();
+  EXPECT_EQ(offer_all(), 0u) << "the former ones have ended";
+}
+
 TEST(MappedMemory, ManySegmentsOfOneParticipant_Limited) {
   Sides sides;
   std::vector<memory::SampleSlots> all;
