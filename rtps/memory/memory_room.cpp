@@ -11,14 +11,16 @@ namespace {
 struct Version {
   const char* folder;
   const char* limit;
+  const char* slow;  ///< beyond it the system slows the processes down; may be empty
   const char* used;
   const char* droppable;  ///< a line of memory.stat
 };
-constexpr Version kTwo{"/sys/fs/cgroup", "/memory.max", "/memory.current", "inactive_file"};
-constexpr Version kTwoBesideOne{"/sys/fs/cgroup/unified", "/memory.max", "/memory.current",
-                                "inactive_file"};
-constexpr Version kOne{"/sys/fs/cgroup/memory", "/memory.limit_in_bytes", "/memory.usage_in_bytes",
-                       "total_inactive_file"};
+constexpr Version kTwo{"/sys/fs/cgroup", "/memory.max", "/memory.high", "/memory.current",
+                       "inactive_file"};
+constexpr Version kTwoBesideOne{"/sys/fs/cgroup/unified", "/memory.max", "/memory.high",
+                                "/memory.current", "inactive_file"};
+constexpr Version kOne{"/sys/fs/cgroup/memory", "/memory.limit_in_bytes", "",
+                       "/memory.usage_in_bytes", "total_inactive_file"};
 
 std::optional<std::uint64_t> number_in(const std::string& path) {
   std::ifstream file(path);
@@ -35,17 +37,18 @@ std::uint64_t droppable_in(const std::string& folder, const char* name) {
   return 0;
 }
 
-std::optional<std::uint64_t> room_of(const std::string& folder, const Version& version) {
-  const auto limit = number_in(folder + version.limit), used = number_in(folder + version.used);
-  if (!limit || !used) return std::nullopt;
-  const auto needed = *used - std::min(*used, droppable_in(folder, version.droppable));
-  return *limit - std::min(*limit, needed);
-}
-
 std::optional<std::uint64_t> least(std::optional<std::uint64_t> one,
                                    std::optional<std::uint64_t> other) {
   if (!one || !other) return one ? one : other;
   return std::min(*one, *other);
+}
+
+std::optional<std::uint64_t> room_of(const std::string& folder, const Version& version) {
+  const auto limit = least(number_in(folder + version.limit), number_in(folder + version.slow));
+  const auto used = number_in(folder + version.used);
+  if (!limit || !used) return std::nullopt;
+  const auto needed = *used - std::min(*used, droppable_in(folder, version.droppable));
+  return *limit - std::min(*limit, needed);
 }
 
 // In a container the path may be that of the host; then only the group at the top is found.

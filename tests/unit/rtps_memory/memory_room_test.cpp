@@ -37,6 +37,18 @@ TEST(MemoryRoom, VersionTwo_LeastOfAllGroupsAbove) {
   EXPECT_EQ(root.room(), 400u);
 }
 
+// Beyond it (MemoryHigh= of systemd) nothing is refused, and the processes nearly stand.
+TEST(MemoryRoom, LimitBeyondWhichProcessesAreSlowed_Counts) {
+  Root root;
+  root.write("/proc/self/cgroup", "0::/a\n");
+  root.write("/sys/fs/cgroup/a/memory.max", "max\n");
+  root.write("/sys/fs/cgroup/a/memory.high", "800\n");
+  root.write("/sys/fs/cgroup/a/memory.current", "300\n");
+  EXPECT_EQ(root.room(), 500u);
+  root.write("/sys/fs/cgroup/a/memory.max", "700\n");
+  EXPECT_EQ(root.room(), 400u);
+}
+
 TEST(MemoryRoom, FilesThatCanBeDropped_AreNotCounted) {
   Root root;
   root.write("/proc/self/cgroup", "0::/\n");
