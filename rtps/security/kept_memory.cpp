@@ -21,7 +21,7 @@ std::optional<KeptMemory::Segment> KeptMemory::take(
   auto best = kept_.end();
   for (auto at = kept_.begin(); at != kept_.end(); ++at) {
     if (at->writer != writer || at->is_over || !at->segment || at->segment->form != form) continue;
-    const auto& [slots, of, holders] = *at->segment;
+    const auto& [slots, of, holders, leaver] = *at->segment;
     if (holders.size() <= others || slots.segment().largest_payload() < needed) continue;
     if (std::ranges::all_of(holders, may_read)) {
       best = at;
@@ -30,6 +30,7 @@ std::optional<KeptMemory::Segment> KeptMemory::take(
   }
   if (best == kept_.end()) return std::nullopt;
   auto out = *std::move(best->segment);
+  out.leaver = std::move(best->leaver);
   kept_.erase(best);
   return out;
 }

@@ -32,6 +32,7 @@ class KeptMemory {
     memory::SampleSlots slots;
     MemoryForm form = MemoryForm::none;
     Holders holders = {};
+    std::string leaver = {};  ///< set by `take`: the identity for which it counted
   };
 
   /// `leaver`: the identity whose leaving was the reason; empty: there was another one.

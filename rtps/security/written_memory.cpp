@@ -152,8 +152,12 @@ bool WrittenMemory::reuse(std::size_t needed) {
   const auto& segment = former->slots.segment();
   const auto largest = segment.largest_payload(), octets = segment.octets();
   core_.octets += octets;
-  awaited_ = {core_.passing->wipe(std::move(former->slots)), largest, octets, form_,
-              std::move(former->holders)};
+  awaited_ = {core_.passing->wipe(std::move(former->slots)),
+              largest,
+              octets,
+              form_,
+              std::move(former->holders),
+              std::move(former->leaver)};
   return true;
 }
 
@@ -209,7 +213,8 @@ void WrittenMemory::on_prepared(memory::Outcome<memory::SampleSlots> slots, Mono
   }
   if (awaited.form != form_ || !may_all_read(awaited.holders)) {
     if (!awaited.holders.empty())
-      core_.kept.keep(id(), {*std::move(slots), awaited.form, std::move(awaited.holders)}, {});
+      core_.kept.keep(id(), {*std::move(slots), awaited.form, std::move(awaited.holders)},
+                      std::move(awaited.leaver));
     may_reuse_ = true;
     return;
   }

@@ -82,6 +82,7 @@ class WrittenMemory final : public SampleMemory {
     std::size_t largest = 0, octets = 0;
     Form form = Form::none;
     KeptMemory::Holders holders = {};
+    std::string leaver = {};  ///< the identity for which it counts if it is kept again
   };
 
   const EntityId& id() const { return writer_.guid().entity; }

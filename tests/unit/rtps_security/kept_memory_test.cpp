@@ -56,6 +56,16 @@ TEST(KeptMemory, UsedAgain_WhenAllThatMayHaveItMayRead) {
   EXPECT_EQ(ledger.kept.octets(), 0u);
 }
 
+// It may be kept again: whoever has it may leave before it is wiped.
+TEST(KeptMemory, UsedAgain_SaysForWhomItCounted) {
+  Ledger ledger;
+  ledger.keep({1});
+  const auto taken =
+      ledger.kept.take(kWriter, MemoryForm::plain, 1000, 0, [](const GuidPrefix&) { return true; });
+  ASSERT_TRUE(taken.has_value());
+  EXPECT_EQ(taken->leaver, "CN=carol");
+}
+
 TEST(KeptMemory, UsedAgain_TheOneThatMostHave) {
   Ledger ledger;
   ledger.keep({1});
