@@ -67,9 +67,21 @@ bool MappedMemory::has_octets_for(const GuidPrefix& from, std::size_t more) cons
   return all <= kMostOctets && of_one <= kMostOctetsOfOne;
 }
 
+std::shared_ptr<MappedMemory::Copies> MappedMemory::copies_for(const GuidPrefix& from,
+                                                               MonotonicTime now) {
+  if (!identity_of_) return std::make_shared<Copies>(kCopiedAtOnce, now);
+  std::erase_if(of_identities_, [](const auto& entry) { return entry.second.expired(); });
+  auto& known = of_identities_[identity_of_(from)];
+  auto out = known.lock();
+  if (!out) known = out = std::make_shared<Copies>(kCopiedAtOnce, now);
+  return out;
+}
+
 // What is beyond this has not arrived, and a reliable reader gets it in messages.
 bool MappedMemory::may_copy(const GuidPrefix& from, std::size_t octets, MonotonicTime now) {
-  auto& copies = copies_.try_emplace(from, kCopiedAtOnce, now).first->second;
+  auto& shared = copies_[from];
+  if (!shared) shared = copies_for(from, now);
+  auto& copies = *shared;
   using Seconds = std::chrono::duration<double>;
   const auto passed = std::min<double>(Seconds(now - copies.since).count(), 1);
   copies.left = std::min(

@@ -3,7 +3,9 @@
 
 #include <functional>
 #include <map>
+#include <memory>
 #include <set>
+#include <string>
 
 #include "rtps/budget/work_budget.hpp"
 #include "rtps/memory/descriptor_passing.hpp"
@@ -26,8 +28,8 @@ class MappedMemory {
   /// Limits for their octets: page tables for them count for this process, one in 512.
   static constexpr std::size_t kMostOctets = std::size_t{4} << 30;
   static constexpr std::size_t kMostOctetsOfOne = std::size_t{1} << 30;
-  /// Limit for the octets that are copied for one participant: in a second, and at once. A
-  /// reference costs its sender little, and this participant the copy of a payload.
+  /// Limit for the octets that are copied for the participants of one identity: in a second, and
+  /// at once. A reference costs its sender little, and this participant the copy of a payload.
   static constexpr std::int64_t kCopiedInASecond = std::int64_t{2} << 30;
   static constexpr std::int64_t kCopiedAtOnce = kCopiedInASecond / 4;
   /// Limit for what one participant's offers wait for.
@@ -37,9 +39,12 @@ class MappedMemory {
 
   /// Called with the answer to an offer.
   using Answer = std::function<void(const GuidPrefix& to, const MemoryAnswer& answer)>;
+  /// Returns the proven identity of a participant.
+  using IdentityOf = std::function<std::string(const GuidPrefix&)>;
   /// `passing` must outlive this object. Its descriptor is readable when `serve` must be called.
-  MappedMemory(memory::DescriptorPassing& passing, Answer answer)
-      : passing_(passing), answer_(std::move(answer)) {}
+  /// `identity_of`: empty: each participant counts as an identity.
+  MappedMemory(memory::DescriptorPassing& passing, Answer answer, IdentityOf identity_of = {})
+      : passing_(passing), answer_(std::move(answer)), identity_of_(std::move(identity_of)) {}
 
   /// The reader has matched the writer, or no longer does.
   void add_reader(const Guid& writer, const EntityId& reader);
@@ -69,6 +74,12 @@ class MappedMemory {
     std::uint64_t id = 0;
     MonotonicTime until{};
   };
+  /// Octets that may be copied.
+  struct Copies {
+    Copies(std::int64_t octets, MonotonicTime now) : left(octets), since(now) {}
+    std::int64_t left;
+    MonotonicTime since;
+  };
   struct OfWriter {
     std::set<EntityId> readers = {};
     std::optional<Request> request = {};
@@ -81,6 +92,7 @@ class MappedMemory {
   void answer(const Guid& writer, std::uint64_t segment, std::optional<memory::Refusal> refusal);
   bool has_room(const GuidPrefix& from) const;
   bool has_octets_for(const GuidPrefix& from, std::size_t more) const;
+  std::shared_ptr<Copies> copies_for(const GuidPrefix& from, MonotonicTime now);
   bool may_copy(const GuidPrefix& from, std::size_t octets, MonotonicTime now);
   void take(memory::DescriptorPassing::Fetched fetched, MonotonicTime now);
   void end_request(OfWriter& it);
@@ -90,14 +102,10 @@ class MappedMemory {
 
   memory::DescriptorPassing& passing_;
   const Answer answer_;
-  /// Octets that may be copied for a participant.
-  struct Copies {
-    std::int64_t left = kCopiedAtOnce;
-    MonotonicTime since = {};
-  };
-
+  const IdentityOf identity_of_;
   std::map<Guid, OfWriter> writers_;
-  std::map<GuidPrefix, Copies> copies_;
+  std::map<GuidPrefix, std::shared_ptr<Copies>> copies_;
+  std::map<std::string, std::weak_ptr<Copies>> of_identities_;
   /// Requests whose results are no longer wanted, and did not come yet.
   std::map<std::uint64_t, GuidPrefix> abandoned_;
   std::size_t requests_ = 0, segments_ = 0, formers_ = 0;

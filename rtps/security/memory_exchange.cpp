@@ -18,8 +18,13 @@ MemoryExchange::MemoryExchange(SecurityCore& core, KeyExchange& exchange,
                                const spi::SharedMemory& settings,
                                std::unique_ptr<memory::DescriptorPassing> passing)
     : core_{core, exchange, settings, std::move(passing)},
-      mapped_(*core_.passing,
-              [this](const GuidPrefix& to, const MemoryAnswer& it) { answer(to, it); }) {
+      mapped_(
+          *core_.passing, [this](const GuidPrefix& to, const MemoryAnswer& it) { answer(to, it); },
+          [this](const GuidPrefix& prefix) {
+            const auto* const peer = core_.security.find(prefix);
+            return peer == nullptr ? std::string()
+                                   : core_.security.proven_subject(*peer).value_or(std::string());
+          }) {
   exchange.on_memory([this](Peer& peer, const GenericMessage& message) {
     if (message.data.size() == 1 && peer.state.joined() != nullptr)
       on_message(peer, message.data[0]);

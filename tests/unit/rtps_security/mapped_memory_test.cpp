@@ -119,6 +119,40 @@ TEST(MappedMemory, SamePayloadNamedAgainAndAgain_CopiedWithinALimit) {
   EXPECT_EQ(sides.fetched(reference), kSize);
 }
 
+TEST(MappedMemory, ParticipantsOfOneIdentity_ShareTheLimitForCopies) {
+  Sides sides;
+  constexpr std::size_t kSize = std::size_t{8} << 20;
+  auto large = memory::SampleSlots::make(79, kSize).value();
+  std::swap(sides.slots, large);
+  MappedMemory mapped(
+      *sides.passing, [](const GuidPrefix&, const MemoryAnswer&) {},
+      [](const GuidPrefix& prefix) {
+        return std::string(prefix.octets[0] < 10 ? "CN=carol" : "CN=bob");
+      });
+  const auto writer_of = [](std::uint8_t number) {
+    return Guid{GuidPrefix::from(Bytes(12, number)), kWriter};
+  };
+  for (const std::uint8_t number : {8, 9, 10}) {
+    mapped.add_reader(writer_of(number), kReader);
+    mapped.on_offer(writer_of(number).prefix, sides.offer(), sides.now);
+    for (int i = 0; i < 5; ++i) {
+      sides.passing->serve(sides.now);
+      mapped.serve(sides.now);
+    }
+  }
+  const auto reference = sides.put(kSize);
+  const auto copied = [&](std::uint8_t number) {
+    std::int64_t out = 0;
+    for (int i = 0; i < 100; ++i)
+      out +=
+          static_cast<std::int64_t>(mapped.fetch(writer_of(number), reference, sides.now).size());
+    return out;
+  };
+  EXPECT_GT(copied(8), MappedMemory::kCopiedAtOnce / 2);
+  EXPECT_EQ(copied(9), 0);
+  EXPECT_GT(copied(10), MappedMemory::kCopiedAtOnce / 2);
+}
+
 TEST(MappedMemory, LargeSegmentsOfOneParticipant_AreLimited) {
   Sides sides;
   std::vector<memory::SampleSlots> all;
