@@ -97,17 +97,15 @@ class Entries {
     const auto is_too_long = [&](std::size_t left) {
       return left > pki::kMostRenewals || octets > pki::kMostRenewalListOctets;
     };
-    if (is_too_long(documents_.size())) {
-      auto documents = least_first();
-      auto keep = documents.begin();
-      for (;
-           keep != documents.end() && is_too_long(static_cast<std::size_t>(documents.end() - keep));
-           ++keep) {
-        octets -= size_in_list(keep->file);
-        for (const auto& grant : keep->grants) left_out_.insert(grant.subject_name);
+    std::set<const ListedDocument*> dropped;
+    if (is_too_long(documents_.size()))
+      for (const auto* const least : least_first()) {
+        if (!is_too_long(documents_.size() - dropped.size())) break;
+        octets -= size_in_list(least->file);
+        for (const auto& grant : least->grants) left_out_.insert(grant.subject_name);
+        dropped.insert(least);
       }
-      documents_.assign(std::make_move_iterator(keep), std::make_move_iterator(documents.end()));
-    }
+    std::erase_if(documents_, [&](const auto& one) { return dropped.contains(&one); });
     while (certificates_.size() > pki::kMostRenewals || octets > pki::kMostRenewalListOctets) {
       const auto least = std::ranges::min_element(certificates_, {}, &pki::Certificate::not_after);
       octets -= least->pem().size();
@@ -138,22 +136,21 @@ class Entries {
     return pki::key_digest(a) == pki::key_digest(b);
   }
   // First those of subjects that have later ones, then those that end first.
-  std::vector<ListedDocument> least_first() const {
+  std::vector<const ListedDocument*> least_first() const {
     std::set<std::string_view> later;
     std::vector<std::pair<bool, const ListedDocument*>> order;
     for (const auto& document : std::views::reverse(documents_)) {
-      order.emplace_back(!std::ranges::all_of(
-                             document.grants,
-                             [&](const auto& grant) { return later.contains(grant.subject_name); }),
-                         &document);
+      const bool is_former = std::ranges::all_of(
+          document.grants, [&](const auto& grant) { return later.contains(grant.subject_name); });
+      order.emplace_back(!is_former, &document);
       for (const auto& grant : document.grants) later.insert(grant.subject_name);
     }
     std::ranges::reverse(order);
     std::ranges::stable_sort(order, {}, [](const auto& one) {
       return std::pair(one.first, one.first ? one.second->end : WallTime());
     });
-    std::vector<ListedDocument> out;
-    for (const auto& [is_last, document] : order) out.push_back(*document);
+    std::vector<const ListedDocument*> out;
+    for (const auto& [is_last, document] : order) out.push_back(document);
     return out;
   }
 
