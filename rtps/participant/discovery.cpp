@@ -313,7 +313,8 @@ void Discovery::remove(const GuidPrefix& prefix) {
   auto* remote = parts_.remotes.find(prefix);
   if (remote == nullptr) return;
   unmatch(*remote);
-  if (core_.security) core_.security->lost(prefix);
+  const auto reset = core_.security ? core_.security->lost(prefix) : std::nullopt;
+  if (reset) core_.sender.send_alone(*reset, remote->metatraffic);
   core_.sender.flush_now();  // before the limit is lifted, because waiting messages count for it
   core_.sender.limit().lift(prefix);
   parts_.remotes.remove(prefix);

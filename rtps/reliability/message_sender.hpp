@@ -82,6 +82,10 @@ class MessageSender {
   AmplificationLimit& limit() { return limit_; }
   /// Sends what was added. While a Gathering exists, this happens at its end.
   void flush();
+  /// Sends a whole message, which is sent as it is.
+  void send_alone(BytesView message, std::span<const Locator> to) {
+    transport_.send_all({{&message, 1}, to});
+  }
   /// Sends at once: before keys that the messages need are removed, or if a message must not be
   /// shared.
   void flush_now();

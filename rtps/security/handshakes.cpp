@@ -311,6 +311,9 @@ Status Handshakes::register_keys(const Peer& peer, Association& association) {
   const auto prefix = peer.prefix();
   DDSSEC_ASSIGN_OR_RETURN(auto secret,
                           core_.own->plugins().authentication.shared_secret(handshake.handle()));
+  // Only our plugins know resets, and they announce this cipher.
+  if ((secret->peer_ciphers & spi::kChaCha20Poly1305Bit) != 0)
+    association.reset = spi::derive_reset_token(*secret, core_.own->guid().prefix);
   auto& keyring = core_.keyring;
   DDSSEC_RETURN_IF_ERROR(
       keyring.add_remote(prefix, {handshake.identity()->handle(), association.permissions.handle,

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "plugins/spi/access_control.hpp"
+#include "plugins/spi/session_reset.hpp"
 #include "rtps/budget/source_address.hpp"
 #include "rtps/budget/work_budget.hpp"
 #include "rtps/discovery/participant_data.hpp"
@@ -79,6 +80,8 @@ struct Association {
   WaitingTokens waiting = {};
   std::unique_ptr<StatefulReader> volatile_reader = {};
   std::unique_ptr<StatefulWriter> volatile_writer = {};
+  /// Makes the peer begin a new session, should it keep this one. Empty: another product's.
+  std::optional<spi::ResetToken> reset = {};
   Cleanup keys = {};  ///< removes them from the keyring
 };
 
@@ -158,6 +161,7 @@ class PeerState {
     return std::get_if<peer::AwaitingKeys>(&state_);
   }
   const peer::Joined* joined() const { return std::get_if<peer::Joined>(&state_); }
+  const peer::Distrusted* distrusted() const { return std::get_if<peer::Distrusted>(&state_); }
   const peer::Unproven* unproven() const;
   /// True if it takes part without authentication.
   bool is_admitted() const;

@@ -79,11 +79,18 @@ void Security::announced_again(const ParticipantData& data, const AnnouncedAddre
   handshakes_.announced_again(data, addresses);
 }
 
-void Security::lost(const GuidPrefix& prefix) {
-  if (auto* peer = core_.find(prefix)) revision_.note_absent(*peer);
+std::optional<Bytes> Security::lost(const GuidPrefix& prefix) {
+  std::optional<Bytes> reset;
+  if (auto* peer = core_.find(prefix)) {
+    revision_.note_absent(*peer);
+    const auto* ended = peer->state.distrusted();
+    if (ended != nullptr && ended->former && ended->former->reset)
+      reset = spi::write_reset(core_.own->guid().prefix, *ended->former->reset);
+  }
   handshakes_.remove(prefix);
   core_.peers.erase(prefix);
   core_.keyring.remove_remote(prefix);  // removes pairs without keys
+  return reset;
 }
 
 bool Security::is_authenticated(const GuidPrefix& prefix) const {

@@ -81,8 +81,9 @@ class Security {
   /// For events about peers.
   SecurityCore& core() { return core_; }
 
-  /// Removes a participant and its keys.
-  void lost(const GuidPrefix& prefix);
+  /// Removes a participant and its keys. Returns a message for one that is no longer trusted and
+  /// may keep the session: in Cyclone DDS, a renewal list may let it.
+  std::optional<Bytes> lost(const GuidPrefix& prefix);
   bool is_authenticated(const GuidPrefix& prefix) const;
   /// True if the participant was discovered as one that authenticates, and was not removed since.
   bool knows(const GuidPrefix& prefix) const { return core_.peers.contains(prefix); }

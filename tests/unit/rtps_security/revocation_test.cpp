@@ -1,4 +1,5 @@
 // A certificate is revoked while its participant takes part.
+#include "plugins/spi/session_reset.hpp"
 #include "tests/unit/rtps_security/fixture.hpp"
 
 namespace ddssec::rtps {
@@ -64,6 +65,22 @@ TEST(Revocation, CutsOffThePeerAndNobodyElse) {
     EXPECT_FALSE(three.a.knows(three.c));
     EXPECT_FALSE(three.b.knows(three.c));
   }
+}
+
+// In Cyclone DDS, a renewal list may let the other side keep a session that we have ended.
+TEST(Revocation, ThePeerIsToldThatTheSessionHasEnded) {
+  Three three;
+  ASSERT_TRUE(three.match()) << three.text();
+  int resets = 0;
+  three.world.filter = [&](const Node& from, Bytes datagram) {
+    if (spi::read_reset(datagram) && &from == &three.a) ++resets;
+    return one(std::move(datagram));
+  };
+  three.revoke(three.carol);
+  ASSERT_TRUE(three.world.run_until([&] { return !three.a.knows(three.c); }, 110));
+  three.world.run(2);
+  EXPECT_EQ(resets, 1);
+  EXPECT_TRUE(three.a.knows(three.b));
 }
 
 // It announces itself on and on, and each of its handshakes is refused for the reason.
