@@ -36,7 +36,7 @@ class SigningLog {
   static SigningLog parse(BytesView text);
 
   /// The status of a document that was signed with the key of `ca`. `files`: the names of the file
-  /// that it is in now. What was signed for one of them later supersedes it, even if it is the last
+  /// that it is in now. A later text for one of them supersedes it, even if it is the last
   /// text of another file: a folder may have been moved, and its former document put back.
   Standing standing(BytesView text, const Certificate& ca,
                     const std::vector<std::string>& files = {}) const;
