@@ -91,7 +91,9 @@ bool SigningLog::is_current_in(const std::string& file, const std::string& docum
 
 bool SigningLog::is_superseded_in(const std::string& file, const std::string& document) const {
   const auto last = last_in_.find(file);
-  return last != last_in_.end() && !is_current_in(file, document) &&
+  if (last == last_in_.end() || is_current_in(file, document)) return false;
+  const auto& files = files_of_.at(document);
+  return std::ranges::find(files, file) != files.end() ||
          line_of_.at(document) < line_of_.at(last->second);
 }
 

@@ -43,6 +43,8 @@ class SigningLog {
   /// True if a text is the last one that was signed for this file, by any CA in the log. The log
   /// alone decides: the signature need not be of a CA that still exists.
   bool is_last_of(const std::string& file, BytesView text) const;
+  /// True if anything was signed for this file.
+  bool has(const std::string& file) const { return last_in_.contains(file); }
   /// The highest governance revision in the log; 0: none.
   std::uint32_t last_revision() const { return last_revision_; }
   /// The numbers, from 1, of the lines that could not be read.

@@ -43,8 +43,11 @@ Status check_standing(Standing standing, const fs::path& file, const OpenCa& ca)
 Result<DocumentOfCa> logged_text(const fs::path& file, const pki::SigningLog& log,
                                  const Error& error) {
   const auto found = unverified_text(file);
+  const auto names = logged_names(file);
   const auto is_last = [&](const auto& name) { return log.is_last_of(name, found->xml); };
-  if (!found || !std::ranges::all_of(logged_names(file), is_last)) return std::unexpected(error);
+  const auto may_be = [&](const auto& name) { return !log.has(name) || is_last(name); };
+  if (!found || std::ranges::none_of(names, is_last) || !std::ranges::all_of(names, may_be))
+    return std::unexpected(error);
   DocumentOfCa out{std::string(as_text(found->xml)), true};
   std::erase(out.text, '\r');
   return out;

@@ -111,7 +111,6 @@ Room HeldInstances::room_for_instances(const WantedRoom& wanted,
   const auto fits = [&](std::size_t fresh, std::size_t free, std::size_t own) {
     return fresh == 0 || (fresh <= free && (!is_shared || own + 2 * fresh - 1 <= free));
   };
-  if (!fits(wanted.instances.size(), max_instances_, 0)) return Room::never;
   auto out = Room::now;
   std::size_t fresh = 0, reused = 0;
   for (const auto& [key, samples] : wanted.instances) {
@@ -124,7 +123,8 @@ Room HeldInstances::room_for_instances(const WantedRoom& wanted,
   }
   const auto own = identity ? of_identity_.find(*identity) : of_identity_.end();
   const auto free = max_instances_ - instances_.size() + idle_.size() - reused;
-  return fits(fresh, free, own == of_identity_.end() ? 0 : own->second) ? out : Room::later;
+  if (fits(fresh, free, own == of_identity_.end() ? 0 : own->second)) return out;
+  return fits(wanted.instances.size(), max_instances_, 0) ? Room::later : Room::never;
 }
 
 // If they are stored one after the other, the last one is within the share if all of them together

@@ -84,7 +84,7 @@ void Presenter::remove(PresentedReader& reader, MonotonicTime now) {
   for (const auto& [key, source] : source_of_)
     if (key.first == &reader) writers.push_back(key.second);
   for (const auto& writer : writers) remove(reader, writer, now);
-  for (auto at = sources_.begin(); at != sources_.end();) at = forget_if_done(at);
+  release(now);  // other readers may have waited for this one
 }
 
 Presenter::Source* Presenter::find(PresentedReader& reader, const Guid& writer) {
@@ -297,7 +297,9 @@ void Presenter::note_wanted(Batch& batch) {
     auto& [room, writer] = batch.wanted[item.reader];
     ++room.samples;
     room.octets += item.change.payload.size();
-    room.instances[item.reader->instance_of(item.change)] += item.change.is_alive() ? 1 : 0;
+    // The end of an instance that the reader does not have is not stored.
+    if (item.change.is_alive() || item.change.status.disposed)
+      room.instances[item.reader->instance_of(item.change)] += item.change.is_alive() ? 1 : 0;
     writer = item.change.writer;
   }
 }

@@ -20,6 +20,7 @@ SampleReception::SampleReception(const Reader& reader, Reports reports)
 void SampleReception::start(const Qos& announced, const Subscription& subscription) {
   const auto& policy = announced.presentation;
   const bool by_group = policy.scope == PresentationScope::group;
+  exclusive_ = announced.ownership == OwnershipKind::exclusive;
   if (policy.ordered_access && policy.scope != PresentationScope::instance)
     samples_.cache().order_by_arrival(by_group ? subscription.arrivals : arrivals_);
   presentation_.start(policy, subscription.of_group, subscription.paused, context_.now());
@@ -50,7 +51,11 @@ void SampleReception::add_writer(const EndpointData& writer) {
 }
 
 void SampleReception::remove_writer(const Guid& writer) {
-  if (presentation_.remove_writer(writer, context_.now())) return;
+  if (presentation_.remove_writer(writer, context_.now())) {
+    // Other writers may own its instances from now on.
+    if (exclusive_ && samples_.cache().lose_writer(writer, false, context_.now())) note_data();
+    return;
+  }
   left(writer);
   presentation_.release(context_.now());
 }

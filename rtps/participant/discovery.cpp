@@ -314,7 +314,9 @@ void Discovery::remove(const GuidPrefix& prefix) {
   if (remote == nullptr) return;
   unmatch(*remote);
   const auto reset = core_.security ? core_.security->lost(prefix) : std::nullopt;
-  if (reset) core_.sender.send_alone(*reset, remote->metatraffic);
+  // Not if the application ignores it: its host would begin all its sessions with us anew.
+  if (reset && !core_.ignored.contains(prefix))
+    core_.sender.send_alone(*reset, remote->metatraffic);
   core_.sender.flush_now();  // before the limit is lifted, because waiting messages count for it
   core_.sender.limit().lift(prefix);
   parts_.remotes.remove(prefix);

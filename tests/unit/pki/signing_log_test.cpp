@@ -53,6 +53,17 @@ TEST(SigningLog, AFormerDocument_InAFileForWhichAnotherWasSignedLater_IsSupersed
   EXPECT_EQ(standing("wide", {"/a", "/b"}), Standing::superseded) << "two names of one file";
 }
 
+// One document in two files, replaced in /a, and signed again for /b.
+TEST(SigningLog, ADocumentThatWasReplacedInAFile_StaysSupersededThere) {
+  const auto ca = make_ca();
+  const auto& c = ca.certificate();
+  const auto text = line("both", c, "/a") + line("both", c, "/b") + line("narrow", c, "/a") +
+                    line("both", c, "/b");
+  const auto log = SigningLog::parse(as_bytes(text));
+  EXPECT_EQ(log.standing(as_bytes("both"), c, {"/a"}), Standing::superseded);
+  EXPECT_EQ(log.standing(as_bytes("both"), c, {"/b"}), Standing::current);
+}
+
 TEST(SigningLog, ACaThatSignsTheSameTextAnewSupersedesNothing) {
   const auto old = make_ca();
   const auto next = make_ca();

@@ -22,13 +22,15 @@ struct Reader final : PresentedReader {
   std::vector<std::int64_t>* seen;
   std::size_t room = 100, most = 1000;
   std::size_t lost = 0;
-  mutable int asked = 0;          ///< how often for room
-  std::optional<int> takes = {};  ///< so many more, whatever room_for says
-  std::vector<Limit> limits;      ///< that ended sets
+  mutable std::size_t instances = 0;  ///< of the last set
+  mutable int asked = 0;              ///< how often for room
+  std::optional<int> takes = {};      ///< so many more, whatever room_for says
+  std::vector<Limit> limits;          ///< that ended sets
   explicit Reader(std::vector<std::int64_t>& to) : seen(&to) {}
   KeyHash instance_of(const Change& change) const override { return {change.payload.view()[0]}; }
   Room room_for(const WantedRoom& wanted, const Guid&) const override {
     ++asked;
+    instances = wanted.instances.size();
     return wanted.samples > most ? Room::never : wanted.samples > room ? Room::later : Room::now;
   }
   bool present(Change& change) override {
@@ -110,6 +112,16 @@ TEST_F(Coherent, WhatWaitsIsKeptWhenItsWriterLeaves) {
   EXPECT_THAT(one.gone, ElementsAre(writer(1)));
   EXPECT_EQ(presenter.octets(), 0u);
   EXPECT_FALSE(presenter.remove(one, writer(1), now));
+}
+
+TEST_F(Coherent, WhatASetNeedsIsCountedWithoutEndsOfUnknownInstances) {
+  auto sample = change(1, 1, 1, {{1}, {}, {}, {}});
+  auto end = change(1, 2, 2, {{1}, {}, {}, {}});
+  end.status.unregistered = true;
+  presenter.on_change(one, sample, now);
+  presenter.on_change(one, end, now);
+  put(3, 0, 0);
+  EXPECT_EQ(one.instances, 1u);
 }
 
 TEST_F(Coherent, AWriterThatComesBackBeforeHasNotLeft) {
