@@ -26,7 +26,7 @@ class NewlyListed {
   /// permissions_unlisted.
   void add(const CaPaths& ca, BytesView signed_permissions, const std::filesystem::path& file);
   /// Adds them to the files. A certificate replaces former ones of its subject, and permissions
-  /// replace those that give the same and do not end later. What has ended leaves. A file that
+  /// replace those that give the same and do not end later. Ended entries leave. A file that
   /// cannot be read is begun anew. If a list has more than is read, older permissions of a subject
   /// that has later ones leave first, and then what ends first. Errors, after the files are
   /// written: renewal_list_malformed (begun anew), file_too_large (something left); those of

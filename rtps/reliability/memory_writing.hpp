@@ -16,8 +16,8 @@ class MemoryWriting {
 
   /// `memory`: nullptr: all payloads are sent in messages. It must outlive its use.
   void use(SampleMemory* memory) { memory_ = memory; }
-  /// From now on readers of that participant find payloads in memory, or no longer do. What was
-  /// added to the sender must be flushed.
+  /// From now on readers of that participant find payloads in memory, or no longer do. Flush
+  /// the sender before.
   void set_reading(const GuidPrefix& participant, bool in_memory);
 
   /// Puts a change that was just written into memory. Empty: it must be sent in messages.

@@ -86,7 +86,7 @@ class StatefulWriter final : private Timed {
   /// True if every reliable reader has received everything.
   bool all_acknowledged() const { return readers_.acknowledged().reach(history_.last()); }
 
-  /// For readers of other processes on this machine. What was added to the sender is flushed.
+  /// For readers of other processes on this machine. Flushes the sender.
   MemoryWriting& memory();
 
   // Readers of this process (see LocalDelivery):

@@ -134,7 +134,7 @@ class Side:
     trusts: str = "main"                # identity CA file configured
     expired: bool = False
     foreign_key: bool = False           # the private key of another certificate
-    crl: str = ""                       # "peer", "stranger" or "companion": whom the configured CRL names;
+    crl: str = ""                       # "peer", "stranger" or "companion": the one in the configured CRL;
                                         # "later": a stranger, and the peer once data flows
     permissions_by: str = "main"        # signer: a permissions CA, or "leaf" for itself
     permissions_ca: str = "main"        # permissions CA file configured

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Shared memory between two secured processes: what goes there, what a search of memory finds, kill -9, strangers.
+"""Shared memory between two secured processes: its use, a search of memory for plaintext, kill -9, strangers.
 Usage: shared_memory_test.py BUILD"""
 
 import os
@@ -30,7 +30,7 @@ ALLOWED = Permissions(domain=3, publish=("*",), subscribe=("*",), partition="*")
 LARGE = 200_000
 NEEDLE = b"\x5a" * 256  # what ddssec-peer writes
 
-# A process that sends each local socket TCP sockets that linger. Whoever closes the last copy waits.
+# A process that sends each local socket TCP sockets that linger. The process that closes the last copy waits.
 SLOW = """
 import threading
 kept = []
