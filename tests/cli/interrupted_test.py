@@ -17,6 +17,7 @@ POLICY = """<policy version="0.2.0"><enclaves><enclave path="/e"><profiles><prof
 <topics publish="ALLOW"><topic>x</topic></topics></profile></profiles></enclave></enclaves></policy>
 """
 LIBRARY = PROGRAM.parent.parent / "lib/kill_at.so"
+STEP = int(os.environ.get("DDSSEC_KILL_STEP", "1"))  # 1: before each write; 3: before the first, the fourth and so on
 DRAFT = re.compile(r"(^|/)\.[^/]+\.\w{6}(/|$)|(\.\d+){2,3}\.new$|\.ddssec-unfinished$")
 
 
@@ -41,6 +42,8 @@ def is_whole(path, octets):
 
 
 class Interrupted(Transcript):
+    first = 0
+
     def setUp(self):
         super().setUp()
         self.top = self.at
@@ -66,11 +69,11 @@ class Interrupted(Transcript):
     def everywhere(self, *words, after, again=None, refused=(), removes=()):
         """`after`: commands that find all well when the command was run again (`again`: with these words). `refused`:
         exit codes of that run besides 0. `removes`: files that the command removes."""
-        base, number = self.top / "before", 0
+        base, number = self.top / "before", 1 + self.first % STEP
+        self.first += 1  # so that commands of the same writes are killed at different ones
         self.at.rename(base)
         try:
             while True:
-                number += 1
                 shutil.copytree(base, self.at, symlinks=True)  # to the same place, since the logs have paths
                 before = self.octets()
                 killed = self.kill_at(number, words)
@@ -92,6 +95,7 @@ class Interrupted(Transcript):
                 shutil.rmtree(self.at)
                 if not killed:
                     break
+                number += STEP
         finally:
             shutil.rmtree(self.at, ignore_errors=True)
             base.rename(self.at)

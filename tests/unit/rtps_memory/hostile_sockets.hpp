@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstring>
+#include <future>
 #include <netinet/in.h>
 #include <string>
 #include <sys/socket.h>
@@ -115,10 +116,14 @@ struct SlowToClose {
     { const Descriptor last(other.release()); }
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
-  /// The descriptor is with the receiver alone.
-  void send_over(const Descriptor& socket) {
+  /// Afterwards the descriptor is with the receiver alone. False: the receiver dropped it at once,
+  /// so that our own close was the slow one.
+  bool send_over(const Descriptor& socket) {
     EXPECT_EQ(send_with(socket, {slow.number()}), 1);
-    ::close(slow.release());
+    auto closed = std::async(std::launch::async, [own = slow.release()] { ::close(own); });
+    if (closed.wait_for(std::chrono::seconds(1)) == std::future_status::ready) return true;
+    { const Descriptor reset(other.release()); }
+    return false;
   }
   Descriptor slow, other;
 };
