@@ -88,6 +88,7 @@ struct HeldInstance {
   MonotonicTime release_at{};       ///< not before quiet_until
   std::optional<Change> held_back;  ///< kept until release_at
   HeldShareOf share_of_held_back;
+  MonotonicTime expiry_of_held_back = kNever;
   Link<HeldInstance> ready{this};  ///< list of the instances that have samples
   /// List of the instances without samples that are not alive: the first to be removed.
   Link<HeldInstance> idle{this};

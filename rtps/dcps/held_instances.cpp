@@ -87,6 +87,12 @@ HeldInstances::Rejection HeldInstances::rejects(const HeldInstance* instance, co
   Freed freed;
   if (replaces) freed.octets = instance->oldest()->change.payload.size();
   if (replaces && instance->oldest()->share == payer.share) freed.own = freed.octets;
+  const bool is_held_back =
+      instance != nullptr && instance->held_back && &*instance->held_back == &change;
+  if (is_held_back) {  // its octets count already
+    freed.octets += change.payload.size();
+    freed.own += change.payload.size();
+  }
   const auto octets = key_octets + (change.is_alive() ? change.payload.size() : 0);
   if (!has_room_for_octets(octets, payer.share, freed)) return {Reason::by_samples_limit, true};
   if (replaces || !change.is_alive()) return {};
@@ -177,11 +183,11 @@ HeldInstance& HeldInstances::create(const KeyHash& key, Payload key_value, const
 }
 
 void HeldInstances::settle(HeldInstance& instance) {
-  if (!instance.held.empty()) {
+  if (instance.held.empty()) instance.ready.leave();
+  if (!instance.held.empty() || instance.held_back) {
     instance.idle.leave();
     return;
   }
-  instance.ready.leave();
   if (instance.state == InstanceState::alive) return;
   if (instance.writers.empty()) {
     forget(instance);
@@ -191,6 +197,7 @@ void HeldInstances::settle(HeldInstance& instance) {
 }
 
 void HeldInstances::forget(HeldInstance& instance) {
+  take_held_back(instance);
   by_key_.erase(instance.key);
   let_go(instance.share, instance.key_value.size());
   if (const auto& identity = instance.identity; shares_ && identity)
@@ -287,7 +294,8 @@ void HeldInstances::erase_all(HeldInstance& instance) {
   for (auto at = instance.held.begin(); at != instance.held.end();) at = erase(instance, at);
 }
 
-bool HeldInstances::hold_back(HeldInstance& instance, Change& change, const HeldShareOf& share) {
+bool HeldInstances::hold_back(HeldInstance& instance, Change& change, const HeldShareOf& share,
+                              MonotonicTime expires) {
   Freed freed;
   if (instance.held_back) freed.octets = instance.held_back->payload.size();
   if (instance.share_of_held_back == share) freed.own = freed.octets;
@@ -296,6 +304,8 @@ bool HeldInstances::hold_back(HeldInstance& instance, Change& change, const Held
   hold(share, change.payload.size());
   instance.held_back = std::move(change);
   instance.share_of_held_back = share;
+  instance.expiry_of_held_back = expires;
+  instance.idle.leave();
   return true;
 }
 

@@ -62,7 +62,8 @@ class HeldInstances {
     bool crowded = false;  ///< due to a limit that identities share
   };
   /// Returns the limit that leaves no room for the change, or not_rejected. `instance`: the
-  /// instance of the change; nullptr: a new one with a key of so many octets.
+  /// instance of the change; nullptr: a new one with a key of so many octets. The change may be the
+  /// one that the instance holds back.
   Rejection rejects(const HeldInstance* instance, const Change& change, const Payer& payer,
                     std::size_t key_octets) const;
   /// With KEEP_LAST: the next sample replaces the oldest one.
@@ -75,7 +76,7 @@ class HeldInstances {
   /// Must be called after a change to the instance. Moves it to the lists where it belongs, or
   /// forgets it.
   void settle(HeldInstance& instance);
-  /// The instance must not have samples.
+  /// The instance must not have samples. What it holds back is dropped.
   void forget(HeldInstance& instance);
 
   void insert(HeldInstance& instance, HeldSample held);
@@ -93,9 +94,10 @@ class HeldInstances {
   MonotonicTime next_expiry() const;
   void erase_all(HeldInstance& instance);
   void mark_read(HeldInstance& instance, HeldSample& sample);
-  /// Keeps a change for later, instead of the one kept before. Returns false if there is no room:
-  /// then nothing has changed.
-  bool hold_back(HeldInstance& instance, Change& change, const HeldShareOf& share = {});
+  /// Keeps a change for later, instead of the one kept before. Until then, the instance is not
+  /// forgotten. Returns false if there is no room: then nothing has changed.
+  bool hold_back(HeldInstance& instance, Change& change, const HeldShareOf& share = {},
+                 MonotonicTime expires = kNever);
   std::optional<Change> take_held_back(HeldInstance& instance);
 
   /// Does nothing if there is no room.

@@ -20,6 +20,21 @@ bool is_too_old(const HeldInstances& all, const HeldInstance& instance, const Ch
   return all.is_full(instance) && change.source_time < instance.oldest()->change.source_time;
 }
 
+// DDS 1.4, 2.2.2.5.1.5: an instance that returns starts a new generation and has the view state
+// NEW.
+void revive(HeldInstance& instance) {
+  if (instance.state == InstanceState::alive) return;
+  ++(instance.state == InstanceState::not_alive_disposed ? instance.disposed_generations
+                                                         : instance.no_writers_generations);
+  instance.state = InstanceState::alive;
+  instance.view = ViewState::new_;
+  instance.purge.leave();
+}
+
+bool holds_back(const HeldInstance& instance, const Guid& writer) {
+  return instance.held_back && instance.held_back->writer == writer;
+}
+
 }  // namespace
 
 ReaderCache::ReaderCache(const Qos& qos, KeyOf key_of, const Queries& queries)
@@ -119,18 +134,26 @@ ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at, const H
   }
   if (by_source_ && instance != nullptr && is_too_old(held_, *instance, change)) return dropped;
   if (instance != nullptr && at.now < instance->quiet_until && change.is_alive()) {
-    if (!reliable_ || held_.hold_back(*instance, change, share)) return dropped;
-    return {Outcome::rejected, SampleRejectedReason::by_samples_limit, handle, true};
+    if (!reliable_) return dropped;
+    const auto writer = change.writer;
+    if (!held_.hold_back(*instance, change, share, expires))
+      return {Outcome::rejected, SampleRejectedReason::by_samples_limit, handle, true};
+    held_.join(*instance, writer, share);  // so that the instance does not end before it
+    return dropped;
   }
   Payload key_value;
   if (instance == nullptr && key_of_) key_value = Payload::copy_of(key_of_(change));
   const std::optional<GuidPrefix> known_instance;
   const HeldInstances::Payer payer{
       instance == nullptr ? writer_of(change.writer).identity : known_instance, share};
-  const auto [reason, crowded] = held_.rejects(instance, change, payer, key_value.size());
+  const bool brings_last = instance != nullptr && change.status.unregistered &&
+                           !change.status.disposed && holds_back(*instance, change.writer);
+  const auto [reason, crowded] =
+      held_.rejects(instance, brings_last ? *instance->held_back : change, payer, key_value.size());
   if (reason != SampleRejectedReason::not_rejected)
     return {Outcome::rejected, reason, handle, crowded};
   if (instance == nullptr) instance = &held_.create(key, std::move(key_value), payer);
+  if (brings_last) store_held_back(*instance, at.now);
   if (change.is_alive())
     store_alive(*instance, {.change = std::move(change), .expires = expires, .share = share},
                 at.now);
@@ -160,11 +183,21 @@ void ReaderCache::store_alive(Instance& instance, HeldSample sample, MonotonicTi
   if (separation_.count() > 0) begin_quiet(instance, now, now + separation_);
 }
 
+// DDS 1.4, 2.2.3.12: a reliable reader gets the last sample in the end. That end is now.
+void ReaderCache::store_held_back(Instance& instance, MonotonicTime now) {
+  HeldSample sample;
+  sample.expires = instance.expiry_of_held_back;
+  sample.share = instance.share_of_held_back;
+  sample.change = *held_.take_held_back(instance);
+  if (sample.expires <= now || (by_source_ && is_too_old(held_, instance, sample.change))) return;
+  store_alive(instance, std::move(sample), now);
+}
+
 // Handles a dispose, an unregister, or both at once.
 void ReaderCache::store_end(Instance& instance, const Change& change, MonotonicTime now) {
   const Recount recount(held_, instance);
-  held_.take_held_back(instance);
   if (change.status.disposed) {
+    held_.take_held_back(instance);
     held_.join(instance, change.writer, writer_of(change.writer).share);
     if (exclusive_) instance.latest = change.origin();
     if (instance.state != InstanceState::not_alive_disposed) {
@@ -243,29 +276,30 @@ void ReaderCache::forget_ended(const KeyHash& key) {
   held_.forget(*instance);
 }
 
-// DDS 1.4, 2.2.2.5.1.5: an instance that returns starts a new generation and has the view state
-// NEW.
-void ReaderCache::revive(Instance& instance) {
-  if (instance.state == InstanceState::alive) return;
-  ++(instance.state == InstanceState::not_alive_disposed ? instance.disposed_generations
-                                                         : instance.no_writers_generations);
-  instance.state = InstanceState::alive;
-  instance.view = ViewState::new_;
-  instance.purge.leave();
-}
-
+// Without room for the last sample it is lost, as its writer is gone.
 bool ReaderCache::leave(Instance& instance, const Guid& writer, MonotonicTime now) {
-  if (!held_.leave(instance, writer)) return false;
+  bool changes = false;
+  if (holds_back(instance, writer)) {
+    const std::optional<GuidPrefix> known_instance;
+    const auto share = instance.share_of_held_back;
+    const auto& last = *instance.held_back;
+    changes = held_.rejects(&instance, last, {known_instance, share}, 0).reason ==
+              SampleRejectedReason::not_rejected;
+    if (changes)
+      store_held_back(instance, now);
+    else
+      held_.take_held_back(instance);
+  }
+  if (!held_.leave(instance, writer)) return changes;
   const bool ends = instance.writers.empty() && instance.state == InstanceState::alive;
   if (ends) {
     const Recount recount(held_, instance);
-    held_.take_held_back(instance);
     end(instance, InstanceState::not_alive_no_writers, now);
     instance.due.leave();
     held_.insert_invalid(instance, writer, std::nullopt);
   }
   held_.settle(instance);
-  return ends;
+  return ends || changes;
 }
 
 bool ReaderCache::lose_writer(const Guid& writer, bool unmatched, MonotonicTime now) {
@@ -347,11 +381,13 @@ bool ReaderCache::release(const Moment& at) {
     const auto share = instance.share_of_held_back;  // its writer may be gone
     auto change = held_.take_held_back(instance);
     if (!change) continue;
+    const auto expires = instance.expiry_of_held_back;
     const auto outcome = store(*change, at, share).outcome;
     any = any || outcome == Outcome::stored;
+    if (outcome == Outcome::dropped) held_.settle(instance);
     if (outcome != Outcome::rejected) continue;
     begin_quiet(instance, at.now, at.now + std::max<MonotonicTime>(separation_, kLeastPause));
-    held_.hold_back(instance, *change, share);  // where it was before
+    held_.hold_back(instance, *change, share, expires);  // where it was before
   }
   return any;
 }

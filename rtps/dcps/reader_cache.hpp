@@ -123,7 +123,8 @@ class ReaderCache {
   MonotonicTime expiry_of(const Change& change, const Moment& at) const;
   void store_alive(Instance& instance, HeldSample sample, MonotonicTime now);
   void store_end(Instance& instance, const Change& change, MonotonicTime now);
-  void revive(Instance& instance);
+  /// Before the end of its writer.
+  void store_held_back(Instance& instance, MonotonicTime now);
   bool leave(Instance& instance, const Guid& writer, MonotonicTime now);
   void end(Instance& instance, InstanceState state, MonotonicTime now);
   bool purge(MonotonicTime now);

@@ -1,0 +1,127 @@
+// TIME_BASED_FILTER: an instance, or its writer, that ends while a sample of it is held back
+// (DDS 1.4, 2.2.3.12: a reliable reader gets the last sample in the end).
+#include <gmock/gmock.h>
+
+#include "rtps/dcps/reader_cache.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using std::chrono::seconds;
+using ::testing::ElementsAre;
+using Outcome = ReaderCache::Outcome;
+
+constexpr int kEnd = -1;  // a sample without data
+
+struct TimeBasedFilterEnd : ::testing::Test {
+  TimeBasedFilterEnd() {
+    cache.set_writer(writer(1), 0, kDurationInfinite, identity(1));
+    cache.set_writer(writer(2), 0, kDurationInfinite, identity(2));
+  }
+  static GuidPrefix identity(std::uint8_t number) { return GuidPrefix::from(Bytes(12, number)); }
+  static Guid writer(std::uint8_t number) { return {identity(number), EntityId{{0, 0, 1, 2}}}; }
+  static Qos qos() {
+    Qos all;
+    all.reliability.kind = ReliabilityKind::reliable;
+    all.history.kind = HistoryKind::keep_all;
+    all.resource_limits.max_samples = 2;
+    all.time_based_filter = Duration::from(seconds(3));
+    return all;
+  }
+  Moment moment() const { return {now, Time::from(now)}; }
+  Outcome put(int value, std::uint8_t from = 1) {
+    Change change;
+    change.writer = writer(from);
+    change.key_hash = KeyHash{1};
+    change.source_time = Time::from(now);
+    if (value == kEnd)
+      change.status.unregistered = true;
+    else
+      change.payload = Payload::copy_of(Bytes(1000, static_cast<std::uint8_t>(value)));
+    return cache.store(change, moment()).outcome;
+  }
+  std::vector<int> take() {
+    std::vector<OctetSample> samples;
+    cache.select({.take = true}, moment(), samples);
+    std::vector<int> out;
+    for (const auto& sample : samples)
+      out.push_back(sample.info.valid_data ? sample.payload.view()[0] : kEnd);
+    return out;
+  }
+  std::vector<int> taken_after(seconds time) {
+    now += time;
+    cache.release(moment());
+    return take();
+  }
+
+  ReaderCache cache{qos()};
+  MonotonicTime now = seconds(100);
+};
+
+TEST_F(TimeBasedFilterEnd, Unregister_LastSampleComesBeforeIt) {
+  ASSERT_EQ(put(10), Outcome::stored);
+  ASSERT_EQ(put(11), Outcome::dropped);  // held back
+  EXPECT_EQ(put(kEnd), Outcome::stored);
+  EXPECT_THAT(take(), ElementsAre(10, 11, kEnd));
+  EXPECT_THAT(taken_after(seconds(10)), ElementsAre());
+  EXPECT_EQ(cache.octets(), 0U);
+}
+
+TEST_F(TimeBasedFilterEnd, WriterLeaves_LastSampleComesBeforeTheEnd) {
+  ASSERT_EQ(put(10), Outcome::stored);
+  ASSERT_EQ(put(11), Outcome::dropped);
+  EXPECT_TRUE(cache.lose_writer(writer(1), true, now));
+  EXPECT_THAT(take(), ElementsAre(10, 11, kEnd));
+  EXPECT_EQ(cache.octets(), 0U);
+}
+
+TEST_F(TimeBasedFilterEnd, UnregisterInAFullReader_IsRepeatedUntilThereIsRoom) {
+  ASSERT_EQ(put(10), Outcome::stored);
+  now += seconds(3);
+  ASSERT_EQ(put(11), Outcome::stored);
+  ASSERT_EQ(put(12), Outcome::dropped);
+  EXPECT_EQ(put(kEnd), Outcome::rejected);
+  EXPECT_THAT(take(), ElementsAre(10, 11));
+  EXPECT_EQ(put(kEnd), Outcome::stored);
+  EXPECT_THAT(take(), ElementsAre(12, kEnd));
+}
+
+TEST_F(TimeBasedFilterEnd, InstanceThatReturns_IsNotForgottenBeforeItsSample) {
+  ASSERT_EQ(put(10), Outcome::stored);
+  ASSERT_EQ(put(kEnd), Outcome::stored);
+  ASSERT_EQ(put(11), Outcome::dropped);
+  EXPECT_THAT(take(), ElementsAre(10, kEnd));
+  EXPECT_THAT(taken_after(seconds(3)), ElementsAre(11));
+}
+
+TEST_F(TimeBasedFilterEnd, InstanceThatReturns_CountsNothingWhenItHasEnded) {
+  for (int round = 0; round < 100; ++round) {
+    ASSERT_EQ(put(10), Outcome::stored) << round;
+    ASSERT_EQ(put(kEnd), Outcome::stored);
+    ASSERT_EQ(put(11), Outcome::dropped);
+    EXPECT_THAT(take(), ElementsAre(10, kEnd));
+    EXPECT_THAT(taken_after(seconds(3)), ElementsAre(11));
+    ASSERT_EQ(put(kEnd), Outcome::stored);
+    EXPECT_THAT(take(), ElementsAre(kEnd));
+    EXPECT_EQ(cache.octets(), 0U);
+  }
+}
+
+TEST_F(TimeBasedFilterEnd, AnotherWriterLeaves_SampleIsKept) {
+  ASSERT_EQ(put(10, 1), Outcome::stored);
+  ASSERT_EQ(put(20, 2), Outcome::dropped);
+  EXPECT_EQ(put(kEnd, 1), Outcome::stored);
+  EXPECT_THAT(take(), ElementsAre(10));
+  EXPECT_FALSE(cache.lose_writer(writer(1), true, now));
+  EXPECT_THAT(taken_after(seconds(3)), ElementsAre(20));
+}
+
+TEST_F(TimeBasedFilterEnd, OneOfTwoUnregisters_ItsLastSampleComesAndTheInstanceLives) {
+  ASSERT_EQ(put(20, 2), Outcome::stored);
+  ASSERT_EQ(put(10, 1), Outcome::dropped);
+  EXPECT_EQ(put(kEnd, 1), Outcome::stored);
+  EXPECT_THAT(take(), ElementsAre(20, 10));
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
