@@ -1,6 +1,8 @@
 // DataWriter of DDS 1.4, 2.2.2.4.2.
 #pragma once
 
+#include <atomic>
+
 #include "rtps/dcps/data_writer_listeners.hpp"
 #include "rtps/dcps/endpoint.hpp"
 #include "rtps/dcps/offered_liveliness.hpp"
@@ -106,38 +108,39 @@ class AnyDataWriter : public Endpoint, private Timed {
   LivelinessLostStatus liveliness_lost_;
 };
 
-/// A writer of T. Not thread-safe: the calls serialize into buffers that belong to the writer.
+/// A writer of T. Thread-safe. The calls serialize into buffers that belong to the writer; a thread
+/// that finds them in use allocates others.
 template <DdsType T>
 class DataWriter final : public AnyDataWriter {
  public:
   /// Errors: see AnyDataWriter.
   Status write(const T& sample, InstanceHandle handle = {}) {
-    return write_octets(with_payload(sample, handle, std::nullopt));
+    return write_octets(with_payload(Buffers(*this), sample, handle, std::nullopt));
   }
   Status write_w_timestamp(const T& sample, InstanceHandle handle, Time source_timestamp) {
-    return write_octets(with_payload(sample, handle, source_timestamp));
+    return write_octets(with_payload(Buffers(*this), sample, handle, source_timestamp));
   }
   /// Disposes the instance.
   Status dispose(const T& sample, InstanceHandle handle = {}) {
-    return dispose_octets(with_key(sample, handle, std::nullopt));
+    return dispose_octets(with_key(Buffers(*this), sample, handle, std::nullopt));
   }
   Status dispose_w_timestamp(const T& sample, InstanceHandle handle, Time source_timestamp) {
-    return dispose_octets(with_key(sample, handle, source_timestamp));
+    return dispose_octets(with_key(Buffers(*this), sample, handle, source_timestamp));
   }
   /// The writer will not write this instance any more. With autodispose_unregistered_instances (the
   /// default) the instance is disposed as well.
   Status unregister_instance(const T& sample, InstanceHandle handle = {}) {
-    return unregister_octets(with_key(sample, handle, std::nullopt));
+    return unregister_octets(with_key(Buffers(*this), sample, handle, std::nullopt));
   }
   Status unregister_instance_w_timestamp(const T& sample, InstanceHandle handle,
                                          Time source_timestamp) {
-    return unregister_octets(with_key(sample, handle, source_timestamp));
+    return unregister_octets(with_key(Buffers(*this), sample, handle, source_timestamp));
   }
   Result<InstanceHandle> register_instance(const T& sample) {
-    return register_octets(with_key(sample, {}, std::nullopt));
+    return register_octets(with_key(Buffers(*this), sample, {}, std::nullopt));
   }
   InstanceHandle lookup_instance(const T& sample) {
-    return lookup_key(key_of(sample).value_or(KeyHash{}));
+    return lookup_key(key_of(Buffers(*this), sample).value_or(KeyHash{}));
   }
   /// Returns a sample in which only the key is set. Errors: rtps_bad_parameter (no such instance).
   Result<T> key_value(InstanceHandle instance) const {
@@ -150,13 +153,36 @@ class DataWriter final : public AnyDataWriter {
   friend class Publisher;
   using AnyDataWriter::AnyDataWriter;
 
-  std::optional<KeyHash> key_of(const T& sample) {
+  struct Octets {
+    Bytes payload, key;
+  };
+  /// What one call serializes into, until it has returned.
+  class Buffers {
+   public:
+    explicit Buffers(DataWriter& writer)
+        : writer_(writer),
+          has_kept_(!writer.kept_in_use_.test_and_set(std::memory_order_acquire)) {}
+    ~Buffers() {
+      if (has_kept_) writer_.kept_in_use_.clear(std::memory_order_release);
+    }
+    Buffers(const Buffers&) = delete;
+    Buffers& operator=(const Buffers&) = delete;
+    Octets* operator->() const { return has_kept_ ? &writer_.kept_ : &own_; }
+
+   private:
+    DataWriter& writer_;
+    const bool has_kept_;
+    mutable Octets own_;
+  };
+
+  std::optional<KeyHash> key_of(const Buffers& buffers, const T& sample) {
     static const bool keyed = has_key<T>();
     if (!keyed) return std::nullopt;
-    return key_hash(sample, scratch_, keys_.hidden, version());
+    return key_hash(sample, buffers->key, keys_.hidden, version());
   }
-  OctetWrite change_of(const T& sample, InstanceHandle handle, std::optional<Time> time) {
-    return {payload_, key_of(sample),
+  OctetWrite change_of(const Buffers& buffers, const T& sample, InstanceHandle handle,
+                       std::optional<Time> time) {
+    return {buffers->payload, key_of(buffers, sample),
             [&sample, this] {
               Bytes out;
               serialize_key(sample, out, version());
@@ -164,16 +190,19 @@ class DataWriter final : public AnyDataWriter {
             },
             handle, time};
   }
-  OctetWrite with_payload(const T& sample, InstanceHandle handle, std::optional<Time> time) {
-    serialize(sample, payload_, version());
-    return change_of(sample, handle, time);
+  OctetWrite with_payload(const Buffers& buffers, const T& sample, InstanceHandle handle,
+                          std::optional<Time> time) {
+    serialize(sample, buffers->payload, version());
+    return change_of(buffers, sample, handle, time);
   }
-  OctetWrite with_key(const T& sample, InstanceHandle handle, std::optional<Time> time) {
-    serialize_key(sample, payload_, version());
-    return change_of(sample, handle, time);
+  OctetWrite with_key(const Buffers& buffers, const T& sample, InstanceHandle handle,
+                      std::optional<Time> time) {
+    serialize_key(sample, buffers->payload, version());
+    return change_of(buffers, sample, handle, time);
   }
 
-  Bytes payload_, scratch_;
+  std::atomic_flag kept_in_use_;
+  Octets kept_;
 };
 
 }  // namespace ddssec::rtps
