@@ -31,9 +31,9 @@ AnyDataReader::AnyDataReader(Group& subscriber, ParticipantContext& context, Top
                     reception_.lose_writers(writers, now);
                   }) {}
 
-AnyDataReader::~AnyDataReader() {
-  const auto held = lock();
-  retire();
+AnyDataReader::~AnyDataReader() { retire(); }
+
+void AnyDataReader::on_retired() {
   reception_.stop();
   liveliness_.stop();
   filter_.detach();

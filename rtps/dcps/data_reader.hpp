@@ -96,6 +96,7 @@ class AnyDataReader : public Endpoint {
   /// Changes that the reader refused for lack of room are offered once more.
   void offer_again();
 
+  void on_retired() override;
   Result<Guid> create(EndpointRequest request) override;
   void on_own_qos(const Qos& before) override { reception_.change_qos(before, qos_, enabled()); }
   Status check_unused() const override;

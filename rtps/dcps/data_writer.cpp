@@ -30,9 +30,9 @@ AnyDataWriter::AnyDataWriter(Group& publisher, ParticipantContext& context, Topi
         changes_.note(StatusKind::liveliness_lost);
       }) {}
 
-AnyDataWriter::~AnyDataWriter() {
-  const auto held = lock();
-  retire();
+AnyDataWriter::~AnyDataWriter() { retire(); }
+
+void AnyDataWriter::on_retired() {
   cancel();
   liveliness_.stop();
 }
@@ -197,6 +197,7 @@ void AnyDataWriter::after_write(const KeyHash& key, StatusInfo status, SequenceN
     instances_->disposed(key);
   if (status.unregistered) instances_->remove(key);
   if (alive) lifespan_.add(number, qos_.lifespan, now);
+  lifespan_.forget_dropped(protocol().history());
   call_at(std::min(instances_->next_deadline(), lifespan_.next_tick()));
   liveliness_.assert_at(now, false);
 }

@@ -81,6 +81,7 @@ class AnyDataWriter : public Endpoint, private Timed {
   Result<Guid> create(EndpointRequest request) override;
   /// Loads the samples that an earlier writer left in the store into the history of the new writer.
   Status restore(EndpointRequest& request);
+  void on_retired() override;
   void on_own_qos(const Qos& before) override;
   void conclude() override;
   void linger(std::chrono::steady_clock::time_point deadline) override;

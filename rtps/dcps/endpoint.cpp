@@ -15,10 +15,14 @@ Endpoint::Endpoint(Group& group, ParticipantContext& context, Topic& topic, Qos 
 }
 
 void Endpoint::retire() {
+  const auto held = lock();
+  if (std::exchange(retired_, true)) return;
   --topic_.users_;
-  if (!enabled() || is_builtin(guid_.entity)) return;
-  context_.protocol().remove(guid_, context_.now());
-  context_.reschedule();
+  if (enabled() && !is_builtin(guid_.entity)) {
+    context_.protocol().remove(guid_, context_.now());
+    context_.reschedule();
+  }
+  on_retired();
 }
 
 Guid Endpoint::guid() const {

@@ -33,11 +33,13 @@ class Endpoint : public Entity, protected EndpointListener {
     StatusKind matched, incompatible_qos, deadline_missed;
   };
   Endpoint(Group& group, ParticipantContext& context, Topic& topic, Qos qos, const Side& side);
-  /// Removes the endpoint from the protocol, which makes no further calls to it. Destructors of
-  /// derived classes must call this first, with the lock held.
+  /// Removes the endpoint from the protocol, which makes no further calls to it. Called before the
+  /// endpoint is deleted, and by the destructors of derived classes, for those that fail to begin.
   void retire();
 
   // The caller holds the lock:
+  /// Called once, after the endpoint left the protocol.
+  virtual void on_retired() = 0;
   virtual Result<Guid> create(EndpointRequest request) = 0;
   /// Called after the endpoint's own policies changed.
   virtual void on_own_qos(const Qos& before) = 0;
@@ -84,6 +86,7 @@ class Endpoint : public Entity, protected EndpointListener {
   KeyProtection keys_;
 
  private:
+  bool retired_ = false;
   std::set<Guid> remotes_;
   DeadlineMissedStatus deadline_missed_;
   IncompatibleQosStatus incompatible_;

@@ -149,6 +149,8 @@ void Group::conclude(std::span<const std::unique_ptr<Endpoint>> members) {
   for (const auto& member : members) member->conclude();
   const auto deadline = std::chrono::steady_clock::now() + kLongestLinger;
   for (const auto& member : members) member->linger(deadline);
+  // Before their destructors begin: until then, other threads call them.
+  for (const auto& member : members) member->retire();
 }
 
 Status Group::delete_contained_entities() {

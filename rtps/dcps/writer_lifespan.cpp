@@ -1,14 +1,36 @@
 #include "rtps/dcps/writer_lifespan.hpp"
 
+#include <algorithm>
+
 namespace ddssec::rtps {
+namespace {
+
+// So many are kept in any case.
+constexpr std::size_t kFew = 64;
+
+}  // namespace
 
 void WriterLifespan::add(SequenceNumber change, Duration lifespan, MonotonicTime now,
                          std::chrono::nanoseconds age) {
-  if (!lifespan.is_infinite()) expiring_.emplace(now + lifespan.to_nanoseconds() - age, change);
+  if (lifespan.is_infinite()) return;
+  expiring_.emplace_back(now + lifespan.to_nanoseconds() - age, change);
+  std::ranges::push_heap(expiring_, std::greater());
 }
 
 void WriterLifespan::expire(MonotonicTime now, const std::function<void(SequenceNumber)>& expired) {
-  for (; next_tick() <= now; expiring_.pop()) expired(expiring_.top().second);
+  while (next_tick() <= now) {
+    std::ranges::pop_heap(expiring_, std::greater());
+    const auto change = expiring_.back().second;
+    expiring_.pop_back();
+    expired(change);
+  }
+}
+
+void WriterLifespan::forget_dropped(const WriterHistory& history) {
+  if (expiring_.size() <= 2 * history.size() + kFew) return;
+  std::erase_if(expiring_,
+                [&](const auto& entry) { return history.find(entry.second) == nullptr; });
+  std::ranges::make_heap(expiring_, std::greater());
 }
 
 }  // namespace ddssec::rtps

@@ -2,9 +2,10 @@
 #pragma once
 
 #include <functional>
-#include <queue>
+#include <vector>
 
 #include "base/clock.hpp"
+#include "rtps/reliability/writer_history.hpp"
 #include "wire/numbers.hpp"
 #include "wire/time.hpp"
 
@@ -22,13 +23,17 @@ class WriterLifespan {
            std::chrono::nanoseconds age = {});
   /// Calls `expired` once for each change that has expired.
   void expire(MonotonicTime now, const std::function<void(SequenceNumber)>& expired);
+  /// Forgets changes that are not in the history any more, once there are more of them than of the
+  /// others. The cost for each change does not depend on their number.
+  void forget_dropped(const WriterHistory& history);
   /// Returns kNever if no change expires.
-  MonotonicTime next_tick() const { return expiring_.empty() ? kNever : expiring_.top().first; }
+  MonotonicTime next_tick() const { return expiring_.empty() ? kNever : expiring_.front().first; }
+  std::size_t size() const { return expiring_.size(); }
 
  private:
   using Expiring = std::pair<MonotonicTime, SequenceNumber>;
-  /// The next one first: a policy that changes may let a later change expire earlier.
-  std::priority_queue<Expiring, std::vector<Expiring>, std::greater<>> expiring_;
+  /// A heap, the next one first: a policy that changes may let a later change expire earlier.
+  std::vector<Expiring> expiring_;
 };
 
 }  // namespace ddssec::rtps

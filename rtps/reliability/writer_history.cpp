@@ -56,8 +56,43 @@ SequenceNumber WriterHistory::add(Change change) {
   if (by_instance_ && !marker) join_instance(added);
   trim_front();
   forget_dropped();
-  while (count_ - markers_ > most_changes_) remove_through(first());
+  if (count_ - markers_ > most_changes_) make_room();
   return last();
+}
+
+/// A late joiner needs the last samples of living instances most.
+void WriterHistory::make_room() {
+  if (by_instance_) {
+    drop_ended_instances(most_changes_ - most_changes_ / 8);
+    drop_replaced(most_changes_ - most_changes_ / 64);
+    trim_front();
+    forget_dropped();
+  }
+  while (count_ - markers_ > most_changes_) remove_through(first());
+}
+
+/// The writer has unregistered them. Until no more than `aim` changes are left.
+void WriterHistory::drop_ended_instances(std::size_t aim) {
+  for (std::size_t i = 0; i < changes_.size() && count_ - markers_ > aim; ++i) {
+    const auto& slot = changes_[i];
+    const bool is_last = slot.change && slot.next.value == 0 && slot.number < last();
+    if (is_last && slot.change->status.unregistered) drop_instance(slot.number);
+  }
+}
+
+void WriterHistory::drop_instance(SequenceNumber number) {
+  while (number.value > 0) {
+    const auto previous = slot(number).previous;
+    drop(number);
+    number = previous;
+  }
+}
+
+/// Those that a later change of the same instance follows.
+void WriterHistory::drop_replaced(std::size_t aim) {
+  if (count_ - markers_ <= most_changes_) return;
+  for (std::size_t i = 0; i < changes_.size() && count_ - markers_ > aim; ++i)
+    if (changes_[i].change && changes_[i].next.value > 0) drop(changes_[i].number);
 }
 
 // A late joiner discards a set whose end is forgotten.

@@ -24,7 +24,8 @@ class WriterHistory {
   /// Returns false if the history is full and no change may be dropped to make room (KEEP_ALL).
   bool has_room(std::size_t payload_size, const KeyHash& instance = {}) const;
   /// Adds the change with the next sequence number. With KEEP_LAST the oldest change of the same
-  /// instance is dropped.
+  /// instance is dropped. Above the limit of changes, first those of instances that the writer has
+  /// unregistered go, then those that others of the same instance follow, then the oldest.
   SequenceNumber add(Change change);
   /// Drops all changes up to and including `number`.
   void remove_through(SequenceNumber number);
@@ -72,6 +73,10 @@ class WriterHistory {
   void join_instance(Slot& added);
   void leave_instance(const Slot& slot);
   void drop(SequenceNumber number);
+  void make_room();
+  void drop_ended_instances(std::size_t aim);
+  void drop_instance(SequenceNumber number);  // of its last change
+  void drop_replaced(std::size_t aim);
   void keep_marker(SequenceNumber number);
   void trim_front();
   void forget_dropped();

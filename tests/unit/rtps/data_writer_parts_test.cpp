@@ -125,6 +125,22 @@ TEST_F(WriterLifespanTest, Finite_AgeOfTheWholeLifespan_IsOver) {
   EXPECT_TRUE(WriterLifespan::is_over(lifetime, milliseconds(500)));
 }
 
+// A writer of 1 kHz with a lifespan of a day kept 1.4 GB of numbers.
+TEST_F(WriterLifespanTest, ChangesLeftTheHistory_AreForgotten) {
+  Qos qos;
+  qos.history = {HistoryKind::keep_last, 2};
+  WriterHistory history(qos);
+  for (int i = 0; i < 10'000; ++i) {
+    Change change;
+    change.payload = Payload::copy_of(Bytes{1});
+    lifespan.add(history.add(std::move(change)), Duration::from(std::chrono::hours(24)),
+                 milliseconds(i));
+    lifespan.forget_dropped(history);
+    ASSERT_LE(lifespan.size(), 100U);
+  }
+  EXPECT_THAT(expired_by(std::chrono::hours(25)), ::testing::IsSupersetOf({9'999, 10'000}));
+}
+
 Time at(std::int32_t seconds) { return Time{{seconds, 0}}; }
 
 TEST(SourceTimestampsTest, ByReception_AnyTime_IsTaken) {

@@ -86,5 +86,58 @@ TEST(WriterHistory, HoldsTheLastOfEachInstanceWhateverIsDropped) {
   }
 }
 
+// ---- above the limit of changes
+
+Change end_of(std::uint8_t instance) {
+  auto change = change_of(instance);
+  change.status = {.disposed = true, .unregistered = true};
+  return change;
+}
+
+Qos at_most(std::int32_t changes, std::int32_t depth = 1) {
+  auto qos = keep_last();
+  qos.history.depth = depth;
+  qos.resource_limits.max_samples = changes;
+  return qos;
+}
+
+// A late joiner lacked what was not written again, after 65,536 changes of others.
+TEST(WriterHistory, ManyInstancesEnd_LivingOnesAreKept) {
+  WriterHistory history(at_most(16));
+  const auto config = history.add(change_of(0));
+  for (std::uint8_t i = 1; i < 200; ++i) {
+    history.add(change_of(i));
+    const auto end = history.add(end_of(i));
+    ASSERT_NE(history.find(config), nullptr) << int(i);
+    ASSERT_NE(history.find(end), nullptr) << "matched readers have not got it yet";
+    ASSERT_LE(history.size(), 16U);
+  }
+}
+
+TEST(WriterHistory, InstanceThatReturned_IsKept) {
+  WriterHistory history(at_most(16));
+  history.add(change_of(0));
+  history.add(end_of(0));
+  const auto returned = history.add(change_of(0));
+  for (std::uint8_t i = 1; i < 100; ++i) history.add(end_of(i));
+  EXPECT_NE(history.find(returned), nullptr);
+}
+
+TEST(WriterHistory, DeepHistoriesOfMany_LastSampleOfEachIsKept) {
+  WriterHistory history(at_most(16, 8));
+  std::vector<SequenceNumber> last;
+  for (std::uint8_t i = 0; i < 10; ++i) last.push_back(history.add(change_of(i)));
+  for (int i = 0; i < 100; ++i) last[9] = history.add(change_of(9));
+  for (const auto number : last) EXPECT_NE(history.find(number), nullptr) << number.value;
+  EXPECT_EQ(history.size(), 16U);
+}
+
+TEST(WriterHistory, TooManyLivingInstances_OldestGoes) {
+  WriterHistory history(at_most(16));
+  for (std::uint8_t i = 0; i < 20; ++i) history.add(change_of(i));
+  EXPECT_THAT(held(history),
+              ::testing::ElementsAre(5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20));
+}
+
 }  // namespace
 }  // namespace ddssec::rtps
