@@ -122,43 +122,36 @@ bool is_for_good(const Error& refusal) {
   return refusal.code() == Code::remote_guid_is_local || refusal.code() == Code::guid_not_adjusted;
 }
 
+struct Met {
+  Guid guid;
+  HandshakeWatch::CoreTimerState timer;
+};
+
 /// Handles a remote participant that was not admitted, without an error for the host. An attacker
 /// can announce something unreadable in a peer's name, and a full table or an outdated list is
 /// temporary. An error would end the core's handshake for as long as the peer is present. So the
 /// core asks again until the watch makes it discover the peer anew. If governance admits
 /// unauthenticated participants, the core treats the peer as one.
-Result<CResult> not_admitted(Adapter& adapter, CIdentity local, const Guid& guid, Error refusal,
+Result<CResult> not_admitted(Adapter& adapter, CIdentity local, const Met& met, Error refusal,
                              CIdentity& remote_handle) {
   if (is_for_good(refusal) || admits_unauthenticated(identity(local)) ||
       adapter.remotes().has_ended(identity(local)))
     return std::unexpected(std::move(refusal));
-  const auto of_host = adapter.remotes().note_refused(guid);
-  if (!adapter.watch().not_admitted({identity(local), of_host}, guid))
-    return std::unexpected(std::move(refusal));
+  const auto of_host = adapter.remotes().note_refused(met.guid);
+  adapter.watch().not_admitted({identity(local), of_host}, met.guid, met.timer);
   remote_handle = of_host.value;
   return DDS_SECURITY_VALIDATION_PENDING_RETRY;
 }
 
-/// An error makes the host take the peer for an unauthenticated one, if governance admits those,
-/// for all its participants.
+/// Where governance admits unauthenticated participants, an error makes the host take the peer for
+/// one, for all its participants.
 Status may_begin(Adapter& adapter, spi::IdentityHandle local, const Guid& peer) {
-  constexpr const char* kHandshake = "the handshake with a discovered participant";
-  if (admits_unauthenticated(local)) {
-    if (!adapter.watch().was_unanswered(peer)) return {};
-    return fail(Code::handshake_begun_again,
-                {.document = kHandshake,
-                 .expected = "that it ends",
-                 .found = "none that ended",
-                 .note = "governance admits unauthenticated participants; it counts as one"});
-  }
-  const auto rest = adapter.watch().rest_of(local, peer);
-  if (rest.count() <= 0) return {};
+  if (!admits_unauthenticated(local) || !adapter.watch().was_unanswered(peer)) return {};
   return fail(Code::handshake_begun_again,
-              {.document = kHandshake,
+              {.document = "the handshake with a discovered participant",
                .expected = "that it ends",
-               .found = "none that ended, although the peer authenticated another participant of "
-                        "this process",
-               .note = "it is begun again in " + minutes_in(rest)});
+               .found = "none that ended",
+               .note = "governance admits unauthenticated participants; it counts as one"});
 }
 
 CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
@@ -173,8 +166,9 @@ CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
       DDSSEC_RETURN_IF_ERROR(copy_token(spi::Token{}, *local_auth_request));
     DDSSEC_RETURN_IF_ERROR(require(remote_handle, remote_token, remote_guid));
     *remote_handle = DDS_SECURITY_HANDLE_NIL;
-    const auto guid = guid_from(*remote_guid);
-    DDSSEC_RETURN_IF_ERROR(may_begin(adapter, identity(local_handle), guid));
+    const Met met{guid_from(*remote_guid),
+                  adapter.stop_core_timer({instance, local_auth_request, remote_guid})};
+    DDSSEC_RETURN_IF_ERROR(may_begin(adapter, identity(local_handle), met.guid));
     // The peer's own auth_request is not used, because it can be forged. The engine would compare a
     // forged challenge with the honest peer's messages until the peer's lease ends. The signatures
     // of the handshake are sufficient proof. The core asks once, so the local auth_request is
@@ -182,21 +176,21 @@ CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
     const auto token = token_from(remote_token);
     if (!token) {
       adapter.host().refused(token.error(), info(token.error().code()).severity);
-      return not_admitted(adapter, local_handle, guid, token.error(), *remote_handle);
+      return not_admitted(adapter, local_handle, met, token.error(), *remote_handle);
     }
     const auto admitted = adapter.engine().validate_remote_identity(identity(local_handle),
-                                                                    std::nullopt, *token, guid);
+                                                                    std::nullopt, *token, met.guid);
     if (!admitted)
-      return not_admitted(adapter, local_handle, guid, admitted.error(), *remote_handle);
+      return not_admitted(adapter, local_handle, met, admitted.error(), *remote_handle);
     const auto& remote = *admitted;
-    const auto of_host = adapter.remotes().note(identity(local_handle), guid, remote.handle);
+    const auto of_host = adapter.remotes().note(identity(local_handle), met.guid, remote.handle);
     if (remote.local_auth_request) {
       CToken sent{};
       DDSSEC_RETURN_IF_ERROR(copy_token(*remote.local_auth_request, sent));
       std::swap(*local_auth_request, sent);
       free_token(sent);
     }
-    adapter.watch().met({identity(local_handle), of_host}, guid);
+    adapter.watch().met({identity(local_handle), of_host}, met.guid, met.timer);
     *remote_handle = of_host.value;
     return to_c(remote.result);
   });
@@ -395,6 +389,7 @@ AuthenticationAdapter::AuthenticationAdapter(std::unique_ptr<Host> host,
     : dds_security_authentication(kTable),
       host_(std::move(host)),
       engine_(make(host_->environment_with_record(true))),
+      core_timer_(CoreTimer::of_host(host_->code())),
       watch_(host_->clock()),
       lost_sessions_(host_->clock()),
       timer_(host_->clock()) {

@@ -4,6 +4,7 @@
 #include <atomic>
 
 #include "plugins/cyclonedds/context.hpp"
+#include "plugins/cyclonedds/core_timer.hpp"
 #include "plugins/cyclonedds/expiry_timer.hpp"
 #include "plugins/cyclonedds/farewell.hpp"
 #include "plugins/cyclonedds/governance_facts.hpp"
@@ -29,6 +30,10 @@ class AuthenticationAdapter final : public dds_security_authentication {
   SharedSecrets& secrets() { return secrets_; }
   RemoteIdentities& remotes() { return remotes_; }
   HandshakeWatch& watch() { return watch_; }
+  HandshakeWatch::CoreTimerState stop_core_timer(const CoreTimer::Call& call) const {
+    using enum HandshakeWatch::CoreTimerState;
+    return core_timer_.stop(call) ? stopped : runs;
+  }
   LostSessions& lost_sessions() { return lost_sessions_; }
   Farewells& farewells() { return farewells_; }
 
@@ -58,6 +63,7 @@ class AuthenticationAdapter final : public dds_security_authentication {
   std::unique_ptr<spi::Authentication> engine_;
   SharedSecrets secrets_;  ///< identified by the host's handles
   RemoteIdentities remotes_;
+  const CoreTimer core_timer_;
   HandshakeWatch watch_;
   LostSessions lost_sessions_;
   Farewells farewells_;

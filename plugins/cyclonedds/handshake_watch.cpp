@@ -7,28 +7,22 @@ namespace ddssec::cyclonedds {
 using spi::HandshakeHandle;
 using spi::IdentityHandle;
 
-void HandshakeWatch::met(Pair pair, const Guid& guid) {
+void HandshakeWatch::met(Pair pair, const Guid& guid, CoreTimerState timer) {
   const std::lock_guard lock(mutex_);
   const auto now = clock_.monotonic();
   auto& known = remotes_.try_emplace(pair.remote, Remote{guid, now}).first->second;
   known.since = now;
-  known.unfinished.insert_or_assign(pair.local, Half{now});
+  auto& half = known.unfinished.try_emplace(pair.local, Half{now, timer}).first->second;
+  half.asked_again.reset();
+  if (timer == CoreTimerState::stopped) half.met = now;
 }
 
-bool HandshakeWatch::not_admitted(Pair pair, const Guid& guid) {
+void HandshakeWatch::not_admitted(Pair pair, const Guid& guid, CoreTimerState timer) {
   const std::lock_guard lock(mutex_);
   const auto now = clock_.monotonic();
   auto& known = remotes_.try_emplace(pair.remote, Remote{guid, now}).first->second;
   known.was_disturbed = true;
-  const auto [half, is_new] = known.unfinished.try_emplace(pair.local, Half{now, true});
-  if (!known.is_settled || now - half->second.met < kMaxWait) return true;
-  known.unfinished.erase(half);
-  return false;
-}
-
-HandshakeWatch::Duration HandshakeWatch::rest_of(IdentityHandle local, const Guid& remote) const {
-  const std::lock_guard lock(mutex_);
-  return resting_.remaining(local, remote, clock_.monotonic());
+  known.unfinished.try_emplace(pair.local, Half{now, timer}).first->second.asked_again = now;
 }
 
 bool HandshakeWatch::was_unanswered(const Guid& remote) const {
@@ -91,7 +85,7 @@ void HandshakeWatch::forget(IdentityHandle participant) {
   std::erase_if(handshakes_, [&](const auto& entry) {
     return entry.second.remote == participant || entry.second.local == participant;
   });
-  resting_.forget_local(participant);
+  std::erase_if(begun_again_, [&](const auto& entry) { return entry.first == participant; });
 }
 
 HandshakeWatch::Duration HandshakeWatch::patience(const Remote& remote) const {
@@ -142,47 +136,44 @@ bool HandshakeWatch::is_settled(IdentityHandle handle, Remote& remote, const Que
   return !remote.lacks_endpoints;
 }
 
+/// Where the core's timer runs, always.
+bool HandshakeWatch::begin_pair_again(IdentityHandle local, const Half& half,
+                                      const Remote& remote) {
+  constexpr auto kAsksNoMore = std::chrono::seconds(10);  // the host asks once a second
+  const auto now = clock_.monotonic();
+  if (now - half.met < kMaxWait) return false;
+  if (half.timer == CoreTimerState::runs) return true;
+  const bool is_asked = half.asked_again && now - *half.asked_again < kAsksNoMore;
+  if (is_asked || remote.keeps_its_session || begun_again_.size() >= kMaxPeers) return false;
+  return begun_again_.emplace(local, remote.guid).second;
+}
+
 /// The handshakes of other local participants with a peer that has a session with one.
 bool HandshakeWatch::give_up_pairs(IdentityHandle handle, const Remote& remote,
                                    std::vector<Stuck>& out) {
   const auto now = clock_.monotonic();
-  const auto before = out.size();
-  for (const auto& [local, half] : remote.unfinished)
-    if (!half.is_asked_again && now - half.met >= kMaxWait)
-      out.push_back({.remote = handle,
-                     .guid = remote.guid,
-                     .was_disturbed = remote.was_disturbed,
-                     .lacks_endpoints = false,
-                     .is_first = true,
-                     .waited = now - half.met,
-                     .is_shared = true,
-                     .rest = resting_.failed(local, remote.guid, now)});
-  return out.size() > before;
+  for (const auto& [local, half] : remote.unfinished) {
+    if (!begin_pair_again(local, half, remote)) continue;
+    out.push_back({.remote = handle,
+                   .guid = remote.guid,
+                   .was_disturbed = remote.was_disturbed,
+                   .lacks_endpoints = false,
+                   .is_first = true,
+                   .waited = now - half.met,
+                   .is_shared = true,
+                   .is_once = half.timer == CoreTimerState::stopped});
+    return true;
+  }
+  return false;
 }
 
 void HandshakeWatch::note_finished(IdentityHandle handle, Remote& remote, const Questions& ask) {
   std::erase_if(remote.unfinished, [&](const auto& entry) {
     const auto& [local, half] = entry;
     if (!half.is_finished || (ask.has_keys_for && !ask.has_keys_for(handle, local))) return false;
-    resting_.finished(local, remote.guid);
+    begun_again_.erase({local, remote.guid});
     return true;
   });
-}
-
-/// Pairs that have rested: the host begins their handshake only after it has forgotten the peer.
-void HandshakeWatch::give_up_rested(std::vector<Stuck>& out) {
-  for (const auto& guid : resting_.take_rested(clock_.monotonic())) {
-    const auto known =
-        std::ranges::find(remotes_, guid, [](const auto& entry) { return entry.second.guid; });
-    if (known != remotes_.end())
-      out.push_back({.remote = known->first,
-                     .guid = guid,
-                     .was_disturbed = false,
-                     .lacks_endpoints = false,
-                     .is_first = false,
-                     .waited = {},
-                     .is_shared = true});
-  }
 }
 
 std::vector<HandshakeWatch::Stuck> HandshakeWatch::give_up(const Questions& ask) {
@@ -202,7 +193,6 @@ std::vector<HandshakeWatch::Stuck> HandshakeWatch::give_up(const Questions& ask)
     ++past.times;
     past.was_longest = !remote.lacks_endpoints && now - remote.met >= kMaxWait;
   }
-  give_up_rested(out);
   for (const auto& stuck : out) {
     remotes_.erase(stuck.remote);
     std::erase_if(handshakes_,

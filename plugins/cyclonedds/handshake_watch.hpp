@@ -8,11 +8,13 @@
 #include <functional>
 #include <map>
 #include <mutex>
+#include <optional>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "base/clock.hpp"
 #include "base/ids.hpp"
-#include "plugins/cyclonedds/resting_pairs.hpp"
 #include "plugins/spi/handles.hpp"
 
 namespace ddssec::cyclonedds {
@@ -28,9 +30,8 @@ class HandshakeWatch {
   /// only be slow. A peer that has answered, or has finished its half, does not notice that the
   /// local side begins again.
   static constexpr Duration kLongPatience = std::chrono::seconds(20);
-  /// The wait doubles each further time, up to this value. No handshake lives longer. After 100
-  /// seconds the core's own timer would end it, and Cyclone DDS 0.10.2 then corrupts its list of
-  /// timers.
+  /// The wait doubles each further time, up to this value. It is shorter than that of the core's
+  /// own timer (CoreTimer).
   static constexpr Duration kMaxWait = std::chrono::seconds(80);
   /// A peer that was not given up for this long starts with the shortest wait again.
   static constexpr Duration kForgetAfter = std::chrono::minutes(10);
@@ -43,14 +44,12 @@ class HandshakeWatch {
     spi::IdentityHandle local;
     spi::IdentityHandle remote;
   };
+  /// Does the core's own timer still run for the handshake?
+  enum class CoreTimerState { stopped, runs };
   /// The host has met a remote participant.
-  void met(Pair pair, const Guid& guid);
-  /// An announcement in its name was refused. The host asks again, and the wait continues. False
-  /// if the host must not ask again: it has asked for kMaxWait, and beginning again would end the
-  /// session of another local participant.
-  bool not_admitted(Pair pair, const Guid& guid);
-  /// How long the host must not begin the handshake (RestingPairs); 0: it may.
-  Duration rest_of(spi::IdentityHandle local, const Guid& remote) const;
+  void met(Pair pair, const Guid& guid, CoreTimerState timer = CoreTimerState::stopped);
+  /// An announcement in its name was refused. The host asks again, and the wait continues.
+  void not_admitted(Pair pair, const Guid& guid, CoreTimerState timer = CoreTimerState::stopped);
   /// True if the peer was given up after kMaxWait, and is not forgotten yet. Where governance
   /// admits unauthenticated participants, it counts as one from then on.
   bool was_unanswered(const Guid& remote) const;
@@ -61,7 +60,9 @@ class HandshakeWatch {
   void refused(spi::HandshakeHandle handshake);
   /// The handshake has ended. From now on the remote participant is given up only if its keys do
   /// not come, because then it did not finish its half, or if another local participant gets no
-  /// session with it (RestingPairs).
+  /// session with it. That happens once for such a pair, because it ends the session of the first.
+  /// It does not happen if the peer would keep that session. Then the handshake stays as it is, and
+  /// goes on when the peer answers.
   void finished(spi::HandshakeHandle handshake);
   /// The peer has finished its half, and would not notice that the local side begins again. Its
   /// keys are awaited as long as a handshake can last, unless a message was refused.
@@ -79,7 +80,7 @@ class HandshakeWatch {
     Duration waited;
     /// Another local participant has a session with it.
     bool is_shared = false;
-    Duration rest = {};  ///< how long the pair rests now
+    bool is_once = false;  ///< not done again for that pair
   };
   /// Questions to libddssec_cryptography about a remote participant. An empty function is not
   /// asked.
@@ -105,7 +106,9 @@ class HandshakeWatch {
   /// The handshake of one local participant with a remote one.
   struct Half {
     Duration met;
-    bool is_asked_again = false;  ///< each second, until the peer is admitted
+    CoreTimerState timer;
+    /// When the host asked again about a peer that is not admitted.
+    std::optional<Duration> asked_again = {};
     bool is_finished = false;
   };
   struct Remote {
@@ -131,8 +134,8 @@ class HandshakeWatch {
   void await_keys(spi::IdentityHandle handle, Remote& remote, const Questions& ask) const;
   bool is_stuck(const Remote& remote, Duration now) const;
   void note_finished(spi::IdentityHandle handle, Remote& remote, const Questions& ask);
+  bool begin_pair_again(spi::IdentityHandle local, const Half& half, const Remote& remote);
   bool give_up_pairs(spi::IdentityHandle handle, const Remote& remote, std::vector<Stuck>& out);
-  void give_up_rested(std::vector<Stuck>& out);
   Past& past_of(const Guid& guid, Duration now);
   Remote* of(spi::HandshakeHandle handshake);
 
@@ -141,7 +144,8 @@ class HandshakeWatch {
   std::map<spi::IdentityHandle, Remote> remotes_;
   std::map<spi::HandshakeHandle, Pair> handshakes_;
   std::map<Guid, Past> past_;
-  RestingPairs resting_;
+  /// Pairs that did not finish while another local participant had a session with the remote one.
+  std::set<std::pair<spi::IdentityHandle, Guid>> begun_again_;
 };
 
 }  // namespace ddssec::cyclonedds

@@ -11,6 +11,7 @@ namespace {
 constexpr const char* kGrowingIntervals =
     "from now on it is begun again at growing intervals; this event is not repeated, but Cyclone "
     "DDS may log each attempt";
+constexpr const char* kOnce = "this is done once; then the handshake waits for the peer";
 }  // namespace
 
 void AuthenticationAdapter::revoke_stuck(const std::stop_token& stop, const Revoke& revoke) {
@@ -33,9 +34,7 @@ void AuthenticationAdapter::revoke_stuck(const std::stop_token& stop, const Revo
                       {.document = "the handshake with a discovered participant",
                        .expected = "that it ends",
                        .found = found + " for " + std::to_string(waited.count()) + " ms" + shared,
-                       .note = stuck.rest.count() > 0
-                                   ? "it is begun again after a rest of " + minutes_in(stuck.rest)
-                                   : kGrowingIntervals}),
+                       .note = stuck.is_once ? kOnce : kGrowingIntervals}),
                 {}, stuck.guid.to_string(),
                 // A peer that lacks endpoints has finished its handshake; all others may be
                 // invented by an attacker.

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The calendar of one of two Cyclone DDS processes on our plugins is set while they talk. Wrong for some seconds, it
 parts nobody, as with stock plugins; set to stay, it ends what has ended by it, when the time of grace is over, but
-not what was not yet valid at the time that it shows.
+not what was not yet valid at the time that it shows. A handshake that is under way goes on.
 
 Usage: clock_test.py BUILD
 """
@@ -12,11 +12,12 @@ import pathlib
 import sys
 import tempfile
 import time
+from dataclasses import replace
 
 sys.dont_write_bytecode = True
 
 import pair  # noqa: E402
-from documents import Keys, Side  # noqa: E402
+from documents import COMPANION, Keys, Side  # noqa: E402
 from pki import Pki  # noqa: E402
 from scenarios import GOVERNANCES  # noqa: E402
 
@@ -24,8 +25,10 @@ BUILD = pathlib.Path(sys.argv[1]).resolve()
 PATIENCE = 20.0    # seconds
 WRONG_FOR = 6.0    # seconds
 FURTHER = 15       # samples, at ten a second
+NEVER = 10 ** 6    # samples
 SILENCE = 2.0      # seconds in which some 20 samples would have come
 YEARS = "+9000d"   # later than any certificate of the tests ends
+BEYOND = "+200s"   # the core's timer of a handshake has 100 s
 BEFORE = "-900d"   # before any of them began
 FAKETIME = next(pathlib.Path("/usr/lib").glob("*/faketime/libfaketimeMT.so.1"), None)
 
@@ -56,6 +59,7 @@ class Calendar:
 class Listening:
     def __init__(self, peer, events):
         self.peer, self._events = peer, events
+        self.core_log = pathlib.Path(peer.log)
         os.set_blocking(peer.process.stdout.fileno(), False)
 
     @property
@@ -126,11 +130,27 @@ def set_back_to_stay(listening, calendar):
     listening.hears_on()
 
 
-def run(name, story, grace=None):
+def under_way(listening, calendar):
+    """The publisher distrusts the companion, so that their handshake does not end. If the core's timer did, it could
+    damage the core's memory."""
+    calendar.set(BEYOND)
+    listening.until("the step being said", lambda: "clock_stepped 1621" in listening.log)
+    end = time.monotonic() + WRONG_FOR
+    while time.monotonic() < end:
+        listening.hears_on()
+    check("Timed out" not in listening.core_log.read_text(encoding="utf-8", errors="replace"),
+          "the core's timer ended a handshake")
+
+
+def run(name, story, grace=None, distrusted=""):
     begin, fault = time.monotonic(), None
     with tempfile.TemporaryDirectory(prefix="ddssec-clock-") as folder:
         programs = pair.Programs(str(BUILD / "bin"), str(BUILD / "dropin"), folder)
         side, keys, pki = Side(GOVERNANCES["everything-encrypt-oa"]), Keys(), Pki(folder)
+        publish = replace(side, crl=distrusted).arguments(pki, keys, True)
+        subscribe = side.arguments(pki, keys, False)
+        if distrusted:
+            subscribe += ["--companion", side.companion(pki, keys, NEVER)]
         calendar = Calendar(folder)
         variables = dict(calendar.variables)
         if grace is not None:
@@ -142,8 +162,8 @@ def run(name, story, grace=None):
         variables["DDSSEC_EVENT_LOG"] = str(events)
         namespace, peers = pair.Namespace(), []
         try:
-            for role, more, starts in (("--subscribe", variables, False), ("--publish", {}, True)):
-                peers.append(pair.start(programs, namespace, "ours", [role, "--hold", *side.arguments(pki, keys, starts)],
+            for role, more, words in (("--subscribe", variables, subscribe), ("--publish", {}, publish)):
+                peers.append(pair.start(programs, namespace, "ours", [role, "--hold", *words],
                                         os.path.join(folder, role.strip("-") + ".log"), more))
             listening = Listening(peers[0], events)
             listening.until("the first samples", lambda: listening.samples >= FURTHER)
@@ -163,8 +183,8 @@ def run(name, story, grace=None):
 def main():
     check(FAKETIME is not None, "libfaketime is not installed (scripts/bootstrap.sh --dev)")
     stories = (("wrong for some seconds", wrong_for_some_seconds), ("set to stay", set_to_stay, 3),
-               ("set back to stay", set_back_to_stay, 3))
-    with concurrent.futures.ThreadPoolExecutor(max_workers=3) as pool:
+               ("set back to stay", set_back_to_stay, 3), ("under way", under_way, None, COMPANION))
+    with concurrent.futures.ThreadPoolExecutor(max_workers=4) as pool:
         return 0 if all(list(pool.map(lambda story: run(*story), stories))) else 1
 
 
