@@ -43,9 +43,14 @@ inline constexpr const char* kLastHeardOfSymbol = "ddssec_last_heard_of";
 using IsMatchedWith = bool(DDS_Security_IdentityHandle);
 inline constexpr const char* kIsMatchedWithSymbol = "ddssec_is_matched_with";
 
-/// Whether that remote participant has proven, since the last call, that it lost its session with
-/// the local one.
-using TakeSessionReset = bool(DDS_Security_IdentityHandle);
+/// Whether that remote participant has proven, since the last call, that it lost its session with a
+/// local one.
+enum class SessionReset : std::uint8_t {
+  none = 0,
+  of_session = 1,
+  of_unused_session = 2,  ///< its keys never came, while those for another local participant did
+};
+using TakeSessionReset = SessionReset(DDS_Security_IdentityHandle);
 inline constexpr const char* kTakeSessionResetSymbol = "ddssec_take_session_reset";
 
 /// Whether its keys were dropped since the last call, so that only a new session brings them

@@ -5,8 +5,8 @@
 
 namespace ddssec::cyclonedds {
 
-/// When that timer ends a handshake while others are under way, Cyclone DDS 0.10 damages its list of
-/// timers: it removes from it what it has removed already. Debian's 0.10.2 and 0.10.5 do; pull
+/// When that timer ends a handshake while others are under way, Cyclone DDS 0.10 damages its list
+/// of timers: it removes from it what it has removed already. Debian's 0.10.2 and 0.10.5 do; pull
 /// request 1550 repaired it for later versions. The core exports the function that stops the timer,
 /// but passes no handshake to a plugin. It does pass the address of a member of it.
 class CoreTimer {

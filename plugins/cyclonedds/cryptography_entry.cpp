@@ -36,8 +36,10 @@ DDSSEC_EXPORT std::int64_t ddssec_last_heard_of(DDS_Security_IdentityHandle remo
   return cyclonedds::PeersWithKeys::of_process().last_heard({remote}).count();
 }
 
-DDSSEC_EXPORT bool ddssec_take_session_reset(DDS_Security_IdentityHandle remote) {
-  return cyclonedds::SessionResets::of_process().take({remote});
+DDSSEC_EXPORT cyclonedds::SessionReset ddssec_take_session_reset(
+    DDS_Security_IdentityHandle remote) {
+  return cyclonedds::SessionResets::of_process().take({remote},
+                                                      cyclonedds::PeersWithKeys::of_process());
 }
 
 DDSSEC_EXPORT bool ddssec_take_stranded_keys(DDS_Security_IdentityHandle remote) {

@@ -73,6 +73,23 @@ void HandshakeWatch::keeps_its_session(HandshakeHandle handshake) {
   if (auto* const remote = of(handshake)) remote->keeps_its_session = true;
 }
 
+bool HandshakeWatch::follows_unused_reset(const Guid& remote) {
+  const std::lock_guard lock(mutex_);
+  const auto now = clock_.monotonic();
+  const auto last = begun_again_.find(remote);
+  if (last != begun_again_.end() && now - last->second < kUnusedResets) return false;
+  note_begun_again(remote, now);
+  return true;
+}
+
+/// The memory is bounded: then the worst is one more interruption.
+void HandshakeWatch::note_begun_again(const Guid& remote, Duration now) {
+  if (!begun_again_.contains(remote) && begun_again_.size() >= kMaxPeers)
+    begun_again_.erase(
+        std::ranges::min_element(begun_again_, {}, [](const auto& entry) { return entry.second; }));
+  begun_again_[remote] = now;
+}
+
 void HandshakeWatch::forget(HandshakeHandle handshake) {
   const std::lock_guard lock(mutex_);
   handshakes_.erase(handshake);
@@ -85,7 +102,6 @@ void HandshakeWatch::forget(IdentityHandle participant) {
   std::erase_if(handshakes_, [&](const auto& entry) {
     return entry.second.remote == participant || entry.second.local == participant;
   });
-  std::erase_if(begun_again_, [&](const auto& entry) { return entry.first == participant; });
 }
 
 HandshakeWatch::Duration HandshakeWatch::patience(const Remote& remote) const {
@@ -137,15 +153,15 @@ bool HandshakeWatch::is_settled(IdentityHandle handle, Remote& remote, const Que
 }
 
 /// Where the core's timer runs, always.
-bool HandshakeWatch::begin_pair_again(IdentityHandle local, const Half& half,
-                                      const Remote& remote) {
+bool HandshakeWatch::begin_pair_again(const Half& half, const Remote& remote) {
   constexpr auto kAsksNoMore = std::chrono::seconds(10);  // the host asks once a second
   const auto now = clock_.monotonic();
   if (now - half.met < kMaxWait) return false;
   if (half.timer == CoreTimerState::runs) return true;
   const bool is_asked = half.asked_again && now - *half.asked_again < kAsksNoMore;
-  if (is_asked || remote.keeps_its_session || begun_again_.size() >= kMaxPeers) return false;
-  return begun_again_.emplace(local, remote.guid).second;
+  if (is_asked || remote.keeps_its_session || begun_again_.contains(remote.guid)) return false;
+  note_begun_again(remote.guid, now);
+  return true;
 }
 
 /// The handshakes of other local participants with a peer that has a session with one.
@@ -153,7 +169,7 @@ bool HandshakeWatch::give_up_pairs(IdentityHandle handle, const Remote& remote,
                                    std::vector<Stuck>& out) {
   const auto now = clock_.monotonic();
   for (const auto& [local, half] : remote.unfinished) {
-    if (!begin_pair_again(local, half, remote)) continue;
+    if (!begin_pair_again(half, remote)) continue;
     out.push_back({.remote = handle,
                    .guid = remote.guid,
                    .was_disturbed = remote.was_disturbed,
@@ -170,10 +186,9 @@ bool HandshakeWatch::give_up_pairs(IdentityHandle handle, const Remote& remote,
 void HandshakeWatch::note_finished(IdentityHandle handle, Remote& remote, const Questions& ask) {
   std::erase_if(remote.unfinished, [&](const auto& entry) {
     const auto& [local, half] = entry;
-    if (!half.is_finished || (ask.has_keys_for && !ask.has_keys_for(handle, local))) return false;
-    begun_again_.erase({local, remote.guid});
-    return true;
+    return half.is_finished && (!ask.has_keys_for || ask.has_keys_for(handle, local));
   });
+  if (remote.unfinished.empty()) begun_again_.erase(remote.guid);
 }
 
 std::vector<HandshakeWatch::Stuck> HandshakeWatch::give_up(const Questions& ask) {

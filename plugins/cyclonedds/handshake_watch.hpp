@@ -9,8 +9,6 @@
 #include <map>
 #include <mutex>
 #include <optional>
-#include <set>
-#include <utility>
 #include <vector>
 
 #include "base/clock.hpp"
@@ -36,6 +34,9 @@ class HandshakeWatch {
   /// A peer that was not given up for this long starts with the shortest wait again.
   static constexpr Duration kForgetAfter = std::chrono::minutes(10);
   static constexpr std::size_t kMaxPeers = 1024;
+  /// A peer that refuses the permissions of one local participant loses that session each time. It
+  /// asks for half an hour (LostSessions::kMemory).
+  static constexpr Duration kUnusedResets = std::chrono::minutes(20);
 
   explicit HandshakeWatch(const Clock& clock) : clock_(clock) {}
 
@@ -60,13 +61,16 @@ class HandshakeWatch {
   void refused(spi::HandshakeHandle handshake);
   /// The handshake has ended. From now on the remote participant is given up only if its keys do
   /// not come, because then it did not finish its half, or if another local participant gets no
-  /// session with it. That happens once for such a pair, because it ends the session of the first.
+  /// session with it. That happens once, because it ends the session of the first.
   /// It does not happen if the peer would keep that session. Then the handshake stays as it is, and
   /// goes on when the peer answers.
   void finished(spi::HandshakeHandle handshake);
   /// The peer has finished its half, and would not notice that the local side begins again. Its
   /// keys are awaited as long as a handshake can last, unless a message was refused.
   void keeps_its_session(spi::HandshakeHandle handshake);
+  /// The peer proved that it lost a session that was never used (SessionReset), and the host can
+  /// only end all its sessions. True if it is to do so, at most once in kUnusedResets.
+  bool follows_unused_reset(const Guid& remote);
   void forget(spi::HandshakeHandle handshake);
   /// Of a local or a remote participant.
   void forget(spi::IdentityHandle participant);
@@ -80,7 +84,7 @@ class HandshakeWatch {
     Duration waited;
     /// Another local participant has a session with it.
     bool is_shared = false;
-    bool is_once = false;  ///< not done again for that pair
+    bool is_once = false;  ///< not done again
   };
   /// Questions to libddssec_cryptography about a remote participant. An empty function is not
   /// asked.
@@ -134,7 +138,8 @@ class HandshakeWatch {
   void await_keys(spi::IdentityHandle handle, Remote& remote, const Questions& ask) const;
   bool is_stuck(const Remote& remote, Duration now) const;
   void note_finished(spi::IdentityHandle handle, Remote& remote, const Questions& ask);
-  bool begin_pair_again(spi::IdentityHandle local, const Half& half, const Remote& remote);
+  void note_begun_again(const Guid& remote, Duration now);
+  bool begin_pair_again(const Half& half, const Remote& remote);
   bool give_up_pairs(spi::IdentityHandle handle, const Remote& remote, std::vector<Stuck>& out);
   Past& past_of(const Guid& guid, Duration now);
   Remote* of(spi::HandshakeHandle handshake);
@@ -144,8 +149,9 @@ class HandshakeWatch {
   std::map<spi::IdentityHandle, Remote> remotes_;
   std::map<spi::HandshakeHandle, Pair> handshakes_;
   std::map<Guid, Past> past_;
-  /// Pairs that did not finish while another local participant had a session with the remote one.
-  std::set<std::pair<spi::IdentityHandle, Guid>> begun_again_;
+  /// When remote participants were last revoked for one local participant while another had a
+  /// session with them; until all have one.
+  std::map<Guid, Duration> begun_again_;
 };
 
 }  // namespace ddssec::cyclonedds

@@ -61,7 +61,9 @@ void AuthenticationAdapter::revoke_reset(const std::stop_token& stop, const Revo
   if (symbol == nullptr) return;
   for (const auto& [remote, guid] : remotes_.all()) {
     if (stop.stop_requested()) return;
-    if (!reinterpret_cast<TakeSessionReset*>(symbol)(remote.value)) continue;
+    const auto reset = reinterpret_cast<TakeSessionReset*>(symbol)(remote.value);
+    if (reset == SessionReset::none) continue;
+    if (reset == SessionReset::of_unused_session && !watch_.follows_unused_reset(guid)) continue;
     host_->notice(
         Event(Error(Code::session_reset_by_peer), {}, guid.to_string(), PeerProof::authenticated));
     revoke(remote.value);

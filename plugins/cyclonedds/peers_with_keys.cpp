@@ -136,6 +136,13 @@ bool PeersWithKeys::has_sent_keys(spi::IdentityHandle identity, spi::IdentityHan
   return peer != nullptr && known != local_of_.end() && peer->with_keys.contains(known->second);
 }
 
+bool PeersWithKeys::has_keys_for(spi::ParticipantCryptoHandle peer,
+                                 spi::ParticipantCryptoHandle local) const {
+  const std::lock_guard lock(mutex_);
+  const auto known = peers_.find(peer.value);
+  return known != peers_.end() && known->second.with_keys.contains(local.value);
+}
+
 bool PeersWithKeys::is_matched(spi::IdentityHandle identity) const {
   const std::lock_guard lock(mutex_);
   const auto* const peer = find(identity);

@@ -48,6 +48,7 @@ class PeersWithKeys {
   bool contains(spi::IdentityHandle identity) const;
   /// True if its keys came for that local participant.
   bool has_sent_keys(spi::IdentityHandle identity, spi::IdentityHandle local) const;
+  bool has_keys_for(spi::ParticipantCryptoHandle peer, spi::ParticipantCryptoHandle local) const;
   /// True if each protected local builtin endpoint is matched. Also true for a peer that does not
   /// have all kSecureEndpoints, because it is not known here which ones it lacks.
   bool is_matched(spi::IdentityHandle identity) const;

@@ -8,6 +8,8 @@
 #include <map>
 #include <mutex>
 
+#include "plugins/cyclonedds/abi.hpp"
+#include "plugins/cyclonedds/peers_with_keys.hpp"
 #include "plugins/spi/handles.hpp"
 #include "plugins/spi/session_reset.hpp"
 
@@ -31,8 +33,9 @@ class SessionResets {
   void forget(spi::ParticipantCryptoHandle participant);
   /// Checks a received reset. False if it is not the token of an existing session.
   bool received(const spi::Reset& reset);
-  /// True if that remote participant has requested a reset since the last call.
-  bool take(spi::IdentityHandle identity);
+  /// Whether that remote participant has requested a reset since the last call. `peers`: whose keys
+  /// have come.
+  SessionReset take(spi::IdentityHandle identity, const PeersWithKeys& peers);
 
  private:
   struct Session {

@@ -287,9 +287,31 @@ TEST_F(SharedPeerTest, IsGivenUpOnceForAParticipantThatGetsNoSession) {
   EXPECT_TRUE(after(1000s).empty());
   meet();
   EXPECT_TRUE(after(24h).empty()) << "the session of the first is left alone";
-  watch.forget(second_local);
-  meet();  // a participant that is made later may get the same handle
-  EXPECT_EQ(after(81s).size(), 1u);
+}
+
+// The peer refuses the permissions of the second one, say, and tries again and again.
+TEST_F(SharedPeerTest, ThatResetsAnUnusedSession_IsFollowedSeldom) {
+  meet();
+  EXPECT_TRUE(watch.follows_unused_reset(guid_of(1)));
+  EXPECT_TRUE(watch.follows_unused_reset(guid_of(2)));
+  EXPECT_TRUE(after(19min).empty()) << "it was begun again";
+  EXPECT_FALSE(watch.follows_unused_reset(guid_of(1)));
+  EXPECT_TRUE(after(1min).empty());
+  EXPECT_TRUE(watch.follows_unused_reset(guid_of(1)));
+  EXPECT_FALSE(watch.follows_unused_reset(guid_of(1)));
+  watch.progressed({second_local, remote}, second);
+  watch.finished(second);
+  EXPECT_TRUE(after(1s).empty());
+  EXPECT_TRUE(watch.follows_unused_reset(guid_of(1))) << "all had a session meanwhile";
+}
+
+TEST_F(HandshakeWatchTest, UnusedResetsOfTooManyPeers_CrowdOutTheOldest) {
+  for (std::uint32_t i = 0; i <= HandshakeWatch::kMaxPeers; ++i) {
+    EXPECT_TRUE(watch.follows_unused_reset(guid_of(i)));
+    clock.advance(1ms);
+  }
+  EXPECT_FALSE(watch.follows_unused_reset(guid_of(1)));
+  EXPECT_TRUE(watch.follows_unused_reset(guid_of(0)));
 }
 
 // Stock plugins and Fast DDS would not begin the session of the first again.

@@ -185,7 +185,9 @@ DDSSEC_EXPORT bool ddssec_take_stranded_keys(DDS_Security_IdentityHandle remote)
   return stranded_peer.compare_exchange_strong(remote, 0);
 }
 /// In a process with our cryptography that library exports it, and authentication looks it up.
-DDSSEC_EXPORT bool ddssec_take_session_reset(DDS_Security_IdentityHandle remote) {
+DDSSEC_EXPORT ddssec::cyclonedds::SessionReset ddssec_take_session_reset(
+    DDS_Security_IdentityHandle remote) {
+  using namespace ddssec::cyclonedds;
   ++questions;
-  return ddssec::cyclonedds::SessionResets::of_process().take({remote});
+  return SessionResets::of_process().take({remote}, PeersWithKeys::of_process());
 }

@@ -19,15 +19,19 @@ bool receive(SessionResets& resets, const Bytes& message) {
   return resets.received(*spi::read_reset(message));
 }
 
+SessionReset take(SessionResets& resets, spi::IdentityHandle peer) {
+  return resets.take(peer, PeersWithKeys());
+}
+
 TEST(SessionResets, AreTakenOnce) {
   SessionResets resets;
   resets.expect({{70}, {1}}, {7}, token_of(1));
-  EXPECT_FALSE(resets.take({7}));
+  EXPECT_EQ(take(resets, {7}), SessionReset::none);
   EXPECT_TRUE(receive(resets, message_of(1)));
   EXPECT_TRUE(receive(resets, message_of(1)));  // sent again
-  EXPECT_FALSE(resets.take({8}));
-  EXPECT_TRUE(resets.take({7}));
-  EXPECT_FALSE(resets.take({7}));
+  EXPECT_EQ(take(resets, {8}), SessionReset::none);
+  EXPECT_EQ(take(resets, {7}), SessionReset::of_session);
+  EXPECT_EQ(take(resets, {7}), SessionReset::none);
 }
 
 TEST(SessionResets, NeedTheProofOfASessionThatIsThere) {
@@ -37,10 +41,10 @@ TEST(SessionResets, NeedTheProofOfASessionThatIsThere) {
   auto forged = message_of(1);
   forged[forged.size() - 25] ^= 1;  // last octet of the proof
   EXPECT_FALSE(receive(resets, forged));
-  EXPECT_FALSE(resets.take({7}));
+  EXPECT_EQ(take(resets, {7}), SessionReset::none);
   resets.forget({70});
   EXPECT_FALSE(receive(resets, message_of(1)));
-  EXPECT_FALSE(resets.take({7}));
+  EXPECT_EQ(take(resets, {7}), SessionReset::none);
 }
 
 // Its end is the reason why the peer has lost the session.
@@ -50,9 +54,31 @@ TEST(SessionResets, OfALocalParticipantThatEnded_ResetNoOther) {
   resets.expect({{70}, {2}}, {7}, token_of(2));
   resets.forget({2});
   EXPECT_FALSE(receive(resets, message_of(2)));
-  EXPECT_FALSE(resets.take({7}));
+  EXPECT_EQ(take(resets, {7}), SessionReset::none);
   EXPECT_TRUE(receive(resets, message_of(1)));
-  EXPECT_TRUE(resets.take({7}));
+  EXPECT_EQ(take(resets, {7}), SessionReset::of_session);
+}
+
+// The peer refused the permissions of the second local participant, say.
+TEST(SessionResets, OfASessionWithoutKeysBesideOneWithKeys_AreToldApart) {
+  SessionResets resets;
+  PeersWithKeys peers;
+  for (const std::uint8_t local : {1, 2}) {
+    resets.expect({{70}, {local}}, {7}, token_of(local));
+    peers.met({70}, {7}, {local}, 0);
+  }
+  const auto reset = [&](std::uint8_t local) {
+    EXPECT_TRUE(receive(resets, message_of(local)));
+    return resets.take({7}, peers);
+  };
+  EXPECT_EQ(reset(2), SessionReset::of_session) << "no keys came at all";
+  peers.sent_keys({70}, {1});
+  EXPECT_EQ(reset(2), SessionReset::of_unused_session);
+  EXPECT_EQ(reset(1), SessionReset::of_session);
+  EXPECT_TRUE(receive(resets, message_of(2)));
+  EXPECT_EQ(reset(1), SessionReset::of_session) << "both";
+  peers.sent_keys({70}, {2});
+  EXPECT_EQ(reset(2), SessionReset::of_session);
 }
 
 TEST(SessionResets, OfAForgottenPeerAreNotWaitedFor) {
@@ -61,11 +87,11 @@ TEST(SessionResets, OfAForgottenPeerAreNotWaitedFor) {
   resets.expect({{70}, {1}}, {7}, token_of(2));  // a second local participant
   EXPECT_TRUE(receive(resets, message_of(2)));
   resets.forget({70});
-  EXPECT_FALSE(resets.take({7}));
+  EXPECT_EQ(take(resets, {7}), SessionReset::none);
   resets.expect({{71}, {1}}, {7},
                 token_of(3));  // the next session is not reset by the former's token
   EXPECT_FALSE(receive(resets, message_of(2)));
-  EXPECT_FALSE(resets.take({7}));
+  EXPECT_EQ(take(resets, {7}), SessionReset::none);
 }
 
 }  // namespace
