@@ -403,12 +403,12 @@ void Discovery::on_addresses_changed(bool all) {
       readdress(core_, parts_.matcher, builtin_, remote);
 }
 
-void Discovery::on_acknack(const EntityId& writer, const Guid& reader, std::int32_t count) {
-  if (writer == kVolatileMessageWriter && core_.security)
-    return core_.security->note_keys_acknowledged(reader.prefix);
-  auto* local = parts_.local.find_writer(writer);
+void Discovery::on_acknack(const GuidPrefix& source, const AckNack& acknack, bool is_protected) {
+  if (acknack.writer == kVolatileMessageWriter && core_.security)
+    return core_.security->note_keys_acknowledged(source);
+  auto* local = parts_.local.find_writer(acknack.writer);
   if (local == nullptr) return;
-  parts_.matcher.presence().note_heard(*local, reader, count);
+  parts_.matcher.presence().note_heard(*local, source, acknack, is_protected);
   local->listener->on_acknowledged();
 }
 

@@ -43,7 +43,7 @@ class Discovery final : public MessageListener, public SecurityHost {
   void on_stateless_frag(const GuidPrefix& source, const DataFrag& frag) override;
   void on_builtin_heartbeat(const Guid& writer) override;
   void on_alive(const Guid& writer) override { parts_.liveliness.note_alive(writer); }
-  void on_acknack(const EntityId& writer, const Guid& reader, std::int32_t count) override;
+  void on_acknack(const GuidPrefix& source, const AckNack& acknack, bool is_protected) override;
   void on_key_exchange(const GuidPrefix& source) override;
   void on_message(const GuidPrefix& source, const SignsOfLife& signs) override;
 

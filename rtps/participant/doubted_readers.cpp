@@ -7,9 +7,9 @@ namespace ddssec::rtps {
 
 void DoubtedReaders::add(const Pair& pair, MonotonicTime now) {
   if (doubts_.contains(pair)) return;
-  const auto answer = host_.last_answer(pair);
-  if (!answer) return;
-  doubts_.emplace(pair, Doubt{*answer, now, now + kPatience});
+  const auto answers = host_.answers(pair);
+  if (!answers) return;
+  doubts_.emplace(pair, Doubt{*answers, now, now + kPatience});
   next_ = std::min(next_, now);
 }
 
@@ -26,9 +26,9 @@ void DoubtedReaders::tick(MonotonicTime now) {
 }
 
 bool DoubtedReaders::look_at(const Pair& pair, Doubt& doubt, MonotonicTime now) {
-  const auto answer = host_.last_answer(pair);
-  if (!answer) return false;
-  doubt.answered = doubt.answered || *answer != doubt.answer;
+  const auto answers = host_.answers(pair);
+  if (!answers) return false;
+  doubt.answered = doubt.answered || *answers != doubt.answers;
   if (doubt.answered) {
     doubt.due = doubt.end;
     return now < doubt.end;

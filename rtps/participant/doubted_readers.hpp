@@ -30,8 +30,8 @@ class DoubtedReaders {
   class Host {
    public:
     virtual ~Host() = default;
-    /// The count of the reader's last answer. Empty: it neither matches nor counts as ended.
-    virtual std::optional<std::int32_t> last_answer(const Pair& pair) = 0;
+    /// How often the reader has answered. Empty: it neither matches nor counts as ended.
+    virtual std::optional<std::uint64_t> answers(const Pair& pair) = 0;
     virtual void ask(const Pair& pair) = 0;
     /// From now on the reader counts as ended.
     virtual void on_silent(const Pair& pair) = 0;
@@ -47,9 +47,9 @@ class DoubtedReaders {
 
  private:
   struct Doubt {
-    std::int32_t answer;  ///< the last one before
-    MonotonicTime due;    ///< when it is asked next
-    MonotonicTime end;    ///< of kPatience
+    std::uint64_t answers;  ///< before
+    MonotonicTime due;      ///< when it is asked next
+    MonotonicTime end;      ///< of kPatience
     MonotonicTime interval = kInterval;
     bool answered = false, ended = false;
   };

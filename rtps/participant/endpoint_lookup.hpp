@@ -45,8 +45,9 @@ class MessageListener {
   /// A writer that matched a local reader asserted its liveliness, by a sample or by a HEARTBEAT
   /// with the liveliness flag.
   virtual void on_alive(const Guid& writer) = 0;
-  /// An ACKNACK of a reader that matched this local writer.
-  virtual void on_acknack(const EntityId& writer, const Guid& reader, std::int32_t count) = 0;
+  /// An ACKNACK of a reader of `source`, for a local writer that it matched. `is_protected`: by
+  /// keys of `source`.
+  virtual void on_acknack(const GuidPrefix& source, const AckNack& acknack, bool is_protected) = 0;
   /// A submessage that only the peer can have protected arrived on the volatile secure channel.
   virtual void on_key_exchange(const GuidPrefix& source) = 0;
   /// Called after the last submessage of each source.

@@ -293,7 +293,7 @@ Status MessageReceiver::on_heartbeat(const SubmessageView& view, Context& contex
   if (!context.for_us) return {};
   if (is_builtin(heartbeat.writer)) listener_.on_builtin_heartbeat(from);
   each_reader(heartbeat.reader, heartbeat.writer, context, [&](StatefulReader& reader) {
-    if (!reader.on_heartbeat(from.prefix, heartbeat)) return;
+    if (!reader.on_heartbeat(from.prefix, heartbeat, context.is_protected())) return;
     context.note_told(true);
     if (heartbeat.asserts_liveliness) listener_.on_alive(from);
   });
@@ -313,8 +313,9 @@ Status MessageReceiver::on_acknack(const SubmessageView& view, Context& context)
   DDSSEC_ASSIGN_OR_RETURN(const auto acknack, read_acknack(view));
   auto* writer = addressed(acknack.writer, acknack.reader, context);
   if (writer == nullptr) return {};
-  context.note_told(writer->on_acknack(context.source, acknack, context.now));
-  listener_.on_acknack(acknack.writer, {context.source, acknack.reader}, acknack.count);
+  const bool is_protected = context.is_protected();
+  context.note_told(writer->on_acknack(context.source, acknack, context.now, is_protected));
+  listener_.on_acknack(context.source, acknack, is_protected);
   return {};
 }
 
@@ -322,7 +323,8 @@ Status MessageReceiver::on_nack_frag(const SubmessageView& view, Context& contex
   DDSSEC_ASSIGN_OR_RETURN(const auto nack, read_nack_frag(view));
   auto* writer = addressed(nack.writer, nack.reader, context);
   if (writer == nullptr) return {};
-  context.note_told(writer->on_nack_frag(context.source, nack, context.now));
+  context.note_told(
+      writer->on_nack_frag(context.source, nack, context.now, context.is_protected()));
   return {};
 }
 

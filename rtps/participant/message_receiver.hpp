@@ -41,10 +41,12 @@ class MessageReceiver {
     Shield shield = {};
     SignsOfLife signs = {};
 
+    /// True if keys of the source protect the submessage.
+    bool is_protected() const { return shield.message || shield.submessage.prefix == source; }
     /// An endpoint received a submessage. `is_new`: it had not received it before.
     void note_told(bool is_new) {
       signs.is_news |= is_new;
-      signs.is_proof |= is_new && (shield.message || shield.submessage.prefix == source);
+      signs.is_proof |= is_new && is_protected();
     }
   };
 

@@ -34,10 +34,12 @@ void ReaderPresence::doubt(LocalWriter& writer, const Guid& reader) {
   doubted_.add({writer.data.guid, reader}, core_.now);
 }
 
-void ReaderPresence::note_heard(LocalWriter& writer, const Guid& reader, std::int32_t count) {
+void ReaderPresence::note_heard(LocalWriter& writer, const GuidPrefix& source,
+                                const AckNack& acknack, bool is_protected) {
+  const Guid reader{source, acknack.reader};
   const auto silent = writer.silent.find(reader);
   if (silent == writer.silent.end()) return note_ready(writer, reader);
-  if (!silent->second.take(count)) return;  // a repetition
+  if (!silent->second.take(acknack, is_protected)) return;  // a repetition
   writer.silent.erase(silent);
   match_again_(writer.data.guid.entity, reader);
 }
@@ -56,14 +58,14 @@ void ReaderPresence::tick() {
 
 // ---- doubt
 
-std::optional<std::int32_t> ReaderPresence::last_answer(const DoubtedReaders::Pair& pair) {
+std::optional<std::uint64_t> ReaderPresence::answers(const DoubtedReaders::Pair& pair) {
   const auto* writer = local_.find_writer(pair.writer.entity);
   if (writer == nullptr) return std::nullopt;
   const auto silent = writer->silent.find(pair.reader);
-  if (silent != writer->silent.end()) return silent->second.last();
+  if (silent != writer->silent.end()) return silent->second.taken();
   const auto* proxy = writer->protocol->readers().find(pair.reader);
   if (proxy == nullptr || !proxy->acknowledges()) return std::nullopt;
-  return proxy->acknacks.last();
+  return proxy->acknacks.taken();
 }
 
 void ReaderPresence::ask(const DoubtedReaders::Pair& pair) {

@@ -25,8 +25,9 @@ class ReaderPresence final : private DoubtedReaders::Host {
   void forget(LocalWriter& writer, const Guid& reader);
   /// Something that proves nothing says that the reader has ended (DoubtedReaders).
   void doubt(LocalWriter& writer, const Guid& reader);
-  /// The reader sent an ACKNACK to the local writer.
-  void note_heard(LocalWriter& writer, const Guid& reader, std::int32_t count);
+  /// A reader of `source` sent an ACKNACK to the local writer. `is_protected`: by keys of `source`.
+  void note_heard(LocalWriter& writer, const GuidPrefix& source, const AckNack& acknack,
+                  bool is_protected);
 
   void tick();
   MonotonicTime next_tick() const { return std::min(readiness_.next(), doubted_.next()); }
@@ -34,7 +35,7 @@ class ReaderPresence final : private DoubtedReaders::Host {
  private:
   bool shows_readiness(const LocalWriter& writer, const EndpointData& reader) const;
   void note_ready(LocalWriter& writer, const Guid& reader);
-  std::optional<std::int32_t> last_answer(const DoubtedReaders::Pair& pair) override;
+  std::optional<std::uint64_t> answers(const DoubtedReaders::Pair& pair) override;
   void ask(const DoubtedReaders::Pair& pair) override;
   void on_silent(const DoubtedReaders::Pair& pair) override;
 

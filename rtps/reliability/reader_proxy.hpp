@@ -8,7 +8,10 @@
 #include "rtps/reliability/fragment_repair.hpp"
 #include "rtps/reliability/key_payload.hpp"
 #include "rtps/reliability/octet_allowance.hpp"
+#include "rtps/reliability/recent_messages.hpp"
+#include "wire/acknack.hpp"
 #include "wire/locator.hpp"
+#include "wire/nack_frag.hpp"
 
 namespace ddssec::rtps {
 
@@ -23,22 +26,6 @@ struct MatchedReader {
   bool in_process = false;
   std::shared_ptr<ChangeFilter> filter = {};  ///< nullptr: it gets everything
   KeyReading keys = {};
-};
-
-/// The count of the last request of one kind. Requests with earlier counts are repetitions by the
-/// network or by an attacker.
-class LastCount {
- public:
-  /// Returns false if `count` is not later than the last one.
-  bool take(std::int32_t count) {
-    if (!is_later(count, last_) && last_ != 0) return false;
-    last_ = count;
-    return true;
-  }
-  std::int32_t last() const { return last_; }
-
- private:
-  std::int32_t last_ = 0;
 };
 
 /// Whether a reader acknowledges in time: everything that was written before a point in time, at
@@ -122,7 +109,8 @@ class ReaderProxy {
   AcknowledgedNumbers::Place place;          ///< if it acknowledges
   AcknowledgedNumbers::Place place_in_time;  ///< if it does so in time
   Timeliness timeliness;
-  LastCount acknacks, nack_frags;
+  RecentMessages<AckNack> acknacks;
+  RecentMessages<NackFrag> nack_frags;
   RepairAllowance allowance;
   FragmentRepair repair;
   StatefulReader* local = nullptr;  ///< reader in this process; nullptr: not attached

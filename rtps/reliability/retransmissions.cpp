@@ -96,7 +96,8 @@ bool Retransmissions::send_portion(ReaderProxy& proxy, const Receiver& receiver,
     return true;
   }
   repair.end();
-  if (proxy.acknowledged() < sample) messages_.gap(receiver, sample, sample.next());
+  const bool was_written = sample <= history_.last();
+  if (was_written && proxy.acknowledged() < sample) messages_.gap(receiver, sample, sample.next());
   return false;
 }
 

@@ -142,9 +142,10 @@ void StatefulReader::give_up_largest(const GuidPrefix& identity) {
   largest->forget_latest();
 }
 
-bool StatefulReader::on_heartbeat(const GuidPrefix& from, const Heartbeat& heartbeat) {
+bool StatefulReader::on_heartbeat(const GuidPrefix& from, const Heartbeat& heartbeat,
+                                  bool is_protected) {
   auto* proxy = find({from, heartbeat.writer});
-  if (proxy == nullptr || !proxy->on_heartbeat(heartbeat)) return false;
+  if (proxy == nullptr || !proxy->on_heartbeat(heartbeat, is_protected)) return false;
   if (!proxy->is_reliable()) return true;
   if (heartbeat.group && proxy->next() > heartbeat.last && on_group_)
     on_group_(proxy->writer().guid, heartbeat.group->current);

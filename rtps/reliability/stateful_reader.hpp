@@ -82,7 +82,8 @@ class StatefulReader final : private Timed {
   bool on_data(const GuidPrefix& from, const Data& data, const std::optional<Time>& time,
                Payload elsewhere = {});
   bool on_data_frag(const GuidPrefix& from, const DataFrag& frag, const std::optional<Time>& time);
-  bool on_heartbeat(const GuidPrefix& from, const Heartbeat& heartbeat);
+  /// `is_protected`: by keys of the writer's participant.
+  bool on_heartbeat(const GuidPrefix& from, const Heartbeat& heartbeat, bool is_protected = true);
   bool on_gap(const GuidPrefix& from, const Gap& gap);
 
   // Called by a writer of this process (see StatefulWriter::attach):

@@ -72,8 +72,11 @@ class StatefulWriter final : private Timed {
   void assert_liveliness();
 
   /// Return false if the message was received before, or contains nothing yet (a pre-emptive one).
-  bool on_acknack(const GuidPrefix& from, const AckNack& acknack, MonotonicTime now);
-  bool on_nack_frag(const GuidPrefix& from, const NackFrag& nack, MonotonicTime now);
+  /// `is_protected`: by keys of its sender.
+  bool on_acknack(const GuidPrefix& from, const AckNack& acknack, MonotonicTime now,
+                  bool is_protected = true);
+  bool on_nack_frag(const GuidPrefix& from, const NackFrag& nack, MonotonicTime now,
+                    bool is_protected = true);
   /// Sends the HEARTBEATs that are due.
   void tick(MonotonicTime now);
   MonotonicTime next_tick() const;

@@ -13,7 +13,8 @@ WriterProxy::WriterProxy(MatchedWriter writer, bool reader_is_reliable, Common& 
       partial_(held_, !reader_is_reliable) {}
 
 void WriterProxy::resume(const PastWriters::Position& past, bool wants_history) {
-  last_heartbeat_ = past.last_heartbeat;
+  heartbeats_.resume(past.last_heartbeat);
+  former_ = past.next;
   waits_ = reliable_ && wants_history;
   if (!waits_) next_ = past.next;
 }
@@ -67,21 +68,28 @@ void WriterProxy::note_lost(SequenceNumber until) {
     common_.lost(lost);
 }
 
-bool WriterProxy::on_heartbeat(const Heartbeat& heartbeat) {
-  const bool is_new = !(heard_ || waits_) || is_later(heartbeat.count, last_heartbeat_);
-  if (!is_new) return false;
+// Without protection, the HEARTBEAT that ends a wait may have been recorded before, or a forged one
+// may have had the latest count. Then the former position counts, so that nothing is delivered
+// twice.
+bool WriterProxy::on_heartbeat(const Heartbeat& heartbeat, bool is_protected) {
+  if (!heard_ && !waits_) heartbeats_ = {};
+  const bool is_later_one = is_later(heartbeat.count, heartbeats_.last());
+  if (!heartbeats_.take(heartbeat, is_protected)) return false;
   if (!std::exchange(heard_, true)) history_end_ = heartbeat.last;
-  last_heartbeat_ = heartbeat.count;
   if (!reliable_) return true;
   question.stop();
   announced_ = heartbeat.last;
-  // An attacker may have kept changes that the writer no longer holds.
-  if (std::exchange(waits_, false))
-    while (!early_.empty() && early_.first() < heartbeat.first) early_.erase_first();
+  if (std::exchange(waits_, false)) start_at(is_later_one ? heartbeat.first : former_);
   advance();
   note_lost(heartbeat.first);
   skip_to(heartbeat.first);
   return true;
+}
+
+// An attacker may have kept changes that the writer no longer holds.
+void WriterProxy::start_at(SequenceNumber number) {
+  while (!early_.empty() && early_.first() < number) early_.erase_first();
+  next_ = std::max(next_, number);
 }
 
 void WriterProxy::skip_to(SequenceNumber number) {

@@ -8,6 +8,7 @@
 #include "rtps/reliability/partial_samples.hpp"
 #include "rtps/reliability/past_writers.hpp"
 #include "rtps/reliability/question_timer.hpp"
+#include "rtps/reliability/recent_messages.hpp"
 #include "wire/heartbeat.hpp"
 #include "wire/locator.hpp"
 
@@ -70,11 +71,11 @@ class WriterProxy {
   bool has_history() const { return !reliable_ || (heard_ && next_ > history_end_); }
 
   /// The writer was matched before and continues at its former position. `wants_history`: a
-  /// HEARTBEAT that was not received before may start again with what the writer holds; until then
-  /// nothing is delivered.
+  /// HEARTBEAT with a later count than before may start again with what the writer holds; until a
+  /// HEARTBEAT arrives nothing is delivered.
   void resume(const PastWriters::Position& past, bool wants_history);
   PastWriters::Position position(const Sha256Digest& keys) const {
-    return {keys, next_, last_heartbeat_};
+    return {keys, next_, heartbeats_.last()};
   }
 
   /// True if the change was neither delivered nor given up, and is not held completely.
@@ -82,8 +83,9 @@ class WriterProxy {
   /// Takes a change with a number from next() on. `change`: empty if it is irrelevant. Returns
   /// false if it is already known, or there is no room to keep it.
   bool accept(SequenceNumber number, std::optional<Change> change);
-  /// Returns false if the HEARTBEAT was received before.
-  bool on_heartbeat(const Heartbeat& heartbeat);
+  /// Returns false if the HEARTBEAT was received before. `is_protected`: by keys of the writer's
+  /// participant.
+  bool on_heartbeat(const Heartbeat& heartbeat, bool is_protected = true);
   /// True while the next HEARTBEAT determines where the writer starts.
   bool waits_for_heartbeat() const { return waits_; }
   /// Delivers what is held below `number`, and gives up what is missing there.
@@ -124,6 +126,8 @@ class WriterProxy {
 
  private:
   void advance();
+  /// Ends the wait for a HEARTBEAT: nothing below `number` is delivered.
+  void start_at(SequenceNumber number);
   void note_lost(SequenceNumber until);
 
   MatchedWriter writer_;
@@ -131,9 +135,10 @@ class WriterProxy {
   const bool reliable_;
   bool heard_ = false;
   bool started_ = false;  ///< a change of it arrived, or a HEARTBEAT gave its position
-  /// For a HEARTBEAT later than last_heartbeat_; until then all changes are kept.
+  /// For a HEARTBEAT; until then all changes are kept.
   bool waits_ = false;
-  std::int32_t last_heartbeat_ = 0;
+  SequenceNumber former_;  ///< position before the wait
+  RecentMessages<Heartbeat> heartbeats_;
   SequenceNumber next_{1};
   SequenceNumber announced_;
   std::pair<SequenceNumber, SequenceNumber> forgotten_at_;  ///< announced() and next()

@@ -238,8 +238,7 @@ class Run {
       world_.start(victim);
     }
     repeat(plan_.siege_steps, [] { return false; });
-    // A forged HEARTBEAT can keep a reader from answering for good where headers are not covered.
-    if (!is_over() && plan_.protection->covers_headers) reunite(invariant::kNewcomer);
+    if (!is_over()) reunite(invariant::kNewcomer);
     if (!is_over()) exchange();
     world_.invariants().set_besieged(false);
     if (!is_over()) world_.check_dead();

@@ -1,7 +1,5 @@
 #include "rtps/reliability/reader_proxy.hpp"
 
-#include <limits>
-
 #include <gtest/gtest.h>
 
 #include "tests/unit/rtps/wire_helpers.hpp"
@@ -38,15 +36,6 @@ TEST(ReaderProxy, AnAnswerOnItsWay_IsNotRepeated) {
   EXPECT_TRUE(proxy.was_just_answered({3}, now + std::chrono::milliseconds(1)));
   EXPECT_FALSE(proxy.was_just_answered({4}, now + std::chrono::milliseconds(1)));
   EXPECT_FALSE(proxy.was_just_answered({4}, now + std::chrono::milliseconds(9)));
-}
-
-TEST(LastCount, TakesOnlyLaterCounts) {
-  LastCount last;
-  EXPECT_TRUE(last.take(-5)) << "the first may be any";
-  EXPECT_FALSE(last.take(-5));
-  EXPECT_FALSE(last.take(-6));
-  EXPECT_TRUE(last.take(7));
-  EXPECT_TRUE(last.take(std::numeric_limits<std::int32_t>::min() + 3)) << "they begin again";
 }
 
 }  // namespace

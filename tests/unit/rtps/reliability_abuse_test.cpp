@@ -62,6 +62,57 @@ TEST(Reliability, APreEmptiveAcknackDoesNotMakeRecordedOnesNew) {
   }
 }
 
+// Without protection anyone can send a count that no honest message reaches.
+TEST(Reliability, ForgedCounts_DoNotEndTheRepairOfSamples) {
+  constexpr std::int32_t kFarAhead = 0x40000000;
+  Pair pair(keep_all());
+  pair.is_protected = false;
+  pair.match();
+  pair.run(5);
+  pair.reader.on_heartbeat(kA, {{}, testing::kWriter, {1}, {0}, kFarAhead, true}, false);
+  pair.writer.on_acknack(
+      kB, {testing::kReader, testing::kWriter, SequenceNumberSet({1}), kFarAhead, true}, pair.now,
+      false);
+  FragmentNumberSet fragments({1});
+  fragments.insert({1});
+  pair.writer.on_nack_frag(kB, {testing::kReader, testing::kWriter, {1}, fragments, kFarAhead},
+                           pair.now, false);
+  pair.net.loss_percent = 50;
+  for (int i = 0; i < 10; ++i) pair.write(Bytes(i % 2 == 0 ? 100 : 5000));
+  pair.run(1000);
+  EXPECT_THAT(pair.numbers(), ElementsAre(1, 2, 3, 4, 5, 6, 7, 8, 9, 10));
+  EXPECT_TRUE(pair.writer.all_acknowledged());
+}
+
+// Nobody lacks it yet. Then it would be lost.
+TEST(Reliability, ARequestForFragmentsOfALaterSample_MakesItNotIrrelevant) {
+  Pair pair(keep_all());
+  pair.match();
+  pair.run(5);
+  FragmentNumberSet fragments({1});
+  fragments.insert({1});
+  pair.writer.on_nack_frag(kB, {testing::kReader, testing::kWriter, {1}, fragments, 7}, pair.now);
+  pair.run(5);
+  pair.write({1});
+  pair.run(5);
+  EXPECT_THAT(pair.numbers(), ElementsAre(1));
+}
+
+// Two paths deliver each message twice, in some order.
+TEST(Reliability, UnprotectedRepetitions_AreNotAnsweredAgain) {
+  Pair pair(keep_all());
+  pair.is_protected = false;
+  pair.match();
+  pair.run(5);
+  const Heartbeat question{{}, testing::kWriter, {1}, {0}, 1000};
+  auto next = question;
+  ++next.count;
+  pair.net.b.sent.clear();
+  for (int path = 0; path < 2; ++path)
+    for (const auto& one : {question, next}) pair.reader.on_heartbeat(kA, one, false);
+  EXPECT_EQ(pair.net.b.sent.size(), 2u);
+}
+
 // Only what is new is a sign of life.
 TEST(Reliability, WhatIsRepeatedIsNotNew) {
   for (const bool reliable : {true, false}) {

@@ -53,6 +53,7 @@ struct Pair {
   std::size_t most = 1'000'000;  ///< then the reader's history is full
   StatefulReader reader;
   MonotonicTime now{};
+  bool is_protected = true;  ///< all messages, by keys of their senders
 
   explicit Pair(Qos offered = default_writer_qos(), bool reliable = true)
       : writer({kA, testing::kWriter}, offered, to_b),
@@ -86,16 +87,16 @@ struct Pair {
           reader.on_data_frag(from, *read_data_frag(view), time);
           break;
         case SubmessageId::heartbeat:
-          reader.on_heartbeat(from, *read_heartbeat(view));
+          reader.on_heartbeat(from, *read_heartbeat(view), is_protected);
           break;
         case SubmessageId::gap:
           reader.on_gap(from, *read_gap(view));
           break;
         case SubmessageId::acknack:
-          writer.on_acknack(from, *read_acknack(view), now);
+          writer.on_acknack(from, *read_acknack(view), now, is_protected);
           break;
         case SubmessageId::nack_frag:
-          writer.on_nack_frag(from, *read_nack_frag(view), now);
+          writer.on_nack_frag(from, *read_nack_frag(view), now, is_protected);
           break;
         default:
           break;

@@ -189,6 +189,17 @@ TEST_F(WriterProxyTest, ResumedWithHistory_WaitsForANewHeartbeat) {
   EXPECT_FALSE(reliable.waits_for_heartbeat());
 }
 
+// It may have been recorded. But a forged one may have had the latest count, too, so that no other
+// would ever come.
+TEST_F(WriterProxyTest, ResumedWithHistory_AnUnprotectedOldHeartbeatContinuesWhereItWas) {
+  reliable.resume({{}, {5}, 7}, true);
+  add(reliable, 1);
+  add(reliable, 5);
+  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 6, 7), false));
+  EXPECT_FALSE(reliable.waits_for_heartbeat());
+  EXPECT_THAT(delivered, ElementsAre(5)) << "the first was delivered before";
+}
+
 TEST(QuestionTimer, WaitsTwiceAsLongEachTime) {
   QuestionTimer timer;
   EXPECT_EQ(timer.due(), kNever);

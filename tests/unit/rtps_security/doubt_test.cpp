@@ -100,7 +100,7 @@ TEST_F(Doubt, SilentReaderIsInReachAgain_Matches) {
 
 TEST(DoubtedReader, SilentReader_IsAskedLessAndLess) {
   struct Count final : DoubtedReaders::Host {
-    std::optional<std::int32_t> last_answer(const DoubtedReaders::Pair&) override { return 7; }
+    std::optional<std::uint64_t> answers(const DoubtedReaders::Pair&) override { return 7; }
     void ask(const DoubtedReaders::Pair&) override { ++asked; }
     void on_silent(const DoubtedReaders::Pair&) override { ++silent; }
     int asked = 0, silent = 0;
@@ -133,6 +133,44 @@ TEST_F(Doubt, RepeatedAnswer_DoesNotBringItBack) {
   pair.a->receive(recorded, pair.world.now);
   EXPECT_EQ(matched(), 0);
 }
+
+// Where only payloads are protected, anyone can send a HEARTBEAT or an ACKNACK. A count that no
+// honest message reaches does not keep the reader from being asked, or its answer from being heard.
+struct ForgedCount : Doubt, ::testing::WithParamInterface<bool> {
+  void forge() {
+    constexpr std::int32_t kFarAhead = 0x40000000;
+    if (GetParam())
+      return pair.b->receive(
+          forged(pair.a->prefix(),
+                 Heartbeat{kEntityIdUnknown, pair.writer.entity, {1}, {0}, kFarAhead, true}),
+          pair.world.now);
+    pair.a->receive(forged(pair.b->prefix(), AckNack{pair.reader.entity, pair.writer.entity,
+                                                     SequenceNumberSet({1}), kFarAhead, true}),
+                    pair.world.now);
+  }
+};
+
+TEST_P(ForgedCount, OfEitherSide_DoesNotMakeTheReaderSilent) {
+  pair.world.run(20);
+  forge();
+  report_end(pair.reader);
+  pair.world.run(2 * kPatience);
+  EXPECT_EQ(matched(), 1);
+  EXPECT_FALSE(pair.a.events.has(Code::rtps_reader_silent));
+}
+
+TEST_P(ForgedCount, OfEitherSide_DoesNotKeepASilentReaderAway) {
+  pair.world.run(20);
+  forge();
+  is_cut_off = cuts_both = true;
+  report_end(pair.reader);
+  pair.world.run(kPatience + 40);
+  ASSERT_EQ(matched(), 0);
+  is_cut_off = false;
+  EXPECT_TRUE(pair.world.run_until([&] { return matched() == 1; }, 2 * kPatience));
+}
+
+INSTANTIATE_TEST_SUITE_P(Doubt, ForgedCount, ::testing::Bool());
 
 TEST_F(Doubt, ReportOfAWriter_ChangesNothing) {
   pair.world.run(20);

@@ -1,0 +1,58 @@
+// Which HEARTBEATs, ACKNACKs and NACK_FRAGs are repetitions (RTPS 8.4.15.7).
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "wire/numbers.hpp"
+
+namespace ddssec::rtps {
+
+/// The messages of one kind from one sender. Their counts increase, so a message whose count is not
+/// later than the last one is a repetition, by the network or by an attacker.
+///
+/// That holds for messages that keys of the sender protect. Without protection, an attacker can
+/// send any count, and one far ahead would make all later messages of the sender count as
+/// repetitions. So an unprotected message is a repetition only if it equals one of the last
+/// kRemembered. The attacker gains nothing by repeating older ones: it could invent others. Nor do
+/// unprotected messages affect which protected ones are repetitions.
+template <class Message>
+class RecentMessages {
+ public:
+  static constexpr std::size_t kRemembered = 2;
+
+  /// Returns false for a repetition. `is_protected`: by keys of the sender.
+  bool take(const Message& message, bool is_protected) {
+    const auto& last = is_protected ? last_protected_ : last_;
+    const bool is_new = !last || is_later(message.count, *last) ||
+                        (!is_protected && std::ranges::find(recent_, message) == recent_.end());
+    if (!is_new) return false;
+    (is_protected ? last_protected_ : last_) = message.count;
+    if (!is_protected) remember(message);
+    ++taken_;
+    return true;
+  }
+  /// The sender was known before, and its last count then was this.
+  void resume(std::int32_t last) { last_protected_ = last_ = last; }
+  /// The count of the last protected message, or of the last one if none was protected; 0: none.
+  std::int32_t last() const { return last_protected_.value_or(last_.value_or(0)); }
+  /// How many were taken.
+  std::uint64_t taken() const { return taken_; }
+
+ private:
+  void remember(const Message& message) {
+    recent_.reserve(kRemembered);
+    if (recent_.size() < kRemembered)
+      recent_.push_back(message);
+    else
+      recent_[taken_ % kRemembered] = message;
+  }
+
+  std::optional<std::int32_t> last_protected_, last_;
+  std::uint64_t taken_ = 0;
+  std::vector<Message> recent_;  ///< unprotected
+};
+
+}  // namespace ddssec::rtps
