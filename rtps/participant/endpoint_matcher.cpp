@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "base/rollback.hpp"
 #include "rtps/participant/endpoint_compatibility.hpp"
 #include "rtps/participant/remote_addresses.hpp"
 #include "rtps/participant/shared_memory.hpp"
@@ -124,8 +125,12 @@ void EndpointMatcher::add(RemoteParticipant& remote, EndpointData data) {
     known = remote.endpoints.end();
   }
   auto& ends = topics_[data.topic_name];
-  ends.remotes.insert(data.guid);
+  const auto [listed, is_new] = ends.remotes.insert(data.guid);
+  Rollback unlisted([&] {
+    if (is_new) ends.remotes.erase(listed);
+  });
   const auto& stored = remotes_.store(remote, std::move(data)).data;
+  unlisted.release();
   for (auto* writer : ends.writers) {
     writer->silent.erase(stored.guid);
     match(*writer, remote, stored);

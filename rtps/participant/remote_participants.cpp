@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "base/rollback.hpp"
+
 namespace ddssec::rtps {
 namespace {
 
@@ -249,7 +251,11 @@ RemoteEndpoint& RemoteParticipants::store(RemoteParticipant& remote, EndpointDat
   const auto price = price_of(data);
   const auto [at, is_new] = remote.endpoints.try_emplace(data.guid.entity);
   auto& endpoint = at->second;
+  Rollback counted([&, place = at, added = is_new] {
+    if (added) remote.endpoints.erase(place);
+  });
   announced_.add(remote.account, {price, 1});
+  counted.release();
   announced_.remove(remote.account, {endpoint.price, is_new ? 0u : 1u});
   remote.endpoint_octets += price - endpoint.price;
   endpoint.price = price;
