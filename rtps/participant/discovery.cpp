@@ -116,6 +116,11 @@ void readdress(ParticipantCore& core, EndpointMatcher& matcher, BuiltinMatcher& 
   matcher.readdress(remote);
 }
 
+void unmatch(EndpointMatcher& matcher, BuiltinMatcher& builtin, RemoteParticipant& remote) {
+  matcher.remove_all(remote);
+  builtin.unmatch(remote);
+}
+
 // What a participant announces under its keys counts as what it signed in a handshake.
 void follow(ParticipantCore& core, EndpointMatcher& matcher, BuiltinMatcher& builtin,
             RemoteParticipant& remote, ParticipantData announced) {
@@ -304,15 +309,10 @@ void Discovery::remove_gone() {
   for (const auto& prefix : std::exchange(gone_, {})) remove(prefix);
 }
 
-void Discovery::unmatch(RemoteParticipant& remote) {
-  parts_.matcher.remove_all(remote);
-  builtin_.unmatch(remote);
-}
-
 void Discovery::remove(const GuidPrefix& prefix) {
   auto* remote = parts_.remotes.find(prefix);
   if (remote == nullptr) return;
-  unmatch(*remote);
+  unmatch(parts_.matcher, builtin_, *remote);
   const auto reset = core_.security ? core_.security->lost(prefix) : std::nullopt;
   // Not if the application ignores it: its host would begin all its sessions with us anew.
   if (reset && !core_.ignored.contains(prefix))
@@ -468,8 +468,16 @@ LocatorList Discovery::on_proven(const GuidPrefix& peer, const ParticipantData& 
   return remote->metatraffic;
 }
 
+void Discovery::on_unconfirmed(const GuidPrefix& peer) {
+  auto* remote = parts_.remotes.find(peer);
+  if (remote == nullptr || !exchange_hosts(core_, *remote)) return;
+  if (!has_proven_address(core_, *remote))
+    core_.sender.limit().limit(peer, remote->metatraffic, remote->metatraffic_sources);
+  readdress(core_, parts_.matcher, builtin_, *remote);
+}
+
 void Discovery::on_replaced(const GuidPrefix& peer) {
-  if (auto* remote = parts_.remotes.find(peer)) unmatch(*remote);
+  if (auto* remote = parts_.remotes.find(peer)) unmatch(parts_.matcher, builtin_, *remote);
 }
 
 bool Discovery::on_rights_changed(const GuidPrefix& peer) {

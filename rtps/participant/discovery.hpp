@@ -51,6 +51,7 @@ class Discovery final : public MessageListener, public SecurityHost {
   void on_authenticated(const GuidPrefix& peer) override;
   void on_refused(const GuidPrefix& peer) override;
   LocatorList on_proven(const GuidPrefix& peer, const ParticipantData& proven) override;
+  void on_unconfirmed(const GuidPrefix& peer) override;
   void on_replaced(const GuidPrefix& peer) override;
   void on_keys(const EntityId& local, const Guid& remote) override;
   void on_early_keys(const Guid& remote) override;
@@ -66,7 +67,6 @@ class Discovery final : public MessageListener, public SecurityHost {
   /// The participant authenticated, or is admitted without authentication. From now on its builtin
   /// endpoints may match.
   void accept(RemoteParticipant& remote);
-  void unmatch(RemoteParticipant& remote);
   void on_endpoint(const Change& change, bool publications, bool secure);
   void on_secure_participant(const Change& change);
 

@@ -119,6 +119,7 @@ bool adopt_signed_addresses(ParticipantCore& core, RemoteParticipant& remote,
   remote.signed_user = user.empty() ? remote.user : std::move(user);
   remote.hosts.keep([&](const Locator& host) { return has_signed_host(core, remote, host); });
   remote.hosts.add(answered);
+  remote.doubted_hosts = {};
   for (const auto& address : remote.signed_metatraffic)
     if (core.sender.limit().is_proven(remote.prefix(), address))
       remote.hosts.add(core.host_of(address));
@@ -129,6 +130,15 @@ bool adopt_signed_addresses(ParticipantCore& core, RemoteParticipant& remote,
 
 bool prove_host(const ParticipantCore& core, RemoteParticipant& remote, const Locator& host) {
   if (!has_signed(remote) || !remote.hosts.add(host)) return false;
+  settle(core, remote);
+  return true;
+}
+
+bool exchange_hosts(const ParticipantCore& core, RemoteParticipant& remote) {
+  const bool any = !remote.hosts.all().empty() || !remote.doubted_hosts.all().empty();
+  if (!has_signed(remote) || !any || !only_proven(core, remote, remote.signed_metatraffic).empty())
+    return false;
+  std::swap(remote.hosts, remote.doubted_hosts);
   settle(core, remote);
   return true;
 }

@@ -16,6 +16,13 @@ bool adopt_signed_addresses(ParticipantCore& core, RemoteParticipant& remote,
 /// before; the participant's addresses may then be others.
 bool prove_host(const ParticipantCore& core, RemoteParticipant& remote, const Locator& host);
 
+/// The participant does not answer at its hosts. If it signed an address at none of them, they are
+/// doubted from now on: an attacker may have sent a copy of a handshake message from there. So its
+/// signed addresses are used, within AmplificationLimit, until a host is proven. Called again, it
+/// returns to the doubted hosts, because the participant may be behind a router. Returns false if
+/// nothing changed.
+bool exchange_hosts(const ParticipantCore& core, RemoteParticipant& remote);
+
 /// Chooses again which of its addresses are used, after those of this machine have changed. Returns
 /// true if they are others now.
 bool choose_addresses_of(const ParticipantCore& core, RemoteParticipant& remote);

@@ -40,6 +40,7 @@ struct RemoteParticipant {
   /// After a handshake: the addresses that it has there, and those of its hosts that are proven.
   LocatorList signed_metatraffic = {}, signed_user = {};
   ProvenHosts hosts = {};
+  ProvenHosts doubted_hosts = {};        ///< see exchange_hosts
   bool has_displaced_addresses = false;  ///< messages also went to addresses that are not known now
   bool heard_participants_secure = false;
   std::size_t endpoint_octets = 0;  ///< sum of their prices

@@ -428,6 +428,7 @@ void Handshakes::tick_association(Peer& peer) {
   if (needs_no_tokens(core_, peer) && now >= since + kTokenPatience) return exchange_.join(peer);
   if (now < since + kConfirmation) return;
   peer.state.ask_again(now);
+  core_.host.on_unconfirmed(GuidPrefix(peer.prefix()));
   peer.state.handshake()->begin_again(now);
 }
 

@@ -20,6 +20,9 @@ class SecurityHost {
   /// The peer authenticated, and `proven` is the data that it signed. Returns the addresses at
   /// which it can be reached.
   virtual LocatorList on_proven(const GuidPrefix& peer, const ParticipantData& proven) = 0;
+  /// The peer authenticated, but its keys have not arrived for some time. It may have to be reached
+  /// at other addresses.
+  virtual void on_unconfirmed(const GuidPrefix& peer) = 0;
   /// The peer authenticated again: everything that was agreed on before has ended.
   virtual void on_replaced(const GuidPrefix& peer) = 0;
   /// The keys of a pair that was introduced have arrived.

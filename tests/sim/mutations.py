@@ -156,6 +156,8 @@ FAULTS = [
      "{ return count(prefix) < places_ - taken_; }", "{ return FAULT || count(prefix) < places_ - taken_; }"),
     ("that a forged count makes no endpoint ignore honest messages", "rtps/reliability/recent_messages.hpp",
      "(!is_protected && std::ranges::find(", "(!is_protected && !FAULT && std::ranges::find("),
+    ("that hosts at which a peer does not answer are doubted", "rtps/participant/discovery.cpp",
+     "if (remote == nullptr || !exchange_hosts(", "if (FAULT || remote == nullptr || !exchange_hosts("),
     ("that permissions are for the subject of the certificate", "governance/grant.cpp",
      "    if (!is_for(grant, subject)) continue;\n    auto status",
      "    if (!is_for(grant, subject) && !FAULT) continue;\n    auto status"),
@@ -167,6 +169,14 @@ ALSO = {
     "the domain in signed data": ("plugins/authentication/participant_data.cpp",
                                   "if (is_same_id && is_same_tag && !peer.is_ambiguous) return {};",
                                   "if (FAULT || (is_same_id && is_same_tag && !peer.is_ambiguous)) return {};"),
+    # Of other addresses, only those at hosts from which the participant was heard are used.
+    "that signed addresses replace announced ones": (
+        "rtps/participant/remote_addresses.cpp", "  auto out = only_proven(core, remote, announced);\n",
+        "  auto out = FAULT ? announced : only_proven(core, remote, announced);\n"),
+    # A newcomer that speaks first has another budget.
+    "that sources with few requests have a budget": (
+        "rtps/security/handshakes.cpp", "return peer.spoke ? spoken_starts_.take(core_.now)",
+        "return peer.spoke && !FAULT ? spoken_starts_.take(core_.now)"),
 }
 
 

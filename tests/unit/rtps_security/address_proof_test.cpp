@@ -138,6 +138,73 @@ TEST(AddressProof, APeerThatAnotherAnnouncedFirstAsOfAnotherVendor_IsAuthenticat
     }
 }
 
+/// The attacker on the path holds back what proves the peer's identity or its address, and sends a
+/// copy of the former from its own host. What is sent there is lost.
+struct CopiedProof : ::testing::Test {
+  CopiedProof() : pair({}) {
+    pair.world.filter = [this](const Node& from, Bytes datagram) {
+      auto& to = &from == &pair.a ? pair.b : pair.a;
+      if (is_sent_astray(from, to) || holds(datagram, PeerHandshake::kHeardChallenge))
+        return std::vector<Bytes>{};
+      if (!holds(datagram, "1.0+Reply") || asker != nullptr) return one(std::move(datagram));
+      asker = &to;
+      to->receive(datagram, pair.world.now, attacker);
+      return std::vector<Bytes>{};
+    };
+  }
+  static bool holds(BytesView datagram, std::string_view text) {
+    return !std::ranges::search(datagram, as_bytes(text)).empty();
+  }
+  bool is_sent_astray(const Node& from, const Node& to) {
+    const auto& all = from.participant->remote_participants().all();
+    const auto at = all.find(to.participant->prefix());
+    return at != all.end() && std::ranges::any_of(at->second.metatraffic, [&](const auto& one) {
+             return one.address == attacker.address;
+           });
+  }
+  bool asker_is_misled() {
+    return asker != nullptr && is_sent_astray(*asker, asker == &pair.a ? pair.b : pair.a);
+  }
+
+  Pair pair;
+  const Locator attacker = *Locator::parse("192.0.2.66", 0);
+  Node* asker = nullptr;
+};
+
+TEST_F(CopiedProof, FromAnotherHost_DoesNotPartThePairForGood) {
+  // Messages from several hosts before: no single one is known to have answered.
+  pair.world.run(1);
+  for (auto* node : {&pair.a, &pair.b}) {
+    auto& other = node == &pair.a ? pair.b : pair.a;
+    const auto lie = changed(other.post.sent.front().second, [](auto& data) {
+      data.metatraffic_unicast = {*Locator::parse("192.0.2.9", 7410)};
+    });
+    (*node)->receive(lie, pair.world.now, *Locator::parse("192.0.2.9", 7410));
+  }
+  ASSERT_TRUE(pair.world.run_until([&] { return asker_is_misled(); }, 1000));
+  const auto begin = pair.world.now;
+  ASSERT_TRUE(pair.world.run_until([&] { return know_each_other(pair); }));
+  EXPECT_LT(pair.world.now - begin, Handshakes::kConfirmation + seconds(5));
+  EXPECT_FALSE(asker_is_misled());
+}
+
+// It may be behind a router.
+TEST_F(CopiedProof, HostsThatAreDoubtedInVain_AreTriedAgain) {
+  pair.world.run(1);
+  Node& node = pair.a;
+  const auto lie = changed(pair.b.post.sent.front().second, [](auto& data) {
+    data.metatraffic_unicast = {*Locator::parse("192.0.2.9", 7410)};
+  });
+  node->receive(lie, pair.world.now, *Locator::parse("192.0.2.9", 7410));
+  ASSERT_TRUE(pair.world.run_until([&] { return asker_is_misled(); }, 1000));
+  pair.world.filter = [](const Node&, Bytes datagram) {
+    const bool announces = !std::ranges::search(datagram, kSpdpWriter.octets).empty();
+    return announces ? one(std::move(datagram)) : std::vector<Bytes>{};
+  };
+  for (const bool is_misled : {false, true, false})
+    EXPECT_TRUE(pair.world.run_until([&] { return asker_is_misled() == is_misled; }, 1100));
+}
+
 TEST(AddressProof, AForgedChallenge_ProvesNothing) {
   Node node(1, properties_of("CN=alice,O=Example", {}));
   World world{.nodes = {&node}};
