@@ -88,6 +88,17 @@ std::vector<Forger::Forgery> Forger::announcements(std::size_t nodes) {
   return burst_of(dice_.of(kAnnouncements), nodes);
 }
 
+std::vector<Forger::Forgery> Forger::crowd() {
+  constexpr std::size_t kAtOnce = 10;
+  std::vector<Forgery> out;
+  for (std::size_t i = 0; i < kAtOnce; ++i) {
+    auto data = member_in_a_new_name();
+    data.lease_duration = kDurationInfinite;
+    out.push_back({testing::announcement(data), Locator::udp_v4({192, 0, 2, 250}, 7400)});
+  }
+  return out;
+}
+
 std::vector<Forger::Forgery> Forger::burst_of(const Kind& kind, std::size_t nodes) {
   std::vector<Forgery> out;
   const auto count = 1 + dice_.below(kind.most);
@@ -144,7 +155,7 @@ Bytes Forger::in_the_name_of_another() {
   return {out.begin() + kHeaderSize, out.end()};
 }
 
-Bytes Forger::stranger() {
+ParticipantData Forger::member_in_a_new_name() {
   if (!member_)
     member_ = read_participant_data(heard(kSpdpWriter)).value_or(testing::secured_data({}));
   auto data = *member_;
@@ -152,6 +163,11 @@ Bytes Forger::stranger() {
   data.default_unicast.clear();
   data.metatraffic_unicast = {Locator::udp_v4({192, 0, 2, dice_.octet()}, 7400)};
   data.domain_tag = kTags[0];
+  return data;
+}
+
+Bytes Forger::stranger() {
+  auto data = member_in_a_new_name();
   if (dice_.chance(300)) data.user_data = dice_.octets(dice_.below(3000));
   if (dice_.chance(200)) data.lease_duration = kDurationInfinite;
   if (dice_.chance(100)) data.identity_token.reset();

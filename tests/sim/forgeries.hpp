@@ -28,6 +28,8 @@ class Forger {
   /// Announcements of kinds that were added later, so that `burst` draws what it did before: with
   /// loopback addresses, or with a parameter that comes twice.
   std::vector<Forgery> announcements(std::size_t nodes);
+  /// Announcements of participants that have the longest lease, all from one machine.
+  std::vector<Forgery> crowd();
   /// Clear DATA of a user's writer of that participant.
   Bytes sample_by(const GuidPrefix& writer);
   /// Of a user's endpoint that was there once, of that participant if it had one.
@@ -42,6 +44,7 @@ class Forger {
   static std::span<const Kind> kinds();
   std::vector<Forgery> burst_of(const Kind& kind, std::size_t nodes);
 
+  ParticipantData member_in_a_new_name();
   Bytes stranger();            ///< an announcement in a new name, like that of a member
   Bytes false_address();       ///< a recorded announcement with other addresses
   Bytes false_announcement();  ///< a recorded announcement with other contents

@@ -108,10 +108,16 @@ void Invariants::on_alive(const End& reader, const Guid& writer) {
     fail(invariant::kLife, describe(reader) + " heard " + writer.to_string());
 }
 
+void Invariants::on_handshakes(const Subject& whose, std::size_t begun) {
+  most_handshakes_ = std::max(most_handshakes_, begun);
+  if (begun > kMaxHandshakes)
+    fail(invariant::kWork, whose.name + " began " + std::to_string(begun) + " handshakes at once");
+}
+
 void Invariants::on_call(const Subject& whose, const Cost& before, const Cost& after,
                          std::size_t octets) {
   if (!whose.is_honest()) return;
-  if (after.octets > kMaxOctets)
+  if (after.octets > max_octets_)
     fail(invariant::kMemory, whose.name + " holds " + std::to_string(after.octets) + " octets");
   const auto branches = after.branches - before.branches;
   const auto of_octets = std::min(branches, kMaxBranchesPerOctet * octets);

@@ -49,10 +49,14 @@ class Invariants {
   /// Memory of one participant, whatever others do: the sum of the product's own bounds on what
   /// this cast can reach, and some room.
   static constexpr std::int64_t kMaxOctets = std::int64_t{24} << 20;
+  /// The same for each sibling more.
+  static constexpr std::int64_t kMaxOctetsOfSibling = std::int64_t{128} << 10;
   /// Branches for one call, and for each octet of a datagram. Most of seeds 1 to 400 were 660'642,
   /// by seed 324; this is half as many more. Which code takes them was not measured yet.
   static constexpr std::uint64_t kMaxBranches = 990'000;
   static constexpr std::uint64_t kMaxBranchesPerOctet = 400;
+  /// Handshakes that one call begins: each costs public-key work.
+  static constexpr std::size_t kMaxHandshakes = 100;
   /// After a writer's end, messages of it may still be under way for so long.
   static constexpr MonotonicTime kMaxAfterlife = seconds(20);
   /// The same if all that was sent did arrive.
@@ -62,6 +66,8 @@ class Invariants {
   static constexpr std::size_t kMaxLateSigns = 40;
   /// From the moment that the network is fair.
   static constexpr MonotonicTime kMaxReunion = seconds(150);
+  /// The same while strangers fill the tables and nothing else is attacked.
+  static constexpr MonotonicTime kMaxInCrowd = seconds(10);
   static constexpr MonotonicTime kMaxExchange = seconds(20);
   /// A dead participant is forgotten so long after the network was fair: its lease, and what an
   /// attacker kept back of it, which is news.
@@ -72,6 +78,9 @@ class Invariants {
   Invariants(const Ledger& ledger, const Protection& protection, const MonotonicTime& now)
       : ledger_(ledger), protection_(protection), now_(now) {}
 
+  void expect_siblings(std::size_t count) {
+    max_octets_ += static_cast<std::int64_t>(count) * kMaxOctetsOfSibling;
+  }
   void on_started(const End& end) { ends_.insert_or_assign(end.guid, end); }
   void on_sent(const Subject& from, BytesView datagram);
   void on_matched(const End& local, const Guid& remote);
@@ -79,6 +88,7 @@ class Invariants {
   void on_delivered(const End& reader, const Change& change);
   void on_alive(const End& reader, const Guid& writer);
   void on_call(const Subject& whose, const Cost& before, const Cost& after, std::size_t octets);
+  void on_handshakes(const Subject& whose, std::size_t begun);
 
   /// From now on, or no longer: all that honest participants send arrives, none of them ends, and
   /// neither do their endpoints.
@@ -92,6 +102,7 @@ class Invariants {
   }
   /// For one call of an honest participant, less those for each octet.
   std::uint64_t most_branches() const { return most_branches_; }
+  std::size_t most_handshakes() const { return most_handshakes_; }
   const std::optional<Violation>& violation() const { return violation_; }
   const std::map<Guid, End>& ends() const { return ends_; }
 
@@ -105,7 +116,9 @@ class Invariants {
   std::map<Guid, End> ends_;
   std::map<std::pair<Guid, Guid>, SequenceNumber> latest_;  ///< by reader and writer
   std::map<Guid, std::set<MonotonicTime>> late_signs_;      ///< of a writer: when
+  std::int64_t max_octets_ = kMaxOctets;
   std::uint64_t most_branches_ = 0;
+  std::size_t most_handshakes_ = 0;
   bool besieged_ = false;
   MonotonicTime besieged_since_{};
   std::optional<Violation> violation_;

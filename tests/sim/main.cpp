@@ -82,11 +82,12 @@ bool try_seed(std::uint64_t seed, const Options& options, Most& most) {
   if (outcome.most_branches > most.branches) most = {outcome.most_branches, seed};
   if (options.verbose || outcome.violation)
     std::printf(
-        "seed %llu: %ld steps, %llu datagrams, %.1f MB, %llu branches, reunion %.2f s, %016llx\n",
+        "seed %llu: %ld steps, %llu datagrams, %.1f MB, %llu branches, %zu handshakes, reunion "
+        "%.2f s, %016llx\n",
         static_cast<unsigned long long>(seed), outcome.step,
         static_cast<unsigned long long>(outcome.datagrams),
         static_cast<double>(outcome.most.most_octets) / 1e6,
-        static_cast<unsigned long long>(outcome.most_branches),
+        static_cast<unsigned long long>(outcome.most_branches), outcome.most_handshakes,
         std::chrono::duration<double>(outcome.reunion).count(),
         static_cast<unsigned long long>(outcome.fingerprint));
   if (!outcome.violation) return true;

@@ -3,6 +3,22 @@
 namespace ddssec::rtps::sim {
 namespace {
 
+/// Counts what costs public-key work.
+class CountedAuthentication final : public testing::ForwardingAuthentication {
+ public:
+  CountedAuthentication(std::unique_ptr<spi::Authentication> real, std::size_t& begun)
+      : ForwardingAuthentication(std::move(real)), begun_(begun) {}
+  Result<HandshakeStep> begin_handshake_request(spi::IdentityHandle initiator,
+                                                spi::IdentityHandle replier,
+                                                BytesView data) override {
+    ++begun_;
+    return ForwardingAuthentication::begin_handshake_request(initiator, replier, data);
+  }
+
+ private:
+  std::size_t& begun_;
+};
+
 EndpointRequest request_of(const End& end) {
   Qos qos = end.writes ? default_writer_qos() : default_reader_qos();
   qos.reliability.kind = end.reliable ? ReliabilityKind::reliable : ReliabilityKind::best_effort;
@@ -78,7 +94,11 @@ void Node::make_engines(const GuidPrefix& name) {
                                                                 .host_has_pre_shared_keys = true,
                                                                 .host_changes_protection = true}),
               cryptography::make_cryptography(environment)};
-  if (subject_.is_honest()) return;
+  if (subject_.is_honest()) {
+    engines_.authentication =
+        std::make_unique<CountedAuthentication>(std::move(engines_.authentication), handshakes_);
+    return;
+  }
   const bool borrows = subject_.role == Role::borrower;
   engines_.access_control =
       permissive(std::move(engines_.access_control),
@@ -187,11 +207,13 @@ void Node::remove_endpoint(std::size_t index) {
 
 void Node::call(std::size_t octets, const std::function<void()>& what) {
   const auto before = cost_;
+  handshakes_ = 0;
   {
     const Charge charge(cost_);
     what();
   }
   around_.invariants.on_call(subject_, before, cost_, octets);
+  around_.invariants.on_handshakes(subject_, handshakes_);
 }
 
 void Node::receive(const Datagram& datagram) {

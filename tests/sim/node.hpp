@@ -117,6 +117,7 @@ class Node final : private Transport, private EventSink {
   std::vector<Datagram> in_socket_;
   std::map<Code, std::uint64_t> events_;
   bool writes_for_honest_ = false;  ///< now
+  std::size_t handshakes_ = 0;      ///< begun by the present call
 };
 
 }  // namespace ddssec::rtps::sim

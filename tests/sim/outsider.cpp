@@ -72,6 +72,7 @@ void Outsider::act(MonotonicTime now, std::size_t nodes) {
   if (dice_.chance(temper_.replay)) replay(now, nodes);
   if (dice_.chance(temper_.forge)) forge(now, nodes);
   if (further_.chance(temper_.announce)) announce(now, nodes);
+  if (temper_.crowd > 0 && further_.chance(temper_.crowd)) crowd(now);
 }
 
 // To whom they were sent, or to anybody, from where they came, or from anywhere.
@@ -99,6 +100,11 @@ void Outsider::announce(MonotonicTime now, std::size_t nodes) {
   for (auto& [octets, from] : forger.announcements(nodes))
     if (const auto to = address_of(further_.below(nodes)); to != from)
       inject({from, to, std::move(octets)}, now);
+}
+
+void Outsider::crowd(MonotonicTime now) {
+  Forger forger(ledger_, invariants_, recorded_, further_);
+  for (auto& [octets, from] : forger.crowd()) inject({from, kGroup, std::move(octets)}, now);
 }
 
 std::vector<GuidPrefix> Outsider::names() const {

@@ -17,6 +17,7 @@ struct Temper {
   unsigned replay = 0;    ///< a burst of recorded datagrams
   unsigned forge = 0;     ///< a burst of forgeries of one kind
   unsigned announce = 0;  ///< a burst of Forger::announcements
+  unsigned crowd = 0;     ///< a burst of Forger::crowd
 };
 
 class Outsider {
@@ -52,6 +53,7 @@ class Outsider {
   void replay(MonotonicTime now, std::size_t nodes);
   void forge(MonotonicTime now, std::size_t nodes);
   void announce(MonotonicTime now, std::size_t nodes);
+  void crowd(MonotonicTime now);
   Bytes spliced(const Bytes& octets);
   std::vector<GuidPrefix> names() const;
 

@@ -6,6 +6,9 @@ namespace {
 /// Longer than a dead participant is remembered.
 constexpr int kLongSiege = static_cast<int>((Invariants::kMaxMemory + seconds(5)) / World::kStep);
 
+/// How long the crowd needs to fill all tables.
+constexpr int kCrowdGathers = 500;
+
 std::vector<std::string> all_topics() { return {kTopics.begin(), kTopics.end()}; }
 
 std::vector<Subject> cast_of(Dice& dice) {
@@ -35,11 +38,19 @@ unsigned some(Dice& dice, unsigned most) {
 /// One certificate with more participants than it may have places, and no other attack.
 void add_siblings(Plan& plan) {
   constexpr std::size_t kSiblings = Handshakes::kMaxAuthenticated / 2 + 20;
-  for (std::size_t i = 0; i < kSiblings; ++i) plan.cast.push_back({"sybil", Role::sibling});
+  for (std::size_t i = 0; i < kSiblings; ++i)
+    plan.cast.push_back({"sybil", Role::sibling, {}, {std::string(kTopics[0])}});
   plan.temper = plan.siege = {};
   plan.tampers = plan.false_keys = 0;
   plan.restarts = plan.sleeps = plan.calendars = plan.endpoints = 0;
   plan.hostile_steps = 6000;
+  plan.siege_steps = 100;
+  plan.siege_restart = true;
+}
+
+/// Strangers fill the tables of participants before one of them restarts.
+void add_crowd(Plan& plan) {
+  plan.siege = {.crowd = 200};
   plan.siege_steps = 100;
   plan.siege_restart = true;
 }
@@ -52,8 +63,12 @@ void add_further_attacks(Plan& plan) {
     plan.temper.announce = static_cast<unsigned>(1 + dice.below(50));
     plan.siege.announce = static_cast<unsigned>(1 + dice.below(50));
   }
-  plan.sparse = dice.chance(100);
-  if (dice.chance(10)) add_siblings(plan);
+  // Where only payloads are protected, present readers would get each of the samples at once.
+  plan.sparse = dice.chance(100) && plan.protection->covers_headers;
+  if (dice.chance(10))
+    add_siblings(plan);
+  else if (dice.chance(20))
+    add_crowd(plan);
 }
 
 class Run {
@@ -177,10 +192,9 @@ class Run {
     }
     return out;
   }
-  void reunite(std::string_view invariant) {
+  void reunite(std::string_view invariant, MonotonicTime most = Invariants::kMaxReunion) {
     const auto begin = world_.now();
-    if (!repeat(static_cast<int>(Invariants::kMaxReunion / World::kStep),
-                [&] { return unmatched().empty(); }) &&
+    if (!repeat(static_cast<int>(most / World::kStep), [&] { return unmatched().empty(); }) &&
         !is_over())
       world_.invariants().fail(invariant, unmatched() + relations());
     reunion_ = std::max(reunion_, world_.now() - begin);
@@ -232,13 +246,16 @@ class Run {
     world_.malice().tampers = plan_.tampers;
     world_.malice().false_keys = plan_.false_keys;
     world_.invariants().set_besieged(true);
+    const bool crowded = plan_.siege.crowd > 0;
+    if (crowded) repeat(kCrowdGathers, [] { return false; });
     if (plan_.siege_restart) {
       auto& victim = *world_.nodes().front();
       victim.stop(false);
       world_.start(victim);
     }
     repeat(plan_.siege_steps, [] { return false; });
-    if (!is_over()) reunite(invariant::kNewcomer);
+    if (!is_over())
+      reunite(invariant::kNewcomer, crowded ? Invariants::kMaxInCrowd : Invariants::kMaxReunion);
     if (!is_over()) exchange();
     world_.invariants().set_besieged(false);
     if (!is_over()) world_.check_dead();
@@ -250,6 +267,7 @@ class Run {
                 .datagrams = world_.delivered(),
                 .most = {},
                 .most_branches = world_.invariants().most_branches(),
+                .most_handshakes = world_.invariants().most_handshakes(),
                 .reunion = reunion_};
     for (const auto& node : world_.nodes())
       if (node->is_honest() && node->cost().most_octets > out.most.most_octets)
@@ -325,7 +343,7 @@ std::string describe(const Plan& plan) {
   add(plan.siege_steps >= kLongSiege ? "long siege" : "siege",
       static_cast<unsigned>(plan.siege_steps));
   add("duplicate", s.duplicate), add("splice", s.splice), add("replay", s.replay),
-      add("forge", s.forge), add("announce", s.announce);
+      add("forge", s.forge), add("announce", s.announce), add("crowd", s.crowd);
   add("tamper", plan.tampers), add("restart", plan.restarts), add("sleep", plan.sleeps);
   add("calendar", plan.calendars), add("endpoints", plan.endpoints);
   add("false keys", plan.false_keys);

@@ -36,6 +36,7 @@ struct Outcome {
   std::uint64_t datagrams = 0;      ///< that arrived
   Cost most;                        ///< of the honest node that took most memory
   std::uint64_t most_branches = 0;  ///< for one call
+  std::size_t most_handshakes = 0;  ///< that one call began
   MonotonicTime reunion{};          ///< how long honest pairs took once the network was fair
 };
 Outcome run(const Plan& plan);

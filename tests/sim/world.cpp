@@ -19,6 +19,8 @@ World::World(const Protection& protection, std::span<const Subject> cast, Dice d
   for (const auto& subject : cast)
     nodes_.push_back(std::make_unique<Node>(
         around_, subject, nodes_.size(), dice.fork(subject.name + std::to_string(nodes_.size()))));
+  invariants_.expect_siblings(static_cast<std::size_t>(
+      std::ranges::count_if(nodes_, [](const auto& node) { return node->is_sibling(); })));
 }
 
 void World::start(Node& node) {
