@@ -41,8 +41,9 @@ std::string_view to_string(Refusal why) {
       return "another process than the writer's listens, or the process is in another PID "
              "namespace";
     case Refusal::no_answer:
-      return "there is no answer: the property org.ddssec.shm is off there, the processes are of "
-             "different users and org.ddssec.shm.other_users is not true in both, or the other one "
+      return "there is no answer: the other one is of an earlier version, the processes are "
+             "of different users and org.ddssec.shm.other_users is not true in both, or the other "
+             "one "
              "is too slow";
     case Refusal::too_many_tokens:
       return "too many offers are open";
@@ -57,6 +58,8 @@ std::string_view to_string(Refusal why) {
       return "the memory limit of the process (cgroup) leaves too little room";
     case Refusal::held_up:
       return "another process holds up the thread that passes descriptors on";
+    case Refusal::off:
+      return "the property org.ddssec.shm is off there: to share memory, set it to on in both";
   }
   return "unknown";
 }

@@ -28,9 +28,10 @@ enum class Refusal : std::uint8_t {
   limit_reached,    ///< the limit of the writer's participant for its memory
   other_user,       ///< the other process is of another user
   no_room,          ///< the memory cgroup has too little room
-  held_up           ///< what passes descriptors on is held up by another process
+  held_up,          ///< what passes descriptors on is held up by another process
+  off               ///< shared memory is off in the reader's participant
 };
-inline constexpr std::uint32_t kRefusals = 1 + static_cast<std::uint32_t>(Refusal::held_up);
+inline constexpr std::uint32_t kRefusals = 1 + static_cast<std::uint32_t>(Refusal::off);
 
 /// The next attempt may succeed: the reader has not matched yet, its process is slow, or strangers
 /// fill the socket.

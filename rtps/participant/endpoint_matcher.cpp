@@ -318,7 +318,7 @@ void EndpointMatcher::match(LocalReader& reader, RemoteParticipant& remote,
   reader.listener->on_matched(data);
   remote.watch(*reader.listener, data, core_.now);
   if (in_process) return join_in_process(local_, *near, own, data.guid);
-  note_writer(core_, own.entity, remote, data.guid);
+  note_writer(core_, own.entity, remote, data.guid, locators);
 }
 
 void EndpointMatcher::forget(LocalWriter& writer, const Guid& remote, bool stays) {

@@ -232,6 +232,8 @@ Status MessageReceiver::on_data(const SubmessageView& view, Context& context) {
     if (!reader.on_data(from, plain, source_time(context, data.inline_qos))) return;
     context.note_told(true);
     listener_.on_alive({from, data.writer});
+    if (memory_ != nullptr)
+      memory_->note_message({from, data.writer}, plain.payload.size(), context.now);
   });
   return {};
 }
@@ -283,6 +285,8 @@ Status MessageReceiver::on_data_frag(const SubmessageView& view, Context& contex
     if (!reader.on_data_frag(from, *plain, source_time(context, frag.inline_qos))) return;
     context.note_told(true);
     listener_.on_alive({from, frag.writer});
+    if (memory_ != nullptr)
+      memory_->note_message({from, frag.writer}, frag.sample_size, context.now);
   });
   return {};
 }

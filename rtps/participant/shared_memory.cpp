@@ -54,9 +54,10 @@ void note_own_writer_gone(ParticipantCore& core, const EntityId& writer) {
 }
 
 void note_writer(ParticipantCore& core, const EntityId& reader, const RemoteParticipant& remote,
-                 const Guid& writer) {
+                 const Guid& writer, const LocatorList& locators) {
   auto* const memory = memory_of(core);
-  if (memory != nullptr && is_known(core, remote)) memory->mapped().add_reader(writer, reader);
+  if (memory != nullptr && is_known(core, remote))
+    memory->mapped().add_reader(writer, reader, is_here(core, locators));
 }
 
 void note_writer_gone(ParticipantCore& core, const EntityId& reader, const Guid& writer) {

@@ -21,9 +21,9 @@ void note_reader(ParticipantCore& core, LocalWriter& writer, const RemotePartici
 void note_reader_gone(ParticipantCore& core, const EntityId& writer, const Guid& reader);
 void note_own_writer_gone(ParticipantCore& core, const EntityId& writer);
 
-/// A writer has matched a local reader.
+/// A writer has matched a local reader. `locators`: where the reader answers to.
 void note_writer(ParticipantCore& core, const EntityId& reader, const RemoteParticipant& remote,
-                 const Guid& writer);
+                 const Guid& writer, const LocatorList& locators);
 void note_writer_gone(ParticipantCore& core, const EntityId& reader, const Guid& writer);
 
 }  // namespace ddssec::rtps

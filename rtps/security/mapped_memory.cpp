@@ -4,8 +4,22 @@
 
 namespace ddssec::rtps {
 
-void MappedMemory::add_reader(const Guid& writer, const EntityId& reader) {
-  writers_[writer].readers.insert(reader);
+void MappedMemory::add_reader(const Guid& writer, const EntityId& reader, bool is_here) {
+  const auto [at, is_new] = writers_.try_emplace(writer);
+  at->second.readers.insert(reader);
+  if (is_new) at->second.expects_offer = is_here;
+}
+
+// A writer offers its memory when it writes the first large sample.
+void MappedMemory::note_message(const Guid& writer, std::size_t octets, MonotonicTime now) {
+  if (octets < kLeastLarge) return;
+  const auto at = writers_.find(writer);
+  if (at == writers_.end() || !at->second.expects_offer) return;
+  auto& it = at->second;
+  if (!it.large_since) it.large_since = now;
+  if (now < *it.large_since + kLongestWait) return;
+  it.expects_offer = false;
+  if (not_offered_) not_offered_(writer.prefix);
 }
 
 void MappedMemory::remove_reader(const Guid& writer, const EntityId& reader) {
@@ -33,6 +47,7 @@ void MappedMemory::on_offer(const GuidPrefix& from, MemoryOffer offer, Monotonic
   const auto at = writers_.find(writer);
   if (at == writers_.end()) return answer(writer, segment, memory::Refusal::not_matched);
   auto& it = at->second;
+  it.expects_offer = false;
   if (!it.offers.take(now)) return;
   abandon_request(from, it);
   if (!has_room(from)) return answer(writer, segment, memory::Refusal::no_memory);

@@ -21,6 +21,10 @@ class MappedMemory {
   /// How long a descriptor may take to come.
   static constexpr MonotonicTime kLongestRequest =
       memory::DescriptorPassing::kLongestRequest + std::chrono::seconds(1);
+  /// How long large samples may come in messages before the lack of an offer is reported.
+  static constexpr MonotonicTime kLongestWait = std::chrono::seconds(2);
+  /// Samples from this size on are large, in octets.
+  static constexpr std::size_t kLeastLarge = std::size_t{8} << 10;
   /// How long the former segment of a writer stays mapped.
   static constexpr MonotonicTime kFormer = std::chrono::seconds(5);
   /// Limits for the segments of all writers, and of those of one participant.
@@ -41,16 +45,25 @@ class MappedMemory {
   using Answer = std::function<void(const GuidPrefix& to, const MemoryAnswer& answer)>;
   /// Returns the proven identity of a participant.
   using IdentityOf = std::function<std::string(const GuidPrefix&)>;
+  /// Called once for a writer of this machine that goes on sending large samples in messages, and
+  /// has offered no memory.
+  using NotOffered = std::function<void(const GuidPrefix& from)>;
   /// `passing` must outlive this object. Its descriptor is readable when `serve` must be called.
   /// `identity_of`: empty: each participant counts as an identity.
-  MappedMemory(memory::DescriptorPassing& passing, Answer answer, IdentityOf identity_of = {})
-      : passing_(passing), answer_(std::move(answer)), identity_of_(std::move(identity_of)) {}
+  MappedMemory(memory::DescriptorPassing& passing, Answer answer, IdentityOf identity_of = {},
+               NotOffered not_offered = {})
+      : passing_(passing),
+        answer_(std::move(answer)),
+        identity_of_(std::move(identity_of)),
+        not_offered_(std::move(not_offered)) {}
 
-  /// The reader has matched the writer, or no longer does.
-  void add_reader(const Guid& writer, const EntityId& reader);
+  /// The reader has matched the writer, or no longer does. `is_here`: it is on this machine.
+  void add_reader(const Guid& writer, const EntityId& reader, bool is_here = true);
   void remove_reader(const Guid& writer, const EntityId& reader);
   /// A local reader has matched the writer.
   bool has_writer(const Guid& writer) const { return writers_.contains(writer); }
+  /// A sample of so many octets, or a part of one, came in a message.
+  void note_message(const Guid& writer, std::size_t octets, MonotonicTime now);
   /// A peer offers the memory of its writer.
   void on_offer(const GuidPrefix& from, MemoryOffer offer, MonotonicTime now);
   /// Takes descriptors that have arrived, and unmaps former segments.
@@ -87,6 +100,8 @@ class MappedMemory {
     MonotonicTime former_until = {};
     WorkBudget offers{4, std::chrono::seconds(1), {}};
     WorkBudget complaints{1, std::chrono::seconds(2), {}};
+    bool expects_offer = false;  ///< none has come, and nothing was said about that
+    std::optional<MonotonicTime> large_since = {};  ///< in messages, without an offer
   };
 
   void answer(const Guid& writer, std::uint64_t segment, std::optional<memory::Refusal> refusal);
@@ -103,6 +118,7 @@ class MappedMemory {
   memory::DescriptorPassing& passing_;
   const Answer answer_;
   const IdentityOf identity_of_;
+  const NotOffered not_offered_;
   std::map<Guid, OfWriter> writers_;
   std::map<GuidPrefix, std::shared_ptr<Copies>> copies_;
   std::map<std::string, std::weak_ptr<Copies>> of_identities_;

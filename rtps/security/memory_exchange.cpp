@@ -24,6 +24,11 @@ MemoryExchange::MemoryExchange(SecurityCore& core, KeyExchange& exchange,
             const auto* const peer = core_.security.find(prefix);
             return peer == nullptr ? std::string()
                                    : core_.security.proven_subject(*peer).value_or(std::string());
+          },
+          [this](const GuidPrefix& from) {
+            core_.report(from,
+                         "the writer's participant offers no memory: the property org.ddssec.shm "
+                         "is off there, or event 1792 of that participant says why");
           }) {
   exchange.on_memory([this](Peer& peer, const GenericMessage& message) {
     if (message.data.size() == 1 && peer.state.joined() != nullptr)
@@ -124,6 +129,15 @@ void MemoryExchange::answer(const GuidPrefix& to, const MemoryAnswer& answer) {
   core_.exchange.send_token(*peer, message_class::kMemory, token_of(answer));
   if (answer.refusal && !memory::may_pass_by(*answer.refusal))
     core_.report(to, memory::to_string(*answer.refusal));
+}
+
+void decline_memory(KeyExchange& exchange, Peer& peer, const GenericMessage& message) {
+  if (message.data.size() != 1 || peer.state.joined() == nullptr || !exchange.has_room(peer))
+    return;
+  if (const auto offer = offer_in(message.data[0]))
+    exchange.send_token(
+        peer, message_class::kMemory,
+        token_of(MemoryAnswer{offer->writer, offer->offer.segment, memory::Refusal::off}));
 }
 
 }  // namespace ddssec::rtps

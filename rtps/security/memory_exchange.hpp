@@ -68,4 +68,7 @@ class MemoryExchange {
   MappedMemory mapped_;
 };
 
+/// Answers an offer where shared memory is off, so that the peer can report it.
+void decline_memory(KeyExchange& exchange, Peer& peer, const GenericMessage& message);
+
 }  // namespace ddssec::rtps

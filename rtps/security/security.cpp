@@ -52,7 +52,12 @@ Status Security::start() {
   }
   core_.sender.protect_with(core_.keyring);
   const auto& shared = core_.own->shared_memory();
-  if (!shared.is_on) return {};
+  if (!shared.is_on) {
+    exchange_.on_memory([this](Peer& peer, const GenericMessage& message) {
+      decline_memory(exchange_, peer, message);
+    });
+    return {};
+  }
   auto memory = MemoryExchange::make(core_, exchange_, shared);
   if (memory)
     memory_ = *std::move(memory);

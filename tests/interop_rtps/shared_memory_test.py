@@ -211,6 +211,15 @@ class SharedMemory(unittest.TestCase):
             self.assertFalse(self.segments(self.real_pid(pub)) or self.segments(self.real_pid(sub)))
             self.assertEqual((pub.wait(60), sub.wait(60)), (0, 0))
 
+    def test_on_one_side_only_that_side_says_so(self):
+        for of_sub, of_pub in (("on", "off"), ("off", "on")):
+            sub = self.start("tput-sub", ENCRYPT, "--size", str(LARGE), shm=of_sub)
+            pub = self.start("tput-pub", ENCRYPT, "--size", str(LARGE), "--duration", "5", shm=of_pub)
+            self.assertEqual((pub.wait(60), sub.wait(60)), (0, 0))
+            said = {process: self.has_event(process, "rtps_memory_unused") for process in (pub, sub)}
+            self.assertEqual(said, {pub: of_pub == "on", sub: of_sub == "on"})
+            self.assertIn("org.ddssec.shm is off there", (pub if of_pub == "on" else sub).log.read_text())
+
     def test_misspelled_is_refused(self):
         pub = self.start("pub", shm="yes")
         self.assertEqual(pub.wait(20), 3)

@@ -14,7 +14,7 @@ namespace {
 using memory::Refusal;
 using namespace std::chrono_literals;
 
-constexpr EntityId kWriter{{1, 2, 3, 2}}, kReader{{1, 2, 3, 7}};
+constexpr EntityId kWriter{{1, 2, 3, 2}}, kReader{{1, 2, 3, 7}}, kSecondReader{{1, 2, 4, 7}};
 
 /// A writer's side and a reader's side in one process.
 struct Sides {
@@ -117,6 +117,51 @@ TEST(MappedMemory, SamePayloadNamedAgainAndAgain_CopiedWithinALimit) {
   EXPECT_EQ(sides.fetched(reference), 0u);
   sides.now += 100ms;
   EXPECT_EQ(sides.fetched(reference), kSize);
+}
+
+struct Waiting : Sides {
+  int said = 0;
+  MappedMemory waiting{*passing,
+                       [](const GuidPrefix&, const MemoryAnswer&) {},
+                       {},
+                       [this](const GuidPrefix&) { ++said; }};
+  void receive(std::size_t octets, int seconds = 5) {
+    for (int i = 0; i < seconds; ++i, now += 1s) waiting.note_message(writer, octets, now);
+  }
+};
+
+TEST(MappedMemory, LargeSamplesInMessagesAndNoOffer_ReportedOnce) {
+  Waiting sides;
+  sides.waiting.add_reader(sides.writer, kReader);
+  sides.receive(MappedMemory::kLeastLarge, 2);
+  EXPECT_EQ(sides.said, 0);
+  sides.receive(MappedMemory::kLeastLarge);
+  sides.waiting.add_reader(sides.writer, kSecondReader);
+  sides.receive(MappedMemory::kLeastLarge);
+  EXPECT_EQ(sides.said, 1);
+}
+
+TEST(MappedMemory, SmallSamples_NoOfferIsExpected) {
+  Waiting sides;
+  sides.waiting.add_reader(sides.writer, kReader);
+  sides.receive(MappedMemory::kLeastLarge - 1);
+  EXPECT_EQ(sides.said, 0);
+}
+
+TEST(MappedMemory, WriterOfAnotherMachineOrUnmatched_NoOfferIsExpected) {
+  Waiting sides;
+  sides.receive(MappedMemory::kLeastLarge);
+  sides.waiting.add_reader(sides.writer, kReader, false);
+  sides.receive(MappedMemory::kLeastLarge);
+  EXPECT_EQ(sides.said, 0);
+}
+
+TEST(MappedMemory, Offered_LargeSamplesMayStillComeInMessages) {
+  Waiting sides;
+  sides.waiting.add_reader(sides.writer, kReader);
+  sides.waiting.on_offer(sides.prefix, sides.offer(), sides.now);
+  sides.receive(MappedMemory::kLeastLarge);
+  EXPECT_EQ(sides.said, 0);
 }
 
 TEST(MappedMemory, ParticipantsOfOneIdentity_ShareTheLimitForCopies) {

@@ -115,6 +115,24 @@ TEST(SharedMemory, OffAtTheReader_AllGoesByNetworkWithOneEvent) {
   EXPECT_EQ(pair.b.events.count(Code::rtps_memory_unused), 0);
 }
 
+TEST(SharedMemory, OffAtTheReader_FirstOfferIsAnsweredAndTheEventSaysSo) {
+  Shared pair({.data = encrypt}, shm(), shm("off"));
+  EXPECT_FALSE(pair.share());
+  EXPECT_THAT(pair.a.events.text(), HasSubstr("org.ddssec.shm is off there"));
+}
+
+TEST(SharedMemory, OffAtTheWriter_ReaderSaysSoOnce) {
+  Shared pair({.data = encrypt}, shm("off"), shm());
+  for (int i = 0; i < 40; ++i) {
+    EXPECT_FALSE(pair.share());
+    pair.world.run(200);
+  }
+  EXPECT_TRUE(pair.has_all());
+  EXPECT_EQ(pair.b.events.count(Code::rtps_memory_unused), 1) << pair.text();
+  EXPECT_THAT(pair.b.events.text(), HasSubstr("org.ddssec.shm is off there"));
+  EXPECT_TRUE(pair.a.events.is_quiet()) << pair.a.events.text();
+}
+
 TEST(SharedMemory, SmallSamples_GoInMessages) {
   Shared pair({.data = encrypt});
   for (int i = 0; i < 20; ++i) {
