@@ -8,7 +8,7 @@
 namespace ddssec::cli {
 
 void AgentEvents::put(Json event) {
-  if (to_ == To::report) return kept_.push_back(std::move(event));
+  if (to_ == To::report) return kept_.push_back({std::move(event)});
   const auto line = to_line(event) + '\n';
   std::fwrite(line.data(), 1, line.size(), stdout);
   std::fflush(stdout);

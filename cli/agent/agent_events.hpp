@@ -5,9 +5,30 @@
 #include <filesystem>
 
 #include "base/clock.hpp"
-#include "cli/frame/report.hpp"
+#include "cli/frame/answer.hpp"
 
 namespace ddssec::cli {
+
+/// An event. Most come from a process of another user, so the agent keeps only members that it
+/// knows.
+struct AgentEvent {
+  static constexpr std::string_view kDef = "event of agent";
+  Json members;
+
+  const Json& json() const { return members; }
+};
+
+/// The result of `agent --once`.
+struct AgentRun {
+  std::vector<AgentEvent> events = {};
+
+  static constexpr auto fields() {
+    return std::tuple(field("events", &AgentRun::events,
+                            {"with `--once`: the lines that it prints without `--format json` "
+                             "([each](../docs/agent.md#3-events))"}));
+  }
+  static std::string text() { return {}; }
+};
 
 /// Reports at once, on standard output, or keeps the events for a report.
 class AgentEvents {
@@ -21,13 +42,13 @@ class AgentEvents {
   void report(std::string_view event, const std::filesystem::path& folder, Json members);
 
   /// The events so far, with To::report.
-  const Json& kept() const { return kept_; }
+  const std::vector<AgentEvent>& kept() const { return kept_; }
 
  private:
   void put(Json event);
   To to_;
   const Clock& clock_;
-  Json kept_ = Json::array();
+  std::vector<AgentEvent> kept_;
 };
 
 /// The members about an error: code, number, message, hint; file, if it is about one.

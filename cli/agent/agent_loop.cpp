@@ -131,24 +131,20 @@ Status Agent::prove_ca() {
   return {};
 }
 
-Report Agent::run_once() {
-  if (const auto proven = prove_ca(); !proven) {
-    auto out = report_of(proven.error());
-    out.result = {{"events", Json::array()}};
-    return out;
-  }
+Answer<AgentRun> Agent::run_once() {
+  if (const auto proven = prove_ca(); !proven) return {{}, report_of(proven.error())};
   for (auto& folder : folders_)
     if (!signals_.is_stopped()) tend(folder);
   if (signals_.is_stopped()) errors_.emplace_back(Code::interrupted);
   Report out{.exit = errors_.empty() ? Exit::done : exit_of(errors_.front().code()), .text = {}};
-  out.result = {{"events", events_.kept()}};
   out.errors = std::move(errors_);
   out.files_written = std::move(written_);
-  return out;
+  return {{events_.kept()}, std::move(out)};
 }
 
-Report Agent::run() {
-  if (const auto proven = prove_ca(); !proven) return report_of(proven.error());
+Answer<AgentRun> Agent::run() {
+  constexpr bool kHasResult = false;
+  if (const auto proven = prove_ca(); !proven) return {{}, report_of(proven.error()), kHasResult};
   events_.report("started", mode());
   while (!signals_.is_stopped()) {
     if (signals_.take_reload()) look_at_all_now();
@@ -163,7 +159,7 @@ Report Agent::run() {
   }
   for (auto& folder : folders_) folder.lock.reset();
   events_.report("stopped");
-  return {};
+  return {{}, {}, kHasResult};
 }
 
 void Agent::look_at_all_now() {

@@ -28,9 +28,9 @@ class Agent {
   Agent(const Arguments& arguments, std::optional<Hook> hook, const Context& context);
 
   /// Looks at each folder once. The errors of those that failed are in the report.
-  Report run_once();
+  Answer<AgentRun> run_once();
   /// Goes on until SIGTERM or SIGINT. SIGHUP: looks at all folders now.
-  Report run();
+  Answer<AgentRun> run();
 
  private:
   using Moment = std::chrono::nanoseconds;  ///< of Clock::since_boot

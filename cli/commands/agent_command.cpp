@@ -28,7 +28,7 @@ Status check_options(const Arguments& arguments) {
   return {};
 }
 
-Result<Report> agent(const Arguments& arguments, const Context& context) {
+Result<Answer<AgentRun>> agent(const Arguments& arguments, const Context& context) {
   DDSSEC_RETURN_IF_ERROR(check_options(arguments));
   std::optional<Hook> hook;
   if (arguments.has("--hook")) {

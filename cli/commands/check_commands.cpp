@@ -165,7 +165,7 @@ void warn_of_renewal_lists(const std::pair<const doctor::LoadedFolder*, doctor::
   }
 }
 
-Result<Report> check(const Arguments& arguments, const Context& context) {
+Result<Answer<MeetingView>> check(const Arguments& arguments, const Context& context) {
   const fs::path folders[] = {arguments.text("A"), arguments.text("B")};
   doctor::NamedProduct products[] = {{doctor::Vendor::ours}, {doctor::Vendor::ours}};
   for (const auto& word : arguments.all("--vendor"))
@@ -175,38 +175,41 @@ Result<Report> check(const Arguments& arguments, const Context& context) {
   for (const auto& folder : folders) DDSSEC_RETURN_IF_ERROR(check_participant_folder(folder));
 
   const auto now = context.clock.now();
-  const auto a = load_participant(folders[0], now);
-  const auto b = load_participant(folders[1], now);
+  using Kept = std::shared_ptr<const doctor::LoadedFolder>;
+  const Kept kept[] = {
+      std::make_shared<const doctor::LoadedFolder>(load_participant(folders[0], now)),
+      std::make_shared<const doctor::LoadedFolder>(load_participant(folders[1], now))};
+  const auto& a = *kept[0];
+  const auto& b = *kept[1];
   // ddssec refuses to start with such files: the answer is no.
   const bool are_stock = std::ranges::none_of(
       products, [](const auto& one) { return one.vendor == doctor::Vendor::ours; });
   for (const auto& [folder, product] : {std::pair{&a, &products[0]}, std::pair{&b, &products[1]}})
     if (auto unknown = are_stock ? unpredictable(*folder, product->vendor) : std::nullopt)
-      return *std::move(unknown);
+      return Answer<MeetingView>{{}, *std::move(unknown), false};
   Report report;
   DDSSEC_ASSIGN_OR_RETURN(const auto domain, domain_for(arguments, {&a, &b}, now, report));
   std::string names[2];
   name_parties(folders[0], folders[1], names);
-  const auto meeting = meet_with_keys(
-      party(a, products[0], names[0], report), party(b, products[1], names[1], report),
-      {.now = now,
-       .domain = domain,
-       .partitions = arguments.all("--partition"),
-       .writes = {wanted == Wanted::both || wanted == Wanted::writer_a,
-                  wanted == Wanted::both || wanted == Wanted::writer_b},
-       .may_run_elsewhere = true},
-      topics);
-  const MeetingView view{.meeting = meeting,
-                         .names = {names[0], names[1]},
-                         .domain = domain,
-                         .topics_named = !topics.empty(),
-                         .wanted = wanted,
-                         .explain = arguments.has("--explain")};
-  const bool talk = would_talk(view);
+  MeetingView view{
+      .meeting = meet_with_keys(party(a, products[0], names[0], report),
+                                party(b, products[1], names[1], report),
+                                {.now = now,
+                                 .domain = domain,
+                                 .partitions = arguments.all("--partition"),
+                                 .writes = {wanted == Wanted::both || wanted == Wanted::writer_a,
+                                            wanted == Wanted::both || wanted == Wanted::writer_b},
+                                 .may_run_elsewhere = true},
+                                topics),
+      .names = {names[0], names[1]},
+      .domain = domain,
+      .topics_named = !topics.empty(),
+      .wanted = wanted,
+      .explain = arguments.has("--explain"),
+      .kept = {kept[0], kept[1]}};
+  const auto& meeting = view.meeting;
   // A topic that both may use but cannot is an error even if another topic works.
-  report.exit = talk && !has_topic_apart(meeting) ? Exit::done : Exit::no;
-  report.text = meeting_text(view);
-  report.result = meeting_json(view);
+  report.exit = view.talk() && !has_topic_apart(meeting) ? Exit::done : Exit::no;
   report.findings.insert(report.findings.end(), meeting.findings.begin(), meeting.findings.end());
   // DOC083 is about products that --vendor did not name: only --explain shows it.
   const bool asked = arguments.has("--explain") && !arguments.has("--vendor");
@@ -215,7 +218,7 @@ Result<Report> check(const Arguments& arguments, const Context& context) {
   const doctor::Settings settings{.now = now, .domain = domain, .lineup = installed_lineup()};
   if (!arguments.has("--vendor")) warn_of_readings({&a, &b}, settings, report);
   warn_of_renewal_lists({{&a, products[0].vendor}, {&b, products[1].vendor}}, settings, report);
-  return report;
+  return Answer<MeetingView>{std::move(view), std::move(report)};
 }
 
 }  // namespace

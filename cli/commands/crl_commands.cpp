@@ -10,6 +10,7 @@
 #include "cli/ca/list_dates.hpp"
 #include "cli/ca/renewal_list.hpp"
 #include "cli/ca/revocation_lists.hpp"
+#include "cli/commands/crl_results.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/documents/documents.hpp"
 #include "cli/frame/held_folder.hpp"
@@ -25,28 +26,6 @@ namespace ddssec::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string words_until(const pki::Crl& crl) {
-  return crl.next_update() ? "until " + date(*crl.next_update()) : "without an end";
-}
-
-Json describe(const pki::Crl& crl) {
-  return {{"issuer", crl.issuer()},
-          {"number", number_json(crl)},
-          {"this_update", to_string(crl.this_update())},
-          {"next_update", crl.next_update() ? Json(to_string(*crl.next_update())) : Json()}};
-}
-
-Result<Json> describe_whole(const pki::Crl& crl, const fs::path& path) {
-  auto out = describe(crl);
-  out["revoked"] = Json::array();
-  DDSSEC_ASSIGN_OR_RETURN(const auto revoked, named(crl.revoked(), path));
-  for (const auto& entry : revoked)
-    out["revoked"].push_back({{"serial", entry.serial},
-                              {"time", to_string(entry.time)},
-                              {"reason", to_string(entry.reason)}});
-  return out;
-}
 
 // A list, a participant's folder or a CA's folder: the first one that contains a list.
 fs::path list_at(const fs::path& given) {
@@ -86,7 +65,7 @@ std::string after_the_future(const std::string& ca) {
       ca);
 }
 
-Result<Report> crl_new(const Arguments& arguments, const Context& context) {
+Result<Answer<NewList>> crl_new(const Arguments& arguments, const Context& context) {
   DDSSEC_ASSIGN_OR_RETURN(const int days, arguments.number("--next-update", 1, kMostDays));
   const auto now = context.clock.now();
   CaOpener opener(arguments);
@@ -101,27 +80,13 @@ Result<Report> crl_new(const Arguments& arguments, const Context& context) {
   DDSSEC_ASSIGN_OR_RETURN(const auto lists, file_of_lists(ca.paths, crl));
   DDSSEC_RETURN_IF_ERROR(out.put_public(ca.paths.crl, lists));
   DDSSEC_ASSIGN_OR_RETURN(const auto revoked, crl.revoked());
-  const auto count = revoked.size();
-  Report report;
-  report.text =
-      fmt::format("{}  number {}, {} revoked, {}\n{}", ca.paths.crl.string(), number_text(crl),
-                  count, words_until(crl), about_clock(crl, now, arguments.text("--ca")));
-  if (date == ListDate::now) report.text += after_the_future(arguments.text("--ca"));
-  report.result = {{"file", ca.paths.crl.string()}};
-  report.result.update(describe(crl));
-  report.result["revoked"] = count;
+  const auto given = arguments.text("--ca");
+  Answer<NewList> answer{{ca.paths.crl, ListHead::of(crl), revoked.size()}};
+  auto& report = answer.report;
+  report.text = about_clock(crl, now, given);
+  if (date == ListDate::now) report.text += after_the_future(given);
   DDSSEC_ASSIGN_OR_RETURN(report.files_written, out.commit());
-  return report;
-}
-
-std::string list_in_words(const pki::Crl& crl, const Json& described) {
-  auto out =
-      fmt::format("issuer   {}\nnumber   {}\nvalid    {} .. {}\n", crl.issuer(), number_text(crl),
-                  date(crl.this_update()), crl.next_update() ? date(*crl.next_update()) : "");
-  for (const auto& entry : described["revoked"])
-    out += fmt::format("revoked  {}  {}  {}\n", std::string(entry["serial"]),
-                       std::string(entry["time"]).substr(0, 10), std::string(entry["reason"]));
-  return out;
+  return answer;
 }
 
 // The products do not use the same one of several lists of one CA.
@@ -136,22 +101,18 @@ std::string about_several(const std::vector<pki::Crl>& lists) {
   return {};
 }
 
-Result<Report> crl_show(const Arguments& arguments, const Context&) {
+Result<Answer<ShownLists>> crl_show(const Arguments& arguments, const Context&) {
   const auto path = list_at(arguments.text("PATH"));
   DDSSEC_ASSIGN_OR_RETURN(const auto lists, lists_in(path));
-  Report report;
-  report.result = {{"file", path.string()}};
-  DDSSEC_ASSIGN_OR_RETURN(auto whole, describe_whole(lists.front(), path));
-  report.result.update(std::move(whole));
-  report.result["others"] = Json::array();
-  report.text = list_in_words(lists.front(), report.result);
-  for (const auto& list : lists | std::views::drop(1)) {
-    DDSSEC_ASSIGN_OR_RETURN(const auto described, describe_whole(list, path));
-    report.text += "\n" + list_in_words(list, described);
-    report.result["others"].push_back(described);
+  std::vector<ShownList> shown;
+  for (const auto& list : lists) {
+    DDSSEC_ASSIGN_OR_RETURN(auto entries, named(list.revoked(), path));
+    shown.push_back({ListHead::of(list), {entries.begin(), entries.end()}});
   }
-  report.text += about_several(lists);
-  return report;
+  auto first = std::move(shown.front());
+  shown.erase(shown.begin());
+  return Answer<ShownLists>{{path, std::move(first), std::move(shown)},
+                            {.text = about_several(lists)}};
 }
 
 // For --ca with the CA's folder, which contains a list.
@@ -182,7 +143,7 @@ Status check_whole(const pki::Crl& crl, const fs::path& path) {
                .hint = "have the CA issue one complete list, without that extension"});
 }
 
-Result<Report> crl_verify(const Arguments& arguments, const Context& context) {
+Result<Answer<VerifiedList>> crl_verify(const Arguments& arguments, const Context& context) {
   const auto path = list_at(arguments.text("PATH"));
   const auto ca_file = ca_certificate_path(arguments.text("--ca"), "identity");
   DDSSEC_ASSIGN_OR_RETURN(const auto lists, lists_in(path));
@@ -190,24 +151,16 @@ Result<Report> crl_verify(const Arguments& arguments, const Context& context) {
   const auto is_of_ca = [&](const pki::Crl& list) { return list.is_named_after(ca); };
   const auto own = std::ranges::find_if(lists, is_of_ca);
   const auto& first = own == lists.end() ? lists.front() : *own;
-  Report report;
+  Answer<VerifiedList> answer{{path, ListHead::of(first)}, {.text = about_several(lists)}};
   for (const auto& crl : lists) {
-    if (!is_of_ca(crl) && &crl != &first) {
-      report.text +=
-          fmt::format("{}: a list of {} is in it as well\n", path.string(), crl.issuer());
-      continue;
-    }
+    const bool is_other = !is_of_ca(crl) && &crl != &first;
+    answer.result.all.push_back({ListHead::of(crl), is_other});
+    if (is_other) continue;
     DDSSEC_RETURN_IF_ERROR(named(crl.check(ca, context.clock.now()), path));
     DDSSEC_RETURN_IF_ERROR(check_whole(crl, path));
     DDSSEC_RETURN_IF_ERROR(check_not_ahead(crl, path, arguments.text("--ca")));
-    report.text += fmt::format("{}: {}signed by {}, holds {}\n", path.string(),
-                               lists.size() > 1 ? fmt::format("number {}, ", number_text(crl)) : "",
-                               ca.subject(), words_until(crl));
   }
-  report.text += about_several(lists);
-  report.result = {{"file", path.string()}};
-  report.result.update(describe(first));
-  return report;
+  return answer;
 }
 
 // The folders of the command line, or those of all participants of this CA on this machine.
@@ -361,17 +314,8 @@ Result<Outcome> distribute(const CaPaths& paths, const std::string& given, WallT
   }
 }
 
-// The lists of both CAs are distributed together.
-void add_renewals(Report& report, const std::string& given, const pki::Crl& crl) {
-  // Why one cannot be read stands in the report already.
-  const auto renewals = renewals_of(given, &crl).list;
-  report.result["renewals"] = {{"certificates", renewals.certificates.size()},
-                               {"permissions", renewals.permissions.size()}};
-  if (!renewals.is_empty())
-    report.text += fmt::format("renewal list with {}\n", in_words(renewals));
-}
-
-Result<Report> crl_distribute(const Arguments& arguments, const Context& context) {
+Result<Answer<DistributedLists>> crl_distribute(const Arguments& arguments,
+                                                const Context& context) {
   const auto given = arguments.text("--ca");
   DDSSEC_RETURN_IF_ERROR(check_ca_folder(given, "identity"));
   const auto paths = ca_paths(given, "identity");
@@ -385,18 +329,14 @@ Result<Report> crl_distribute(const Arguments& arguments, const Context& context
   DDSSEC_ASSIGN_OR_RETURN(auto distributed,
                           distribute(paths, given, now, recipient.here, lock.has_value()));
   auto& [crl, done] = distributed;
-  Report report;
-  report.result = {{"number", number_json(crl)},
-                   {"folders", done.folders},
-                   {"elsewhere", recipient.elsewhere},
-                   {"left_behind", recipient.left_behind},
-                   {"of_other_cas", recipient.of_other_cas}};
-  for (const auto& folder : recipient.other_copies) report.result["elsewhere"].push_back(folder);
-  for (const auto& folder : done.folders) report.text += fmt::format("{}\n", folder);
-  report.text += fmt::format("list {} of {} is in {}, holds {}\n", number_text(crl), crl.issuer(),
-                             counted(done.folders.size(), "folder"), words_until(crl));
-  add_renewals(report, given, crl);
-  report.text += places_text(recipient, paths);
+  // The lists of both CAs are distributed together.
+  const auto renewals = renewals_of(given, &crl).list;
+  Answer<DistributedLists> answer{{ListHead::of(crl),
+                                   done.folders,
+                                   recipient,
+                                   {renewals.certificates.size(), renewals.permissions.size()}},
+                                  {.text = places_text(recipient, paths)}};
+  auto& report = answer.report;
   if (recipient.is_empty())
     report.text += fmt::format(
         "every participant in the CA's log is revoked, and needs no list; those of CAs below it "
@@ -404,16 +344,12 @@ Result<Report> crl_distribute(const Arguments& arguments, const Context& context
         governance::doctor::shell_word(given));
   else if (recipient.here.empty())
     report.exit = Exit::no;
-  for (const auto& error : done.errors) {
-    report.errors.push_back(error);
+  report.errors = std::move(done.errors);
+  std::ranges::copy(recipient.unseen, std::back_inserter(report.errors));
+  for (const auto& error : report.errors)
     report.exit = std::max(report.exit, exit_of(error.code()));
-  }
-  for (const auto& error : recipient.unseen) {
-    report.errors.push_back(error);
-    report.exit = std::max(report.exit, exit_of(error.code()));
-  }
   report.files_written = std::move(done.files);
-  return report;
+  return answer;
 }
 
 }  // namespace

@@ -4,9 +4,7 @@
 #include "cli/commands/groups.hpp"
 #include "cli/diff/diff_inputs.hpp"
 #include "cli/diff/governance_diff_report.hpp"
-#include "cli/diff/governance_forecast.hpp"
 #include "cli/diff/permissions_diff_report.hpp"
-#include "cli/diff/permissions_forecast.hpp"
 #include "cli/documents/documents.hpp"
 #include "cli/inputs.hpp"
 #include "governance/read.hpp"
@@ -53,7 +51,8 @@ void warn_of_open_ranges(Report& report, Rule rule, const std::vector<governance
   }
 }
 
-Result<Report> governance_diff(const Arguments& arguments, const Context& context) {
+Result<Answer<GovernanceComparison>> governance_diff(const Arguments& arguments,
+                                                     const Context& context) {
   DDSSEC_ASSIGN_OR_RETURN(const auto threshold, fail_on(arguments, {"weaker", "breaking", "any"}));
   governance::GovernanceDiffOptions options;
   if (arguments.has("--topics")) {
@@ -67,11 +66,9 @@ Result<Report> governance_diff(const Arguments& arguments, const Context& contex
   DDSSEC_ASSIGN_OR_RETURN(
       const auto after, named(governance::read_governance(sides.after.text, sides.after.first_line),
                               sides.after.path));
-  const auto diff = governance::compare(before, after, options);
-  auto forecast = forecast_of(before, after, sides, diff.changes.empty() && diff.rewritten.empty());
-  Report report = report_of(diff, sides, arguments.has("--topics"), forecast.is_phased);
-  report.text += forecast.text;
-  report.result["live"] = std::move(forecast.live);
+  auto diff = governance::compare(before, after, options);
+  auto live = forecast_of(before, after, sides, diff.changes.empty() && diff.rewritten.empty());
+  Report report;
   warn_of_open_ranges(report, Rule::GOV004, before.notes, sides.before.path);
   warn_of_open_ranges(report, Rule::GOV004, after.notes, sides.after.path);
   const bool unknown = diff.verdict == ChangeClass::unknown;
@@ -84,10 +81,12 @@ Result<Report> governance_diff(const Arguments& arguments, const Context& contex
   if (is_wider_to_others(diff.readings))
     report.text += "this verdict is ddssec's; another product allows more, as is listed above\n";
   if (reached) report.exit = Exit::no;
-  return report;
+  return Answer<GovernanceComparison>{
+      {std::move(diff), sides, std::move(live), arguments.has("--topics")}, std::move(report)};
 }
 
-Result<Report> permissions_diff(const Arguments& arguments, const Context& context) {
+Result<Answer<PermissionsComparison>> permissions_diff(const Arguments& arguments,
+                                                       const Context& context) {
   DDSSEC_ASSIGN_OR_RETURN(const auto threshold, fail_on(arguments, {"wider", "narrower", "any"}));
   DDSSEC_ASSIGN_OR_RETURN(const auto sides,
                           diff_sides(document_path<PermissionsKind>, arguments, context));
@@ -97,10 +96,10 @@ Result<Report> permissions_diff(const Arguments& arguments, const Context& conte
   DDSSEC_ASSIGN_OR_RETURN(const auto after, named(governance::read_permissions(
                                                       sides.after.text, sides.after.first_line),
                                                   sides.after.path));
-  const auto diff = governance::compare(
-      before, after, {.map_subjects_by_grant_name = arguments.has("--subject-map")});
-  Report report = report_of(diff, sides);
-  add_forecast({before, after, diff, context.clock.now()}, sides, report);
+  auto diff = governance::compare(before, after,
+                                  {.map_subjects_by_grant_name = arguments.has("--subject-map")});
+  auto forecast = forecast_of({before, after, diff, context.clock.now()}, sides);
+  Report report;
   warn_of_open_ranges(report, Rule::PERM004, before.notes, sides.before.path);
   warn_of_open_ranges(report, Rule::PERM004, after.notes, sides.after.path);
   const bool reached =
@@ -114,7 +113,8 @@ Result<Report> permissions_diff(const Arguments& arguments, const Context& conte
   if (is_wider_to_others(diff.readings))
     report.text += "this verdict is ddssec's; another product allows more, as is listed above\n";
   if (reached) report.exit = Exit::no;
-  return report;
+  return Answer<PermissionsComparison>{{std::move(diff), sides, std::move(forecast)},
+                                       std::move(report)};
 }
 
 const Positional kOld{"OLD", "the document as it was, XML or signed, or a participant's folder"};

@@ -44,21 +44,10 @@ bool concerns(const Finding& finding, const Products& products) {
          });
 }
 
-Json verdicts(const doctor::Outcomes& outcomes, const Products& products) {
+Json verdicts_json(const doctor::Outcomes& outcomes, const Products& products) {
   Json out = Json::object();
   for (const auto vendor : products.vendors)
     out[doctor::id(vendor, products.lineup)] = to_string(outcomes.of(vendor));
-  return out;
-}
-
-Json to_json(const doctor::Check& check, const Products& products) {
-  Json out = {{"id", info(check.rule).id},
-              {"title", check.title},
-              {"verdicts", verdicts(check.outcomes, products)}};
-  const auto said = std::ranges::find_if(
-      check.findings, [&](const Finding& finding) { return concerns(finding, products); });
-  if (said != check.findings.end())
-    out["fix"] = said->hint.empty() ? std::string(info(check.rule).hint) : said->hint;
   return out;
 }
 
@@ -104,27 +93,160 @@ std::vector<Finding> findings_for(const Products& products, const doctor::Diagno
   return out;
 }
 
-Json ids(const Products& products) {
-  Json out = Json::array();
-  for (const auto vendor : products.vendors) out.push_back(doctor::id(vendor, products.lineup));
-  return out;
+/// A check, for the chosen products.
+struct ShownCheck {
+  const doctor::Check* check;
+  const Products* products;
+
+  std::optional<std::string> fix() const {
+    const auto said = std::ranges::find_if(
+        check->findings, [&](const Finding& finding) { return concerns(finding, *products); });
+    if (said == check->findings.end()) return std::nullopt;
+    return said->hint.empty() ? std::string(info(check->rule).hint) : said->hint;
+  }
+  static constexpr auto fields() {
+    using T = ShownCheck;
+    return std::tuple(
+        made<T>("id", [](const T& one) { return info(one.check->rule).id; },
+                {.pattern = "^[A-Z]+[0-9]{3}$"}),
+        made<T>("title", [](const T& one) { return one.check->title; }),
+        made<T>("verdicts",
+                [](const T& one) { return verdicts_json(one.check->outcomes, *one.products); },
+                {.note = "by vendor: ok, unsafe, late, fail", .def = "outcomes"}),
+        made<T>("fix", [](const T& one) { return one.fix(); }, {.absent = true}));
+  }
+};
+
+/// The diagnosis of one folder.
+struct ShownDiagnosis {
+  std::string title;
+  doctor::Diagnosis diagnosis;
+  Products products;
+
+  std::vector<std::string> vendors() const {
+    std::vector<std::string> out;
+    for (const auto vendor : products.vendors) out.push_back(doctor::id(vendor, products.lineup));
+    return out;
+  }
+  std::vector<ShownCheck> checks() const {
+    std::vector<ShownCheck> out;
+    for (const auto& check : diagnosis.checks()) out.push_back({&check, &products});
+    return out;
+  }
+  static constexpr auto fields() {
+    using T = ShownDiagnosis;
+    return std::tuple(
+        made<T>("vendors", [](const T& one) { return one.vendors(); },
+                {.note = "with the version that is predicted: the named or the installed one",
+                 .def = "product",
+                 .least = 1}),
+        made<T>("checks", [](const T& one) { return one.checks(); }),
+        made<T>("verdicts",
+                [](const T& one) { return verdicts_json(one.diagnosis.outcomes(), one.products); },
+                {.note = "of all checks", .def = "outcomes"}));
+  }
+  std::string text() const {
+    return table(diagnosis, title, products) + counted(findings_for(products, diagnosis)) + '\n';
+  }
+};
+
+/// The findings are added to the report.
+ShownDiagnosis shown(Report& report, const fs::path& folder, doctor::Diagnosis diagnosis,
+                     const doctor::Settings& settings, const Products& products) {
+  add_findings(report, findings_for(products, diagnosis), folder);
+  if (!is_good(diagnosis.outcomes(), products)) report.exit = Exit::no;
+  return {fmt::format("{}, domain {}", folder.string(), settings.domain), std::move(diagnosis),
+          products};
 }
 
-/// The result for one folder; findings and text are added to the report.
-Json add_diagnosis(Report& report, const fs::path& folder, const doctor::Diagnosis& diagnosis,
-                   const doctor::Settings& settings, const Products& products) {
-  auto findings = findings_for(products, diagnosis);
-  const auto count = counted(findings);
-  add_findings(report, std::move(findings), folder);
-  if (!is_good(diagnosis.outcomes(), products)) report.exit = Exit::no;
-  report.text +=
-      table(diagnosis, fmt::format("{}, domain {}", folder.string(), settings.domain), products) +
-      count + '\n';
-  Json out = {{"vendors", ids(products)}, {"checks", Json::array()}};
-  for (const auto& check : diagnosis.checks()) out["checks"].push_back(to_json(check, products));
-  out["verdicts"] = verdicts(diagnosis.outcomes(), products);
-  return out;
-}
+/// A product of one participant with a product of the other.
+struct ProductMeeting {
+  std::string self, peer;
+  bool talk;
+  std::string names;  ///< of both
+
+  static constexpr auto fields() {
+    using T = ProductMeeting;
+    return std::tuple(field("self", &T::self, {.def = "product"}),
+                      field("peer", &T::peer, {.def = "product"}), field("talk", &T::talk));
+  }
+};
+
+struct DiagnosedPeer {
+  ShownDiagnosis diagnosis;
+  std::vector<ProductMeeting> meetings = {};
+
+  static constexpr auto fields() {
+    return std::tuple_cat(fields_within(&DiagnosedPeer::diagnosis),
+                          std::tuple(field("meetings", &DiagnosedPeer::meetings)));
+  }
+  std::string text() const {
+    auto out = diagnosis.text() + '\n';
+    for (const auto& one : meetings)
+      out += fmt::format("{}: {}\n", one.names, one.talk ? "they talk" : "they do NOT talk");
+    return out;
+  }
+};
+
+}  // namespace
+
+template <>
+struct Listed<doctor::HostPlugin> {
+  using T = doctor::HostPlugin;
+  using Words = std::optional<std::string_view>;
+  static Words if_any(std::string_view text) { return text.empty() ? Words() : text; }
+  static constexpr auto fields() {
+    return std::tuple(
+        field("role", &T::role, {.words = "authentication|access control|cryptography"}),
+        field("library", &T::library),
+        made<T>("file", [](const T& one) { return if_any(one.file.native()); }),
+        made<T>("maker",
+                [](const T& one) {
+                  using enum T::Maker;
+                  return if_any(one.maker == ours ? "ddssec" : one.maker == other ? "other" : "");
+                },
+                {.note = "ddssec, other; null: not found", .words = "ddssec|other"}),
+        made<T>("version", [](const T& one) { return if_any(one.version); }));
+  }
+};
+
+namespace {
+
+struct DoctorResult {
+  DomainId domain;
+  ShownDiagnosis diagnosis;
+  std::vector<doctor::HostPlugin> plugins = {};
+  std::optional<DiagnosedPeer> peer = {};
+  bool is_configured;  ///< the environment names the configuration
+
+  static constexpr auto fields() {
+    using T = DoctorResult;
+    return std::tuple_cat(
+        std::tuple(field("domain", &T::domain)), fields_within(&T::diagnosis),
+        std::tuple(field("plugins", &T::plugins,
+                         {"what Cyclone DDS would load with this LD_LIBRARY_PATH; empty: nothing "
+                          "is found, or no configuration is at hand"}),
+                   field("peer", &T::peer,
+                         {.note = "with --peer: the same of the other participant, and `meetings` "
+                                  "(each: `self`, `peer`, `talk`)",
+                          .same = true,
+                          .absent = true})));
+  }
+  std::string text() const {
+    auto out = diagnosis.text();
+    if (!plugins.empty())
+      out += fmt::format(
+          "with this LD_LIBRARY_PATH{} Cyclone DDS would load\n",
+          is_configured ? "" : ", and CYCLONEDDS_URI set to the folder's cyclonedds.xml,");
+    for (const auto& plugin : plugins)
+      out += fmt::format("  {:<15} {}{}{}\n", plugin.role, maker_of(plugin),
+                         plugin.file.empty() ? "" : ": " + plugin.file.string(),
+                         plugin.missing.empty() ? ""
+                                                : fmt::format(" (cannot be loaded without {})",
+                                                              fmt::join(plugin.missing, ", ")));
+    return peer ? out + '\n' + peer->text() : out;
+  }
+};
 
 bool is_said_by_diagnosis(Rule rule) {
   constexpr Rule kSaid[] = {Rule::DOC008, Rule::DOC090, Rule::DOC091, Rule::DOC093,
@@ -134,25 +256,24 @@ bool is_said_by_diagnosis(Rule rule) {
 
 // Checks each product of one side with each product of the other. That two products are
 // incompatible is a "no" only if --vendor names both.
-void add_meetings(Report& report, const doctor::Party& self, const doctor::Party& peer,
-                  const doctor::Settings& settings, const Products& products,
-                  bool products_chosen) {
-  report.result["peer"]["meetings"] = Json::array();
+std::vector<ProductMeeting> meetings_of(Report& report, const doctor::Party (&parties)[2],
+                                        const doctor::Settings& settings, const Products& products,
+                                        bool products_chosen) {
+  const auto& [self, peer] = parties;
+  std::vector<ProductMeeting> out;
   std::vector<std::string> said;
+  const auto& lineup = products.lineup;
   for (const auto a : products.vendors)
     for (const auto b : products.vendors) {
-      const auto meeting = meet_with_keys({self.folder, a, self.name, products.lineup},
-                                          {peer.folder, b, peer.name, products.lineup}, settings);
       const MeetingView view{
-          .meeting = meeting, .names = {self.name, peer.name}, .domain = settings.domain};
-      const bool talk = would_talk(view);
-      if (!talk && (a == b || products_chosen)) report.exit = Exit::no;
-      report.text += fmt::format(
-          "{} on {}, {} on {}: {}\n", self.name, doctor::label(a, products.lineup), peer.name,
-          doctor::label(b, products.lineup), talk ? "they talk" : "they do NOT talk");
-      report.result["peer"]["meetings"].push_back({{"self", doctor::id(a, products.lineup)},
-                                                   {"peer", doctor::id(b, products.lineup)},
-                                                   {"talk", talk}});
+          .meeting = meet_with_keys({self.folder, a, self.name, lineup},
+                                    {peer.folder, b, peer.name, lineup}, settings),
+          .names = {self.name, peer.name}};
+      const auto& meeting = view.meeting;
+      out.push_back({doctor::id(a, lineup), doctor::id(b, lineup), view.talk(),
+                     fmt::format("{} on {}, {} on {}", self.name, doctor::label(a, lineup),
+                                 peer.name, doctor::label(b, lineup))});
+      if (!out.back().talk && (a == b || products_chosen)) report.exit = Exit::no;
       auto findings = meeting.findings;
       std::ranges::copy_if(meeting.notes, std::back_inserter(findings), [](const auto& note) {
         return note.rule == Rule::DOC094;  // the others are of this pair alone
@@ -164,21 +285,24 @@ void add_meetings(Report& report, const doctor::Party& self, const doctor::Party
         report.findings.push_back(finding);
       }
     }
+  return out;
 }
 
-void add_peer(Report& report, const Arguments& arguments, const doctor::LoadedFolder& self,
-              const doctor::LoadedFolder& peer, const doctor::Settings& settings,
-              const Products& products) {
+DiagnosedPeer peer_of(
+    Report& report, const Arguments& arguments,
+    const std::pair<const doctor::LoadedFolder&, const doctor::LoadedFolder&>& both,
+    const doctor::Settings& settings, const Products& products) {
   const fs::path folders[] = {arguments.text("DIR"), arguments.text("--peer")};
-  report.text += '\n';
+  const auto& [self, peer] = both;
   auto diagnosis = diagnosis_of(peer, settings);
   doctor::check_lint(peer, settings, diagnosis);
-  report.result["peer"] = add_diagnosis(report, folders[1], diagnosis, settings, products);
+  DiagnosedPeer out{shown(report, folders[1], std::move(diagnosis), settings, products)};
   std::string names[2];
   name_parties(folders[0], folders[1], names);
-  report.text += '\n';
-  add_meetings(report, {self, Vendor::ours, names[0]}, {peer, Vendor::ours, names[1]}, settings,
-               products, arguments.has("--vendor"));
+  out.meetings =
+      meetings_of(report, {{self, Vendor::ours, names[0]}, {peer, Vendor::ours, names[1]}},
+                  settings, products, arguments.has("--vendor"));
+  return out;
 }
 
 // A ROS 2 node uses only its environment, and runs in domain 0 if that names none.
@@ -211,29 +335,10 @@ std::vector<doctor::HostPlugin> host_plugins_for(const fs::path& folder, bool is
 }
 
 // A machine without Cyclone DDS has no plugins to report.
-void add_host_plugins(Report& report, const std::vector<doctor::HostPlugin>& plugins,
-                      bool is_configured) {
-  report.result["plugins"] = Json::array();
-  if (std::ranges::all_of(plugins, [](const auto& plugin) {
-        return plugin.file.empty() && !plugin.library.contains('/');
-      }))
-    return;
-  report.text +=
-      fmt::format("with this LD_LIBRARY_PATH{} Cyclone DDS would load\n",
-                  is_configured ? "" : ", and CYCLONEDDS_URI set to the folder's cyclonedds.xml,");
-  for (const auto& plugin : plugins) {
-    const auto missing = plugin.missing.empty() ? ""
-                                                : fmt::format(" (cannot be loaded without {})",
-                                                              fmt::join(plugin.missing, ", "));
-    report.text += fmt::format("  {:<15} {}{}{}\n", plugin.role, maker_of(plugin),
-                               plugin.file.empty() ? "" : ": " + plugin.file.string(), missing);
-    using enum doctor::HostPlugin::Maker;
-    Json row = {{"role", plugin.role}, {"library", plugin.library}};
-    row["file"] = plugin.file.empty() ? Json() : Json(plugin.file.string());
-    row["maker"] = plugin.maker == ours ? Json("ddssec") : plugin.maker == other ? "other" : Json();
-    row["version"] = plugin.version.empty() ? Json() : Json(plugin.version);
-    report.result["plugins"].push_back(std::move(row));
-  }
+bool is_any_found(const std::vector<doctor::HostPlugin>& plugins) {
+  return std::ranges::any_of(plugins, [](const auto& plugin) {
+    return !plugin.file.empty() || plugin.library.contains('/');
+  });
 }
 
 // The domain of the node. If the documents do not cover it, one that they cover, so that the wrong
@@ -246,7 +351,7 @@ Result<DomainId> domain_of_node(const doctor::LoadedFolder& folder, WallTime now
   return doctor::choose_domain(participants).domain;
 }
 
-Result<Report> doctor_of(const Arguments& arguments, const Context& context) {
+Result<Answer<DoctorResult>> doctor_of(const Arguments& arguments, const Context& context) {
   const fs::path folder = arguments.text("DIR");
   Report report;
   DDSSEC_ASSIGN_OR_RETURN(const auto products, products_of(arguments, report));
@@ -283,11 +388,12 @@ Result<Report> doctor_of(const Arguments& arguments, const Context& context) {
   else
     doctor::check_host_plugins(plugins, places, is_there(folder / "cyclonedds.xml"), diagnosis);
   doctor::check_lint(loaded, settings, diagnosis);
-  report.result = {{"domain", domain}};
-  report.result.update(add_diagnosis(report, folder, diagnosis, settings, products));
-  add_host_plugins(report, plugins, in_force || arguments.has("--ros"));
-  if (peer) add_peer(report, arguments, loaded, *peer, settings, products);
-  return report;
+  DoctorResult result{.domain = domain,
+                      .diagnosis = shown(report, folder, std::move(diagnosis), settings, products),
+                      .is_configured = in_force || arguments.has("--ros")};
+  if (is_any_found(plugins)) result.plugins = plugins;
+  if (peer) result.peer = peer_of(report, arguments, {loaded, *peer}, settings, products);
+  return Answer<DoctorResult>{std::move(result), std::move(report)};
 }
 
 }  // namespace

@@ -39,12 +39,31 @@ std::vector<Finding> lint_before_signing(const governance::Permissions& document
   return lint(document, {.now = now, .signed_octets = octets});
 }
 
-Report not_signed(const fs::path& file, std::vector<Finding> findings) {
-  Report report;
-  report.text = fmt::format("{}: not signed: {} (--no-lint signs it anyway)\n", file.string(),
-                            counted(findings));
-  add_findings(report, std::move(findings), file);
-  return report;
+struct Signing {
+  static constexpr std::string_view kDef = "signing";
+  fs::path file;
+  std::string signer;
+  std::optional<std::uint64_t> revision;
+
+  static constexpr auto fields() {
+    return std::tuple(
+        field("file", &Signing::file), field("signer", &Signing::signer, {.def = "subject"}),
+        field(
+            "revision", &Signing::revision,
+            {.note = "of a governance document that has one", .def = "revision", .absent = true}));
+  }
+  std::string text() const {
+    return fmt::format("{}  signed by {}{}\n", file.string(), signer,
+                       revision ? fmt::format(", revision {}", *revision) : "");
+  }
+};
+
+Answer<Signing> not_signed(const fs::path& file, std::vector<Finding> findings) {
+  Answer<Signing> out{.result = {}, .has_result = false};
+  out.report.text = fmt::format("{}: not signed: {} (--no-lint signs it anyway)\n", file.string(),
+                                counted(findings));
+  add_findings(out.report, std::move(findings), file);
+  return out;
 }
 
 // The governance document that is beside the result counts for the participant.
@@ -92,7 +111,7 @@ Status list_signed(const OpenCa& ca, BytesView signed_octets, const fs::path& to
 
 // A document that cannot be parsed, or in which lint finds errors, must not be signed.
 template <class Kind>
-Result<Report> sign(const Arguments& arguments, const Context& context) {
+Result<Answer<Signing>> sign(const Arguments& arguments, const Context& context) {
   const fs::path from = arguments.text("FILE");
   const fs::path to = arguments.has("-o") ? fs::path(arguments.text("-o")) : signed_path(from);
   DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(from, pki::kMostDocumentOctets));
@@ -126,40 +145,77 @@ Result<Report> sign(const Arguments& arguments, const Context& context) {
   const auto listed =
       is_extension ? list_signed(ca, signed_octets, to, context.clock.now()) : Status();
   if (!listed) report.errors.push_back(listed.error());
-  report.text += fmt::format("{}  signed by {}\n", to.string(), ca.certificate().subject());
-  report.result = {{"file", to.string()}, {"signer", ca.certificate().subject()}};
-  if (text.revision != 0) {
-    report.text.insert(report.text.size() - 1, fmt::format(", revision {}", text.revision));
-    report.result["revision"] = text.revision;
-  }
-  return report;
+  return Answer<Signing>{{to, ca.certificate().subject(),
+                          text.revision == 0 ? std::nullopt : std::optional(text.revision)},
+                         std::move(report)};
 }
 
-/// The verification result of the signature with each product.
-struct Beliefs {
-  Result<pki::SignedDocument> ours;
-  bool cyclonedds = false;
-  bool fastdds = false;
+/// What each product makes of the signature.
+struct Verdicts {
+  static constexpr std::string_view kDef = "signature_verdicts";
+  bool ours = false, cyclonedds = false, fastdds = false;
   doctor::Lineup lineup = installed_lineup();
 
-  std::string_view verdict(doctor::Vendor vendor) const {
+  std::string_view of(doctor::Vendor vendor) const {
     const bool accepts = vendor == doctor::Vendor::cyclonedds ? cyclonedds
                          : vendor == doctor::Vendor::fastdds  ? fastdds
-                                                              : ours.has_value();
+                                                              : ours;
     return accepts ? "accepts" : "refuses";
   }
-  Json verdicts() const {
+  Json json() const {
     Json out = Json::object();
-    for (const auto vendor : doctor::kVendors) out[doctor::id(vendor, lineup)] = verdict(vendor);
+    for (const auto vendor : doctor::kVendors) out[doctor::id(vendor, lineup)] = of(vendor);
     return out;
   }
   /// "Cyclone DDS 0.10.2 refuses it, Fast DDS 2.9.1 accepts it".
   std::string in_words() const {
     const auto words = [&](doctor::Vendor vendor) {
-      return fmt::format("{} {} it", doctor::name(vendor, lineup), verdict(vendor));
+      return fmt::format("{} {} it", doctor::name(vendor, lineup), of(vendor));
     };
     return words(doctor::Vendor::cyclonedds) + ", " + words(doctor::Vendor::fastdds);
   }
+};
+constexpr Shown kVerdicts{.note = "by vendor: accepts, refuses"};
+
+struct Verification {
+  fs::path file;
+  std::string signer, signer_sha256;
+  WallTime signer_not_after;
+  Verdicts verdicts;
+
+  static constexpr auto fields() {
+    using Self = Verification;
+    return std::tuple(field("file", &Self::file),
+                      field("signer", &Self::signer, {.def = "subject"}),
+                      field("signer_sha256", &Self::signer_sha256, {.def = "sha256"}),
+                      field("signer_not_after", &Self::signer_not_after),
+                      field("verdicts", &Self::verdicts, kVerdicts));
+  }
+  std::string text() const {
+    return fmt::format("{}: signed by {}, valid until {}\n{}", file.string(), signer,
+                       date(signer_not_after),
+                       verdicts.cyclonedds && verdicts.fastdds
+                           ? ""
+                           : fmt::format("signature: {}\n", verdicts.in_words()));
+  }
+};
+
+// ddssec accepts only the CA itself as signer, so stock products may accept a document that ddssec
+// refuses (CVE-2023-24010).
+struct Refusal {
+  static constexpr std::string_view kWhen = "refused";
+  Verdicts verdicts;
+
+  static constexpr auto fields() {
+    return std::tuple(field("verdicts", &Refusal::verdicts, {"the same"}));
+  }
+  std::string text() const { return fmt::format("refused; {}\n", verdicts.in_words()); }
+};
+
+/// The verification result of the signature with each product.
+struct Beliefs {
+  Result<pki::SignedDocument> ours;
+  Verdicts verdicts = {};
 };
 
 Result<Beliefs> beliefs(const fs::path& file, const fs::path& ca, WallTime now) {
@@ -171,25 +227,18 @@ Result<Beliefs> beliefs(const fs::path& file, const fs::path& ca, WallTime now) 
   Beliefs out{.ours = verifier ? named(verifier->verify(octets, now), file)
                                : std::unexpected(verifier.error())};
   // From version 11 on, Cyclone DDS accepts only the CA itself as signer, like ddssec.
-  const auto by_another = measured(doctor::Variant::permissions_by_itself, out.lineup);
+  auto& verdicts = out.verdicts;
+  const auto by_another = measured(doctor::Variant::permissions_by_itself, verdicts.lineup);
   const bool is_other_signer =
       !out.ours && out.ours.error().code() == Code::smime_signer_not_permissions_ca;
   const auto accepts = [&](doctor::Vendor vendor) {
     return believes(vendor, octets, anchors, {}, now) &&
            !(is_other_signer && by_another.of(vendor) == doctor::Outcome::fail);
   };
-  out.cyclonedds = accepts(doctor::Vendor::cyclonedds);
-  out.fastdds = accepts(doctor::Vendor::fastdds);
+  verdicts.ours = out.ours.has_value();
+  verdicts.cyclonedds = accepts(doctor::Vendor::cyclonedds);
+  verdicts.fastdds = accepts(doctor::Vendor::fastdds);
   return out;
-}
-
-// ddssec accepts only the CA itself as signer, so stock products may accept a document that ddssec
-// refuses (CVE-2023-24010).
-Report refused(const Beliefs& all) {
-  Report report = report_of(all.ours.error());
-  report.text = fmt::format("refused; {}\n", all.in_words());
-  report.result = {{"verdicts", all.verdicts()}};
-  return report;
 }
 
 // Adds the products for which a grant's spelling of the subject does not match a certificate, as
@@ -222,29 +271,25 @@ Result<std::vector<Finding>> lint_for_vendors(const governance::Permissions& doc
   return findings;
 }
 
+using Verified = Answer<std::variant<Verification, Refusal>>;
+
 template <class Kind>
-Result<Report> verify(const Arguments& arguments, const Context& context) {
+Result<Verified> verify(const Arguments& arguments, const Context& context) {
   const auto file = document_path<Kind>(arguments.text("FILE"));
   const auto now = context.clock.now();
   DDSSEC_ASSIGN_OR_RETURN(
       const auto all,
       beliefs(file, ca_certificate_path(arguments.text("--ca"), "permissions"), now));
-  if (!all.ours) return refused(all);
+  if (!all.ours) return Verified{Refusal{all.verdicts}, report_of(all.ours.error())};
   const auto& proof = all.ours;
   DDSSEC_ASSIGN_OR_RETURN(const auto document,
                           named(Kind::read(proof->content(), proof->first_line()), file));
-  Report report;
-  report.text = fmt::format("{}: signed by {}, valid until {}\n", file.string(),
-                            proof->signer().subject(), date(proof->signer_not_after()));
-  if (!all.cyclonedds || !all.fastdds) report.text += "signature: " + all.in_words() + '\n';
-  report.result = {{"file", file.string()},
-                   {"signer", proof->signer().subject()},
-                   {"signer_sha256", to_hex(proof->signer().fingerprint())},
-                   {"signer_not_after", to_string(proof->signer_not_after())},
-                   {"verdicts", all.verdicts()}};
+  const auto& signer = proof->signer();
+  Verified out{Verification{file, signer.subject(), to_hex(signer.fingerprint()),
+                            proof->signer_not_after(), all.verdicts}};
   DDSSEC_ASSIGN_OR_RETURN(auto findings, lint_for_vendors(document, arguments, now));
-  add_findings(report, std::move(findings), file);
-  return report;
+  add_findings(out.report, std::move(findings), file);
+  return out;
 }
 
 const Option kCaCertificate{.name = "--ca",

@@ -9,6 +9,7 @@
 #include "base/text.hpp"
 #include "base/tool_code.hpp"
 #include "cli/ca/ca_overlap.hpp"
+#include "cli/ca/certificate_facts.hpp"
 #include "cli/ca/logged_certificate.hpp"
 #include "cli/ca/renewal_list.hpp"
 #include "cli/commands/groups.hpp"
@@ -113,6 +114,69 @@ struct Renewal {
   bool is_rekeying() const { return arguments.has("--rekey"); }
 };
 
+/// What both results say.
+struct RenewalFacts {
+  bool renewed;
+  fs::path file;
+  CertificateFacts certificate;  ///< that is in the file now
+
+  static constexpr auto fields() {
+    return std::tuple_cat(
+        std::tuple(field("renewed", &RenewalFacts::renewed), field("file", &RenewalFacts::file)),
+        fields_within(&RenewalFacts::certificate));
+  }
+};
+
+struct RenewedIdentity {
+  RenewalFacts facts;
+  bool rekeyed;
+  std::optional<WallTime> permissions_until = {};
+  bool permissions_extended = false, permissions_had_ended = false;
+
+  static constexpr auto fields() {
+    using Self = RenewedIdentity;
+    return std::tuple_cat(
+        fields_within(&Self::facts),
+        std::tuple(field("rekeyed", &Self::rekeyed),
+                   field("permissions_until", &Self::permissions_until, {"null: none"})));
+  }
+  std::string text() const {
+    const auto& [renewed, file, certificate] = facts;
+    return fmt::format("{}  {}  {}expires {}\n", file.string(), certificate.subject,
+                       rekeyed ? "with a new key, " : "", date(certificate.not_after)) +
+           permissions_text();
+  }
+
+ private:
+  std::string permissions_text() const {
+    const auto end = facts.certificate.not_after;
+    if (permissions_extended) return fmt::format("permissions extended to {}\n", date(end));
+    if (!permissions_until || *permissions_until >= end) return {};
+    return fmt::format("permissions {} {}\n  {}\n",
+                       permissions_had_ended ? "expired and the participant cannot start, since"
+                                             : "end before it, on",
+                       date(*permissions_until) == date(end)
+                           ? fmt::format("{}, and the certificate on {}",
+                                         to_string(*permissions_until), to_string(end))
+                           : date(*permissions_until),
+                       permissions_had_ended ? "--permissions --ended-permissions gives them again"
+                                             : "--permissions extends them as well");
+  }
+};
+
+struct NotRenewed {
+  static constexpr std::string_view kWhen = "not needed";
+  RenewalFacts facts;
+
+  static constexpr auto fields() { return fields_within(&NotRenewed::facts); }
+  std::string text() const {
+    return fmt::format("{}  not needed: expires {}\n", facts.file.string(),
+                       date(facts.certificate.not_after));
+  }
+};
+
+using IdentityRenewal = Answer<std::variant<RenewedIdentity, NotRenewed>>;
+
 Result<governance::Permissions> put_extended(Replacement& out, const Renewal& job,
                                              const pki::Certificate& renewed, const OpenCa& ca,
                                              Report& report) {
@@ -209,16 +273,6 @@ Result<bool> is_needed(const Arguments& arguments, const pki::Certificate& certi
   return certificate.not_after() < now + within;
 }
 
-Report not_needed(const fs::path& path, const pki::Certificate& certificate) {
-  return {.text = fmt::format("{}  not needed: expires {}\n", path.string(),
-                              date(certificate.not_after())),
-          .result = {{"renewed", false},
-                     {"file", path.string()},
-                     {"subject", certificate.subject()},
-                     {"serial", certificate.serial()},
-                     {"not_after", to_string(certificate.not_after())}}};
-}
-
 // The folder's own certificate, of a participant that is not revoked. The result is the folder to
 // record for the new one.
 Result<fs::path> check_renewable(const Renewal& job, const OpenCa& ca) {
@@ -234,20 +288,6 @@ Result<fs::path> check_renewable(const Renewal& job, const OpenCa& ca) {
   return recorded_folder(job.old, folder, ca.paths, log);
 }
 
-Report renewed_report(const Renewal& job, const pki::Certificate& renewed) {
-  Report report;
-  report.text = fmt::format("{}  {}  {}expires {}\n", job.path.string(), renewed.subject(),
-                            job.is_rekeying() ? "with a new key, " : "", date(renewed.not_after()));
-  report.result = {{"renewed", true},
-                   {"file", job.path.string()},
-                   {"subject", renewed.subject()},
-                   {"serial", renewed.serial()},
-                   {"not_after", to_string(renewed.not_after())},
-                   {"rekeyed", job.is_rekeying()},
-                   {"permissions_until", Json()}};
-  return report;
-}
-
 // A dangling link cannot be extended, and must not be ignored.
 Status check_no_broken_link(const fs::path& permissions) {
   std::error_code ignored;
@@ -261,52 +301,43 @@ Status check_no_broken_link(const fs::path& permissions) {
 
 // The permissions with the certificate, if that was asked for and is needed.
 Status renew_permissions(const Renewal& job, const pki::Certificate& renewed, CaOpener& opener,
-                         Replacement& out, Report& report) {
+                         Replacement& out, Answer<RenewedIdentity>& answer) {
   if (job.arguments.has("--permissions"))
     DDSSEC_RETURN_IF_ERROR(check_no_broken_link(job.files.permissions));
+  auto& [result, report, has_result] = answer;
   const auto& seen = job.permissions;
-  const bool is_asked = job.arguments.has("--permissions") && is_there(job.files.permissions);
-  const auto end = seen ? seen->grant.validity.not_after : WallTime();
-  if (is_asked && (!seen || end < renewed.not_after())) {
+  if (seen) {
+    result.permissions_until = seen->grant.validity.not_after;
+    result.permissions_had_ended = seen->has_ended;
+  }
+  if (job.arguments.has("--permissions") && is_there(job.files.permissions) &&
+      (!seen || *result.permissions_until < renewed.not_after())) {
     DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open("permissions"));
     DDSSEC_ASSIGN_OR_RETURN(const auto document, put_extended(out, job, renewed, ca, report));
-    report.result["permissions_until"] = to_string(renewed.not_after());
-    report.text += fmt::format("permissions extended to {}\n", date(renewed.not_after()));
+    result.permissions_until = renewed.not_after();
+    result.permissions_extended = true;
     report.text += signed_in_words(document, job.path.parent_path());
-    for (auto& one : uncovered_grants(document, job.files.governance, job.files.permissions))
-      report.findings.push_back(std::move(one));
-    return {};
-  }
-  if (!seen && is_there(job.files.permissions) && !permissions_ca(job.arguments).empty())
+    report.findings = uncovered_grants(document, job.files.governance, job.files.permissions);
+  } else if (!seen && is_there(job.files.permissions) && !permissions_ca(job.arguments).empty()) {
     report.text += fmt::format(
         "permissions.p7s is not what this permissions CA signed for {}: "
         "ddssec doctor {}\n",
         renewed.subject(), job.path.parent_path().string());
-  if (!seen) return {};
-  report.result["permissions_until"] = to_string(end);
-  if (end < renewed.not_after())
-    report.text += fmt::format(
-        "permissions {} {}\n  {}\n",
-        seen->has_ended ? "expired and the participant cannot start, since" : "end before it, on",
-        date(end) == date(renewed.not_after())
-            ? fmt::format("{}, and the certificate on {}", to_string(end),
-                          to_string(renewed.not_after()))
-            : date(end),
-        seen->has_ended ? "--permissions --ended-permissions gives them again"
-                        : "--permissions extends them as well");
+  }
   return {};
 }
 
 // What a participant that runs makes of it.
-void add_consequence(const Renewal& job, const pki::Certificate& renewed, Report& report) {
-  const bool is_extended = report.result["permissions_until"] == to_string(renewed.not_after());
+void add_consequence(const Renewal& job, const pki::Certificate& renewed,
+                     Answer<RenewedIdentity>& answer) {
+  auto& [result, report, has_result] = answer;
   if (job.old.not_after() <= job.now()) {
     report.text +=
         "the identity had ended, and with it all connections: start the participant again\n";
     return;
   }
-  if (job.permissions && job.permissions->has_ended) {
-    if (is_extended)
+  if (result.permissions_had_ended) {
+    if (result.permissions_extended)
       report.text +=
           "the permissions had ended, and with them all connections: start the participant again\n";
     return;
@@ -322,7 +353,7 @@ void add_consequence(const Renewal& job, const pki::Certificate& renewed, Report
         "it\n";
 }
 
-Result<Report> renew(Renewal job) {
+Result<IdentityRenewal> renew(Renewal job) {
   const auto& [arguments, context, path, files, old, recorded, permissions] = job;
   const auto now = job.now();
   DDSSEC_ASSIGN_OR_RETURN(const auto wanted, validity(arguments, now));
@@ -343,21 +374,22 @@ Result<Report> renew(Renewal job) {
   Replacement out;
   if (key) DDSSEC_RETURN_IF_ERROR(put_key(out, files.key, *key));
   DDSSEC_RETURN_IF_ERROR(out.put_public(path, renewed.pem()));
-  auto report = renewed_report(job, renewed);
-  DDSSEC_RETURN_IF_ERROR(renew_permissions(job, renewed, opener, out, report));
+  Answer<RenewedIdentity> answer{{{true, path, CertificateFacts::of(renewed)}, job.is_rekeying()}};
+  auto& report = answer.report;
+  DDSSEC_RETURN_IF_ERROR(renew_permissions(job, renewed, opener, out, answer));
   DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   DDSSEC_RETURN_IF_ERROR(log_issued(
       ca.paths,
       pki::IssueLog::issued_line(renewed, recorded.string(), now, path.filename().string())));
-  add_consequence(job, renewed, report);
+  add_consequence(job, renewed, answer);
   DDSSEC_ASSIGN_OR_RETURN(report.files_written, out.commit());
   NewlyListed listed;
   listed.add(ca.paths, renewed);
   if (const auto written = listed.write(now); !written) report.errors.push_back(written.error());
-  return report;
+  return IdentityRenewal{std::move(answer.result), std::move(report)};
 }
 
-Result<Report> identity_renew(const Arguments& arguments, const Context& context) {
+Result<IdentityRenewal> identity_renew(const Arguments& arguments, const Context& context) {
   const fs::path given = arguments.text("PATH");
   const auto path = certificate_path(given);
   const auto folder = path.parent_path();
@@ -370,7 +402,7 @@ Result<Report> identity_renew(const Arguments& arguments, const Context& context
   DDSSEC_ASSIGN_OR_RETURN(const auto old, certificate_of(path));
   const Renewal job{arguments, context, path, pki::participant_folder(folder), old};
   DDSSEC_ASSIGN_OR_RETURN(const auto needed, is_needed(arguments, job.old, job.now()));
-  if (!needed) return not_needed(path, job.old);
+  if (!needed) return IdentityRenewal{NotRenewed{{false, path, CertificateFacts::of(old)}}};
   return renew(job);
 }
 

@@ -49,105 +49,207 @@ std::optional<rtps::CertificateNames> names_in(BytesView pem) {
   return rtps::CertificateNames{certificate->subject(), certificate->issuer()};
 }
 
-double milliseconds(MonotonicTime time) {
-  return std::chrono::duration<double, std::milli>(time).count();
-}
+// ---- the result
 
-// ---- for people
+struct Names {
+  std::string subject, issuer;
 
-std::string text_of(const GuidPrefix& prefix, const rtps::ObservedParticipant& participant) {
-  auto out =
-      fmt::format("{}\n  {} at {}, {}GUID prefix {}\n", name_of(prefix, participant),
-                  name_of(participant.vendor), fmt::join(participant.addresses, ", "),
-                  participant.domain < 0 ? "" : fmt::format("domain {}, ", participant.domain),
-                  prefix.to_string());
-  if (!participant.data) return out + "  did not announce itself\n";
-  if (participant.is_secured()) {
-    const auto issuer = issuer_of(participant);
-    out += fmt::format("  identity     {}\n",
-                       issuer.empty() ? "not said before the handshake" : "issued by " + issuer);
-    const auto info = participant.data->security_info.value_or(spi::SecurityInfo{});
-    if (const auto kinds = spi::attributes_in(info))
-      out += fmt::format("  protection   rtps {}, discovery {}, liveliness {}\n",
-                         to_string(kinds->rtps), to_string(kinds->discovery),
-                         to_string(kinds->liveliness));
-  } else {
-    out += "  identity     none: it is not secured\n";
+  static constexpr auto fields() {
+    return std::tuple(field("subject", &Names::subject), field("issuer", &Names::issuer));
   }
-  out += fmt::format(
-      "  sent         {} messages, {} protected whole, {} submessages protected{}{}\n",
-      participant.messages.count, participant.protected_messages, participant.protected_submessages,
-      participant.kinds.empty() ? "" : ", ", fmt::join(kinds_of(participant), ", "));
-  if (participant.clear_samples + participant.clear_topics.size() > 0)
-    out += fmt::format("  in the clear {}, {}\n", counted(participant.clear_samples, "sample"),
-                       counted(participant.clear_topics.size(), "topic"));
+};
+
+struct Protection {
+  ProtectionKind rtps, discovery, liveliness;
+
+  static constexpr auto fields() {
+    using Self = Protection;
+    return std::tuple(field("rtps", &Self::rtps), field("discovery", &Self::discovery),
+                      field("liveliness", &Self::liveliness));
+  }
+};
+
+struct ClearTopic {
+  std::string topic, type;
+  bool published, subscribed;
+
+  static constexpr auto fields() {
+    using Self = ClearTopic;
+    return std::tuple(field("topic", &Self::topic), field("type", &Self::type),
+                      field("published", &Self::published), field("subscribed", &Self::subscribed));
+  }
+};
+
+struct Seen {
+  static constexpr std::string_view kDef = "observed participant";
+  std::string guid_prefix, name, vendor;
+  std::optional<unsigned> domain;
+  std::vector<std::string> addresses;
+  bool announced, secured;
+  std::optional<Names> certificate;
+  std::optional<Protection> protection;
+  std::uint64_t messages, protected_messages, protected_submessages;
+  std::vector<std::string> kinds;
+  std::uint64_t clear_samples, encrypted_payloads;
+  std::vector<ClearTopic> clear_topics;
+  bool left;
+  std::string issuer;  ///< also if only a hash of the CA's name was seen
+
+  static Seen of(const GuidPrefix& prefix, const rtps::ObservedParticipant& participant);
+
+  static constexpr auto fields() {
+    return std::tuple(
+        field("guid_prefix", &Seen::guid_prefix, {.def = "guid prefix"}),
+        field("name", &Seen::name), field("vendor", &Seen::vendor),
+        field("domain", &Seen::domain, {"null: not known"}), field("addresses", &Seen::addresses),
+        field("announced", &Seen::announced), field("secured", &Seen::secured),
+        field("certificate", &Seen::certificate, {"null: not seen"}),
+        field("protection", &Seen::protection, {"null: not said"}),
+        field("messages", &Seen::messages), field("protected_messages", &Seen::protected_messages),
+        field("protected_submessages", &Seen::protected_submessages), field("kinds", &Seen::kinds),
+        field("clear_samples", &Seen::clear_samples),
+        field("encrypted_payloads", &Seen::encrypted_payloads),
+        field("clear_topics", &Seen::clear_topics), field("left", &Seen::left));
+  }
+  std::string text() const {
+    auto out =
+        fmt::format("{}\n  {} at {}, {}GUID prefix {}\n", name, vendor, fmt::join(addresses, ", "),
+                    domain ? fmt::format("domain {}, ", *domain) : "", guid_prefix);
+    if (!announced) return out + "  did not announce itself\n";
+    out += fmt::format("  identity     {}\n", !secured         ? "none: it is not secured"
+                                              : issuer.empty() ? "not said before the handshake"
+                                                               : "issued by " + issuer);
+    if (secured && protection)
+      out += fmt::format("  protection   rtps {}, discovery {}, liveliness {}\n",
+                         to_string(protection->rtps), to_string(protection->discovery),
+                         to_string(protection->liveliness));
+    out += fmt::format(
+        "  sent         {} messages, {} protected whole, {} submessages protected{}{}\n", messages,
+        protected_messages, protected_submessages, kinds.empty() ? "" : ", ",
+        fmt::join(kinds, ", "));
+    if (clear_samples + clear_topics.size() > 0)
+      out += fmt::format("  in the clear {}, {}\n", counted(clear_samples, "sample"),
+                         counted(clear_topics.size(), "topic"));
+    return out;
+  }
+};
+
+Seen Seen::of(const GuidPrefix& prefix, const rtps::ObservedParticipant& participant) {
+  Seen out{.guid_prefix = prefix.to_string(),
+           .name = name_of(prefix, participant),
+           .vendor = name_of(participant.vendor),
+           .domain = {},
+           .addresses = {participant.addresses.begin(), participant.addresses.end()},
+           .announced = participant.data.has_value(),
+           .secured = participant.is_secured(),
+           .certificate = {},
+           .protection = {},
+           .messages = participant.messages.count,
+           .protected_messages = participant.protected_messages,
+           .protected_submessages = participant.protected_submessages,
+           .kinds = kinds_of(participant),
+           .clear_samples = participant.clear_samples,
+           .encrypted_payloads = participant.encrypted_payloads,
+           .clear_topics = {},
+           .left = participant.left,
+           .issuer = issuer_of(participant)};
+  if (participant.domain >= 0) out.domain = static_cast<unsigned>(participant.domain);
+  if (const auto& names = participant.certificate)
+    out.certificate = Names{names->subject, names->issuer};
+  if (participant.data && participant.data->security_info)
+    if (const auto kinds = spi::attributes_in(*participant.data->security_info))
+      out.protection = Protection{kinds->rtps, kinds->discovery, kinds->liveliness};
+  for (const auto& [name, topic] : participant.clear_topics)
+    out.clear_topics.push_back({name, topic.type, topic.is_written, topic.is_read});
   return out;
 }
 
-std::string text_of(const rtps::Meeting& meeting, const rtps::Observer& observer) {
+/// How many messages of each step went one way.
+struct Flow {
+  static constexpr std::string_view kDef = "handshake flow";
+  std::uint64_t auth_request, request, reply, final, keys;
+
+  static Flow of(const rtps::HandshakeFlow& flow) {
+    using Step = rtps::HandshakeStep;
+    const auto count = [&](Step step) { return flow.at(step).count; };
+    return {count(Step::auth_request), count(Step::request), count(Step::reply), count(Step::final),
+            count(Step::keys)};
+  }
+  static constexpr auto fields() {
+    return std::tuple(field("auth_request", &Flow::auth_request), field("request", &Flow::request),
+                      field("reply", &Flow::reply), field("final", &Flow::final),
+                      field("keys", &Flow::keys));
+  }
+};
+
+struct Pair {
+  std::string a, b;
+  MeetingState state;
+  std::optional<double> milliseconds;
+  Flow a_to_b, b_to_a;
+  std::string names;  ///< of both
+
+  static Pair of(const rtps::Meeting& meeting, const rtps::Observer& observer);
+
+  static constexpr auto fields() {
+    return std::tuple(
+        field("a", &Pair::a, {.def = "guid prefix"}), field("b", &Pair::b, {.def = "guid prefix"}),
+        field("state", &Pair::state, {.words = "unsecured|apart|under way|authenticated"}),
+        field("milliseconds", &Pair::milliseconds, {"null: not authenticated, or not seen"}),
+        field("a_to_b", &Pair::a_to_b, {"messages of each step of the handshake"}),
+        field("b_to_a", &Pair::b_to_a, {.note = "the same", .same = true}));
+  }
+  std::string text() const {
+    return fmt::format("{}: {}{}\n", names,
+                       state == MeetingState::apart ? "they do NOT talk" : to_string(state),
+                       milliseconds ? fmt::format(" within {:.0f} ms", *milliseconds) : "");
+  }
+};
+
+Pair Pair::of(const rtps::Meeting& meeting, const rtps::Observer& observer) {
+  const auto& [a, b] = std::tie(meeting.a, meeting.b);
   const auto name = [&](const GuidPrefix& prefix) {
     return name_of(prefix, observer.participants().at(prefix));
   };
-  auto out = fmt::format(
-      "{} and {}: {}", name(meeting.a), name(meeting.b),
-      meeting.state == MeetingState::apart ? "they do NOT talk" : to_string(meeting.state));
-  if (meeting.took) out += fmt::format(" within {:.0f} ms", milliseconds(*meeting.took));
-  return out + '\n';
+  using Milliseconds = std::chrono::duration<double, std::milli>;
+  return {.a = a.to_string(),
+          .b = b.to_string(),
+          .state = meeting.state,
+          .milliseconds =
+              meeting.took ? std::optional(Milliseconds(*meeting.took).count()) : std::nullopt,
+          .a_to_b = Flow::of(observer.flow(a, b)),
+          .b_to_a = Flow::of(observer.flow(b, a)),
+          .names = fmt::format("{} and {}", name(a), name(b))};
 }
 
-// ---- for machines
+struct Inspection {
+  std::string source;
+  double seconds;
+  std::uint64_t datagrams, rtps_messages;
+  std::vector<Seen> participants = {};
+  std::vector<Pair> pairs = {};
+  std::uint64_t left_out;
 
-Json to_json(const GuidPrefix& prefix, const rtps::ObservedParticipant& participant) {
-  Json out = {{"guid_prefix", prefix.to_string()},
-              {"name", name_of(prefix, participant)},
-              {"vendor", name_of(participant.vendor)},
-              {"domain", participant.domain < 0 ? Json(nullptr) : Json(participant.domain)},
-              {"addresses", participant.addresses},
-              {"announced", participant.data.has_value()},
-              {"secured", participant.is_secured()},
-              {"certificate", nullptr},
-              {"protection", nullptr},
-              {"messages", participant.messages.count},
-              {"protected_messages", participant.protected_messages},
-              {"protected_submessages", participant.protected_submessages},
-              {"kinds", kinds_of(participant)},
-              {"clear_samples", participant.clear_samples},
-              {"encrypted_payloads", participant.encrypted_payloads},
-              {"clear_topics", Json::array()},
-              {"left", participant.left}};
-  if (participant.certificate)
-    out["certificate"] = {{"subject", participant.certificate->subject},
-                          {"issuer", participant.certificate->issuer}};
-  if (participant.data && participant.data->security_info)
-    if (const auto kinds = spi::attributes_in(*participant.data->security_info))
-      out["protection"] = {{"rtps", to_string(kinds->rtps)},
-                           {"discovery", to_string(kinds->discovery)},
-                           {"liveliness", to_string(kinds->liveliness)}};
-  for (const auto& [name, topic] : participant.clear_topics)
-    out["clear_topics"].push_back({{"topic", name},
-                                   {"type", topic.type},
-                                   {"published", topic.is_written},
-                                   {"subscribed", topic.is_read}});
-  return out;
-}
-
-Json to_json(const rtps::HandshakeFlow& flow) {
-  Json out = Json::object();
-  for (const auto step :
-       {rtps::HandshakeStep::auth_request, rtps::HandshakeStep::request, rtps::HandshakeStep::reply,
-        rtps::HandshakeStep::final, rtps::HandshakeStep::keys})
-    out[std::string(to_string(step))] = flow.at(step).count;
-  return out;
-}
-
-Json to_json(const rtps::Meeting& meeting, const rtps::Observer& observer) {
-  return {{"a", meeting.a.to_string()},
-          {"b", meeting.b.to_string()},
-          {"state", to_string(meeting.state)},
-          {"milliseconds", meeting.took ? Json(milliseconds(*meeting.took)) : Json(nullptr)},
-          {"a_to_b", to_json(observer.flow(meeting.a, meeting.b))},
-          {"b_to_a", to_json(observer.flow(meeting.b, meeting.a))}};
-}
+  static constexpr auto fields() {
+    using Self = Inspection;
+    return std::tuple(field("source", &Self::source), field("seconds", &Self::seconds),
+                      field("datagrams", &Self::datagrams),
+                      field("rtps_messages", &Self::rtps_messages),
+                      field("participants", &Self::participants, {.apart = true}),
+                      field("pairs", &Self::pairs, {.apart = true}));
+  }
+  std::string text() const {
+    auto out = fmt::format("{}: {} RTPS messages of {} in {:.1f} s\n", source, rtps_messages,
+                           counted(participants.size(), "participant"), seconds);
+    for (const auto& one : participants) out += '\n' + one.text();
+    if (left_out > 0)
+      out += fmt::format("\n{} of further participants and topics are left out\n",
+                         counted(left_out, "message"));
+    if (!pairs.empty()) out += '\n';
+    for (const auto& one : pairs) out += one.text();
+    return out;
+  }
+};
 
 // ---- the command
 
@@ -178,32 +280,20 @@ Status watch(Capture& capture, int seconds, bool is_live, Watched& out) {
   return {};
 }
 
-Report report_of(const Watched& watched, const std::string& source) {
+Answer<Inspection> answer_of(const Watched& watched, const std::string& source) {
   const auto& observer = watched.observer;
-  const auto seconds =
-      std::chrono::duration<double>(observer.datagrams().last - observer.datagrams().first).count();
-  Report out;
-  out.result = {{"source", source},
-                {"seconds", seconds},
-                {"datagrams", observer.datagrams().count},
-                {"rtps_messages", observer.rtps_messages()},
-                {"participants", Json::array()},
-                {"pairs", Json::array()}};
-  out.text =
-      fmt::format("{}: {} RTPS messages of {} in {:.1f} s\n", source, observer.rtps_messages(),
-                  counted(observer.participants().size(), "participant"), seconds);
-  for (const auto& [prefix, participant] : observer.participants()) {
-    out.text += '\n' + text_of(prefix, participant);
-    out.result["participants"].push_back(to_json(prefix, participant));
-  }
-  if (observer.left_out() > 0)
-    out.text += fmt::format("\n{} of further participants and topics are left out\n",
-                            counted(observer.left_out(), "message"));
-  const auto meetings = meetings_of(observer);
-  if (!meetings.empty()) out.text += '\n';
-  for (const auto& meeting : meetings) {
-    out.text += text_of(meeting, observer);
-    out.result["pairs"].push_back(to_json(meeting, observer));
+  const auto& datagrams = observer.datagrams();
+  Answer<Inspection> answer{
+      {.source = source,
+       .seconds = std::chrono::duration<double>(datagrams.last - datagrams.first).count(),
+       .datagrams = datagrams.count,
+       .rtps_messages = observer.rtps_messages(),
+       .left_out = observer.left_out()}};
+  auto& [result, out, has_result] = answer;
+  for (const auto& [prefix, participant] : observer.participants())
+    result.participants.push_back(Seen::of(prefix, participant));
+  for (const auto& meeting : meetings_of(observer)) {
+    result.pairs.push_back(Pair::of(meeting, observer));
     if (meeting.finding) out.findings.push_back(*meeting.finding);
     if (meeting.state == MeetingState::apart) out.exit = Exit::no;
   }
@@ -214,10 +304,10 @@ Report report_of(const Watched& watched, const std::string& source) {
     out.findings.push_back(
         {Rule::CAP030, fmt::format("{} are cut", counted(watched.cut, "packet"))});
   for (auto& finding : out.findings) finding.document = source;
-  return out;
+  return answer;
 }
 
-Result<Report> inspect(const Arguments& arguments, const Context&) {
+Result<Answer<Inspection>> inspect(const Arguments& arguments, const Context&) {
   const bool is_live = arguments.has("--listen");
   const auto file = arguments.text("FILE");
   if (is_live == !file.empty())
@@ -231,12 +321,12 @@ Result<Report> inspect(const Arguments& arguments, const Context&) {
   Watched watched;
   if (auto status = watch(capture, seconds, is_live, watched); !status)
     return std::unexpected(status.error().in(source));
-  auto report = report_of(watched, source);
+  auto answer = answer_of(watched, source);
   if (!saved.empty()) {
     DDSSEC_ASSIGN_OR_RETURN(auto saved_file, capture.saved());
-    report.files_written.push_back(std::move(saved_file));
+    answer.report.files_written.push_back(std::move(saved_file));
   }
-  return report;
+  return answer;
 }
 
 }  // namespace

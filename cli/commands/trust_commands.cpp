@@ -32,21 +32,25 @@ Result<fs::path> folder_of_sockets(const Arguments& arguments) {
 
 // ---- which participants
 
-bool have_a_kind_in_common(const Json& a, const Json& b) {
-  return std::ranges::any_of(a["documents"], [&](const Json& one) {
-    return std::ranges::any_of(b["documents"],
-                               [&](const Json& other) { return one["kind"] == other["kind"]; });
-  });
+using Participant = RunningParticipant;
+
+bool has_kind(const Participant& participant, std::string_view kind) {
+  return std::ranges::find(participant.documents, kind, &RunningDocument::kind) !=
+         participant.documents.end();
+}
+
+bool have_a_kind_in_common(const Participant& a, const Participant& b) {
+  return std::ranges::any_of(a.documents, [&](const auto& one) { return has_kind(b, one.kind); });
 }
 
 /// Under Cyclone DDS, authentication and access control are two libraries with two sockets, which
 /// have one participant under one handle. Of what one library says, nothing belongs together.
 class Participants {
  public:
-  void add(const Json& answer) {
+  void add(const std::vector<Participant>& answer) {
     const auto known = all_.size();
     for (const auto& given : answer) {
-      auto& same_handle = by_handle_[given["identity"].get<std::int64_t>()];
+      auto& same_handle = by_handle_[given.identity];
       const auto same = std::ranges::find_if(same_handle, [&](std::size_t i) {
         return i < known && !have_a_kind_in_common(all_[i], given);
       });
@@ -60,32 +64,27 @@ class Participants {
     }
   }
 
-  Json& all() { return all_; }
+  std::vector<Participant>& all() { return all_; }
 
  private:
   static constexpr std::size_t kLibraries = 8;
 
-  static void complete(Json& participant, const Json& given) {
-    for (const char* const name : {"guid", "subject"})
-      if (participant[name] == "") participant[name] = given[name];
-    if (participant["cut_off"].is_null()) participant["cut_off"] = given["cut_off"];
-    for (const auto& document : given["documents"]) participant["documents"].push_back(document);
+  static void complete(Participant& participant, const Participant& given) {
+    for (const auto name : {&Participant::guid, &Participant::subject})
+      if ((participant.*name).empty()) participant.*name = given.*name;
+    if (!participant.cut_off) participant.cut_off = given.cut_off;
+    std::ranges::copy(given.documents, std::back_inserter(participant.documents));
   }
 
-  Json all_ = Json::array();
+  std::vector<Participant> all_;
   std::map<std::int64_t, std::vector<std::size_t>> by_handle_;
 };
 
 /// The library that shows nothing of the participant; empty: both do. Authentication always has a
 /// certificate and access control always has permissions.
-std::string_view missing_library(const Json& participant) {
-  const auto shows = [&](std::string_view kind) {
-    return std::ranges::any_of(participant["documents"], [&](const Json& document) {
-      return document["kind"].get<std::string>() == kind;
-    });
-  };
-  if (!shows("identity certificate")) return "authentication";
-  return shows("permissions") ? "" : "access control";
+std::string_view missing_library(const Participant& participant) {
+  if (!has_kind(participant, "identity certificate")) return "authentication";
+  return has_kind(participant, "permissions") ? "" : "access control";
 }
 
 fs::path without_links(const fs::path& path) {
@@ -94,75 +93,86 @@ fs::path without_links(const fs::path& path) {
   return out.has_filename() ? out : out.parent_path();
 }
 
-bool is_of_folder(const Json& participant, const fs::path& folder) {
-  return std::ranges::any_of(participant["documents"], [&](const Json& document) {
-    const fs::path file = document["file"].get<std::string>();
+bool is_of_folder(const Participant& participant, const fs::path& folder) {
+  return std::ranges::any_of(participant.documents, [&](const auto& document) {
+    const fs::path file = document.file;
     return file.is_absolute() && without_links(file.parent_path()) == folder;
   });
 }
 
 // ---- what is said of them
 
-bool stands_refused(const Json& document) {
-  return !document["refused"].is_null() && document["refused"]["stands"].get<bool>();
+bool has_ended(const DocumentPart& part, const std::string& now) {
+  return part.until && *part.until < now;
 }
 
-bool has_ended(const Json& part, const std::string& now) {
-  return !part["until"].is_null() && part["until"].get<std::string>() < now;
-}
-
-std::string line_of(const Json& part, const std::string& now) {
-  auto out = part["until"].is_null()
-                 ? std::string("no end")
-                 : fmt::format("{} {}", has_ended(part, now) ? "ENDED" : "until",
-                               part["until"].get<std::string>());
-  const auto add = [&](const char* name, std::string_view before) {
-    const auto text = part[name].get<std::string>();
-    if (!text.empty()) out += fmt::format("  {}{}", before, text);
-  };
-  add("subject", "");
-  add("number", "number ");
-  if (part["number"] == "" && part["sha256"] != "")
-    out += "  sha256 " + part["sha256"].get<std::string>().substr(0, 16);
+std::string line_of(const DocumentPart& part, const std::string& now) {
+  auto out = part.until
+                 ? fmt::format("{} {}", has_ended(part, now) ? "ENDED" : "until", *part.until)
+                 : std::string("no end");
+  if (!part.subject.empty()) out += "  " + part.subject;
+  if (!part.number.empty())
+    out += "  number " + part.number;
+  else if (!part.sha256.empty())
+    out += "  sha256 " + part.sha256.substr(0, 16);
   return out;
 }
 
-std::string text_of(const Json& document, const std::string& now) {
-  auto out =
-      fmt::format("  {:<21} {}\n    in force since {}\n", document["kind"].get<std::string>(),
-                  document["file"].get<std::string>(), document["since"].get<std::string>());
-  for (const auto& part : document["in_force"]) out += "      " + line_of(part, now) + '\n';
-  if (document["in_force"].empty()) out += "      none\n";
-  if (document["more"] != 0) out += fmt::format("      and {} more\n", document["more"].get<int>());
-  if (const auto& waiting = document["waiting"]; !waiting.is_null())
-    out += "    waits for peers, to come into force: " + line_of(waiting, now) + '\n';
-  const auto& refused = document["refused"];
-  if (refused.is_null()) return out;
-  return out + fmt::format("    {} {}: {}\n",
-                           stands_refused(document) ? "REFUSED at" : "refused before, at",
-                           refused["at"].get<std::string>(),
-                           refused["sentence"].get<std::string>());
+std::string text_of(const RunningDocument& document, const std::string& now) {
+  auto out = fmt::format("  {:<21} {}\n    in force since {}\n", document.kind, document.file,
+                         document.since);
+  for (const auto& part : document.in_force) out += "      " + line_of(part, now) + '\n';
+  if (document.in_force.empty()) out += "      none\n";
+  if (document.more != 0) out += fmt::format("      and {} more\n", document.more);
+  if (document.waiting)
+    out += "    waits for peers, to come into force: " + line_of(*document.waiting, now) + '\n';
+  const auto& refused = document.refused;
+  if (!refused) return out;
+  return out + fmt::format("    {} {}: {}\n", refused->stands ? "REFUSED at" : "refused before, at",
+                           refused->at, refused->sentence);
 }
 
-std::string text_of(pid_t pid, const Json& participant, const std::string& now) {
-  const auto guid = participant["guid"].get<std::string>();
-  auto out = fmt::format("process {}: {}{}\n", pid, participant["subject"].get<std::string>(),
-                         guid.empty() ? "" : "  guid " + guid);
-  if (const auto& end = participant["cut_off"]; !end.is_null())
-    out += fmt::format("  CUT OFF since {}, until it is started again: {}\n",
-                       end["at"].get<std::string>(), end["sentence"].get<std::string>());
-  for (const auto& document : participant["documents"]) out += text_of(document, now);
+std::string text_of(pid_t pid, const Participant& participant, const std::string& now) {
+  auto out = fmt::format("process {}: {}{}\n", pid, participant.subject,
+                         participant.guid.empty() ? "" : "  guid " + participant.guid);
+  if (const auto& end = participant.cut_off)
+    out +=
+        fmt::format("  CUT OFF since {}, until it is started again: {}\n", end->at, end->sentence);
+  for (const auto& document : participant.documents) out += text_of(document, now);
   return out;
 }
 
-bool is_well(const Json& participant, const std::string& now) {
-  if (!participant["cut_off"].is_null()) return false;
-  return std::ranges::none_of(participant["documents"], [&](const Json& document) {
-    return stands_refused(document) ||
-           std::ranges::any_of(document["in_force"],
-                               [&](const Json& part) { return has_ended(part, now); });
-  });
+bool is_well(const Participant& participant, const std::string& now) {
+  return !participant.cut_off &&
+         std::ranges::none_of(participant.documents, [&](const auto& document) {
+           return (document.refused && document.refused->stands) ||
+                  std::ranges::any_of(document.in_force,
+                                      [&](const auto& part) { return has_ended(part, now); });
+         });
 }
+
+struct Process {
+  pid_t pid;
+  std::vector<Participant> participants = {};
+
+  static constexpr auto fields() {
+    return std::tuple(field("pid", &Process::pid, {.least = 1}),
+                      field("participants", &Process::participants));
+  }
+};
+
+struct TrustStatus {
+  std::vector<Process> processes = {};
+  std::string now;
+
+  static constexpr auto fields() { return std::tuple(field("processes", &TrustStatus::processes)); }
+  std::string text() const {
+    std::string out;
+    for (const auto& [pid, participants] : processes)
+      for (const auto& participant : participants) out += text_of(pid, participant, now);
+    return out;
+  }
+};
 
 // ---- the command
 
@@ -207,7 +217,7 @@ std::unexpected<Error> nothing_shown(const fs::path& folder, std::optional<pid_t
                .found = "none"});
 }
 
-Result<Report> trust_status(const Arguments& arguments, const Context& context) {
+Result<Answer<TrustStatus>> trust_status(const Arguments& arguments, const Context& context) {
   DDSSEC_ASSIGN_OR_RETURN(const auto place, folder_of_sockets(arguments));
   std::optional<pid_t> pid;
   if (arguments.has("--pid")) {
@@ -218,25 +228,24 @@ Result<Report> trust_status(const Arguments& arguments, const Context& context) 
   const auto wanted = arguments.text("DIR");
   const auto of = without_links(wanted);
   const auto now = to_string(context.clock.now());
-  Report report;
-  report.result = {{"processes", Json::array()}};
+  Answer<TrustStatus> answer{{.now = now}};
+  auto& [result, report, has_result] = answer;
   report.errors = std::move(answers.errors);
   bool all_well = true;
   for (auto& [number, participants] : answers.processes) {
-    Json shown = Json::array();
+    Process shown{number};
     for (auto& participant : participants.all()) {
       if (!wanted.empty() && !is_of_folder(participant, of)) continue;
-      report.text += text_of(number, participant, now);
       all_well = all_well && is_well(participant, now);
       if (const auto missing = missing_library(participant); !missing.empty())
         report.errors.push_back(not_shown(
             place, number,
             fmt::format("{} shows no documents of {}: its socket is missing, or it is not ddssec's",
-                        missing, participant["subject"].get<std::string>())));
-      shown.push_back(std::move(participant));
+                        missing, participant.subject)));
+      shown.participants.push_back(std::move(participant));
     }
-    if (!shown.empty() || (pid && wanted.empty()))
-      report.result["processes"].push_back({{"pid", number}, {"participants", std::move(shown)}});
+    if (!shown.participants.empty() || (pid && wanted.empty()))
+      result.processes.push_back(std::move(shown));
   }
   if (folder.left_out() > 0)
     report.errors.push_back(
@@ -244,10 +253,9 @@ Result<Report> trust_status(const Arguments& arguments, const Context& context) 
               {.document = place,
                .note = fmt::format("{} of its sockets were not asked: at most {} are",
                                    folder.left_out(), StatusFolder::kMostSockets)}));
-  if (report.result["processes"].empty() && report.errors.empty())
-    return nothing_shown(place, pid, wanted);
+  if (result.processes.empty() && report.errors.empty()) return nothing_shown(place, pid, wanted);
   report.exit = !report.errors.empty() ? Exit::unreadable : all_well ? Exit::done : Exit::no;
-  return report;
+  return answer;
 }
 
 }  // namespace

@@ -55,8 +55,6 @@ std::string_view trust(const DiffSide& side) {
   return !side.is_signed ? "is not signed" : side.is_verified ? "verified" : "NOT verified";
 }
 
-Json or_null(const std::string& text) { return text.empty() ? Json() : Json(text); }
-
 }  // namespace
 
 Result<DiffSides> diff_sides(fs::path (*document)(const fs::path&), const Arguments& arguments,
@@ -67,11 +65,11 @@ Result<DiffSides> diff_sides(fs::path (*document)(const fs::path&), const Argume
   return DiffSides{std::move(before), std::move(after)};
 }
 
-Json signer_json(const DiffSides& sides) {
-  return {{"old", or_null(sides.before.signer)},
-          {"new", or_null(sides.after.signer)},
-          {"same", sides.before.signer == sides.after.signer},
-          {"verified", {{"old", sides.before.is_verified}, {"new", sides.after.is_verified}}}};
+ShownSigners ShownSigners::of(const DiffSides& sides) {
+  return {if_any(sides.before.signer),
+          if_any(sides.after.signer),
+          sides.before.signer == sides.after.signer,
+          {sides.before.is_verified, sides.after.is_verified}};
 }
 
 std::string signer_text(const DiffSides& sides) {
@@ -169,21 +167,21 @@ std::string readings_text(const governance::Readings& readings) {
   return readings.is_complete ? text : text + "  there may be more\n";
 }
 
-Json readings_json(const governance::Readings& readings, const DiffSides& sides) {
-  Json all = Json::array();
-  for (const auto& reading : readings.all) {
-    const auto& side = reading.is_new ? sides.after : sides.before;
-    all.push_back({{"document", reading.is_new ? "new" : "old"},
-                   {"expression", or_null(reading.expression)},
-                   {"sentence", reading.sentence},
-                   {"widens", reading.widens},
-                   {"at", place(side.path, reading.line)}});
-  }
-  return {{"all", all}, {"complete", readings.is_complete}};
+ShownReadings ShownReadings::of(const governance::Readings& readings, const DiffSides& sides) {
+  ShownReadings out{.complete = readings.is_complete};
+  for (const auto& reading : readings.all)
+    out.all.push_back({reading.is_new ? "new" : "old", if_any(reading.expression), reading.sentence,
+                       reading.widens,
+                       place(reading.is_new ? sides.after.path : sides.before.path, reading.line)});
+  return out;
 }
 
-Json place(const fs::path& path, int line) {
-  return line > 0 ? Json(fmt::format("{}:{}", path.string(), line)) : Json();
+std::optional<std::string> if_any(std::string_view text) {
+  return text.empty() ? std::nullopt : std::optional(std::string(text));
+}
+
+std::optional<std::string> place(const fs::path& path, int line) {
+  return line > 0 ? std::optional(fmt::format("{}:{}", path.string(), line)) : std::nullopt;
 }
 
 std::string wrapped(std::string_view heading, const std::vector<std::string>& parts) {

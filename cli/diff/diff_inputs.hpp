@@ -8,6 +8,7 @@
 
 #include "base/bytes.hpp"
 #include "cli/frame/command.hpp"
+#include "cli/frame/fields.hpp"
 #include "governance/compare/readings.hpp"
 #include "governance/model.hpp"
 
@@ -36,8 +37,28 @@ struct DiffSides {
 Result<DiffSides> diff_sides(std::filesystem::path (*document)(const std::filesystem::path&),
                              const Arguments& arguments, const Context& context);
 
-/// {"old", "new", "same", "verified"}.
-Json signer_json(const DiffSides& sides);
+/// The signers, as a field list.
+struct ShownSigners {
+  static constexpr std::string_view kDef = "signer";
+  struct Verified {
+    bool old_side, new_side;
+
+    static constexpr auto fields() {
+      return std::tuple(field("old", &Verified::old_side), field("new", &Verified::new_side));
+    }
+  };
+  std::optional<std::string> old_side, new_side;
+  bool same;
+  Verified verified;
+
+  static ShownSigners of(const DiffSides& sides);
+  static constexpr auto fields() {
+    using T = ShownSigners;
+    return std::tuple(field("old", &T::old_side, {"null: not signed"}),
+                      field("new", &T::new_side, {"null: not signed"}), field("same", &T::same),
+                      field("verified", &T::verified));
+  }
+};
 /// Complete lines: the signer, and whether that was verified. Empty if nothing is signed.
 std::string signer_text(const DiffSides& sides);
 
@@ -47,8 +68,34 @@ Result<std::optional<std::string>> fail_on(const Arguments& arguments,
 
 /// A line for each reading, under a heading; empty without any.
 std::string readings_text(const governance::Readings& readings);
-/// {"all": [{"document", "expression", "sentence", "at"}], "complete"}
-Json readings_json(const governance::Readings& readings, const DiffSides& sides);
+
+struct ShownReading {
+  std::string_view document;
+  std::optional<std::string> expression;
+  std::string sentence;
+  bool widens;
+  std::optional<std::string> at;
+
+  static constexpr auto fields() {
+    using T = ShownReading;
+    return std::tuple(field("document", &T::document, {.words = "old|new"}),
+                      field("expression", &T::expression, {"null: another construct"}),
+                      field("sentence", &T::sentence), field("widens", &T::widens),
+                      field("at", &T::at));
+  }
+};
+
+struct ShownReadings {
+  static constexpr std::string_view kDef = "readings";
+  std::vector<ShownReading> all = {};
+  bool complete;
+
+  static ShownReadings of(const governance::Readings& readings, const DiffSides& sides);
+  static constexpr auto fields() {
+    using T = ShownReadings;
+    return std::tuple(field("all", &T::all), field("complete", &T::complete));
+  }
+};
 
 /// The same without control characters.
 std::string escaped(std::string_view name);
@@ -60,10 +107,12 @@ std::string shown(const std::vector<std::string>& names);
 std::string shown(const std::vector<governance::DomainRange>& domains);
 /// "  old:22 new:23"; nothing for a line 0.
 std::string shown_lines(int old_line, int new_line);
+/// Empty for an empty text.
+std::optional<std::string> if_any(std::string_view text);
 /// [[0,4],[7,7]]
 Json domains_json(const std::vector<governance::DomainRange>& domains);
-/// "file.xml:22", or null without a line.
-Json place(const std::filesystem::path& path, int line);
+/// "file.xml:22"; empty without a line.
+std::optional<std::string> place(const std::filesystem::path& path, int line);
 
 /// The lines of one change: a heading and indented parts, at most 100 columns where there are
 /// blanks.

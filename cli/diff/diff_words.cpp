@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "cli/diff/diff_inputs.hpp"
 #include "governance/matcher.hpp"
 
 namespace ddssec::cli {
@@ -112,27 +111,6 @@ std::string shown(const governance::EntityWords& entities) {
     tags.push_back(shown(tag.name + "=" + tag.value));
   return text + (text.empty() ? "" : ", ") +
          fmt::format("of endpoints with data tags such as {}", fmt::join(tags, ", "));
-}
-
-Json name_set_json(const NameSet& set) {
-  constexpr std::string_view kForms[] = {"every", "every_but", "listed", "some"};
-  return {{"form", kForms[static_cast<std::size_t>(set.form)]},
-          {"expressions", set.expressions},
-          {"examples", set.examples}};
-}
-
-Json topic_set_json(const governance::TopicSet& topics) {
-  Json out = Json::array();
-  for (const auto& words : topics.words)
-    out.push_back({{"expression", words.expression},
-                   {"also", words.also.empty() ? Json() : Json(words.also)},
-                   {"except", words.except},
-                   {"more_exceptions", words.more_exceptions}});
-  return out;
-}
-
-Json tags_json(const governance::DomainScope& scope) {
-  return scope.has_tags ? name_set_json(scope.tags) : Json();
 }
 
 }  // namespace ddssec::cli

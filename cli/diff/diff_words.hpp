@@ -1,9 +1,9 @@
-// The subjects of a comparison, as text and as JSON.
+// The subjects of a comparison, as text and as field lists.
 #pragma once
 
 #include <string>
 
-#include "cli/frame/report.hpp"
+#include "cli/diff/diff_inputs.hpp"
 #include "governance/compare/grant_diff.hpp"
 
 namespace ddssec::cli {
@@ -15,11 +15,75 @@ std::string shown(const governance::TopicSet& topics, const std::string& witness
 /// "in every partition but the default one (e.g. a)"; empty for the default partition alone.
 std::string shown(const governance::EntityWords& entities);
 
-/// {"form", "expressions", "examples"}
-Json name_set_json(const governance::NameSet& set);
-/// [{"expression", "also", "except", "more_exceptions"}] of the topics that are named.
-Json topic_set_json(const governance::TopicSet& topics);
-/// The tags of a scope; null if the documents name none.
-Json tags_json(const governance::DomainScope& scope);
+template <>
+struct Listed<governance::NameSet> {
+  using T = governance::NameSet;
+  static constexpr std::string_view kDef = "name_set";
+  static constexpr auto fields() {
+    return std::tuple(
+        made<T>("form",
+                [](const T& set) {
+                  constexpr std::string_view kForms[] = {"every", "every_but", "listed", "some"};
+                  return kForms[static_cast<std::size_t>(set.form)];
+                },
+                {.words = "every|every_but|listed|some"}),
+        field("expressions", &T::expressions), field("examples", &T::examples, {.least = 1}));
+  }
+};
+
+template <>
+struct Listed<governance::TopicWords> {
+  using T = governance::TopicWords;
+  static constexpr auto fields() {
+    return std::tuple(field("expression", &T::expression),
+                      made<T>("also", [](const T& words) { return if_any(words.also); }),
+                      field("except", &T::except), field("more_exceptions", &T::more_exceptions));
+  }
+};
+
+template <>
+struct Listed<governance::DataTag> {
+  using T = governance::DataTag;
+  static constexpr auto fields() {
+    return std::tuple(field("name", &T::name), field("value", &T::value));
+  }
+};
+
+/// The topics that a change affects.
+struct ChangedTopics {
+  static constexpr std::string_view kDef = "topic_words";
+  std::optional<std::string> witness;
+  std::vector<governance::TopicWords> sets;
+  std::size_t other_sets;
+  std::vector<std::string> expressions_old, expressions_new;
+
+  template <class Change>
+  static ChangedTopics of(const Change& change) {
+    return {change.is_about_topics ? std::optional(change.witness) : std::nullopt,
+            change.topics.words, change.topics.others, change.expressions_old,
+            change.expressions_new};
+  }
+  static constexpr auto fields() {
+    using T = ChangedTopics;
+    return std::tuple(field("witness", &T::witness, {"null: the change is not about topics"}),
+                      field("sets", &T::sets), field("other_sets", &T::other_sets),
+                      field("expressions_old", &T::expressions_old),
+                      field("expressions_new", &T::expressions_new));
+  }
+};
+
+/// The fields of what has a `scope`, if `by` points to it.
+template <class T>
+constexpr auto scope_fields() {
+  return std::tuple(
+      made<T>("domains", [](const T& one) { return domains_json(one.by->scope.domains); },
+              {.def = "domain_ranges"}),
+      made<T>("tag_set",
+              [](const T& one) {
+                const auto& scope = one.by->scope;
+                return scope.has_tags ? std::optional(scope.tags) : std::nullopt;
+              },
+              {"null: no tags"}));
+}
 
 }  // namespace ddssec::cli

@@ -21,67 +21,6 @@ std::string class_word(ChangeClass change) {
   return change == ChangeClass::neutral ? std::string(word) : ascii_upper(word);
 }
 
-std::string hex(std::uint32_t mask) { return fmt::format("0x{:08x}", mask); }
-
-/// The masks that discovery announces with one document and with the other; null without a rule.
-Json masks(const governance::DomainRule* domain, const governance::TopicRule* topic,
-           bool is_about_topics) {
-  if (is_about_topics ? topic == nullptr : domain == nullptr) return {{"mask", nullptr}};
-  const auto info = is_about_topics
-                        ? spi::security_info(access_control::endpoint_attributes(*topic))
-                        : spi::security_info(access_control::participant_attributes(*domain));
-  return {{"mask", hex(info.mask)}, {"plugin_mask", hex(info.plugin_mask)}};
-}
-
-Json properties_json(const governance::Properties& properties) {
-  Json names = Json::array();
-  for (const auto property : governance::listed(properties))
-    names.push_back(governance::to_string(property));
-  return names;
-}
-
-/// A name may be any octets; JSON is UTF-8.
-Json name_or_null(const GovernanceChange& change) {
-  return change.is_about_topics ? Json(change.witness) : Json();
-}
-
-Json of_some_json(const GovernanceChange& change) {
-  Json out = Json::array();
-  for (const auto& [property, witness] : change.of_some)
-    out.push_back({{"property", governance::to_string(property)}, {"witness", witness}});
-  return out;
-}
-
-Json to_json(const GovernanceChange& change, const DiffSides& sides) {
-  const auto before =
-      masks(change.old_domain.get(), change.old_topic.get(), change.is_about_topics);
-  const auto after = masks(change.new_domain.get(), change.new_topic.get(), change.is_about_topics);
-  Json out = {{"domains", domains_json(change.scope.domains)},
-              {"tag_set", tags_json(change.scope)},
-              {"topics",
-               {{"witness", name_or_null(change)},
-                {"sets", topic_set_json(change.topics)},
-                {"other_sets", change.topics.others},
-                {"expressions_old", change.expressions_old},
-                {"expressions_new", change.expressions_new}}},
-              {"element", change.element.element},
-              {"old", change.element.old_value},
-              {"new", change.element.new_value},
-              {"class", governance::to_string(change.element.change)},
-              {"interop", governance::to_string(change.element.interop)},
-              {"mask_old", before["mask"]},
-              {"mask_new", after["mask"]}};
-  if (before.contains("plugin_mask")) out["plugin_mask_old"] = before["plugin_mask"];
-  if (after.contains("plugin_mask")) out["plugin_mask_new"] = after["plugin_mask"];
-  out["properties_lost"] = properties_json(change.lost);
-  out["properties_gained"] = properties_json(change.gained);
-  out["properties_of_some"] = of_some_json(change);
-  out["old_at"] = place(sides.before.path, change.old_line());
-  out["new_at"] = place(sides.after.path, change.new_line());
-  if (change.scope.has_tags) out["tags"] = change.scope.tags.examples;
-  return out;
-}
-
 std::string where(const GovernanceChange& change) {
   if (!change.is_about_topics)
     return change.element.element == "domain_rule" ? "everything" : "all topics";
@@ -209,33 +148,50 @@ std::string to_text(const governance::GovernanceDiff& diff, bool only_listed) {
 
 }  // namespace
 
-Report report_of(const governance::GovernanceDiff& diff, const DiffSides& sides, bool only_listed,
-                 bool is_phased) {
-  Report report;
-  report.text = to_text(diff, only_listed) + readings_text(diff.readings) + signer_text(sides) +
-                verdict_text(diff, is_phased);
-  if (only_listed)
-    report.text +=
-        "only the topics of --topics were compared; for others the verdict says nothing\n";
-  report.result = {{"verdict", governance::to_string(diff.verdict)},
-                   {"breaks_interop", !diff.flag_day_domains.empty()},
-                   {"flag_day_domains", domains_json(diff.flag_day_domains)},
-                   {"changes", Json::array()},
-                   {"rewritten", Json::array()},
-                   {"unknown_domains", domains_json(diff.unknown_domains)},
-                   {"complete", diff.complete}};
-  for (const auto& change : diff.changes) {
-    report.result["changes"].push_back(to_json(change, sides));
-  }
-  for (const auto& rules : diff.rewritten) {
-    report.result["rewritten"].push_back({{"domains", domains_json(rules.scope.domains)},
-                                          {"tag_set", tags_json(rules.scope)},
-                                          {"only_old", rules.only_old},
-                                          {"only_new", rules.only_new}});
-  }
-  report.result["readings"] = readings_json(diff.readings, sides);
-  report.result["signer"] = signer_json(sides);
-  return report;
+ShownGovernanceChange::Text ShownGovernanceChange::mask(bool is_new, bool is_plugin_mask) const {
+  const auto& domain = is_new ? by->new_domain : by->old_domain;
+  const auto& topic = is_new ? by->new_topic : by->old_topic;
+  if (by->is_about_topics ? !topic : !domain) return std::nullopt;
+  const auto info = by->is_about_topics
+                        ? spi::security_info(access_control::endpoint_attributes(*topic))
+                        : spi::security_info(access_control::participant_attributes(*domain));
+  return fmt::format("0x{:08x}", is_plugin_mask ? info.plugin_mask : info.mask);
+}
+
+std::vector<std::string_view> ShownGovernanceChange::properties(
+    const governance::Properties& properties) const {
+  std::vector<std::string_view> out;
+  for (const auto property : governance::listed(properties))
+    out.push_back(governance::to_string(property));
+  return out;
+}
+
+std::vector<ShownProperty> ShownGovernanceChange::of_some() const {
+  std::vector<ShownProperty> out;
+  for (const auto& [property, witness] : by->of_some)
+    out.push_back({governance::to_string(property), witness});
+  return out;
+}
+
+std::vector<ShownGovernanceChange> GovernanceComparison::changes() const {
+  std::vector<ShownGovernanceChange> out;
+  for (const auto& change : diff.changes) out.push_back({&change, &sides});
+  return out;
+}
+
+std::vector<ShownRewriting> GovernanceComparison::rewritten() const {
+  std::vector<ShownRewriting> out;
+  for (const auto& rules : diff.rewritten) out.push_back({&rules});
+  return out;
+}
+
+std::string GovernanceComparison::text() const {
+  return to_text(diff, only_listed) + readings_text(diff.readings) + signer_text(sides) +
+         verdict_text(diff, live.is_phased) +
+         (only_listed ? "only the topics of --topics were compared; for others the verdict says "
+                        "nothing\n"
+                      : "") +
+         live.text;
 }
 
 }  // namespace ddssec::cli

@@ -174,8 +174,13 @@ GovernanceForecast forecast_of(const governance::Governance& before,
   const auto& worse = ours.worse();
   const auto stock = is_same && worse.outcome == Live::same ? Live::same : Live::restart;
   const bool is_ready = sides.after.is_signed || after.revision != 0;
-  GovernanceForecast out;
-  out.is_phased = ours.is_phased;
+  GovernanceForecast out{.ddssec = live_word(worse.outcome),
+                         .embedded = live_word(ours.embedded.outcome),
+                         .cyclonedds = live_word(ours.cyclonedds.outcome),
+                         .stock = live_word(stock),
+                         .reason = worse.reason,
+                         .at = place(sides.after.path, worse.line),
+                         .is_phased = ours.is_phased};
   std::string heading = "running participants: ";
   const auto add = [&](std::string host, const Prediction& what) {
     const auto reason =
@@ -191,12 +196,6 @@ GovernanceForecast forecast_of(const governance::Governance& before,
     add("Cyclone DDS on ddssec's plugins:", ours.cyclonedds);
   }
   add("on those of Cyclone DDS and Fast DDS:", {.outcome = stock});
-  out.live = {{"ddssec", live_word(worse.outcome)},
-              {"embedded", live_word(ours.embedded.outcome)},
-              {"cyclonedds", live_word(ours.cyclonedds.outcome)},
-              {"stock", live_word(stock)},
-              {"reason", worse.reason},
-              {"at", place(sides.after.path, worse.line)}};
   return out;
 }
 

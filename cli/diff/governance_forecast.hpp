@@ -11,10 +11,22 @@ namespace ddssec::cli {
 
 /// For each host: whether it takes the new document while it runs.
 struct GovernanceForecast {
-  std::string text;  ///< complete lines
-  Json live;         ///< of the result of `governance diff`
+  std::string_view ddssec, embedded, cyclonedds, stock;
+  std::string reason;
+  std::optional<std::string> at;
+  std::string text = {};  ///< complete lines
   /// Embedded participants take it in two phases, if its revision allows it.
   bool is_phased = false;
+
+  static constexpr auto fields() {
+    using T = GovernanceForecast;
+    constexpr Shown kLive{.def = "live"};
+    return std::tuple(field("ddssec", &T::ddssec, {.note = "the worse of both", .def = "live"}),
+                      field("embedded", &T::embedded, kLive),
+                      field("cyclonedds", &T::cyclonedds, kLive),
+                      field("stock", &T::stock, {.words = "same|restart"}),
+                      field("reason", &T::reason), field("at", &T::at));
+  }
 };
 
 /// Considers every domain, without a tag and with each tag that a document names. `is_same`: both

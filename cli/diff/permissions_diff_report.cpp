@@ -14,44 +14,6 @@ namespace {
 using governance::ChangeClass;
 using governance::PermissionChange;
 
-Json data_tags_json(const std::vector<governance::DataTag>& tags) {
-  Json out = Json::array();
-  for (const auto& tag : tags) out.push_back({{"name", tag.name}, {"value", tag.value}});
-  return out;
-}
-
-/// Null for a change that does not concern endpoints.
-Json entities_json(const PermissionChange& change) {
-  if (!change.is_about_topics) return {};
-  const auto& entities = change.entities;
-  return {{"every", entities.every},
-          {"partitions", entities.partitions ? name_set_json(*entities.partitions) : Json()},
-          {"example_data_tags", data_tags_json(entities.example_data_tags)}};
-}
-
-Json to_json(const PermissionChange& change, const DiffSides& sides) {
-  Json out = {{"subject", change.subject},
-              {"domains", domains_json(change.scope.domains)},
-              {"tag_set", tags_json(change.scope)},
-              {"element", change.element},
-              {"operation", change.operation.empty() ? Json() : Json(change.operation)},
-              {"topics",
-               {{"witness", change.is_about_topics ? Json(change.witness) : Json()},
-                {"sets", topic_set_json(change.topics)},
-                {"other_sets", change.topics.others},
-                {"expressions_old", change.expressions_old},
-                {"expressions_new", change.expressions_new}}},
-              {"partitions", change.entities.example_partitions},
-              {"endpoints", entities_json(change)},
-              {"old", change.old_value.empty() ? Json() : Json(change.old_value)},
-              {"new", change.new_value.empty() ? Json() : Json(change.new_value)},
-              {"class", governance::to_string(change.change)},
-              {"hint", change.hint.empty() ? Json() : Json(change.hint)}};
-  out["old_at"] = place(sides.before.path, change.old_line);
-  out["new_at"] = place(sides.after.path, change.new_line);
-  return out;
-}
-
 std::string decided_by(const std::vector<std::string>& expressions) {
   return expressions.empty() ? "the default" : shown(expressions);
 }
@@ -128,29 +90,26 @@ std::string verdict_text(const governance::PermissionsDiff& diff) {
 
 }  // namespace
 
-Report report_of(const governance::PermissionsDiff& diff, const DiffSides& sides) {
-  Report report;
+std::vector<ShownPermissionChange> PermissionsComparison::changes() const {
+  std::vector<ShownPermissionChange> out;
+  for (const auto& change : diff.changes) out.push_back({&change, &sides});
+  return out;
+}
+
+std::string PermissionsComparison::text() const {
   // The most serious subject first, each with all its changes.
   std::vector<std::string> subjects;
   std::map<std::string_view, std::string> texts;
-  report.result = {{"verdict", governance::to_string(diff.verdict)},
-                   {"breaks_interop", false},
-                   {"changes", Json::array()},
-                   {"complete", diff.is_complete},
-                   {"approximate", !diff.is_exact}};
   for (const auto& change : diff.changes) {
-    report.result["changes"].push_back(to_json(change, sides));
     auto& text = texts[change.subject];
     if (text.empty()) subjects.push_back(change.subject);
     text += to_text(change);
   }
-  for (const auto& subject : subjects) {
-    report.text += fmt::format("subject {}\n{}", shown(subject), texts[subject]);
-  }
-  report.text += readings_text(diff.readings) + signer_text(sides) + verdict_text(diff);
-  report.result["readings"] = readings_json(diff.readings, sides);
-  report.result["signer"] = signer_json(sides);
-  return report;
+  std::string out;
+  for (const auto& subject : subjects)
+    out += fmt::format("subject {}\n{}", shown(subject), texts[subject]);
+  return out + readings_text(diff.readings) + signer_text(sides) + verdict_text(diff) +
+         takes_effect.text;
 }
 
 }  // namespace ddssec::cli

@@ -134,32 +134,33 @@ std::string_view in_words(Live live) {
 
 }  // namespace
 
-void add_forecast(const PermissionsChangeOver& change, const DiffSides& sides, Report& report) {
+PermissionsForecast forecast_of(const PermissionsChangeOver& change, const DiffSides& sides) {
   const bool is_same =
       sides.before.text == sides.after.text && sides.before.signer == sides.after.signer;
   const auto ours = is_same ? Prediction() : forecast(change, sides);
   const auto stock = is_same ? Live::same : Live::restart;
+  PermissionsForecast out{.embedded = live_word(ours.outcome),
+                          .cyclonedds_ddssec = live_word(ours.outcome),
+                          .cyclonedds = live_word(stock),
+                          .fastdds = live_word(stock),
+                          .reason = ours.reason,
+                          .at = place(sides.after.path, ours.line)};
   const bool narrows = takes_away(change.diff);
   constexpr std::string_view kHeading = "running participants: ";
   const std::string indentation(kHeading.size(), ' ');
-  report.text += wrapped(
+  out.text += wrapped(
       kHeading, {"on ddssec's plugins:", std::string(in_words(ours.outcome)),
                  ours.reason.empty() ? std::string() : fmt::format("({})", escaped(ours.reason))});
   const bool is_taken = ours.outcome >= Live::live && ours.outcome <= Live::live_if_believed;
   if (is_taken && narrows)
-    report.text += wrapped(
-        indentation, {"what was taken away ends within a second between embedded participants;",
-                      "in Cyclone DDS, matches that exist stay until the session with that peer",
-                      "begins again"});
-  report.text += wrapped(
-      indentation, {"on those of Cyclone DDS and Fast DDS:", std::string(in_words(stock)),
-                    !is_same && narrows ? "until then what was taken away stays allowed" : ""});
-  report.result["takes_effect"] = {{"embedded", live_word(ours.outcome)},
-                                   {"cyclonedds_ddssec", live_word(ours.outcome)},
-                                   {"cyclonedds", live_word(stock)},
-                                   {"fastdds", live_word(stock)},
-                                   {"reason", ours.reason},
-                                   {"at", place(sides.after.path, ours.line)}};
+    out.text += wrapped(indentation,
+                        {"what was taken away ends within a second between embedded participants;",
+                         "in Cyclone DDS, matches that exist stay until the session with that peer",
+                         "begins again"});
+  out.text += wrapped(indentation,
+                      {"on those of Cyclone DDS and Fast DDS:", std::string(in_words(stock)),
+                       !is_same && narrows ? "until then what was taken away stays allowed" : ""});
+  return out;
 }
 
 }  // namespace ddssec::cli

@@ -17,10 +17,27 @@ struct PermissionsChangeOver {
   WallTime now;
 };
 
-/// Adds to the report of a comparison, in text and as `takes_effect`, for each host: whether it
-/// takes the new document while it runs. ddssec's plugins refuse one that has no valid grant for
-/// their subject, or one that begins earlier than the grant in force (check_follows of
+/// For each host: whether it takes the new document while it runs.
+struct PermissionsForecast {
+  std::string_view embedded, cyclonedds_ddssec, cyclonedds, fastdds;
+  std::string reason;
+  std::optional<std::string> at;
+  std::string text = {};  ///< complete lines
+
+  static constexpr auto fields() {
+    using T = PermissionsForecast;
+    constexpr Shown kOurs{.def = "taken_permissions"}, kStock{.words = "same|restart"};
+    return std::tuple(field("embedded", &T::embedded, kOurs),
+                      field("cyclonedds_ddssec", &T::cyclonedds_ddssec, kOurs),
+                      field("cyclonedds", &T::cyclonedds, kStock),
+                      field("fastdds", &T::fastdds, kStock), field("reason", &T::reason),
+                      field("at", &T::at));
+  }
+};
+
+/// ddssec's plugins refuse a document that has no valid grant for their subject, or one that begins
+/// earlier than the grant in force (check_follows of
 /// plugins/access_control/permissions_holder.hpp).
-void add_forecast(const PermissionsChangeOver& change, const DiffSides& sides, Report& report);
+PermissionsForecast forecast_of(const PermissionsChangeOver& change, const DiffSides& sides);
 
 }  // namespace ddssec::cli

@@ -16,8 +16,6 @@ using doctor::Judgement;
 using doctor::Meeting;
 using doctor::TopicMeeting;
 
-constexpr const char* kSides[] = {"A", "B"};
-
 bool works(const TopicMeeting& topic, Wanted wanted) {
   const bool a = topic.directions[0].ok;
   const bool b = topic.directions[1].ok;
@@ -254,141 +252,91 @@ std::string result_line(const MeetingView& view) {
                      meeting.topics_complete ? "" : "  (not every topic was looked at)\n");
 }
 
-Json reason_of(const Judgement& one) { return one.ok ? Json() : Json(one.reason); }
-
-Json judgements_json(const std::vector<Judgement>& judgements) {
-  Json out = Json::array();
-  for (const auto& one : judgements)
-    out.push_back({{"from", kSides[one.about]},
-                   {"to", kSides[one.judge]},
-                   {"ok", one.ok},
-                   {"reason", reason_of(one)}});
-  return out;
-}
-
-Json step_json(const Judgement& one) {
-  Json out = {{"judge", kSides[one.judge]},
-              {"about", kSides[one.about]},
-              {"op", one.operation},
-              {"ok", one.ok},
-              {"reason", one.reason}};
-  out["rule"] = {{"grant", one.grant},
-                 {"index", one.rule},
-                 {"kind", one.rule == 0       ? "default"
-                          : one.is_allow_rule ? "allow"
-                                              : "deny"},
-                 {"expression", one.expression},
-                 {"file", one.document},
-                 {"line", one.line}};
-  return out;
-}
-
-Json differences_json(const std::vector<doctor::Difference>& differences) {
-  Json out = Json::array();
-  for (const auto& one : differences)
-    out.push_back({{"element", one.element},
-                   {"a", one.values[0]},
-                   {"b", one.values[1]},
-                   {"line_a", one.lines[0]},
-                   {"line_b", one.lines[1]}});
-  return out;
-}
-
-Json direction_json(const TopicMeeting& topic, const Direction& direction,
-                    const MeetingView& view) {
-  Json out = {{"writer", kSides[direction.writer]},
-              {"reader", kSides[1 - direction.writer]},
-              {"ok", direction.ok},
-              {"steps", Json::array()},
-              {"differences", differences_json(direction.differences)}};
-  for (const auto& step : direction.steps) out["steps"].push_back(step_json(step));
-  const auto* rule = topic.rules[direction.writer];
-  const auto* domain = view.meeting.rules[direction.writer];
-  if (rule != nullptr && domain != nullptr)
-    out["protection"] = {{"payload", to_string(rule->data_protection_kind)},
-                         {"metadata", to_string(rule->metadata_protection_kind)},
-                         {"rtps", to_string(domain->rtps_protection_kind)}};
-  if (!direction.obstacle.reason.empty()) out["obstacle"] = direction.obstacle.reason;
-  if (!direction.ok)
-    if (const auto reason = reason_apart(direction, view); !reason.empty()) out["reason"] = reason;
-  return out;
-}
-
-Json join_json(const MeetingView& view) {
-  const auto& meeting = view.meeting;
-  Json out = {{"domain", view.domain},
-              {"ok", std::ranges::all_of(meeting.join, &Judgement::ok)},
-              {"judgements", judgements_json(meeting.join)},
-              {"differences", differences_json(meeting.differences)},
-              {"masks", Json::array()}};
-  for (const auto* rule : meeting.rules)
-    out["masks"].push_back(rule != nullptr ? Json(mask_of(*rule)) : Json());
-  return out;
-}
-
-Json handshake_json(const Meeting& meeting) {
-  if (!meeting.starter) return nullptr;
-  const auto starter = *meeting.starter;
-  return {{"starts", starter == doctor::Starter::chance  ? Json()
-                     : starter == doctor::Starter::first ? Json("A")
-                                                         : Json("B")},
-          {"ok", meeting.handshake_works}};
-}
-
 }  // namespace
 
-bool would_talk(const MeetingView& view) {
-  const auto& topics = view.meeting.topics;
-  if (!view.meeting.joined() || topics.empty()) return false;
-  const auto good = [&](const TopicMeeting& topic) { return works(topic, view.wanted); };
-  return view.topics_named || view.wanted != Wanted::any ? std::ranges::all_of(topics, good)
-                                                         : std::ranges::any_of(topics, good);
+std::vector<JudgementStep> ShownDirection::steps() const {
+  std::vector<JudgementStep> out;
+  for (const auto& one : by->steps) out.push_back({&one});
+  return out;
 }
 
-std::string meeting_text(const MeetingView& view) {
-  const auto& meeting = view.meeting;
-  auto out = step_line("start", meeting.start, view);
+std::optional<TopicProtection> ShownDirection::protection() const {
+  const auto* rule = topic->rules[by->writer];
+  const auto* domain = view->meeting.rules[by->writer];
+  if (rule == nullptr || domain == nullptr) return std::nullopt;
+  return TopicProtection{rule->data_protection_kind, rule->metadata_protection_kind,
+                         domain->rtps_protection_kind};
+}
+
+std::optional<std::string> ShownDirection::obstacle() const {
+  const auto& reason = by->obstacle.reason;
+  return reason.empty() ? std::nullopt : std::optional(reason);
+}
+
+std::optional<std::string> ShownDirection::reason() const {
+  auto out = by->ok ? std::string() : reason_apart(*by, *view);
+  return out.empty() ? std::nullopt : std::optional(std::move(out));
+}
+
+bool MeetingView::talk() const {
+  if (!meeting.joined() || meeting.topics.empty()) return false;
+  const auto good = [&](const TopicMeeting& topic) { return works(topic, wanted); };
+  return topics_named || wanted != Wanted::any ? std::ranges::all_of(meeting.topics, good)
+                                               : std::ranges::any_of(meeting.topics, good);
+}
+
+ShownJoin MeetingView::join() const {
+  ShownJoin out{domain,
+                std::ranges::all_of(meeting.join, &Judgement::ok),
+                meeting.join,
+                meeting.differences,
+                {}};
+  for (const auto* rule : meeting.rules)
+    out.masks.push_back(rule != nullptr ? std::optional(mask_of(*rule)) : std::nullopt);
+  return out;
+}
+
+std::optional<ShownHandshake> MeetingView::handshake() const {
+  if (!meeting.starter) return std::nullopt;
+  ShownHandshake out{{}, meeting.handshake_works};
+  if (*meeting.starter != doctor::Starter::chance)
+    out.starts = kSides[*meeting.starter == doctor::Starter::first ? 0 : 1];
+  return out;
+}
+
+std::vector<ShownTopic> MeetingView::topics() const {
+  std::vector<ShownTopic> out;
+  for (const auto& one : meeting.topics) out.push_back({this, &one});
+  return out;
+}
+
+std::vector<std::string> MeetingView::vendor_notes() const {
+  std::vector<std::string> out;
+  for (const auto& note : meeting.notes) out.push_back(note.message);
+  return out;
+}
+
+std::string MeetingView::text() const {
+  auto out = step_line("start", meeting.start, *this);
   if (!meeting.authentication.empty())
-    out += step_line("authentication", meeting.authentication, view) +
-           step_line("permissions", meeting.permissions, view) + join_line(view) +
-           handshake_line(view);
+    out += step_line("authentication", meeting.authentication, *this) +
+           step_line("permissions", meeting.permissions, *this) + join_line(*this) +
+           handshake_line(*this);
   std::size_t hidden = 0;
   for (const auto& topic : meeting.topics) {
-    if (is_idle(topic) && !is_kept_apart(topic) && !view.topics_named && !view.explain)
+    if (is_idle(topic) && !is_kept_apart(topic) && !topics_named && !explain)
       hidden += meeting.joined() ? 1 : 0;
     else
-      out += topic_text(topic, view);
+      out += topic_text(topic, *this);
   }
   if (hidden > 0)
     out += fmt::format("and {} that only one of them may use (--explain shows them)\n",
                        counted(hidden, "topic"));
-  return out + result_line(view);
+  return out + result_line(*this);
 }
 
 bool has_topic_apart(const Meeting& meeting) {
   return meeting.joined() && std::ranges::any_of(meeting.topics, is_kept_apart);
-}
-
-Json meeting_json(const MeetingView& view) {
-  const auto& meeting = view.meeting;
-  Json out = {{"start", judgements_json(meeting.start)},
-              {"authentication", judgements_json(meeting.authentication)},
-              {"permissions", judgements_json(meeting.permissions)},
-              {"join", join_json(view)},
-              {"handshake", handshake_json(meeting)},
-              {"topics", Json::array()},
-              {"topics_complete", meeting.topics_complete},
-              {"talk", would_talk(view)},
-              {"vendor_notes", Json::array()}};
-  for (const auto& topic : meeting.topics)
-    out["topics"].push_back(
-        {{"name", topic.topic},
-         {"expression", topic.expression.empty() ? Json() : Json(topic.expression)},
-         {"directions",
-          {direction_json(topic, topic.directions[0], view),
-           direction_json(topic, topic.directions[1], view)}}});
-  for (const auto& note : meeting.notes) out["vendor_notes"].push_back(note.message);
-  return out;
 }
 
 }  // namespace ddssec::cli

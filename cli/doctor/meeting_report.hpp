@@ -1,7 +1,12 @@
 // The report about the meeting of two participants, as text and as JSON.
 #pragma once
 
-#include "cli/frame/report.hpp"
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/frame/answer.hpp"
 #include "governance/doctor/meeting.hpp"
 
 namespace ddssec::cli {
@@ -14,25 +19,209 @@ enum class Wanted : std::uint8_t {
   writer_b,
 };
 
-/// A meeting and the way to present it.
+inline constexpr std::string_view kSides[] = {"A", "B"}, kSideWords = "A|B";
+
+template <>
+struct Listed<governance::doctor::Judgement> {
+  using T = governance::doctor::Judgement;
+  static constexpr std::string_view kDef = "judgement";
+  static constexpr auto fields() {
+    return std::tuple(
+        made<T>("from", [](const T& one) { return kSides[one.about]; }, {.words = kSideWords}),
+        made<T>("to", [](const T& one) { return kSides[one.judge]; }, {.words = kSideWords}),
+        field("ok", &T::ok), made<T>("reason", [](const T& one) {
+          return one.ok ? std::nullopt : std::optional(one.reason);
+        }));
+  }
+};
+
+template <>
+struct Listed<governance::doctor::Difference> {
+  using T = governance::doctor::Difference;
+  static constexpr std::string_view kDef = "difference";
+  static constexpr auto fields() {
+    return std::tuple(field("element", &T::element),
+                      made<T>("a", [](const T& one) { return one.values[0]; }),
+                      made<T>("b", [](const T& one) { return one.values[1]; }),
+                      made<T>("line_a", [](const T& one) { return one.lines[0]; }),
+                      made<T>("line_b", [](const T& one) { return one.lines[1]; }));
+  }
+};
+
+/// The rule that decides a judgement about a topic.
+struct DecidingRule {
+  const governance::doctor::Judgement* by;
+
+  static constexpr auto fields() {
+    using T = DecidingRule;
+    return std::tuple(
+        made<T>("grant", [](const T& one) { return one.by->grant; }),
+        made<T>("index", [](const T& one) { return one.by->rule; }),
+        made<T>("kind",
+                [](const T& one) {
+                  return one.by->rule == 0 ? "default" : one.by->is_allow_rule ? "allow" : "deny";
+                },
+                {.words = "allow|deny|default"}),
+        made<T>("expression", [](const T& one) { return one.by->expression; }),
+        made<T>("file", [](const T& one) { return one.by->document; }),
+        made<T>("line", [](const T& one) { return one.by->line; }));
+  }
+};
+
+/// A judgement about a topic.
+struct JudgementStep {
+  const governance::doctor::Judgement* by;
+
+  static constexpr auto fields() {
+    using T = JudgementStep;
+    return std::tuple(
+        made<T>("judge", [](const T& one) { return kSides[one.by->judge]; }, {.words = kSideWords}),
+        made<T>("about", [](const T& one) { return kSides[one.by->about]; }, {.words = kSideWords}),
+        made<T>("op", [](const T& one) { return one.by->operation; },
+                {.words = "publish|subscribe"}),
+        made<T>("ok", [](const T& one) { return one.by->ok; }),
+        made<T>("reason", [](const T& one) { return one.by->reason; }),
+        made<T>("rule", [](const T& one) { return DecidingRule{one.by}; }));
+  }
+};
+
+struct TopicProtection {
+  ProtectionKind payload, metadata, rtps;
+
+  static constexpr auto fields() {
+    using T = TopicProtection;
+    constexpr Shown kKind{.def = "protection_kind"};
+    return std::tuple(field("payload", &T::payload, kKind), field("metadata", &T::metadata, kKind),
+                      field("rtps", &T::rtps, kKind));
+  }
+};
+
+struct MeetingView;
+
+/// A direction of a topic.
+struct ShownDirection {
+  static constexpr std::string_view kDef = "direction";
+  const MeetingView* view;
+  const governance::doctor::TopicMeeting* topic;
+  const governance::doctor::Direction* by;
+
+  std::vector<JudgementStep> steps() const;
+  std::optional<TopicProtection> protection() const;
+  std::optional<std::string> obstacle() const;
+  /// The first thing that keeps them apart.
+  std::optional<std::string> reason() const;
+
+  static constexpr auto fields() {
+    using T = ShownDirection;
+    constexpr Shown kIfAny{.absent = true};
+    return std::tuple(made<T>("writer", [](const T& one) { return kSides[one.by->writer]; },
+                              {.words = kSideWords}),
+                      made<T>("reader", [](const T& one) { return kSides[1 - one.by->writer]; },
+                              {.words = kSideWords}),
+                      made<T>("ok", [](const T& one) { return one.by->ok; }),
+                      made<T>("steps", [](const T& one) { return one.steps(); }),
+                      made<T>("differences", [](const T& one) { return one.by->differences; }),
+                      made<T>(
+                          "protection", [](const T& one) { return one.protection(); }, kIfAny),
+                      made<T>(
+                          "obstacle", [](const T& one) { return one.obstacle(); }, kIfAny),
+                      made<T>("reason", [](const T& one) { return one.reason(); },
+                              {.note = "the first thing that keeps them apart", .absent = true}));
+  }
+};
+
+struct ShownTopic {
+  const MeetingView* view;
+  const governance::doctor::TopicMeeting* by;
+
+  static constexpr auto fields() {
+    using T = ShownTopic;
+    return std::tuple(
+        made<T>("name", [](const T& one) { return one.by->topic; }),
+        made<T>("expression",
+                [](const T& one) {
+                  return one.by->expression.empty() ? std::nullopt
+                                                    : std::optional(one.by->expression);
+                },
+                {"of the documents, of which `name` is only an example; null: none"}),
+        made<T>(
+            "directions",
+            [](const T& one) {
+              const auto& [a, b] = one.by->directions;
+              return std::vector<ShownDirection>{{one.view, one.by, &a}, {one.view, one.by, &b}};
+            },
+            {.apart = true, .least = 2, .most = 2}));
+  }
+};
+
+struct ShownJoin {
+  DomainId domain;
+  bool ok;
+  std::vector<governance::doctor::Judgement> judgements;
+  std::vector<governance::doctor::Difference> differences;
+  std::vector<std::optional<std::string>> masks;
+
+  static constexpr auto fields() {
+    using T = ShownJoin;
+    return std::tuple(field("domain", &T::domain), field("ok", &T::ok),
+                      field("judgements", &T::judgements, {.note = "as `start`", .same = true}),
+                      field("differences", &T::differences),
+                      field("masks", &T::masks, {.def = "masks", .least = 2, .most = 2}));
+  }
+};
+
+struct ShownHandshake {
+  std::optional<std::string_view> starts;
+  bool ok;
+
+  static constexpr auto fields() {
+    using T = ShownHandshake;
+    return std::tuple(field("starts", &T::starts, {.note = "null: by chance", .words = kSideWords}),
+                      field("ok", &T::ok));
+  }
+};
+
+/// A meeting and the way to present it: the result of `check`.
 struct MeetingView {
-  const governance::doctor::Meeting& meeting;
+  using Kept = std::shared_ptr<const governance::doctor::LoadedFolder>;
+  governance::doctor::Meeting meeting;
   std::string names[2];
   DomainId domain = 0;
   bool topics_named = false;  ///< the topics were named; otherwise one that works is enough
   Wanted wanted = Wanted::any;
   bool explain = false;  ///< show every judgement, not only the deciding ones
+  Kept kept[2] = {};     ///< the folders, whose documents the meeting names
+
+  /// True if they would communicate as wanted.
+  bool talk() const;
+  ShownJoin join() const;
+  std::optional<ShownHandshake> handshake() const;
+  std::vector<ShownTopic> topics() const;
+  std::vector<std::string> vendor_notes() const;
+  /// Steps, topics and a last line with the result.
+  std::string text() const;
+
+  static constexpr auto fields() {
+    using T = MeetingView;
+    constexpr Shown kSame{.note = "the same", .same = true};
+    return std::tuple(
+        made<T>("start", [](const T& one) { return one.meeting.start; }),
+        made<T>(
+            "authentication", [](const T& one) { return one.meeting.authentication; }, kSame),
+        made<T>(
+            "permissions", [](const T& one) { return one.meeting.permissions; }, kSame),
+        made<T>("join", [](const T& one) { return one.join(); }),
+        made<T>("handshake", [](const T& one) { return one.handshake(); },
+                {"null: a certificate cannot be read"}),
+        made<T>("topics", [](const T& one) { return one.topics(); }),
+        made<T>("topics_complete", [](const T& one) { return one.meeting.topics_complete; }),
+        made<T>("talk", [](const T& one) { return one.talk(); }),
+        made<T>("vendor_notes", [](const T& one) { return one.vendor_notes(); }));
+  }
 };
 
-/// True if they would communicate as wanted.
-bool would_talk(const MeetingView& view);
-
-/// Steps, topics and a last line with the result.
-std::string meeting_text(const MeetingView& view);
 /// True if they meet, and both may use a topic on which something else separates them: governance
 /// documents that protect it differently, or the behaviour of a product.
 bool has_topic_apart(const governance::doctor::Meeting& meeting);
-/// authentication, permissions, join, handshake, topics, vendor_notes.
-Json meeting_json(const MeetingView& view);
 
 }  // namespace ddssec::cli

@@ -48,23 +48,21 @@ struct ResultShape {
   Json schema;          ///< of `result`
   Json definitions;     ///< entries of the schema's $defs that are made from field lists
   std::string members;  ///< the row of the README's table
+  Json rows;            ///< of members that have rows of their own
 };
 
 template <class T>
 ResultShape shape_of() {
   Json definitions = Json::object();
   add_definitions<T>(definitions);
-  return {schema_of<T>(), std::move(definitions), members_of<T>()};
+  Json rows = Json::object();
+  add_rows<T>(rows);
+  return {schema_of<T>(), std::move(definitions), members_of<T>(), std::move(rows)};
 }
 
 /// The function of a command.
 class Runner {
  public:
-  using Untyped = Result<Report> (*)(const Arguments&, const Context&);
-
-  /// A command that makes its text and its JSON by itself.
-  Runner(Untyped run) : run_(run) {}
-
   template <class T>
   Runner(Result<Answer<T>> (*run)(const Arguments&, const Context&))
       : run_([run](const Arguments& arguments, const Context& context) -> Result<Report> {
@@ -77,12 +75,12 @@ class Runner {
   Result<Report> operator()(const Arguments& arguments, const Context& context) const {
     return run_(arguments, context);
   }
-  /// Null: the command has no field list.
-  ResultShape (*shape() const)() { return shape_; }
+  /// The field list of its result.
+  ResultShape shape() const { return shape_(); }
 
  private:
   std::function<Result<Report>(const Arguments&, const Context&)> run_;
-  ResultShape (*shape_)() = nullptr;
+  ResultShape (*shape_)();
 };
 
 }  // namespace ddssec::cli

@@ -11,15 +11,18 @@
 //     }
 //   };
 //
-// A struct with kDef ("new_ca") has an entry of its own in the schema's $defs. A value with kDef
-// and a member json() is a leaf that the schema describes by hand. The alternatives of
-// a std::variant are results of one command; kWhen of the second and the later ones says when.
+// made() is a field that a function makes. Listed<T> has the field list of a struct that knows
+// nothing of this file. A struct with kDef ("new_ca") has an entry of its own in the schema's
+// $defs. A value with kDef and a member json() is a leaf that the schema describes by hand. The
+// alternatives of a std::variant are results of one command; kWhen of the second and the later ones
+// says when.
 #pragma once
 
 #include <algorithm>
 #include <concepts>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -45,6 +48,7 @@ struct Shown {
   std::string_view words = {};    ///< all values that it can have, with | between them
   std::string_view pattern = {};  ///< the regular expression that a text matches
   bool same = false;              ///< `note` says of which struct the members are
+  bool apart = false;             ///< the README has a row of its own for the members
   std::size_t least = 0;          ///< elements of a list; the lowest number (not of std::int64_t)
   std::size_t most = 0;           ///< 0: any number
   bool absent = false;            ///< an empty std::optional is left out; otherwise it is null
@@ -75,7 +79,7 @@ struct PartField {
   OfPart inner;
   Shown shown;
 
-  const Value& of(const Owner& owner) const { return inner.of(owner.*part); }
+  decltype(auto) of(const Owner& owner) const { return inner.of(owner.*part); }
 };
 
 /// The fields of a part, for std::tuple_cat.
@@ -89,9 +93,40 @@ constexpr auto fields_within(Part Owner::*part) {
       Part::fields());
 }
 
+/// A field that `make` makes from `Owner`.
+template <class Owner, class Make>
+struct MadeField {
+  using Value = std::remove_cvref_t<std::invoke_result_t<Make, const Owner&>>;
+  std::string_view name;
+  Make make;
+  Shown shown;
+
+  decltype(auto) of(const Owner& owner) const { return make(owner); }
+};
+
+template <class Owner, class Make>
+constexpr MadeField<Owner, Make> made(std::string_view name, Make make, Shown shown = {}) {
+  return {name, make, shown};
+}
+
+/// The field list of a struct of another folder: a specialization has fields(), and may have kDef.
+template <class T>
+struct Listed {};
+
+namespace fields_detail {
+
+template <class T>
+concept IsListed = requires {
+  Listed<T>::fields();
+};
+template <class T>
+using ListOf = std::conditional_t<IsListed<T>, Listed<T>, T>;
+
+}  // namespace fields_detail
+
 template <class T>
 concept HasFields = requires {
-  T::fields();
+  fields_detail::ListOf<T>::fields();
 };
 
 namespace fields_detail {
@@ -103,8 +138,8 @@ inline constexpr bool kIsA<Template<Ts...>, Template> = true;
 
 template <class T>
 constexpr std::string_view def_of(const Shown& shown) {
-  if constexpr (requires { T::kDef; })
-    return T::kDef;
+  if constexpr (requires { ListOf<T>::kDef; })
+    return ListOf<T>::kDef;
   else if (!shown.def.empty())
     return shown.def;
   else if constexpr (std::same_as<T, std::filesystem::path>)
@@ -139,7 +174,7 @@ Json to_json(const T& value) {
         if (one.shown.absent && !held) return;
       out[std::string(one.name)] = to_json(held);
     };
-    std::apply([&](const auto&... all) { (add(all), ...); }, T::fields());
+    std::apply([&](const auto&... all) { (add(all), ...); }, ListOf<T>::fields());
     return out;
   } else if constexpr (requires { value.json(); }) {
     return value.json();
@@ -166,13 +201,14 @@ Json schema_of(const Shown& shown = {});
 /// The schema of the struct itself, also where it has an entry of its own in $defs.
 template <HasFields T>
 Json object_schema() {
+  using namespace fields_detail;
   Json required = Json::array(), properties = Json::object();
   const auto add = [&](const auto& one) {
     if (!one.shown.absent) required.push_back(one.name);
     properties[std::string(one.name)] =
         schema_of<typename std::remove_cvref_t<decltype(one)>::Value>(one.shown);
   };
-  std::apply([&](const auto&... all) { (add(all), ...); }, T::fields());
+  std::apply([&](const auto&... all) { (add(all), ...); }, ListOf<T>::fields());
   return {{"type", "object"},
           {"additionalProperties", false},
           {"required", std::move(required)},
@@ -230,6 +266,8 @@ Json schema_of(const Shown& shown) {
       return {{"type", "integer"}};
     else if constexpr (std::integral<T>)
       return {{"type", "integer"}, {"minimum", shown.least}};
+    else if constexpr (std::floating_point<T>)
+      return {{"type", "number"}};
     else if constexpr (std::same_as<T, Json>)
       return Json::object();  // anything; Shown::def says what
     else
@@ -264,11 +302,11 @@ void add_definitions(Json& out) {
     }(std::type_identity<T>());
   } else if constexpr (HasFields<typename Inner<T>::Type>) {
     using Struct = typename Inner<T>::Type;
-    if constexpr (requires { Struct::kDef; })
-      out[std::string(Struct::kDef)] = object_schema<Struct>();
+    if constexpr (requires { ListOf<Struct>::kDef; })
+      out[std::string(ListOf<Struct>::kDef)] = object_schema<Struct>();
     std::apply([&]<class... Fields>(
                    const Fields&...) { (add_definitions<typename Fields::Value>(out), ...); },
-               Struct::fields());
+               ListOf<Struct>::fields());
   }
 }
 
@@ -282,7 +320,7 @@ template <class Value>
 std::string member_words(std::string_view name, const Shown& shown) {
   std::string inside(shown.note);
   if constexpr (HasFields<typename Inner<Value>::Type>) {
-    if (!shown.same) {
+    if (!shown.same && !shown.apart) {
       if (!inside.empty()) inside += "; ";
       if (Inner<Value>::kIsList) inside += "each: ";
       inside += members_of<typename Inner<Value>::Type>();
@@ -318,9 +356,24 @@ std::string members_of() {
       using Value = typename std::remove_cvref_t<decltype(one)>::Value;
       out += (out.empty() ? "" : ", ") + member_words<Value>(one.name, one.shown);
     };
-    std::apply([&](const auto&... all) { (add(all), ...); }, T::fields());
+    std::apply([&](const auto&... all) { (add(all), ...); }, ListOf<T>::fields());
     return out;
   }
+}
+
+/// Adds the rows of the README for the members of fields that are `apart`, by their names.
+template <class T>
+void add_rows(Json& out) {
+  using namespace fields_detail;
+  const auto add = [&](const auto& one) {
+    using Struct = typename Inner<typename std::remove_cvref_t<decltype(one)>::Value>::Type;
+    if constexpr (HasFields<Struct>) {
+      if (one.shown.apart) out[std::string(one.name)] = members_of<Struct>();
+      add_rows<Struct>(out);
+    }
+  };
+  if constexpr (HasFields<T>)
+    std::apply([&](const auto&... all) { (add(all), ...); }, ListOf<T>::fields());
 }
 
 }  // namespace ddssec::cli

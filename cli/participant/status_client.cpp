@@ -50,11 +50,6 @@ std::optional<pid_t> pid_in(std::string_view name) {
   return is_number && out > 0 && fmt::to_string(out) == name ? std::optional(out) : std::nullopt;
 }
 
-/// In one line: a process that lies must not write lines of its own.
-std::string member(const Json& from, const char* name) {
-  return printable(from.at(name).get<std::string>());
-}
-
 /// "2026-11-21T03:13:43Z".
 bool is_time(std::string_view text) {
   constexpr std::string_view kForm = "0000-00-00T00:00:00Z";
@@ -71,63 +66,36 @@ class Reading {
   static std::optional<StatusFolder::Answer> answer_of(const std::string& answer) {
     Reading reading;
     const auto given = Json::parse(answer);
-    StatusFolder::Answer out{Json::array(), given.at("left_out").get<std::uint64_t>()};
-    for (const auto& participant : given.at("participants"))
-      out.participants.push_back(reading.participant_of(participant));
-    const bool is_ours = member(given, "schema") == "ddssec-status/1" && reading.has_times_;
+    StatusFolder::Answer out{{}, given.at("left_out").get<std::uint64_t>()};
+    reading.read(given.at("participants"), {}, out.participants);
+    const bool is_ours = given.at("schema") == "ddssec-status/1" && reading.has_times_;
     return is_ours ? std::optional(std::move(out)) : std::nullopt;
   }
 
  private:
-  std::string time(const Json& from, const char* name) {
-    auto out = member(from, name);
-    has_times_ = has_times_ && is_time(out);
-    return out;
+  template <class T>
+  void read(const Json& from, const Shown& shown, T& to) {
+    using fields_detail::kIsA;
+    if constexpr (HasFields<T>) {
+      std::apply([&](const auto&... all) { (read_member(from, all, to), ...); }, T::fields());
+    } else if constexpr (kIsA<T, std::optional>) {
+      if (!from.is_null()) read(from, shown, to.emplace());
+    } else if constexpr (kIsA<T, std::vector>) {
+      for (const auto& element : from) read(element, shown, to.emplace_back());
+    } else if constexpr (std::same_as<T, std::string>) {
+      // In one line: a process that lies must not write lines of its own.
+      to = printable(from.get<std::string>());
+      has_times_ = has_times_ && (shown.def != "time" || is_time(to));
+    } else {
+      to = from.get<T>();
+    }
   }
 
-  Json part_of(const Json& from) {
-    return {{"subject", member(from, "subject")},
-            {"number", member(from, "number")},
-            {"until", from.at("until").is_null() ? Json() : Json(time(from, "until"))},
-            {"sha256", member(from, "sha256")}};
-  }
-
-  Json refusal_of(const Json& from) {
-    if (from.is_null()) return {};
-    return {{"at", time(from, "at")},
-            {"file", member(from, "file")},
-            {"code", from.at("code").get<int>()},
-            {"name", member(from, "name")},
-            {"sentence", member(from, "sentence")},
-            {"stands", from.at("stands").get<bool>()}};
-  }
-
-  Json document_of(const Json& from) {
-    Json parts = Json::array();
-    for (const auto& part : from.at("in_force")) parts.push_back(part_of(part));
-    return {{"kind", member(from, "kind")},
-            {"file", member(from, "file")},
-            {"since", time(from, "since")},
-            {"in_force", std::move(parts)},
-            {"more", from.at("more").get<unsigned>()},
-            {"waiting", waiting_in(from)},
-            {"refused", refusal_of(from.at("refused"))}};
-  }
-
-  /// Processes with ddssec 0.2 do not say it.
-  Json waiting_in(const Json& from) {
-    const auto at = from.find("waiting");
-    return at == from.end() || at->is_null() ? Json() : part_of(*at);
-  }
-
-  Json participant_of(const Json& from) {
-    Json documents = Json::array();
-    for (const auto& document : from.at("documents")) documents.push_back(document_of(document));
-    return {{"identity", from.at("identity").get<std::int64_t>()},
-            {"guid", member(from, "guid")},
-            {"subject", member(from, "subject")},
-            {"cut_off", from.contains("cut_off") ? refusal_of(from["cut_off"]) : Json()},
-            {"documents", std::move(documents)}};
+  template <class Owner, class T>
+  void read_member(const Json& from, const Field<Owner, T>& one, Owner& to) {
+    const std::string name(one.name);
+    if (!fields_detail::kIsA<T, std::optional> || from.contains(name))
+      read(from.at(name), one.shown, to.*one.member);
   }
 
   bool has_times_ = true;

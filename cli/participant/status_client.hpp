@@ -3,14 +3,86 @@
 
 #include <chrono>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <sys/types.h>
 #include <vector>
 
 #include "base/descriptor.hpp"
-#include "cli/frame/report.hpp"
+#include "base/result.hpp"
+#include "cli/frame/fields.hpp"
 
 namespace ddssec::cli {
+
+/// A certificate, list or document of a file.
+struct DocumentPart {
+  static constexpr std::string_view kDef = "document part";
+  std::string subject, number;
+  std::optional<std::string> until;
+  std::string sha256;
+
+  static constexpr auto fields() {
+    using Self = DocumentPart;
+    return std::tuple(field("subject", &Self::subject), field("number", &Self::number),
+                      field("until", &Self::until, {.note = "null: no end", .def = "time"}),
+                      field("sha256", &Self::sha256));
+  }
+};
+
+/// Why a file was refused, or a participant cut off.
+struct StatusRefusal {
+  static constexpr std::string_view kDef = "refusal";
+  std::string at, file;
+  int code;
+  std::string name, sentence;
+  bool stands;
+
+  static constexpr auto fields() {
+    using Self = StatusRefusal;
+    return std::tuple(field("at", &Self::at, {.def = "time"}), field("file", &Self::file),
+                      field("code", &Self::code), field("name", &Self::name),
+                      field("sentence", &Self::sentence),
+                      field("stands", &Self::stands, {"false: no longer"}));
+  }
+};
+
+struct RunningDocument {
+  std::string kind, file, since;
+  std::vector<DocumentPart> in_force;
+  unsigned more;
+  std::optional<DocumentPart> waiting;  ///< processes with ddssec 0.2 do not say it
+  std::optional<StatusRefusal> refused;
+
+  static constexpr auto fields() {
+    using Self = RunningDocument;
+    return std::tuple(
+        field("kind", &Self::kind,
+              {.words = "identity certificate|identity CA|revocation list|renewal list|OCSP "
+                        "response|permissions CA|permissions|governance"}),
+        field("file", &Self::file, {.def = "path"}), field("since", &Self::since, {.def = "time"}),
+        field("in_force", &Self::in_force), field("more", &Self::more, {"how many more"}),
+        field("waiting", &Self::waiting,
+              {.note = "for peers, to come into force; null: nothing", .same = true}),
+        field("refused", &Self::refused, {"null: nothing"}));
+  }
+};
+
+struct RunningParticipant {
+  static constexpr std::string_view kDef = "running participant";
+  std::int64_t identity;
+  std::string guid, subject;
+  std::optional<StatusRefusal> cut_off;
+  std::vector<RunningDocument> documents;
+
+  static constexpr auto fields() {
+    using Self = RunningParticipant;
+    return std::tuple(
+        field("identity", &Self::identity, {"its handle in the process"}),
+        field("guid", &Self::guid), field("subject", &Self::subject),
+        field("cut_off", &Self::cut_off, {.note = "as `refused`; null: it is not", .same = true}),
+        field("documents", &Self::documents));
+  }
+};
 
 /// The sockets of a folder that DDSSEC_STATUS_DIR names.
 class StatusFolder {
@@ -33,8 +105,7 @@ class StatusFolder {
   const std::filesystem::path& path() const { return path_; }
 
   struct Answer {
-    /// Each with `identity`, `guid`, `subject`, `cut_off` and `documents`.
-    Json participants;
+    std::vector<RunningParticipant> participants;
     std::uint64_t left_out = 0;  ///< number of participants that the answer had no room for
   };
   /// The participants of the process. Only an answer of the folder's owner, of this user or of root

@@ -1,0 +1,182 @@
+// Results of the commands crl ...
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "cli/ca/revocation_lists.hpp"
+#include "cli/frame/answer.hpp"
+#include "cli/inputs.hpp"
+#include "cli/participant/participant_places.hpp"
+
+namespace ddssec::cli {
+
+/// What a revocation list says of itself.
+struct ListHead {
+  std::string issuer;
+  ListNumber number;
+  WallTime this_update;
+  std::optional<WallTime> next_update;
+
+  static ListHead of(const pki::Crl& list) {
+    return {list.issuer(), ListNumber::of(list), list.this_update(), list.next_update()};
+  }
+  static constexpr auto fields() {
+    return std::tuple(field("issuer", &ListHead::issuer, {.def = "subject"}),
+                      field("number", &ListHead::number),
+                      field("this_update", &ListHead::this_update),
+                      field("next_update", &ListHead::next_update, {"null: none"}));
+  }
+  std::string until() const {
+    return next_update ? "until " + date(*next_update) : "without an end";
+  }
+};
+
+struct NewList {
+  std::filesystem::path file;
+  ListHead list;
+  std::size_t revoked;
+
+  static constexpr auto fields() {
+    return std::tuple_cat(std::tuple(field("file", &NewList::file)), fields_within(&NewList::list),
+                          std::tuple(field("revoked", &NewList::revoked, {"how many"})));
+  }
+  std::string text() const {
+    return fmt::format("{}  number {}, {} revoked, {}\n", file.string(), list.number.text, revoked,
+                       list.until());
+  }
+};
+
+/// An entry of a list.
+struct ListEntry {
+  std::string serial;
+  WallTime time;
+  std::string reason;
+
+  ListEntry(const pki::Revocation& one)
+      : serial(one.serial), time(one.time), reason(to_string(one.reason)) {}
+  static constexpr auto fields() {
+    return std::tuple(field("serial", &ListEntry::serial, {.def = "serial"}),
+                      field("time", &ListEntry::time), field("reason", &ListEntry::reason));
+  }
+};
+
+struct ShownList {
+  ListHead list;
+  std::vector<ListEntry> revoked;
+
+  static constexpr auto fields() {
+    return std::tuple_cat(fields_within(&ShownList::list),
+                          std::tuple(field("revoked", &ShownList::revoked)));
+  }
+  std::string text() const {
+    auto out =
+        fmt::format("issuer   {}\nnumber   {}\nvalid    {} .. {}\n", list.issuer, list.number.text,
+                    date(list.this_update), list.next_update ? date(*list.next_update) : "");
+    for (const auto& one : revoked)
+      out += fmt::format("revoked  {}  {}  {}\n", one.serial, date(one.time), one.reason);
+    return out;
+  }
+};
+
+struct ShownLists {
+  std::filesystem::path file;
+  ShownList first;
+  std::vector<ShownList> others;
+
+  static constexpr auto fields() {
+    return std::tuple_cat(
+        std::tuple(field("file", &ShownLists::file)), fields_within(&ShownLists::first),
+        std::tuple(field("others", &ShownLists::others,
+                         {.note = "the same of further lists of the file", .same = true})));
+  }
+  std::string text() const {
+    auto out = first.text();
+    for (const auto& one : others) out += "\n" + one.text();
+    return out;
+  }
+};
+
+struct VerifiedList {
+  /// A list of the file.
+  struct Seen {
+    ListHead list;
+    bool is_of_another_ca;
+  };
+  std::filesystem::path file;
+  ListHead list;
+  std::vector<Seen> all = {};
+
+  static constexpr auto fields() {
+    return std::tuple_cat(std::tuple(field("file", &VerifiedList::file)),
+                          fields_within(&VerifiedList::list));
+  }
+  std::string text() const {
+    std::string out;
+    for (const auto& [one, is_of_another_ca] : all)
+      out += is_of_another_ca
+                 ? fmt::format("{}: a list of {} is in it as well\n", file.string(), one.issuer)
+                 : fmt::format("{}: {}signed by {}, holds {}\n", file.string(),
+                               all.size() > 1 ? fmt::format("number {}, ", one.number.text) : "",
+                               one.issuer, one.until());
+    return out;
+  }
+};
+
+/// How many entries a renewal list has.
+struct RenewalCounts {
+  std::size_t certificates, permissions;
+
+  static constexpr auto fields() {
+    return std::tuple(field("certificates", &RenewalCounts::certificates),
+                      field("permissions", &RenewalCounts::permissions));
+  }
+  std::string text() const {
+    if (certificates + permissions == 0) return {};
+    return fmt::format("renewal list with {} and {}\n", counted(certificates, "certificate"),
+                       counted(permissions, "permissions document"));
+  }
+};
+
+struct DistributedLists {
+  ListHead list;
+  std::vector<std::string> folders, elsewhere, left_behind, of_other_cas;
+  RenewalCounts renewals;
+
+  DistributedLists(ListHead given, std::vector<std::string> reached,
+                   const ParticipantPlaces& places, RenewalCounts entries)
+      : list(std::move(given)),
+        folders(std::move(reached)),
+        elsewhere(places.elsewhere),
+        left_behind(places.left_behind),
+        of_other_cas(places.of_other_cas),
+        renewals(entries) {
+    elsewhere.insert(elsewhere.end(), places.other_copies.begin(), places.other_copies.end());
+  }
+  static constexpr auto fields() {
+    using Self = DistributedLists;
+    return std::tuple_cat(
+        fields_within(&Self::list),
+        std::tuple(
+            field("folders", &Self::folders),
+            field("elsewhere", &Self::elsewhere,
+                  {"folders that the log knows and this machine does not have"}),
+            field("left_behind", &Self::left_behind,
+                  {"here, with a certificate from before a rotation"}),
+            field("of_other_cas", &Self::of_other_cas, {"here, with a certificate of another CA"}),
+            field("renewals", &Self::renewals, {"entries of the renewal list"})));
+  }
+  std::string text() const {
+    std::string out;
+    for (const auto& folder : folders) out += folder + "\n";
+    return out + fmt::format("list {} of {} is in {}, holds {}\n{}", list.number.text, list.issuer,
+                             counted(folders.size(), "folder"), list.until(), renewals.text());
+  }
+};
+
+}  // namespace ddssec::cli
