@@ -1,4 +1,5 @@
 // ddssec: the command line tool.
+#include <algorithm>
 #include <cerrno>
 #include <clocale>
 #include <cstdio>
@@ -11,6 +12,7 @@
 
 #include "base/text.hpp"
 #include "cli/agent/agent_worker.hpp"
+#include "cli/frame/explain_severities.hpp"
 #include "cli/frame/notices.hpp"
 #include "cli/frame/parse.hpp"
 #include "cli/frame/progress.hpp"
@@ -84,6 +86,12 @@ Result<cli::Report> run(const cli::Request& request) {
   if (auto warning = cli::passphrase_warning(request.arguments))
     report.errors.push_back(std::move(*warning));
   cli::report_notices(report);
+  // An error beside a result: a part of what the command writes could not be written.
+  const auto is_error = [](const Error& one) {
+    return cli::severity_in_tool(one.code()) >= Severity::error;
+  };
+  if (report.exit == cli::Exit::done && std::ranges::any_of(report.errors, is_error))
+    report.exit = cli::Exit::failed;
   return report;
 }
 

@@ -8,6 +8,8 @@ namespace {
 
 constexpr std::string_view kCertificateLabel = "CERTIFICATE";
 constexpr std::string_view kPermissionsLabel = "SIGNED PERMISSIONS";
+// A file that was cut short must not pass for it.
+constexpr std::string_view kNoEntry = "# no renewed certificate or permissions\n";
 
 std::unexpected<Error> malformed(std::string expected, std::string found) {
   return fail(Code::renewal_list_malformed,
@@ -54,12 +56,12 @@ Result<RenewalList> RenewalList::parse(BytesView file) {
     if (!*block) break;
     DDSSEC_RETURN_IF_ERROR(add(out, **std::move(block)));
   }
-  if (out.is_empty()) return malformed("at least one entry", "none");
+  if (out.is_empty() && as_text(file) != kNoEntry) return malformed("at least one entry", "none");
   return out;
 }
 
 Result<std::string> RenewalList::text() const {
-  std::string out;
+  std::string out(is_empty() ? kNoEntry : "");
   for (const auto& certificate : certificates) out += certificate.pem();
   for (const auto& one : permissions) {
     const BioPtr bio(BIO_new(BIO_s_mem()));

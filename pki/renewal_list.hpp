@@ -23,10 +23,10 @@ struct RenewalList {
 
   bool is_empty() const { return certificates.empty() && permissions.empty(); }
 
-  /// Errors: renewal_list_malformed (no entry, more than is read, another block, permissions that
-  /// no peer may send), those of Certificate::from_der.
+  /// Errors: renewal_list_malformed (no entry, unless the file says so as text() does; more than is
+  /// read, another block, permissions that no peer may send), those of Certificate::from_der.
   static Result<RenewalList> parse(BytesView file);
-  /// The file. Error: internal (out of memory).
+  /// The file; without entries it is one line. Error: internal (out of memory).
   Result<std::string> text() const;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <sys/stat.h>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -360,7 +361,10 @@ Result<Json> tend_folder(const AgentTask& task, const LockedFolder* locked, cons
     return event;
   }
   if (task.is_dry_run) return not_renewed(self, due);
-  return renew(self, ask);
+  auto event = renew(self, ask);
+  // The list keeps sessions with others, which were renewed. The event has the greater problem.
+  if (!event && !task.renewals.empty()) std::ignore = put_list_of_ca(self);
+  return event;
 }
 
 }  // namespace ddssec::cli

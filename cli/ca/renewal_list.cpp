@@ -216,6 +216,15 @@ Status add_to(const fs::path& file, const pki::RenewalList& next, WallTime now) 
   return {};
 }
 
+// Participants' folders keep what they have, so a CA's list is no great loss.
+Error of_ca(const Error& error) {
+  auto details = error.details();
+  details.hint =
+      "remove it, or put a copy of the former one into its place; the next renewal begins a new "
+      "list, and the participants' folders keep the entries that they have";
+  return Error(error.code(), std::move(details));
+}
+
 // What is there of CAs that the folder has: the others have no effect.
 pki::RenewalList of_trusted(pki::RenewalList list, const pki::ParticipantFolder& files,
                             WallTime now) {
@@ -225,10 +234,7 @@ pki::RenewalList of_trusted(pki::RenewalList list, const pki::ParticipantFolder&
     return !identity_cas || std::ranges::none_of(*identity_cas, is_issuer);
   });
   auto permissions_cas = read_certificates(files.permissions_ca);
-  if (!permissions_cas) {
-    list.permissions.clear();
-    return list;
-  }
+  if (!permissions_cas) return list;
   const auto verifier = pki::DocumentVerifier::make(*std::move(permissions_cas));
   std::erase_if(list.permissions, [&](const auto& one) {
     if (!verifier) return true;
@@ -284,7 +290,7 @@ RenewalsOfCas renewals_of(const fs::path& given, const pki::Crl* revoked) {
     auto list = read_renewals(paths.renewals);
     auto cas = read_certificates(paths.certificate);
     if (!list || !cas) {
-      out.problems.push_back(list ? cas.error() : list.error());
+      out.problems.push_back(list ? cas.error() : of_ca(list.error()));
       continue;
     }
     std::ranges::move(list->certificates, std::back_inserter(out.list.certificates));
@@ -316,20 +322,20 @@ Status put_renewals(Replacement& out, const pki::ParticipantFolder& files,
     return what.revoked.contains(one.serial()) &&
            std::ranges::any_of(what.cas, [&](const auto& ca) { return one.is_issued_by(ca); });
   });
-  const auto entries = entries_of(former, of_trusted(what.entries, files, what.now), what.now);
+  auto next = of_trusted(what.entries, files, what.now);
+  if (!takes_permissions(files)) next.permissions.clear();
+  const auto entries = entries_of(former, next, what.now);
   if (!entries.left_out().empty()) add_notice(too_long(files.renewals, entries.left_out()));
   const auto list = entries.list();
-  if (list.is_empty()) return {};
+  if (list.is_empty() && !is_there(files.renewals)) return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto text, list.text());
   const auto present = read_file(files.renewals, pki::kMostRenewalListOctets);
   if (present && as_text(*present) == text) return {};
   return out.put_public(files.renewals, text);
 }
 
-std::string in_words(const pki::RenewalList& list) {
-  return fmt::format("{} certificate{} and {} permissions document{}", list.certificates.size(),
-                     list.certificates.size() == 1 ? "" : "s", list.permissions.size(),
-                     list.permissions.size() == 1 ? "" : "s");
+bool takes_permissions(const pki::ParticipantFolder& files) {
+  return read_certificates(files.permissions_ca).has_value();
 }
 
 }  // namespace ddssec::cli

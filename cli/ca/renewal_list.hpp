@@ -49,7 +49,8 @@ struct RenewalsOfCas {
   pki::RenewalList list = {};
   std::vector<pki::Certificate> cas = {};  ///< whose lists were read
   std::set<std::string> revoked = {};      ///< serial numbers of the identity CA
-  std::vector<Error> problems = {};  ///< of the others: those of read_file and RenewalList::parse
+  /// Of the others: those of read_file and RenewalList::parse, with hints for a CA's list.
+  std::vector<Error> problems = {};
 };
 /// The lists of both CAs at `given`, as one. Without certificates that `revoked` names, the present
 /// list of the identity CA; null: it has none.
@@ -65,12 +66,13 @@ struct RenewalsForFolder {
 
 /// Drafts the renewal list of a participant's folder: the entries, and those that are there of
 /// CAs that the folder has, as NewlyListed::write adds them. A list that cannot be read is
-/// made anew. Nothing if the list is there already. A notice (file_too_large) if something was left
-/// out. Errors: those of Replacement::put.
+/// made anew, and one whose entries have all left is emptied. Nothing if the list is there already.
+/// A notice (file_too_large) if something was left out. Errors: those of Replacement::put.
 Status put_renewals(Replacement& out, const pki::ParticipantFolder& files,
                     const RenewalsForFolder& what);
 
-/// "3 certificates and 1 permissions document".
-std::string in_words(const pki::RenewalList& list);
+/// True if put_renewals can judge permissions: a permissions CA is in the folder. Otherwise it adds
+/// none, and those that are there stay.
+bool takes_permissions(const pki::ParticipantFolder& files);
 
 }  // namespace ddssec::cli

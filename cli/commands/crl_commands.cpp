@@ -208,6 +208,7 @@ Status put_list_into(Replacement& out, const fs::path& folder, const Distributio
 /// The folders that now have the list, and the errors of the others.
 struct Distributed {
   std::vector<std::string> folders;
+  std::vector<std::string> without_permissions = {};  ///< of them
   std::vector<Error> errors;
   std::vector<WrittenFile> files;
 };
@@ -218,9 +219,11 @@ Status put_renewal_lists(Distributed& done, const Distribution& what) {
   std::ranges::copy(what.renewals.problems, std::back_inserter(done.errors));
   for (const auto& folder : done.folders) {
     Replacement out;
-    auto status =
-        put_renewals(out, pki::participant_folder(folder),
-                     {what.renewals.list, what.renewals.cas, what.renewals.revoked, what.now});
+    const auto files_of = pki::participant_folder(folder);
+    if (!what.renewals.list.permissions.empty() && !takes_permissions(files_of))
+      done.without_permissions.push_back(folder);
+    auto status = put_renewals(
+        out, files_of, {what.renewals.list, what.renewals.cas, what.renewals.revoked, what.now});
     if (status) {
       auto files = out.commit_each();
       if (files)
@@ -331,11 +334,16 @@ Result<Answer<DistributedLists>> crl_distribute(const Arguments& arguments,
   auto& [crl, done] = distributed;
   // The lists of both CAs are distributed together.
   const auto renewals = renewals_of(given, &crl).list;
-  Answer<DistributedLists> answer{{ListHead::of(crl),
-                                   done.folders,
-                                   recipient,
-                                   {renewals.certificates.size(), renewals.permissions.size()}},
-                                  {.text = places_text(recipient, paths)}};
+  Answer<DistributedLists> answer{
+      {.list = ListHead::of(crl),
+       .renewals = {renewals.certificates.size(), renewals.permissions.size()},
+       .folders = done.folders,
+       .elsewhere = recipient.elsewhere,
+       .left_behind = recipient.left_behind,
+       .of_other_cas = recipient.of_other_cas,
+       .without_permissions = done.without_permissions},
+      {.text = places_text(recipient, paths)}};
+  std::ranges::copy(recipient.other_copies, std::back_inserter(answer.result.elsewhere));
   auto& report = answer.report;
   if (recipient.is_empty())
     report.text += fmt::format(

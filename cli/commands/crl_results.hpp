@@ -136,28 +136,13 @@ struct RenewalCounts {
     return std::tuple(field("certificates", &RenewalCounts::certificates),
                       field("permissions", &RenewalCounts::permissions));
   }
-  std::string text() const {
-    if (certificates + permissions == 0) return {};
-    return fmt::format("renewal list with {} and {}\n", counted(certificates, "certificate"),
-                       counted(permissions, "permissions document"));
-  }
 };
 
 struct DistributedLists {
   ListHead list;
-  std::vector<std::string> folders, elsewhere, left_behind, of_other_cas;
   RenewalCounts renewals;
+  std::vector<std::string> folders, elsewhere, left_behind, of_other_cas, without_permissions = {};
 
-  DistributedLists(ListHead given, std::vector<std::string> reached,
-                   const ParticipantPlaces& places, RenewalCounts entries)
-      : list(std::move(given)),
-        folders(std::move(reached)),
-        elsewhere(places.elsewhere),
-        left_behind(places.left_behind),
-        of_other_cas(places.of_other_cas),
-        renewals(entries) {
-    elsewhere.insert(elsewhere.end(), places.other_copies.begin(), places.other_copies.end());
-  }
   static constexpr auto fields() {
     using Self = DistributedLists;
     return std::tuple_cat(
@@ -169,13 +154,24 @@ struct DistributedLists {
             field("left_behind", &Self::left_behind,
                   {"here, with a certificate from before a rotation"}),
             field("of_other_cas", &Self::of_other_cas, {"here, with a certificate of another CA"}),
-            field("renewals", &Self::renewals, {"entries of the renewal list"})));
+            field("renewals", &Self::renewals, {"entries of the renewal list"}),
+            field("without_permissions", &Self::without_permissions,
+                  {"folders that get none of its permissions: no permissions CA is in them"})));
   }
   std::string text() const {
     std::string out;
     for (const auto& folder : folders) out += folder + "\n";
-    return out + fmt::format("list {} of {} is in {}, holds {}\n{}", list.number.text, list.issuer,
-                             counted(folders.size(), "folder"), list.until(), renewals.text());
+    out += fmt::format("list {} of {} is in {}, holds {}\n", list.number.text, list.issuer,
+                       counted(folders.size(), "folder"), list.until());
+    if (renewals.certificates + renewals.permissions > 0)
+      out += fmt::format("renewal list with {} and {}\n",
+                         counted(renewals.certificates, "certificate"),
+                         counted(renewals.permissions, "permissions document"));
+    for (const auto& folder : without_permissions)
+      out += fmt::format(
+          "without the permissions, since no permissions CA is in the folder; copy it there: {}\n",
+          folder);
+    return out;
   }
 };
 

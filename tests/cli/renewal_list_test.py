@@ -186,6 +186,60 @@ class RenewalList(Transcript):
             self.assertEqual(self.labels("demo/ca/permissions/renewed.pem"), [PERMISSIONS])
             self.distribute()
 
+    def test_ADamagedListOfACa_TheHintOfDistributeHelps(self):
+        self.renew("listener")
+        self.distribute()
+        file = self.at / "demo/ca/identity/renewed.pem"
+        file.write_bytes(b"damaged")
+        done = self.run_program("crl", "distribute", "--ca", "demo", exit=1)
+        self.assertIn("warning[renewal_list_malformed]", done.stderr)
+        self.assertIn("hint: remove it", done.stderr)
+        self.assertNotIn("crl distribute", done.stderr)
+        file.unlink()
+        self.distribute()
+        self.assertEqual(self.labels("demo/talker/renewed.pem"), [CERTIFICATE])
+
+    def test_AListThatCannotBeWritten_IsNoSuccess(self):
+        for role in ("identity", "permissions"):
+            (self.at / f"demo/ca/{role}/renewed.pem").mkdir()
+        before = (self.at / "demo/talker/cert.pem").read_bytes()
+        done = self.run_program("identity", "renew", "demo/talker", "--ca", "demo", "--days", "700", "--permissions", exit=5)
+        self.assertEqual(done.stderr.count("error[would_overwrite]"), 2)
+        self.assertNotEqual((self.at / "demo/talker/cert.pem").read_bytes(), before, "the list stops no renewal")
+        done = self.sign(self.until(self.xml_of("demo/talker/permissions.p7s"), 2052), "demo/talker/permissions.p7s",
+                         "--replace", exit=5)
+        self.assertIn("error[would_overwrite]", done.stderr)
+
+    def test_AListWhoseEntriesHaveAllLeft_IsEmptied(self):
+        self.renew()
+        self.distribute()
+        self.revoke_and_distribute(exit=0)
+        file = self.at / "demo/listener/renewed.pem"
+        self.assertEqual(file.read_text(), "# no renewed certificate or permissions\n")
+        self.assertEqual(self.about(), [])
+        written = [one["path"] for one in self.distribute()["files_written"]]
+        self.assertFalse([path for path in written if path.endswith("renewed.pem")])
+        self.renew("listener")
+        self.distribute()
+        self.assertEqual(self.labels("demo/listener/renewed.pem"), [CERTIFICATE])
+
+    def test_AFolderWithoutItsPermissionsCa_KeepsItsPermissions_AndIsNamed(self):
+        self.renew("talker", "--permissions")
+        self.distribute()
+        before = self.listed("demo/listener/renewed.pem")
+        (self.at / "demo/listener/permissions_ca.pem").rename(self.at / "elsewhere.pem")
+        self.run_program("identity", "renew", "demo/talker", "--ca", "demo", "--days", "800", "--permissions")
+        (named,) = self.distribute()["result"]["without_permissions"]
+        self.assertTrue(named.endswith("demo/listener"))
+        self.assertEqual(self.labels("demo/listener/renewed.pem"), [CERTIFICATE, PERMISSIONS])
+        self.assertEqual(self.listed("demo/listener/renewed.pem"), before)
+        self.assertNotEqual(self.listed("demo/talker/renewed.pem"), before)
+        self.assertIn("no permissions CA is in the folder",
+                      self.run_program("crl", "distribute", "--ca", "demo").stdout)
+        (self.at / "elsewhere.pem").rename(self.at / "demo/listener/permissions_ca.pem")
+        self.assertEqual(self.distribute()["result"]["without_permissions"], [])
+        self.assertEqual(self.listed("demo/listener/renewed.pem"), self.listed("demo/talker/renewed.pem"))
+
     def test_ADamagedListOfACa_StopsNoAgent(self):
         (self.at / "demo/ca/permissions/renewed.pem").write_bytes(b"")
         words = ("agent", "demo/talker", "demo/listener", "--ca", "demo", "--permissions", "--once", "--now")
@@ -230,7 +284,7 @@ class RenewalList(Transcript):
         for days, fifth, left in (("700", 0, [1, 2, 3, 4, 0, 6, 7]), ("701", 5, [0, 1, 2, 4, 5, 6, 7])):
             self.fill_list(fifth)
             gone = 3 if fifth else 0
-            self.assertRegex(self.run_program(*words, days).stderr,
+            self.assertRegex(self.run_program(*words, days, exit=5).stderr,
                              rf"file_too_large(.|\n)*entries of CN=x{gone} were left out")
             self.assertEqual(self.subjects(), [*(f"CN=x{i}" for i in left), "CN=listener"])
         self.assertLessEqual((self.at / "demo/ca/permissions/renewed.pem").stat().st_size, 8 << 20)
@@ -322,6 +376,13 @@ class RenewalList(Transcript):
         self.run_program("agent", "demo/talker", "demo/listener", "--ca", "demo", "--once", "--now", "+300d")
         for name in ("talker", "listener"):
             self.assertEqual(self.labels(f"demo/{name}/renewed.pem"), [CERTIFICATE] * 2 + [PERMISSIONS] * 2)
+
+    def test_TheAgent_PutsTheListIntoAFolderWhoseRenewalFails(self):
+        self.renew("talker", "--permissions")
+        (self.at / "demo/listener/key.pem").write_bytes((self.at / "demo/talker/key.pem").read_bytes())
+        out = self.run_program("agent", "demo/listener", "--ca", "demo", "--once", "--now", "+300d", exit=1).stdout
+        self.assertEqual([event["event"] for event in checked_events(out)], ["failed"])
+        self.assertEqual(self.labels("demo/listener/renewed.pem"), [CERTIFICATE, PERMISSIONS])
 
 
 if __name__ == "__main__":

@@ -46,6 +46,11 @@ TEST(RenewalList, CutAtEveryOctet_HasNoOtherEntry) {
 TEST(RenewalList, WithoutAnEntry_IsRefused) {
   EXPECT_CODE(RenewalList::parse({}), renewal_list_malformed);
   EXPECT_CODE(RenewalList::parse(as_bytes("no block")), renewal_list_malformed);
+  const auto none = RenewalList{}.text().value();
+  const auto read = RenewalList::parse(as_bytes(none));
+  ASSERT_TRUE(read);
+  EXPECT_TRUE(read->is_empty());
+  EXPECT_CODE(RenewalList::parse(as_bytes(none.substr(1))), renewal_list_malformed);
 }
 
 TEST(RenewalList, AnotherBlock_IsRefused) {
