@@ -19,6 +19,18 @@ using rtps::MeetingState;
 
 constexpr int kLongest = 86'400;
 
+}  // namespace
+
+template <>
+struct Listed<rtps::CertificateNames> {
+  using T = rtps::CertificateNames;
+  static constexpr auto fields() {
+    return std::tuple(field("subject", &T::subject), field("issuer", &T::issuer));
+  }
+};
+
+namespace {
+
 /// CryptoTransformKind (DDS-Security 1.2, clause 10.5.2.1.1), whatever its key revision.
 std::string kind_name(TransformKind kind) {
   switch (kind.octets[3]) {
@@ -49,205 +61,176 @@ std::optional<rtps::CertificateNames> names_in(BytesView pem) {
   return rtps::CertificateNames{certificate->subject(), certificate->issuer()};
 }
 
-// ---- the result
+double milliseconds(MonotonicTime time) {
+  return std::chrono::duration<double, std::milli>(time).count();
+}
 
-struct Names {
-  std::string subject, issuer;
+// ---- for people
 
-  static constexpr auto fields() {
-    return std::tuple(field("subject", &Names::subject), field("issuer", &Names::issuer));
+std::string text_of(const GuidPrefix& prefix, const rtps::ObservedParticipant& participant) {
+  auto out =
+      fmt::format("{}\n  {} at {}, {}GUID prefix {}\n", name_of(prefix, participant),
+                  name_of(participant.vendor), fmt::join(participant.addresses, ", "),
+                  participant.domain < 0 ? "" : fmt::format("domain {}, ", participant.domain),
+                  prefix.to_string());
+  if (!participant.data) return out + "  did not announce itself\n";
+  if (participant.is_secured()) {
+    const auto issuer = issuer_of(participant);
+    out += fmt::format("  identity     {}\n",
+                       issuer.empty() ? "not said before the handshake" : "issued by " + issuer);
+    const auto info = participant.data->security_info.value_or(spi::SecurityInfo{});
+    if (const auto kinds = spi::attributes_in(info))
+      out += fmt::format("  protection   rtps {}, discovery {}, liveliness {}\n",
+                         to_string(kinds->rtps), to_string(kinds->discovery),
+                         to_string(kinds->liveliness));
+  } else {
+    out += "  identity     none: it is not secured\n";
   }
-};
+  out += fmt::format(
+      "  sent         {} messages, {} protected whole, {} submessages protected{}{}\n",
+      participant.messages.count, participant.protected_messages, participant.protected_submessages,
+      participant.kinds.empty() ? "" : ", ", fmt::join(kinds_of(participant), ", "));
+  if (participant.clear_samples + participant.clear_topics.size() > 0)
+    out += fmt::format("  in the clear {}, {}\n", counted(participant.clear_samples, "sample"),
+                       counted(participant.clear_topics.size(), "topic"));
+  return out;
+}
+
+std::string text_of(const rtps::Meeting& meeting, const rtps::Observer& observer) {
+  const auto name = [&](const GuidPrefix& prefix) {
+    return name_of(prefix, observer.participants().at(prefix));
+  };
+  auto out = fmt::format(
+      "{} and {}: {}", name(meeting.a), name(meeting.b),
+      meeting.state == MeetingState::apart ? "they do NOT talk" : to_string(meeting.state));
+  if (meeting.took) out += fmt::format(" within {:.0f} ms", milliseconds(*meeting.took));
+  return out + '\n';
+}
+
+// ---- for machines
 
 struct Protection {
   ProtectionKind rtps, discovery, liveliness;
 
   static constexpr auto fields() {
-    using Self = Protection;
-    return std::tuple(field("rtps", &Self::rtps), field("discovery", &Self::discovery),
-                      field("liveliness", &Self::liveliness));
+    using T = Protection;
+    return std::tuple(field("rtps", &T::rtps), field("discovery", &T::discovery),
+                      field("liveliness", &T::liveliness));
   }
 };
 
+std::optional<Protection> protection_of(const rtps::ObservedParticipant& participant) {
+  if (!participant.data) return std::nullopt;
+  const auto kinds =
+      spi::attributes_in(participant.data->security_info.value_or(spi::SecurityInfo{}));
+  if (!kinds) return std::nullopt;
+  return Protection{kinds->rtps, kinds->discovery, kinds->liveliness};
+}
+
 struct ClearTopic {
-  std::string topic, type;
-  bool published, subscribed;
+  const std::string* topic;
+  const rtps::ObservedTopic* by;
 
   static constexpr auto fields() {
-    using Self = ClearTopic;
-    return std::tuple(field("topic", &Self::topic), field("type", &Self::type),
-                      field("published", &Self::published), field("subscribed", &Self::subscribed));
+    using T = ClearTopic;
+    using By = rtps::ObservedTopic;
+    return std::tuple(made<T>("topic", [](const T& one) { return *one.topic; }),
+                      field("type", &T::by, &By::type), field("published", &T::by, &By::is_written),
+                      field("subscribed", &T::by, &By::is_read));
   }
 };
 
 struct Seen {
   static constexpr std::string_view kDef = "observed participant";
-  std::string guid_prefix, name, vendor;
-  std::optional<unsigned> domain;
-  std::vector<std::string> addresses;
-  bool announced, secured;
-  std::optional<Names> certificate;
-  std::optional<Protection> protection;
-  std::uint64_t messages, protected_messages, protected_submessages;
-  std::vector<std::string> kinds;
-  std::uint64_t clear_samples, encrypted_payloads;
-  std::vector<ClearTopic> clear_topics;
-  bool left;
-  std::string issuer;  ///< also if only a hash of the CA's name was seen
+  const GuidPrefix* prefix;
+  const rtps::ObservedParticipant* by;
 
-  static Seen of(const GuidPrefix& prefix, const rtps::ObservedParticipant& participant);
-
-  static constexpr auto fields() {
-    return std::tuple(
-        field("guid_prefix", &Seen::guid_prefix, {.def = "guid prefix"}),
-        field("name", &Seen::name), field("vendor", &Seen::vendor),
-        field("domain", &Seen::domain, {"null: not known"}), field("addresses", &Seen::addresses),
-        field("announced", &Seen::announced), field("secured", &Seen::secured),
-        field("certificate", &Seen::certificate, {"null: not seen"}),
-        field("protection", &Seen::protection, {"null: not said"}),
-        field("messages", &Seen::messages), field("protected_messages", &Seen::protected_messages),
-        field("protected_submessages", &Seen::protected_submessages), field("kinds", &Seen::kinds),
-        field("clear_samples", &Seen::clear_samples),
-        field("encrypted_payloads", &Seen::encrypted_payloads),
-        field("clear_topics", &Seen::clear_topics), field("left", &Seen::left));
-  }
-  std::string text() const {
-    auto out =
-        fmt::format("{}\n  {} at {}, {}GUID prefix {}\n", name, vendor, fmt::join(addresses, ", "),
-                    domain ? fmt::format("domain {}, ", *domain) : "", guid_prefix);
-    if (!announced) return out + "  did not announce itself\n";
-    out += fmt::format("  identity     {}\n", !secured         ? "none: it is not secured"
-                                              : issuer.empty() ? "not said before the handshake"
-                                                               : "issued by " + issuer);
-    if (secured && protection)
-      out += fmt::format("  protection   rtps {}, discovery {}, liveliness {}\n",
-                         to_string(protection->rtps), to_string(protection->discovery),
-                         to_string(protection->liveliness));
-    out += fmt::format(
-        "  sent         {} messages, {} protected whole, {} submessages protected{}{}\n", messages,
-        protected_messages, protected_submessages, kinds.empty() ? "" : ", ",
-        fmt::join(kinds, ", "));
-    if (clear_samples + clear_topics.size() > 0)
-      out += fmt::format("  in the clear {}, {}\n", counted(clear_samples, "sample"),
-                         counted(clear_topics.size(), "topic"));
+  std::string name() const { return name_of(*prefix, *by); }
+  std::vector<ClearTopic> clear_topics() const {
+    std::vector<ClearTopic> out;
+    for (const auto& [name, topic] : by->clear_topics) out.push_back({&name, &topic});
     return out;
   }
+  static constexpr auto fields() {
+    using T = Seen;
+    using By = rtps::ObservedParticipant;
+    return std::tuple(
+        field("guid_prefix", &T::prefix, &GuidPrefix::to_string, {.def = "guid prefix"}),
+        field("name", &T::name),
+        made<T>("vendor", [](const T& one) { return std::string(name_of(one.by->vendor)); }),
+        made<T>("domain",
+                [](const T& one) {
+                  const auto domain = one.by->domain;
+                  return domain < 0 ? std::nullopt : std::optional(unsigned(domain));
+                },
+                {"null: not known"}),
+        made<T>("addresses",
+                [](const T& one) {
+                  const auto& all = one.by->addresses;
+                  return std::vector<std::string>(all.begin(), all.end());
+                }),
+        made<T>("announced", [](const T& one) { return one.by->data.has_value(); }),
+        field("secured", &T::by, &By::is_secured),
+        field("certificate", &T::by, &By::certificate, {"null: not seen"}),
+        made<T>("protection", [](const T& one) { return protection_of(*one.by); },
+                {"null: not said"}),
+        made<T>("messages", [](const T& one) { return one.by->messages.count; }),
+        field("protected_messages", &T::by, &By::protected_messages),
+        field("protected_submessages", &T::by, &By::protected_submessages),
+        made<T>("kinds", [](const T& one) { return kinds_of(*one.by); }),
+        field("clear_samples", &T::by, &By::clear_samples),
+        field("encrypted_payloads", &T::by, &By::encrypted_payloads),
+        field("clear_topics", &T::clear_topics), field("left", &T::by, &By::left));
+  }
 };
 
-Seen Seen::of(const GuidPrefix& prefix, const rtps::ObservedParticipant& participant) {
-  Seen out{.guid_prefix = prefix.to_string(),
-           .name = name_of(prefix, participant),
-           .vendor = name_of(participant.vendor),
-           .domain = {},
-           .addresses = {participant.addresses.begin(), participant.addresses.end()},
-           .announced = participant.data.has_value(),
-           .secured = participant.is_secured(),
-           .certificate = {},
-           .protection = {},
-           .messages = participant.messages.count,
-           .protected_messages = participant.protected_messages,
-           .protected_submessages = participant.protected_submessages,
-           .kinds = kinds_of(participant),
-           .clear_samples = participant.clear_samples,
-           .encrypted_payloads = participant.encrypted_payloads,
-           .clear_topics = {},
-           .left = participant.left,
-           .issuer = issuer_of(participant)};
-  if (participant.domain >= 0) out.domain = static_cast<unsigned>(participant.domain);
-  if (const auto& names = participant.certificate)
-    out.certificate = Names{names->subject, names->issuer};
-  if (participant.data && participant.data->security_info)
-    if (const auto kinds = spi::attributes_in(*participant.data->security_info))
-      out.protection = Protection{kinds->rtps, kinds->discovery, kinds->liveliness};
-  for (const auto& [name, topic] : participant.clear_topics)
-    out.clear_topics.push_back({name, topic.type, topic.is_written, topic.is_read});
-  return out;
+template <rtps::HandshakeStep step>
+std::uint64_t count_of(const rtps::HandshakeFlow& flow) {
+  return flow.at(step).count;
 }
 
-/// How many messages of each step went one way.
-struct Flow {
-  static constexpr std::string_view kDef = "handshake flow";
-  std::uint64_t auth_request, request, reply, final, keys;
+}  // namespace
 
-  static Flow of(const rtps::HandshakeFlow& flow) {
-    using Step = rtps::HandshakeStep;
-    const auto count = [&](Step step) { return flow.at(step).count; };
-    return {count(Step::auth_request), count(Step::request), count(Step::reply), count(Step::final),
-            count(Step::keys)};
-  }
+template <>
+struct Listed<rtps::HandshakeFlow> {
+  using T = rtps::HandshakeFlow;
+  using Step = rtps::HandshakeStep;
+  static constexpr std::string_view kDef = "handshake flow";
   static constexpr auto fields() {
-    return std::tuple(field("auth_request", &Flow::auth_request), field("request", &Flow::request),
-                      field("reply", &Flow::reply), field("final", &Flow::final),
-                      field("keys", &Flow::keys));
+    return std::tuple(
+        made<T>("auth_request", count_of<Step::auth_request>),
+        made<T>("request", count_of<Step::request>), made<T>("reply", count_of<Step::reply>),
+        made<T>("final", count_of<Step::final>), made<T>("keys", count_of<Step::keys>));
   }
 };
+
+namespace {
 
 struct Pair {
-  std::string a, b;
-  MeetingState state;
-  std::optional<double> milliseconds;
-  Flow a_to_b, b_to_a;
-  std::string names;  ///< of both
-
-  static Pair of(const rtps::Meeting& meeting, const rtps::Observer& observer);
+  rtps::Meeting meeting;
+  const rtps::Observer* observer;
 
   static constexpr auto fields() {
+    using T = Pair;
     return std::tuple(
-        field("a", &Pair::a, {.def = "guid prefix"}), field("b", &Pair::b, {.def = "guid prefix"}),
-        field("state", &Pair::state, {.words = "unsecured|apart|under way|authenticated"}),
-        field("milliseconds", &Pair::milliseconds, {"null: not authenticated, or not seen"}),
-        field("a_to_b", &Pair::a_to_b, {"messages of each step of the handshake"}),
-        field("b_to_a", &Pair::b_to_a, {.note = "the same", .same = true}));
-  }
-  std::string text() const {
-    return fmt::format("{}: {}{}\n", names,
-                       state == MeetingState::apart ? "they do NOT talk" : to_string(state),
-                       milliseconds ? fmt::format(" within {:.0f} ms", *milliseconds) : "");
-  }
-};
-
-Pair Pair::of(const rtps::Meeting& meeting, const rtps::Observer& observer) {
-  const auto& [a, b] = std::tie(meeting.a, meeting.b);
-  const auto name = [&](const GuidPrefix& prefix) {
-    return name_of(prefix, observer.participants().at(prefix));
-  };
-  using Milliseconds = std::chrono::duration<double, std::milli>;
-  return {.a = a.to_string(),
-          .b = b.to_string(),
-          .state = meeting.state,
-          .milliseconds =
-              meeting.took ? std::optional(Milliseconds(*meeting.took).count()) : std::nullopt,
-          .a_to_b = Flow::of(observer.flow(a, b)),
-          .b_to_a = Flow::of(observer.flow(b, a)),
-          .names = fmt::format("{} and {}", name(a), name(b))};
-}
-
-struct Inspection {
-  std::string source;
-  double seconds;
-  std::uint64_t datagrams, rtps_messages;
-  std::vector<Seen> participants = {};
-  std::vector<Pair> pairs = {};
-  std::uint64_t left_out;
-
-  static constexpr auto fields() {
-    using Self = Inspection;
-    return std::tuple(field("source", &Self::source), field("seconds", &Self::seconds),
-                      field("datagrams", &Self::datagrams),
-                      field("rtps_messages", &Self::rtps_messages),
-                      field("participants", &Self::participants, {.apart = true}),
-                      field("pairs", &Self::pairs, {.apart = true}));
-  }
-  std::string text() const {
-    auto out = fmt::format("{}: {} RTPS messages of {} in {:.1f} s\n", source, rtps_messages,
-                           counted(participants.size(), "participant"), seconds);
-    for (const auto& one : participants) out += '\n' + one.text();
-    if (left_out > 0)
-      out += fmt::format("\n{} of further participants and topics are left out\n",
-                         counted(left_out, "message"));
-    if (!pairs.empty()) out += '\n';
-    for (const auto& one : pairs) out += one.text();
-    return out;
+        made<T>("a", [](const T& one) { return one.meeting.a.to_string(); },
+                {.def = "guid prefix"}),
+        made<T>("b", [](const T& one) { return one.meeting.b.to_string(); },
+                {.def = "guid prefix"}),
+        field("state", &T::meeting, &rtps::Meeting::state,
+              {.words = "unsecured|apart|under way|authenticated"}),
+        made<T>("milliseconds",
+                [](const T& one) {
+                  const auto took = one.meeting.took;
+                  return took ? std::optional(milliseconds(*took)) : std::nullopt;
+                },
+                {"null: not authenticated, or not seen"}),
+        made<T>("a_to_b",
+                [](const T& one) { return one.observer->flow(one.meeting.a, one.meeting.b); },
+                {"messages of each step of the handshake"}),
+        made<T>("b_to_a",
+                [](const T& one) { return one.observer->flow(one.meeting.b, one.meeting.a); },
+                {.note = "the same", .same = true}));
   }
 };
 
@@ -280,31 +263,65 @@ Status watch(Capture& capture, int seconds, bool is_live, Watched& out) {
   return {};
 }
 
-Answer<Inspection> answer_of(const Watched& watched, const std::string& source) {
-  const auto& observer = watched.observer;
-  const auto& datagrams = observer.datagrams();
-  Answer<Inspection> answer{
-      {.source = source,
-       .seconds = std::chrono::duration<double>(datagrams.last - datagrams.first).count(),
-       .datagrams = datagrams.count,
-       .rtps_messages = observer.rtps_messages(),
-       .left_out = observer.left_out()}};
-  auto& [result, out, has_result] = answer;
-  for (const auto& [prefix, participant] : observer.participants())
-    result.participants.push_back(Seen::of(prefix, participant));
-  for (const auto& meeting : meetings_of(observer)) {
-    result.pairs.push_back(Pair::of(meeting, observer));
+struct Inspection {
+  std::string source;
+  Watched watched;
+
+  double seconds() const {
+    const auto& datagrams = watched.observer.datagrams();
+    return std::chrono::duration<double>(datagrams.last - datagrams.first).count();
+  }
+  std::vector<Seen> participants() const {
+    std::vector<Seen> out;
+    for (const auto& [prefix, participant] : watched.observer.participants())
+      out.push_back({&prefix, &participant});
+    return out;
+  }
+  std::vector<Pair> pairs() const {
+    std::vector<Pair> out;
+    for (auto& meeting : meetings_of(watched.observer))
+      out.push_back({std::move(meeting), &watched.observer});
+    return out;
+  }
+  static constexpr auto fields() {
+    using T = Inspection;
+    return std::tuple(
+        field("source", &T::source), field("seconds", &T::seconds),
+        made<T>("datagrams", [](const T& one) { return one.watched.observer.datagrams().count; }),
+        made<T>("rtps_messages", [](const T& one) { return one.watched.observer.rtps_messages(); }),
+        field("participants", &T::participants, {.apart = true}),
+        field("pairs", &T::pairs, {.apart = true}));
+  }
+  std::string text() const {
+    const auto& observer = watched.observer;
+    auto out =
+        fmt::format("{}: {} RTPS messages of {} in {:.1f} s\n", source, observer.rtps_messages(),
+                    counted(observer.participants().size(), "participant"), seconds());
+    for (const auto& [prefix, participant] : observer.participants())
+      out += '\n' + text_of(prefix, participant);
+    if (observer.left_out() > 0)
+      out += fmt::format("\n{} of further participants and topics are left out\n",
+                         counted(observer.left_out(), "message"));
+    const auto meetings = pairs();
+    if (!meetings.empty()) out += '\n';
+    for (const auto& one : meetings) out += text_of(one.meeting, observer);
+    return out;
+  }
+};
+
+void add_findings(const Inspection& result, Report& out) {
+  const auto& observer = result.watched.observer;
+  for (const auto& [meeting, ignored] : result.pairs()) {
     if (meeting.finding) out.findings.push_back(*meeting.finding);
     if (meeting.state == MeetingState::apart) out.exit = Exit::no;
   }
   if (auto finding = all_in_different_domains(observer))
     out.findings.push_back(*std::move(finding));
   std::ranges::move(leaks_of(observer), std::back_inserter(out.findings));
-  if (watched.cut > 0)
+  if (result.watched.cut > 0)
     out.findings.push_back(
-        {Rule::CAP030, fmt::format("{} are cut", counted(watched.cut, "packet"))});
-  for (auto& finding : out.findings) finding.document = source;
-  return answer;
+        {Rule::CAP030, fmt::format("{} are cut", counted(result.watched.cut, "packet"))});
+  for (auto& finding : out.findings) finding.document = result.source;
 }
 
 Result<Answer<Inspection>> inspect(const Arguments& arguments, const Context&) {
@@ -318,10 +335,10 @@ Result<Answer<Inspection>> inspect(const Arguments& arguments, const Context&) {
   DDSSEC_ASSIGN_OR_RETURN(auto capture, is_live ? Capture::listen(source) : Capture::open(source));
   const auto saved = arguments.text("--save");
   if (!saved.empty()) DDSSEC_RETURN_IF_ERROR(capture.save_to(saved));
-  Watched watched;
-  if (auto status = watch(capture, seconds, is_live, watched); !status)
+  Answer<Inspection> answer{{source, {}}};
+  if (auto status = watch(capture, seconds, is_live, answer.result.watched); !status)
     return std::unexpected(status.error().in(source));
-  auto answer = answer_of(watched, source);
+  add_findings(answer.result, answer.report);
   if (!saved.empty()) {
     DDSSEC_ASSIGN_OR_RETURN(auto saved_file, capture.saved());
     answer.report.files_written.push_back(std::move(saved_file));

@@ -72,18 +72,16 @@ struct ChangedTopics {
   }
 };
 
-/// The fields of what has a `scope`, if `by` points to it.
-template <class T>
-constexpr auto scope_fields() {
-  return std::tuple(
-      made<T>("domains", [](const T& one) { return domains_json(one.by->scope.domains); },
-              {.def = "domain_ranges"}),
-      made<T>("tag_set",
-              [](const T& one) {
-                const auto& scope = one.by->scope;
-                return scope.has_tags ? std::optional(scope.tags) : std::nullopt;
-              },
-              {"null: no tags"}));
-}
+template <>
+struct Listed<governance::DomainScope> {
+  using T = governance::DomainScope;
+  static constexpr auto fields() {
+    return std::tuple(
+        field("domains", &T::domains, domains_json, {.def = "domain_ranges"}),
+        made<T>("tag_set",
+                [](const T& one) { return one.has_tags ? std::optional(one.tags) : std::nullopt; },
+                {"null: no tags"}));
+  }
+};
 
 }  // namespace ddssec::cli

@@ -148,40 +148,27 @@ std::string to_text(const governance::GovernanceDiff& diff, bool only_listed) {
 
 }  // namespace
 
-ShownGovernanceChange::Text ShownGovernanceChange::mask(bool is_new, bool is_plugin_mask) const {
-  const auto& domain = is_new ? by->new_domain : by->old_domain;
-  const auto& topic = is_new ? by->new_topic : by->old_topic;
-  if (by->is_about_topics ? !topic : !domain) return std::nullopt;
-  const auto info = by->is_about_topics
+std::optional<std::string> announced_mask(const GovernanceChange& change, bool is_new,
+                                          bool is_plugin_mask) {
+  const auto& domain = is_new ? change.new_domain : change.old_domain;
+  const auto& topic = is_new ? change.new_topic : change.old_topic;
+  if (change.is_about_topics ? !topic : !domain) return std::nullopt;
+  const auto info = change.is_about_topics
                         ? spi::security_info(access_control::endpoint_attributes(*topic))
                         : spi::security_info(access_control::participant_attributes(*domain));
   return fmt::format("0x{:08x}", is_plugin_mask ? info.plugin_mask : info.mask);
 }
 
-std::vector<std::string_view> ShownGovernanceChange::properties(
-    const governance::Properties& properties) const {
+std::vector<std::string_view> words_of(const governance::Properties& properties) {
   std::vector<std::string_view> out;
   for (const auto property : governance::listed(properties))
     out.push_back(governance::to_string(property));
   return out;
 }
 
-std::vector<ShownProperty> ShownGovernanceChange::of_some() const {
-  std::vector<ShownProperty> out;
-  for (const auto& [property, witness] : by->of_some)
-    out.push_back({governance::to_string(property), witness});
-  return out;
-}
-
 std::vector<ShownGovernanceChange> GovernanceComparison::changes() const {
   std::vector<ShownGovernanceChange> out;
   for (const auto& change : diff.changes) out.push_back({&change, &sides});
-  return out;
-}
-
-std::vector<ShownRewriting> GovernanceComparison::rewritten() const {
-  std::vector<ShownRewriting> out;
-  for (const auto& rules : diff.rewritten) out.push_back({&rules});
   return out;
 }
 

@@ -7,57 +7,79 @@
 
 namespace ddssec::cli {
 
-struct ShownProperty {
-  std::string_view property;
-  std::string witness;
+/// A mask that discovery announces with a document; empty without a rule.
+std::optional<std::string> announced_mask(const governance::GovernanceChange& change, bool is_new,
+                                          bool is_plugin_mask);
+std::vector<std::string_view> words_of(const governance::Properties& properties);
 
+template <>
+struct Listed<governance::ElementChange> {
+  using T = governance::ElementChange;
   static constexpr auto fields() {
-    using T = ShownProperty;
-    return std::tuple(field("property", &T::property), field("witness", &T::witness));
+    return std::tuple(
+        field("element", &T::element), field("old", &T::old_value), field("new", &T::new_value),
+        field("class", &T::change, {.words = "weaker|stronger|wider|narrower|mixed|neutral"}),
+        field("interop", &T::interop, {.words = "none|endpoint|participant"}));
+  }
+};
+
+template <>
+struct Listed<governance::PropertyOfSome> {
+  using T = governance::PropertyOfSome;
+  static constexpr auto fields() {
+    return std::tuple(
+        made<T>("property", [](const T& one) { return governance::to_string(one.property); }),
+        field("witness", &T::witness));
+  }
+};
+
+template <>
+struct Listed<governance::GovernanceChange> {
+  using T = governance::GovernanceChange;
+  static constexpr auto fields() {
+    constexpr Shown kMask{.def = "mask"}, kPluginMask{.def = "mask", .absent = true};
+    constexpr Shown kProperties{.def = "property"};
+    return std::tuple_cat(
+        fields_within(&T::scope), std::tuple(made<T>("topics", ChangedTopics::of<T>)),
+        fields_within(&T::element),
+        std::tuple(
+            made<T>(
+                "mask_old", [](const T& one) { return announced_mask(one, false, false); }, kMask),
+            made<T>(
+                "mask_new", [](const T& one) { return announced_mask(one, true, false); }, kMask),
+            made<T>(
+                "plugin_mask_old", [](const T& one) { return announced_mask(one, false, true); },
+                kPluginMask),
+            made<T>(
+                "plugin_mask_new", [](const T& one) { return announced_mask(one, true, true); },
+                kPluginMask),
+            field("properties_lost", &T::lost, words_of, kProperties),
+            field("properties_gained", &T::gained, words_of, kProperties),
+            field("properties_of_some", &T::of_some,
+                  {"of a whole domain's change, those that only some topics lose or gain"})));
+  }
+};
+
+/// Rules that are written differently without any effect.
+template <>
+struct Listed<governance::RewrittenRules> {
+  using T = governance::RewrittenRules;
+  static constexpr auto fields() {
+    return std::tuple_cat(fields_within(&T::scope), std::tuple(field("only_old", &T::only_old),
+                                                               field("only_new", &T::only_new)));
   }
 };
 
 /// One difference. What it points to is the comparison's.
 struct ShownGovernanceChange {
-  using Text = std::optional<std::string>;
   const governance::GovernanceChange* by;
   const DiffSides* sides;
 
-  /// The masks that discovery announces with a document; empty without a rule. The plugin masks
-  /// only of a rule.
-  Text mask(bool is_new, bool is_plugin_mask) const;
-  std::vector<std::string_view> properties(const governance::Properties& properties) const;
-  std::vector<ShownProperty> of_some() const;
-
   static constexpr auto fields() {
     using T = ShownGovernanceChange;
-    constexpr Shown kMask{.def = "mask"}, kPluginMask{.def = "mask", .absent = true};
     return std::tuple_cat(
-        scope_fields<T>(),
+        fields_within(&T::by),
         std::tuple(
-            made<T>("topics", [](const T& one) { return ChangedTopics::of(*one.by); }),
-            made<T>("element", [](const T& one) { return one.by->element.element; }),
-            made<T>("old", [](const T& one) { return one.by->element.old_value; }),
-            made<T>("new", [](const T& one) { return one.by->element.new_value; }),
-            made<T>("class", [](const T& one) { return one.by->element.change; },
-                    {.words = "weaker|stronger|wider|narrower|mixed|neutral"}),
-            made<T>("interop", [](const T& one) { return one.by->element.interop; },
-                    {.words = "none|endpoint|participant"}),
-            made<T>(
-                "mask_old", [](const T& one) { return one.mask(false, false); }, kMask),
-            made<T>(
-                "mask_new", [](const T& one) { return one.mask(true, false); }, kMask),
-            made<T>(
-                "plugin_mask_old", [](const T& one) { return one.mask(false, true); }, kPluginMask),
-            made<T>(
-                "plugin_mask_new", [](const T& one) { return one.mask(true, true); }, kPluginMask),
-            made<T>("properties_lost", [](const T& one) { return one.properties(one.by->lost); },
-                    {.def = "property"}),
-            made<T>("properties_gained",
-                    [](const T& one) { return one.properties(one.by->gained); },
-                    {.def = "property"}),
-            made<T>("properties_of_some", [](const T& one) { return one.of_some(); },
-                    {"of a whole domain's change, those that only some topics lose or gain"}),
             made<T>("old_at",
                     [](const T& one) { return place(one.sides->before.path, one.by->old_line()); }),
             made<T>("new_at",
@@ -71,19 +93,6 @@ struct ShownGovernanceChange {
   }
 };
 
-/// Rules that are written differently without any effect.
-struct ShownRewriting {
-  const governance::RewrittenRules* by;
-
-  static constexpr auto fields() {
-    using T = ShownRewriting;
-    return std::tuple_cat(
-        scope_fields<T>(),
-        std::tuple(made<T>("only_old", [](const T& one) { return one.by->only_old; }),
-                   made<T>("only_new", [](const T& one) { return one.by->only_new; })));
-  }
-};
-
 /// The result of `governance diff`.
 struct GovernanceComparison {
   governance::GovernanceDiff diff;
@@ -92,28 +101,28 @@ struct GovernanceComparison {
   bool only_listed;  ///< the comparison was one of the topics of --topics
 
   std::vector<ShownGovernanceChange> changes() const;
-  std::vector<ShownRewriting> rewritten() const;
 
   static constexpr auto fields() {
     using T = GovernanceComparison;
+    using Diff = governance::GovernanceDiff;
     constexpr Shown kRanges{.def = "domain_ranges"};
     return std::tuple(
-        made<T>("verdict", [](const T& one) { return one.diff.verdict; },
-                {.words = "weaker|stronger|mixed|neutral|unknown"}),
+        field("verdict", &T::diff, &Diff::verdict,
+              {.words = "weaker|stronger|mixed|neutral|unknown"}),
         made<T>("breaks_interop", [](const T& one) { return !one.diff.flag_day_domains.empty(); }),
         made<T>(
             "flag_day_domains",
             [](const T& one) { return domains_json(one.diff.flag_day_domains); }, kRanges),
-        made<T>("changes", [](const T& one) { return one.changes(); }, {.apart = true}),
-        made<T>("rewritten", [](const T& one) { return one.rewritten(); }),
+        field("changes", &T::changes, {.apart = true}),
+        field("rewritten", &T::diff, &Diff::rewritten),
         made<T>(
             "unknown_domains", [](const T& one) { return domains_json(one.diff.unknown_domains); },
             kRanges),
-        made<T>("complete", [](const T& one) { return one.diff.complete; }),
+        field("complete", &T::diff, &Diff::complete),
         made<T>("readings",
                 [](const T& one) { return ShownReadings::of(one.diff.readings, one.sides); },
                 {"what other products may read differently, and only one document has"}),
-        made<T>("signer", [](const T& one) { return ShownSigners::of(one.sides); }),
+        field("signer", &T::sides, ShownSigners::of),
         field("live", &T::live,
               {"what running participants do: same, live, two phases, live unless in use, live if "
                "the signer is believed, refused as a roll-back, refused without a revision, "

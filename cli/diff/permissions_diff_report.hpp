@@ -18,6 +18,30 @@ struct Listed<governance::EntityWords> {
   }
 };
 
+template <>
+struct Listed<governance::PermissionChange> {
+  using T = governance::PermissionChange;
+  static constexpr auto fields() {
+    return std::tuple_cat(
+        std::tuple(field("subject", &T::subject)), fields_within(&T::scope),
+        std::tuple(
+            field("element", &T::element,
+                  {.words = "rule|default|grant|validity|join|subject_name|rewritten"}),
+            field("operation", &T::operation, if_any, {.words = "publish|subscribe|relay"}),
+            made<T>("topics", ChangedTopics::of<T>),
+            field("partitions", &T::entities, &governance::EntityWords::example_partitions,
+                  {"of one endpoint"}),
+            made<T>("endpoints",
+                    [](const T& one) {
+                      return one.is_about_topics ? std::optional(one.entities) : std::nullopt;
+                    },
+                    {"null: the change is not about endpoints"}),
+            field("old", &T::old_value, if_any), field("new", &T::new_value, if_any),
+            field("class", &T::change, {.words = "wider|narrower|mixed|interop|neutral|unknown"}),
+            field("hint", &T::hint, if_any)));
+  }
+};
+
 /// One difference. What it points to is the comparison's.
 struct ShownPermissionChange {
   const governance::PermissionChange* by;
@@ -26,27 +50,8 @@ struct ShownPermissionChange {
   static constexpr auto fields() {
     using T = ShownPermissionChange;
     return std::tuple_cat(
-        std::tuple(made<T>("subject", [](const T& one) { return one.by->subject; })),
-        scope_fields<T>(),
+        fields_within(&T::by),
         std::tuple(
-            made<T>("element", [](const T& one) { return one.by->element; },
-                    {.words = "rule|default|grant|validity|join|subject_name|rewritten"}),
-            made<T>("operation", [](const T& one) { return if_any(one.by->operation); },
-                    {.words = "publish|subscribe|relay"}),
-            made<T>("topics", [](const T& one) { return ChangedTopics::of(*one.by); }),
-            made<T>("partitions", [](const T& one) { return one.by->entities.example_partitions; },
-                    {"of one endpoint"}),
-            made<T>("endpoints",
-                    [](const T& one) {
-                      return one.by->is_about_topics ? std::optional(one.by->entities)
-                                                     : std::nullopt;
-                    },
-                    {"null: the change is not about endpoints"}),
-            made<T>("old", [](const T& one) { return if_any(one.by->old_value); }),
-            made<T>("new", [](const T& one) { return if_any(one.by->new_value); }),
-            made<T>("class", [](const T& one) { return one.by->change; },
-                    {.words = "wider|narrower|mixed|interop|neutral|unknown"}),
-            made<T>("hint", [](const T& one) { return if_any(one.by->hint); }),
             made<T>("old_at",
                     [](const T& one) { return place(one.sides->before.path, one.by->old_line); }),
             made<T>("new_at",
@@ -68,13 +73,13 @@ struct PermissionsComparison {
         made<T>("verdict", [](const T& one) { return one.diff.verdict; },
                 {.words = "wider|narrower|mixed|neutral|unknown"}),
         made<T>("breaks_interop", [](const T&) { return false; }, {"never"}),
-        made<T>("changes", [](const T& one) { return one.changes(); }, {.apart = true}),
-        made<T>("complete", [](const T& one) { return one.diff.is_complete; }),
+        field("changes", &T::changes, {.apart = true}),
+        field("complete", &T::diff, &governance::PermissionsDiff::is_complete),
         made<T>("approximate", [](const T& one) { return !one.diff.is_exact; }),
         made<T>("readings",
                 [](const T& one) { return ShownReadings::of(one.diff.readings, one.sides); },
                 {"what other products may read differently, and only one document has"}),
-        made<T>("signer", [](const T& one) { return ShownSigners::of(one.sides); }),
+        field("signer", &T::sides, ShownSigners::of),
         field("takes_effect", &T::takes_effect,
               {"what running participants do: same, live, live when it begins, live if the signer "
                "is believed, restart, refused"}));

@@ -54,17 +54,16 @@ struct DecidingRule {
 
   static constexpr auto fields() {
     using T = DecidingRule;
+    using By = governance::doctor::Judgement;
     return std::tuple(
-        made<T>("grant", [](const T& one) { return one.by->grant; }),
-        made<T>("index", [](const T& one) { return one.by->rule; }),
+        field("grant", &T::by, &By::grant), field("index", &T::by, &By::rule),
         made<T>("kind",
                 [](const T& one) {
                   return one.by->rule == 0 ? "default" : one.by->is_allow_rule ? "allow" : "deny";
                 },
                 {.words = "allow|deny|default"}),
-        made<T>("expression", [](const T& one) { return one.by->expression; }),
-        made<T>("file", [](const T& one) { return one.by->document; }),
-        made<T>("line", [](const T& one) { return one.by->line; }));
+        field("expression", &T::by, &By::expression), field("file", &T::by, &By::document),
+        field("line", &T::by, &By::line));
   }
 };
 
@@ -74,13 +73,12 @@ struct JudgementStep {
 
   static constexpr auto fields() {
     using T = JudgementStep;
+    using By = governance::doctor::Judgement;
     return std::tuple(
         made<T>("judge", [](const T& one) { return kSides[one.by->judge]; }, {.words = kSideWords}),
         made<T>("about", [](const T& one) { return kSides[one.by->about]; }, {.words = kSideWords}),
-        made<T>("op", [](const T& one) { return one.by->operation; },
-                {.words = "publish|subscribe"}),
-        made<T>("ok", [](const T& one) { return one.by->ok; }),
-        made<T>("reason", [](const T& one) { return one.by->reason; }),
+        field("op", &T::by, &By::operation, {.words = "publish|subscribe"}),
+        field("ok", &T::by, &By::ok), field("reason", &T::by, &By::reason),
         made<T>("rule", [](const T& one) { return DecidingRule{one.by}; }));
   }
 };
@@ -113,20 +111,18 @@ struct ShownDirection {
 
   static constexpr auto fields() {
     using T = ShownDirection;
+    using By = governance::doctor::Direction;
     constexpr Shown kIfAny{.absent = true};
     return std::tuple(made<T>("writer", [](const T& one) { return kSides[one.by->writer]; },
                               {.words = kSideWords}),
                       made<T>("reader", [](const T& one) { return kSides[1 - one.by->writer]; },
                               {.words = kSideWords}),
-                      made<T>("ok", [](const T& one) { return one.by->ok; }),
-                      made<T>("steps", [](const T& one) { return one.steps(); }),
-                      made<T>("differences", [](const T& one) { return one.by->differences; }),
-                      made<T>(
-                          "protection", [](const T& one) { return one.protection(); }, kIfAny),
-                      made<T>(
-                          "obstacle", [](const T& one) { return one.obstacle(); }, kIfAny),
-                      made<T>("reason", [](const T& one) { return one.reason(); },
-                              {.note = "the first thing that keeps them apart", .absent = true}));
+                      field("ok", &T::by, &By::ok), field("steps", &T::steps),
+                      field("differences", &T::by, &By::differences),
+                      field("protection", &T::protection, kIfAny),
+                      field("obstacle", &T::obstacle, kIfAny),
+                      field("reason", &T::reason,
+                            {.note = "the first thing that keeps them apart", .absent = true}));
   }
 };
 
@@ -136,8 +132,9 @@ struct ShownTopic {
 
   static constexpr auto fields() {
     using T = ShownTopic;
+    using By = governance::doctor::TopicMeeting;
     return std::tuple(
-        made<T>("name", [](const T& one) { return one.by->topic; }),
+        field("name", &T::by, &By::topic),
         made<T>("expression",
                 [](const T& one) {
                   return one.by->expression.empty() ? std::nullopt
@@ -203,20 +200,15 @@ struct MeetingView {
 
   static constexpr auto fields() {
     using T = MeetingView;
+    using By = governance::doctor::Meeting;
     constexpr Shown kSame{.note = "the same", .same = true};
     return std::tuple(
-        made<T>("start", [](const T& one) { return one.meeting.start; }),
-        made<T>(
-            "authentication", [](const T& one) { return one.meeting.authentication; }, kSame),
-        made<T>(
-            "permissions", [](const T& one) { return one.meeting.permissions; }, kSame),
-        made<T>("join", [](const T& one) { return one.join(); }),
-        made<T>("handshake", [](const T& one) { return one.handshake(); },
-                {"null: a certificate cannot be read"}),
-        made<T>("topics", [](const T& one) { return one.topics(); }),
-        made<T>("topics_complete", [](const T& one) { return one.meeting.topics_complete; }),
-        made<T>("talk", [](const T& one) { return one.talk(); }),
-        made<T>("vendor_notes", [](const T& one) { return one.vendor_notes(); }));
+        field("start", &T::meeting, &By::start),
+        field("authentication", &T::meeting, &By::authentication, kSame),
+        field("permissions", &T::meeting, &By::permissions, kSame), field("join", &T::join),
+        field("handshake", &T::handshake, {"null: a certificate cannot be read"}),
+        field("topics", &T::topics), field("topics_complete", &T::meeting, &By::topics_complete),
+        field("talk", &T::talk), field("vendor_notes", &T::vendor_notes));
   }
 };
 

@@ -66,8 +66,42 @@ struct Field {
 };
 
 template <class Owner, class T>
+requires std::is_object_v<T>
 constexpr Field<Owner, T> field(std::string_view name, T Owner::*member, Shown shown = {}) {
   return {name, member, shown};
+}
+
+/// A field that `make` makes from `Owner`.
+template <class Owner, class Make>
+struct MadeField {
+  using Value = std::remove_cvref_t<std::invoke_result_t<Make, const Owner&>>;
+  std::string_view name;
+  Make make;
+  Shown shown;
+
+  decltype(auto) of(const Owner& owner) const { return std::invoke(make, owner); }
+};
+
+template <class Owner, class Make>
+constexpr MadeField<Owner, Make> made(std::string_view name, Make make, Shown shown = {}) {
+  return {name, make, shown};
+}
+
+/// A field that a member function makes.
+template <class Owner, class T>
+constexpr auto field(std::string_view name, T (Owner::*make)() const, Shown shown = {}) {
+  return made<Owner>(name, make, shown);
+}
+
+/// A field that `next` makes from a member: another member of it, if it is a struct or a pointer to
+/// one, or a function of it.
+template <class Owner, class T, class Next>
+requires std::invocable<Next, const T&>
+constexpr auto field(std::string_view name, T Owner::*member, Next next, Shown shown = {}) {
+  const auto make = [member, next](const Owner& owner) -> decltype(auto) {
+    return std::invoke(next, owner.*member);
+  };
+  return made<Owner>(name, make, shown);
 }
 
 /// A field of a part of `Owner`, which stands among the fields of `Owner` itself.
@@ -79,35 +113,13 @@ struct PartField {
   OfPart inner;
   Shown shown;
 
-  decltype(auto) of(const Owner& owner) const { return inner.of(owner.*part); }
+  decltype(auto) of(const Owner& owner) const {
+    if constexpr (std::is_pointer_v<Part>)
+      return inner.of(*(owner.*part));
+    else
+      return inner.of(owner.*part);
+  }
 };
-
-/// The fields of a part, for std::tuple_cat.
-template <class Owner, class Part>
-constexpr auto fields_within(Part Owner::*part) {
-  return std::apply(
-      [&](const auto&... inner) {
-        return std::tuple(PartField<Owner, Part, std::remove_cvref_t<decltype(inner)>>{
-            inner.name, part, inner, inner.shown}...);
-      },
-      Part::fields());
-}
-
-/// A field that `make` makes from `Owner`.
-template <class Owner, class Make>
-struct MadeField {
-  using Value = std::remove_cvref_t<std::invoke_result_t<Make, const Owner&>>;
-  std::string_view name;
-  Make make;
-  Shown shown;
-
-  decltype(auto) of(const Owner& owner) const { return make(owner); }
-};
-
-template <class Owner, class Make>
-constexpr MadeField<Owner, Make> made(std::string_view name, Make make, Shown shown = {}) {
-  return {name, make, shown};
-}
 
 /// The field list of a struct of another folder: a specialization has fields(), and may have kDef.
 template <class T>
@@ -123,6 +135,17 @@ template <class T>
 using ListOf = std::conditional_t<IsListed<T>, Listed<T>, T>;
 
 }  // namespace fields_detail
+
+/// The fields of a part, or of what it points to, for std::tuple_cat.
+template <class Owner, class Part>
+constexpr auto fields_within(Part Owner::*part) {
+  return std::apply(
+      [&](const auto&... inner) {
+        return std::tuple(PartField<Owner, Part, std::remove_cvref_t<decltype(inner)>>{
+            inner.name, part, inner, inner.shown}...);
+      },
+      fields_detail::ListOf<std::remove_cvref_t<std::remove_pointer_t<Part>>>::fields());
+}
 
 template <class T>
 concept HasFields = requires {
