@@ -23,9 +23,9 @@ struct AgentRun {
   std::vector<AgentEvent> events = {};
 
   static constexpr auto fields() {
-    return std::tuple(field("events", &AgentRun::events,
-                            {"with `--once`: the lines that it prints without `--format json` "
-                             "([each](../docs/agent.md#3-events))"}));
+    return std::tuple(
+        field<&AgentRun::events>({"with `--once`: the lines that it prints without `--format json` "
+                                  "([each](../docs/agent.md#3-events))"}));
   }
   static std::string text() { return {}; }
 };

@@ -67,15 +67,14 @@ struct RotationFacts {
 
   static constexpr auto fields() {
     return std::tuple(
-        field("until", &RotationFacts::until, {"null: the former CA has ended"}),
-        field("former", &RotationFacts::former,
-              {.note = "SHA-256 of each former CA", .def = "sha256"}),
-        field("folders", &RotationFacts::folders, {"how many"}),
-        field("left", &RotationFacts::left,
-              {.note = "those that have not moved; after the end, those that still have or trust "
-                       "something of the former CA",
-               .def = "path"}),
-        field("elsewhere", &RotationFacts::elsewhere));
+        field<&RotationFacts::until>({"null: the former CA has ended"}),
+        field<&RotationFacts::former>({.note = "SHA-256 of each former CA", .def = "sha256"}),
+        field<&RotationFacts::folders>({"how many"}),
+        field<&RotationFacts::left>(
+            {.note = "those that have not moved; after the end, those that still have or trust "
+                     "something of the former CA",
+             .def = "path"}),
+        field<&RotationFacts::elsewhere>());
   }
   std::string text() const;
 };

@@ -26,11 +26,10 @@ struct CaFacts {
             ca.not_after(), to_hex(ca.fingerprint())};
   }
   static constexpr auto fields() {
-    return std::tuple(field("subject", &CaFacts::subject, {.def = "subject"}),
-                      field("algorithm", &CaFacts::algorithm, {.def = "algorithm"}),
-                      field("not_before", &CaFacts::not_before),
-                      field("not_after", &CaFacts::not_after),
-                      field("sha256", &CaFacts::sha256, {.def = "sha256"}));
+    return std::tuple(field<&CaFacts::subject>({.def = "subject"}),
+                      field<&CaFacts::algorithm>({.def = "algorithm"}),
+                      field<&CaFacts::not_before>(), field<&CaFacts::not_after>(),
+                      field<&CaFacts::sha256>({.def = "sha256"}));
   }
 };
 
@@ -47,10 +46,10 @@ struct NewCaFacts {
     return {std::string(role), ca.subject(), ca.not_after(), to_hex(ca.fingerprint())};
   }
   static constexpr auto fields() {
-    return std::tuple(field("role", &NewCaFacts::role, {.words = kRoles}),
-                      field("subject", &NewCaFacts::subject, {.def = "subject"}),
-                      field("not_after", &NewCaFacts::not_after),
-                      field("sha256", &NewCaFacts::sha256, {.def = "sha256"}));
+    return std::tuple(field<&NewCaFacts::role>({.words = kRoles}),
+                      field<&NewCaFacts::subject>({.def = "subject"}),
+                      field<&NewCaFacts::not_after>(),
+                      field<&NewCaFacts::sha256>({.def = "sha256"}));
   }
 };
 
@@ -65,10 +64,10 @@ struct CertificateFacts {
             to_hex(certificate.fingerprint())};
   }
   static constexpr auto fields() {
-    return std::tuple(field("subject", &CertificateFacts::subject, {.def = "subject"}),
-                      field("serial", &CertificateFacts::serial, {.def = "serial"}),
-                      field("not_after", &CertificateFacts::not_after),
-                      field("sha256", &CertificateFacts::sha256, {.def = "sha256"}));
+    return std::tuple(field<&CertificateFacts::subject>({.def = "subject"}),
+                      field<&CertificateFacts::serial>({.def = "serial"}),
+                      field<&CertificateFacts::not_after>(),
+                      field<&CertificateFacts::sha256>({.def = "sha256"}));
   }
 };
 
@@ -81,9 +80,8 @@ struct IssuedFacts {
   std::string done = {};  ///< "completed, "
 
   static constexpr auto fields() {
-    return std::tuple_cat(
-        std::tuple(field("name", &IssuedFacts::name), field("dir", &IssuedFacts::dir)),
-        fields_within(&IssuedFacts::certificate));
+    return std::tuple_cat(std::tuple(field<&IssuedFacts::name>(), field<&IssuedFacts::dir>()),
+                          fields_within(&IssuedFacts::certificate));
   }
   std::string text() const {
     return fmt::format("{}  {}  {}expires {}\n", dir.string(), certificate.subject, done,

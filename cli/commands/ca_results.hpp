@@ -24,7 +24,7 @@ struct CaOfFolder {
 
   static constexpr auto fields() {
     return std::tuple_cat(fields_within(&CaOfFolder::ca),
-                          std::tuple(field("role", &CaOfFolder::role, {.words = kRoles})));
+                          std::tuple(field<&CaOfFolder::role>({.words = kRoles})));
   }
 };
 
@@ -35,8 +35,8 @@ struct CreatedCas {
   bool in_token;  ///< the key
 
   static constexpr auto fields() {
-    return std::tuple(field("dir", &CreatedCas::dir), field("encrypted", &CreatedCas::encrypted),
-                      field("cas", &CreatedCas::cas, {.least = 1, .most = 2}));
+    return std::tuple(field<&CreatedCas::dir>(), field<&CreatedCas::encrypted>(),
+                      field<&CreatedCas::cas>({.least = 1, .most = 2}));
   }
   std::string text() const {
     auto out = fmt::format("created {}{}\n", dir.string(),
@@ -56,8 +56,8 @@ struct ImportedCa {
 
   static constexpr auto fields() {
     return std::tuple_cat(fields_within(&ImportedCa::ca),
-                          std::tuple(field("role", &ImportedCa::role, {.words = kRoles}),
-                                     field("key", &ImportedCa::key, {"true: taken over too"})));
+                          std::tuple(field<&ImportedCa::role>({.words = kRoles}),
+                                     field<&ImportedCa::key>({"true: taken over too"})));
   }
   std::string text() const {
     return fmt::format("imported {}  {} CA, {}\n", ca.subject, role,
@@ -71,10 +71,10 @@ struct KeyFacts {
   std::optional<std::string> token = {};
 
   static constexpr auto fields() {
-    return std::tuple(field("encrypted", &KeyFacts::encrypted),
-                      field("mode", &KeyFacts::mode, {.pattern = "^[0-7]{4}$"}),
-                      field("token", &KeyFacts::token,
-                            {.note = "its URI without a PIN, if it is in one", .absent = true}));
+    return std::tuple(field<&KeyFacts::encrypted>(),
+                      field<&KeyFacts::mode>({.pattern = "^[0-7]{4}$"}),
+                      field<&KeyFacts::token>(
+                          {.note = "its URI without a PIN, if it is in one", .absent = true}));
   }
   std::string words() const {
     if (token) return "in a token, " + *token;
@@ -87,8 +87,7 @@ struct ListFacts {
   std::optional<WallTime> next_update;
 
   static constexpr auto fields() {
-    return std::tuple(field("number", &ListFacts::number),
-                      field("next_update", &ListFacts::next_update, {"null: none"}));
+    return std::tuple(field<&ListFacts::number>(), field<&ListFacts::next_update>({"null: none"}));
   }
   std::string words() const {
     return fmt::format("revocation list {} until {}", number.text,
@@ -110,14 +109,13 @@ struct ShownCa {
 
   static constexpr auto fields() {
     return std::tuple_cat(
-        std::tuple(field("role", &ShownCa::role,
-                         {.note = "null: the folder does not say", .words = kRoles})),
-        fields_within(&ShownCa::ca),
         std::tuple(
-            field("is_ca", &ShownCa::is_ca), field("key", &ShownCa::key, {"null: no key here"}),
-            field("issued", &ShownCa::issued), field("revoked", &ShownCa::revoked),
-            field("crl", &ShownCa::crl, {"null: none"}),
-            field("rotation", &ShownCa::rotation, {"null: no overlap, and no folder left"})));
+            field<&ShownCa::role>({.note = "null: the folder does not say", .words = kRoles})),
+        fields_within(&ShownCa::ca),
+        std::tuple(field<&ShownCa::is_ca>(), field<&ShownCa::key>({"null: no key here"}),
+                   field<&ShownCa::issued>(), field<&ShownCa::revoked>(),
+                   field<&ShownCa::crl>({"null: none"}),
+                   field<&ShownCa::rotation>({"null: no overlap, and no folder left"})));
   }
   std::string text() const {
     return fmt::format(
@@ -135,12 +133,11 @@ struct ShownCas {
   std::vector<ShownCa> others = {};
 
   static constexpr auto fields() {
-    return std::tuple_cat(
-        fields_within(&ShownCas::first),
-        std::tuple(field("others", &ShownCas::others,
-                         {.note = "the same of the folder's other CA, without --role",
-                          .same = true,
-                          .most = 1})));
+    return std::tuple_cat(fields_within(&ShownCas::first),
+                          std::tuple(field<&ShownCas::others>(
+                              {.note = "the same of the folder's other CA, without --role",
+                               .same = true,
+                               .most = 1})));
   }
   std::string text() const {
     if (others.empty()) return first.text();
@@ -162,10 +159,10 @@ struct RenewedCa {
   std::string steps;  ///< what to do with the new certificate
 
   static constexpr auto fields() {
-    return std::tuple_cat(fields_within(&RenewedCa::ca),
-                          std::tuple(field("dir", &RenewedCa::dir),
-                                     field("folders", &RenewedCa::folders,
-                                           {"whose participants need the new certificate"})));
+    return std::tuple_cat(
+        fields_within(&RenewedCa::ca),
+        std::tuple(field<&RenewedCa::dir>(),
+                   field<&RenewedCa::folders>({"whose participants need the new certificate"})));
   }
   std::string text() const {
     auto out = fmt::format("{}  renewed with the same key, expires {}\n{}", ca.subject,
@@ -187,18 +184,16 @@ struct RotatedCa {
   static constexpr auto fields() {
     using Self = RotatedCa;
     return std::tuple(
-        field("role", &Self::role, {.words = kRoles}),
-        field("step", &Self::step,
-              {.note = "replaced, begun, moved, ended, not due",
-               .words = "replaced|begun|moved|ended|not due"}),
-        field("until", &Self::until, {"when the former CA should end; null: no overlap"}),
-        field("subject", &Self::subject, {.def = "subject"}), field("not_after", &Self::not_after),
-        field("sha256", &Self::sha256, {.def = "sha256"}),
-        field("folders", &Self::folders, {"with new files"}),
-        field("revoked", &Self::revoked, {"folders left as they were"}),
-        field("unlogged", &Self::unlogged, {"documents signed although the log lacks them"}),
-        field("elsewhere", &Self::elsewhere,
-              {"folders, or CAs below, that the log knows and this machine does not have"}));
+        field<&Self::role>({.words = kRoles}),
+        field<&Self::step>({.note = "replaced, begun, moved, ended, not due",
+                            .words = "replaced|begun|moved|ended|not due"}),
+        field<&Self::until>({"when the former CA should end; null: no overlap"}),
+        field<&Self::subject>({.def = "subject"}), field<&Self::not_after>(),
+        field<&Self::sha256>({.def = "sha256"}), field<&Self::folders>({"with new files"}),
+        field<&Self::revoked>({"folders left as they were"}),
+        field<&Self::unlogged>({"documents signed although the log lacks them"}),
+        field<&Self::elsewhere>(
+            {"folders, or CAs below, that the log knows and this machine does not have"}));
   }
   std::string text() const {
     auto out = summary();

@@ -307,10 +307,9 @@ struct MayUse {
   int line;
 
   static constexpr auto fields() {
-    return std::tuple(field("allowed", &MayUse::allowed), field("domain", &MayUse::domain),
-                      field("judge", &MayUse::judge, {.words = "ddssec"}),
-                      field("because", &MayUse::because), field("file", &MayUse::file),
-                      field("line", &MayUse::line));
+    return std::tuple(field<&MayUse::allowed>(), field<&MayUse::domain>(),
+                      field<&MayUse::judge>({.words = "ddssec"}), field<&MayUse::because>(),
+                      field<&MayUse::file>(), field<&MayUse::line>());
   }
   std::string text() const {
     return fmt::format("{} in domain {} by {}'s plugins: {} ({}{})\n",

@@ -297,7 +297,7 @@ struct Printed {
   std::string form, page;
 
   static constexpr auto fields() {
-    return std::tuple(field("form", &Printed::form, {.words = "bash|zsh|fish|man"}),
+    return std::tuple(field<&Printed::form>({.words = "bash|zsh|fish|man"}),
                       field("text", &Printed::page));
   }
   const std::string& text() const { return page; }

@@ -167,8 +167,8 @@ struct ProductMeeting {
 
   static constexpr auto fields() {
     using T = ProductMeeting;
-    return std::tuple(field("self", &T::self, {.def = "product"}),
-                      field("peer", &T::peer, {.def = "product"}), field("talk", &T::talk));
+    return std::tuple(field<&T::self>({.def = "product"}), field<&T::peer>({.def = "product"}),
+                      field<&T::talk>());
   }
 };
 
@@ -178,7 +178,7 @@ struct DiagnosedPeer {
 
   static constexpr auto fields() {
     return std::tuple_cat(fields_within(&DiagnosedPeer::diagnosis),
-                          std::tuple(field("meetings", &DiagnosedPeer::meetings)));
+                          std::tuple(field<&DiagnosedPeer::meetings>()));
   }
   std::string text() const {
     auto out = diagnosis.text() + '\n';
@@ -197,8 +197,8 @@ struct Listed<doctor::HostPlugin> {
   static Words if_any(std::string_view text) { return text.empty() ? Words() : text; }
   static constexpr auto fields() {
     return std::tuple(
-        field("role", &T::role, {.words = "authentication|access control|cryptography"}),
-        field("library", &T::library),
+        field<&T::role>({.words = "authentication|access control|cryptography"}),
+        field<&T::library>(),
         made<T>("file", [](const T& one) { return if_any(one.file.native()); }),
         made<T>("maker",
                 [](const T& one) {
@@ -222,15 +222,15 @@ struct DoctorResult {
   static constexpr auto fields() {
     using T = DoctorResult;
     return std::tuple_cat(
-        std::tuple(field("domain", &T::domain)), fields_within(&T::diagnosis),
-        std::tuple(field("plugins", &T::plugins,
-                         {"what Cyclone DDS would load with this LD_LIBRARY_PATH; empty: nothing "
-                          "is found, or no configuration is at hand"}),
-                   field("peer", &T::peer,
-                         {.note = "with --peer: the same of the other participant, and `meetings` "
-                                  "(each: `self`, `peer`, `talk`)",
-                          .same = true,
-                          .absent = true})));
+        std::tuple(field<&T::domain>()), fields_within(&T::diagnosis),
+        std::tuple(field<&T::plugins>(
+                       {"what Cyclone DDS would load with this LD_LIBRARY_PATH; empty: nothing "
+                        "is found, or no configuration is at hand"}),
+                   field<&T::peer>(
+                       {.note = "with --peer: the same of the other participant, and `meetings` "
+                                "(each: `self`, `peer`, `talk`)",
+                        .same = true,
+                        .absent = true})));
   }
   std::string text() const {
     auto out = diagnosis.text();

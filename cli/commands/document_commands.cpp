@@ -47,9 +47,8 @@ struct Signing {
 
   static constexpr auto fields() {
     return std::tuple(
-        field("file", &Signing::file), field("signer", &Signing::signer, {.def = "subject"}),
-        field(
-            "revision", &Signing::revision,
+        field<&Signing::file>(), field<&Signing::signer>({.def = "subject"}),
+        field<&Signing::revision>(
             {.note = "of a governance document that has one", .def = "revision", .absent = true}));
   }
   std::string text() const {
@@ -185,11 +184,9 @@ struct Verification {
 
   static constexpr auto fields() {
     using Self = Verification;
-    return std::tuple(field("file", &Self::file),
-                      field("signer", &Self::signer, {.def = "subject"}),
-                      field("signer_sha256", &Self::signer_sha256, {.def = "sha256"}),
-                      field("signer_not_after", &Self::signer_not_after),
-                      field("verdicts", &Self::verdicts, kVerdicts));
+    return std::tuple(field<&Self::file>(), field<&Self::signer>({.def = "subject"}),
+                      field<&Self::signer_sha256>({.def = "sha256"}),
+                      field<&Self::signer_not_after>(), field<&Self::verdicts>(kVerdicts));
   }
   std::string text() const {
     return fmt::format("{}: signed by {}, valid until {}\n{}", file.string(), signer,
@@ -206,9 +203,7 @@ struct Refusal {
   static constexpr std::string_view kWhen = "refused";
   Verdicts verdicts;
 
-  static constexpr auto fields() {
-    return std::tuple(field("verdicts", &Refusal::verdicts, {"the same"}));
-  }
+  static constexpr auto fields() { return std::tuple(field<&Refusal::verdicts>({"the same"})); }
   std::string text() const { return fmt::format("refused; {}\n", verdicts.in_words()); }
 };
 

@@ -343,12 +343,10 @@ struct ExpiryEntry {
   static constexpr auto fields() {
     using Self = ExpiryEntry;
     return std::tuple(
-        field("state", &Self::state, {.words = "ok|soon|expired|not yet|revoked"}),
-        field("kind", &Self::kind,
-              {.words = "CA|certificate|OCSP response|permissions|revocation list"}),
-        field("subject", &Self::subject), field("not_after", &Self::not_after),
-        field("days_left", &Self::days_left), field("file", &Self::file),
-        field("places", &Self::places, {.note = "how many files have it", .least = 1}));
+        field<&Self::state>({.words = "ok|soon|expired|not yet|revoked"}),
+        field<&Self::kind>({.words = "CA|certificate|OCSP response|permissions|revocation list"}),
+        field<&Self::subject>(), field<&Self::not_after>(), field<&Self::days_left>(),
+        field<&Self::file>(), field<&Self::places>({.note = "how many files have it", .least = 1}));
   }
   std::string text() const {
     return fmt::format("{:<8} {:<16} {}  {:>6} d  {}  {}{}\n", state, kind, date(not_after),
@@ -362,7 +360,7 @@ struct Expiry {
   std::vector<ExpiryEntry> entries = {};
 
   static constexpr auto fields() {
-    return std::tuple(field("until", &Expiry::until), field("entries", &Expiry::entries));
+    return std::tuple(field<&Expiry::until>(), field<&Expiry::entries>());
   }
   std::string text() const {
     std::string out;

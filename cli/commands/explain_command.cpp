@@ -97,8 +97,8 @@ struct SeverityElsewhere {
   std::string severity, when;
 
   static constexpr auto fields() {
-    return std::tuple(field("severity", &SeverityElsewhere::severity, {.def = "severity"}),
-                      field("when", &SeverityElsewhere::when));
+    return std::tuple(field<&SeverityElsewhere::severity>({.def = "severity"}),
+                      field<&SeverityElsewhere::when>());
   }
 };
 
@@ -113,13 +113,12 @@ struct Explained {
 
   static constexpr auto fields() {
     return std::tuple(
-        field("name", &Explained::name),
-        field("number", &Explained::number, {.note = "rules have none", .absent = true}),
-        field("severity", &Explained::severity, {.def = "severity"}),
-        field("other_severities", &Explained::other_severities,
-              {"that findings of a rule can have as well"}),
-        field("summary", &Explained::summary), field("hint", &Explained::hint),
-        field("examples", &Explained::examples, {"commands and lines of configurations"}));
+        field<&Explained::name>(),
+        field<&Explained::number>({.note = "rules have none", .absent = true}),
+        field<&Explained::severity>({.def = "severity"}),
+        field<&Explained::other_severities>({"that findings of a rule can have as well"}),
+        field<&Explained::summary>(), field<&Explained::hint>(),
+        field<&Explained::examples>({"commands and lines of configurations"}));
   }
   std::string text() const {
     // A rule's title names the check, not its result.
@@ -181,10 +180,8 @@ struct Match {
   std::string severity, summary;
 
   static constexpr auto fields() {
-    return std::tuple(field("name", &Match::name),
-                      field("number", &Match::number, {.absent = true}),
-                      field("severity", &Match::severity, {.def = "severity"}),
-                      field("summary", &Match::summary));
+    return std::tuple(field<&Match::name>(), field<&Match::number>({.absent = true}),
+                      field<&Match::severity>({.def = "severity"}), field<&Match::summary>());
   }
   static Match of(const Row& row) {
     Match out{std::string(row.name), {}, std::string(severity_of(row)), std::string(row.summary)};
@@ -197,9 +194,7 @@ struct Matches {
   static constexpr std::string_view kWhen = "of a part that several codes and rules have";
   std::vector<Match> matches = {};
 
-  static constexpr auto fields() {
-    return std::tuple(field("matches", &Matches::matches, {.least = 2}));
-  }
+  static constexpr auto fields() { return std::tuple(field<&Matches::matches>({.least = 2})); }
   std::string text() const {
     constexpr std::size_t kMost = 30;
     std::string out;
@@ -215,8 +210,8 @@ struct Sentence {
   std::string sentence, meaning, look_with;
 
   static constexpr auto fields() {
-    return std::tuple(field("sentence", &Sentence::sentence), field("meaning", &Sentence::meaning),
-                      field("look_with", &Sentence::look_with));
+    return std::tuple(field<&Sentence::sentence>(), field<&Sentence::meaning>(),
+                      field<&Sentence::look_with>());
   }
 };
 
@@ -224,9 +219,7 @@ struct Sentences {
   static constexpr std::string_view kWhen = "of a sentence of Cyclone DDS";
   std::vector<Sentence> sentences = {};
 
-  static constexpr auto fields() {
-    return std::tuple(field("sentences", &Sentences::sentences, {.least = 1}));
-  }
+  static constexpr auto fields() { return std::tuple(field<&Sentences::sentences>({.least = 1})); }
   std::string text() const {
     std::string out;
     for (const auto& one : sentences)

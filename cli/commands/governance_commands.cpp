@@ -132,11 +132,10 @@ struct NewGovernance {
 
   static constexpr auto fields() {
     using Self = NewGovernance;
-    return std::tuple(field("file", &Self::file),
-                      field("profile", &Self::profile, {.words = "open|balanced|strict"}),
-                      field("topic_rules", &Self::topic_rules, {"how many"}),
-                      field("revision", &Self::revision,
-                            {.note = "with `--sign`", .def = "revision", .absent = true}));
+    return std::tuple(
+        field<&Self::file>(), field<&Self::profile>({.words = "open|balanced|strict"}),
+        field<&Self::topic_rules>({"how many"}),
+        field<&Self::revision>({.note = "with `--sign`", .def = "revision", .absent = true}));
   }
   std::string text() const {
     std::string out;

@@ -32,15 +32,12 @@ struct ShownIdentity {
 
   static constexpr auto fields() {
     using Self = ShownIdentity;
-    return std::tuple(field("subject", &Self::subject, {.def = "subject"}),
-                      field("issuer", &Self::issuer, {.def = "subject"}),
-                      field("algorithm", &Self::algorithm, {.def = "algorithm"}),
-                      field("serial", &Self::serial, {.def = "serial"}),
-                      field("not_before", &Self::not_before), field("not_after", &Self::not_after),
-                      field("valid_now", &Self::valid_now),
-                      field("sha256", &Self::sha256, {.def = "sha256"}),
-                      field("guid_start", &Self::guid_start,
-                            {.note = "48 bits, in hexadecimal", .pattern = "^[0-9a-f]{12}$"}));
+    return std::tuple(
+        field<&Self::subject>({.def = "subject"}), field<&Self::issuer>({.def = "subject"}),
+        field<&Self::algorithm>({.def = "algorithm"}), field<&Self::serial>({.def = "serial"}),
+        field<&Self::not_before>(), field<&Self::not_after>(), field<&Self::valid_now>(),
+        field<&Self::sha256>({.def = "sha256"}),
+        field<&Self::guid_start>({.note = "48 bits, in hexadecimal", .pattern = "^[0-9a-f]{12}$"}));
   }
   std::string text() const {
     return fmt::format(
@@ -80,10 +77,10 @@ struct MadeRequest {
   bool in_token;  ///< the key
 
   static constexpr auto fields() {
-    return std::tuple(field("name", &MadeRequest::name), field("dir", &MadeRequest::dir),
-                      field("subject", &MadeRequest::subject, {.def = "subject"}),
-                      field("algorithm", &MadeRequest::algorithm, {.def = "algorithm"}),
-                      field("request", &MadeRequest::request));
+    return std::tuple(field<&MadeRequest::name>(), field<&MadeRequest::dir>(),
+                      field<&MadeRequest::subject>({.def = "subject"}),
+                      field<&MadeRequest::algorithm>({.def = "algorithm"}),
+                      field<&MadeRequest::request>());
   }
   std::string text() const {
     return fmt::format("{}  a key, which stays {}, and request.pem for {}\n", dir.string(),
@@ -189,10 +186,9 @@ struct SignedRequest {
   CertificateFacts certificate;
 
   static constexpr auto fields() {
-    return std::tuple_cat(
-        std::tuple(field("file", &SignedRequest::file),
-                   field("algorithm", &SignedRequest::algorithm, {.def = "algorithm"})),
-        fields_within(&SignedRequest::certificate));
+    return std::tuple_cat(std::tuple(field<&SignedRequest::file>(),
+                                     field<&SignedRequest::algorithm>({.def = "algorithm"})),
+                          fields_within(&SignedRequest::certificate));
   }
   std::string text() const {
     return fmt::format("{}  {}  expires {}\n", file.string(), certificate.subject,

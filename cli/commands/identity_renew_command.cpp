@@ -121,9 +121,8 @@ struct RenewalFacts {
   CertificateFacts certificate;  ///< that is in the file now
 
   static constexpr auto fields() {
-    return std::tuple_cat(
-        std::tuple(field("renewed", &RenewalFacts::renewed), field("file", &RenewalFacts::file)),
-        fields_within(&RenewalFacts::certificate));
+    return std::tuple_cat(std::tuple(field<&RenewalFacts::renewed>(), field<&RenewalFacts::file>()),
+                          fields_within(&RenewalFacts::certificate));
   }
 };
 
@@ -137,8 +136,7 @@ struct RenewedIdentity {
     using Self = RenewedIdentity;
     return std::tuple_cat(
         fields_within(&Self::facts),
-        std::tuple(field("rekeyed", &Self::rekeyed),
-                   field("permissions_until", &Self::permissions_until, {"null: none"})));
+        std::tuple(field<&Self::rekeyed>(), field<&Self::permissions_until>({"null: none"})));
   }
   std::string text() const {
     const auto& [renewed, file, certificate] = facts;

@@ -210,8 +210,7 @@ struct ListThatRevokes {
 
   static constexpr auto fields() {
     using Self = ListThatRevokes;
-    return std::tuple(field("file", &Self::file), field("number", &Self::number),
-                      field("next_update", &Self::next_update));
+    return std::tuple(field<&Self::file>(), field<&Self::number>(), field<&Self::next_update>());
   }
 };
 
@@ -231,16 +230,16 @@ struct Revoked {
       return Shown{.note = note, .absent = true};
     };
     return std::tuple(
-        field("subject", &Self::subject, {.def = "subject"}),
-        field("serials", &Self::serials, {.note = "none: revoked before", .def = "serial"}),
-        field("same_key", &Self::same_key,
-              {.note = "other certificates of the key, which stay valid", .def = "serial"}),
-        field("crl", &Self::crl, kIfAny("unless it was revoked before, as all that follow")),
-        field("folders", &Self::folders, kIfAny("that need the list")),
-        field("without_list", &Self::without_list, kIfAny("of these: here, no crl.pem yet")),
-        field("elsewhere", &Self::elsewhere, kIfAny("of these: not on this machine")),
-        field("left_behind", &Self::left_behind, kIfAny("as for crl distribute")),
-        field("of_other_cas", &Self::of_other_cas, kIfAny("as for crl distribute")));
+        field<&Self::subject>({.def = "subject"}),
+        field<&Self::serials>({.note = "none: revoked before", .def = "serial"}),
+        field<&Self::same_key>(
+            {.note = "other certificates of the key, which stay valid", .def = "serial"}),
+        field<&Self::crl>(kIfAny("unless it was revoked before, as all that follow")),
+        field<&Self::folders>(kIfAny("that need the list")),
+        field<&Self::without_list>(kIfAny("of these: here, no crl.pem yet")),
+        field<&Self::elsewhere>(kIfAny("of these: not on this machine")),
+        field<&Self::left_behind>(kIfAny("as for crl distribute")),
+        field<&Self::of_other_cas>(kIfAny("as for crl distribute")));
   }
   std::string text() const {
     if (!crl) return fmt::format("{}  revoked already\n{}", subject, same_key_text);

@@ -114,9 +114,8 @@ struct FirstParticipant {
 
   static constexpr auto fields() {
     using Self = FirstParticipant;
-    return std::tuple(field("name", &Self::name), field("dir", &Self::dir),
-                      field("subject", &Self::subject, {.def = "subject"}),
-                      field("not_after", &Self::not_after));
+    return std::tuple(field<&Self::name>(), field<&Self::dir>(),
+                      field<&Self::subject>({.def = "subject"}), field<&Self::not_after>());
   }
 };
 
@@ -126,9 +125,8 @@ struct Snippets {
   std::optional<std::string> ros2 = {};
 
   static constexpr auto fields() {
-    return std::tuple(field("cyclonedds", &Snippets::cyclonedds),
-                      field("fastdds", &Snippets::fastdds),
-                      field("ros2", &Snippets::ros2, {.note = "sros2 only", .absent = true}));
+    return std::tuple(field<&Snippets::cyclonedds>(), field<&Snippets::fastdds>(),
+                      field<&Snippets::ros2>({.note = "sros2 only", .absent = true}));
   }
 };
 
@@ -142,10 +140,10 @@ struct Initialised {
 
   static constexpr auto fields() {
     using Self = Initialised;
-    return std::tuple(field("dir", &Self::dir), field("cas", &Self::cas, {.least = 2, .most = 2}),
-                      field("profile", &Self::profile, {.words = "open|balanced|strict"}),
-                      field("participants", &Self::participants, {.least = 1}),
-                      field("snippets", &Self::snippets, {"of the first participant"}));
+    return std::tuple(field<&Self::dir>(), field<&Self::cas>({.least = 2, .most = 2}),
+                      field<&Self::profile>({.words = "open|balanced|strict"}),
+                      field<&Self::participants>({.least = 1}),
+                      field<&Self::snippets>({"of the first participant"}));
   }
   std::string text() const {
     auto out =

@@ -24,9 +24,7 @@ constexpr int kLongest = 86'400;
 template <>
 struct Listed<rtps::CertificateNames> {
   using T = rtps::CertificateNames;
-  static constexpr auto fields() {
-    return std::tuple(field("subject", &T::subject), field("issuer", &T::issuer));
-  }
+  static constexpr auto fields() { return std::tuple(field<&T::subject>(), field<&T::issuer>()); }
 };
 
 namespace {
@@ -114,8 +112,7 @@ struct Protection {
 
   static constexpr auto fields() {
     using T = Protection;
-    return std::tuple(field("rtps", &T::rtps), field("discovery", &T::discovery),
-                      field("liveliness", &T::liveliness));
+    return std::tuple(field<&T::rtps>(), field<&T::discovery>(), field<&T::liveliness>());
   }
 };
 
@@ -156,7 +153,7 @@ struct Seen {
     using By = rtps::ObservedParticipant;
     return std::tuple(
         field("guid_prefix", &T::prefix, &GuidPrefix::to_string, {.def = "guid prefix"}),
-        field("name", &T::name),
+        field<&T::name>(),
         made<T>("vendor", [](const T& one) { return std::string(name_of(one.by->vendor)); }),
         made<T>("domain",
                 [](const T& one) {
@@ -179,8 +176,8 @@ struct Seen {
         field("protected_submessages", &T::by, &By::protected_submessages),
         made<T>("kinds", [](const T& one) { return kinds_of(*one.by); }),
         field("clear_samples", &T::by, &By::clear_samples),
-        field("encrypted_payloads", &T::by, &By::encrypted_payloads),
-        field("clear_topics", &T::clear_topics), field("left", &T::by, &By::left));
+        field("encrypted_payloads", &T::by, &By::encrypted_payloads), field<&T::clear_topics>(),
+        field("left", &T::by, &By::left));
   }
 };
 
@@ -286,11 +283,10 @@ struct Inspection {
   static constexpr auto fields() {
     using T = Inspection;
     return std::tuple(
-        field("source", &T::source), field("seconds", &T::seconds),
+        field<&T::source>(), field<&T::seconds>(),
         made<T>("datagrams", [](const T& one) { return one.watched.observer.datagrams().count; }),
         made<T>("rtps_messages", [](const T& one) { return one.watched.observer.rtps_messages(); }),
-        field("participants", &T::participants, {.apart = true}),
-        field("pairs", &T::pairs, {.apart = true}));
+        field<&T::participants>({.apart = true}), field<&T::pairs>({.apart = true}));
   }
   std::string text() const {
     const auto& observer = watched.observer;

@@ -47,11 +47,11 @@ struct KeystoreCa {
   bool is_new = true;
 
   static constexpr auto fields() {
-    return std::tuple_cat(fields_within(&KeystoreCa::ca),
-                          std::tuple(field("enclaves", &KeystoreCa::enclaves, {"signed anew"}),
-                                     field("unlogged", &KeystoreCa::unlogged,
-                                           {.note = "documents signed although the log lacks them",
-                                            .absent = true})));
+    return std::tuple_cat(
+        fields_within(&KeystoreCa::ca),
+        std::tuple(field<&KeystoreCa::enclaves>({"signed anew"}),
+                   field<&KeystoreCa::unlogged>(
+                       {.note = "documents signed although the log lacks them", .absent = true})));
   }
   std::string text() const {
     if (!is_new) return fmt::format("{}  has two CAs already\n", keystore.string());

@@ -21,9 +21,8 @@ struct CreatedKeystore {
   std::vector<NewCaFacts> cas;
 
   static constexpr auto fields() {
-    return std::tuple(field("dir", &CreatedKeystore::dir),
-                      field("encrypted", &CreatedKeystore::encrypted),
-                      field("cas", &CreatedKeystore::cas, {.least = 2, .most = 2}));
+    return std::tuple(field<&CreatedKeystore::dir>(), field<&CreatedKeystore::encrypted>(),
+                      field<&CreatedKeystore::cas>({.least = 2, .most = 2}));
   }
   std::string text() const {
     auto out = fmt::format("created {}{}\n", dir.string(),
@@ -40,10 +39,10 @@ struct MadeEnclave {
   WallTime not_after;
 
   static constexpr auto fields() {
-    return std::tuple(field("name", &MadeEnclave::name), field("dir", &MadeEnclave::dir),
-                      field("subject", &MadeEnclave::subject, {.def = "subject"}),
-                      field("serial", &MadeEnclave::serial, {.def = "serial"}),
-                      field("not_after", &MadeEnclave::not_after));
+    return std::tuple(field<&MadeEnclave::name>(), field<&MadeEnclave::dir>(),
+                      field<&MadeEnclave::subject>({.def = "subject"}),
+                      field<&MadeEnclave::serial>({.def = "serial"}),
+                      field<&MadeEnclave::not_after>());
   }
   std::string text() const {
     return fmt::format("{}  {}  expires {}\n", dir.string(), subject, date(not_after));
@@ -53,9 +52,7 @@ struct MadeEnclave {
 struct ListedEnclaves {
   std::vector<std::string> enclaves;
 
-  static constexpr auto fields() {
-    return std::tuple(field("enclaves", &ListedEnclaves::enclaves));
-  }
+  static constexpr auto fields() { return std::tuple(field<&ListedEnclaves::enclaves>()); }
   std::string text() const {
     std::string out;
     for (const auto& name : enclaves) out += name + "\n";
@@ -70,9 +67,8 @@ struct SignedForEnclave {
   std::string signer;
 
   static constexpr auto fields() {
-    return std::tuple(field("name", &SignedForEnclave::name),
-                      field("file", &SignedForEnclave::file),
-                      field("subject", &SignedForEnclave::subject, {.def = "subject"}));
+    return std::tuple(field<&SignedForEnclave::name>(), field<&SignedForEnclave::file>(),
+                      field<&SignedForEnclave::subject>({.def = "subject"}));
   }
   std::string text() const {
     return fmt::format(
@@ -90,8 +86,8 @@ struct VerifiedEnclave {
 
   static constexpr auto fields() {
     using Self = VerifiedEnclave;
-    return std::tuple(field("name", &Self::name), field("domain", &Self::domain),
-                      field("verdicts", &Self::verdicts, {.note = "by vendor", .def = "outcomes"}));
+    return std::tuple(field<&Self::name>(), field<&Self::domain>(),
+                      field<&Self::verdicts>({.note = "by vendor", .def = "outcomes"}));
   }
 };
 
@@ -100,9 +96,8 @@ struct VerifiedKeystore {
   std::vector<std::string> keys_for_others = {};
 
   static constexpr auto fields() {
-    return std::tuple(field("enclaves", &VerifiedKeystore::enclaves),
-                      field("keys_for_others", &VerifiedKeystore::keys_for_others,
-                            {"that other users can read"}));
+    return std::tuple(field<&VerifiedKeystore::enclaves>(),
+                      field<&VerifiedKeystore::keys_for_others>({"that other users can read"}));
   }
   std::string text() const {
     if (enclaves.empty())
@@ -123,8 +118,8 @@ struct ImportedKeystore {
 
   static constexpr auto fields() {
     using Self = ImportedKeystore;
-    return std::tuple(field("folders_closed", &Self::folders_closed),
-                      field("keys_closed", &Self::keys_closed), field("logged", &Self::logged));
+    return std::tuple(field<&Self::folders_closed>(), field<&Self::keys_closed>(),
+                      field<&Self::logged>());
   }
   std::string text() const {
     std::string out;

@@ -21,7 +21,7 @@ struct Linted {
   FindingCounts counts;
 
   static constexpr auto fields() {
-    return std::tuple_cat(std::tuple(field("file", &Linted::file)), fields_within(&Linted::counts));
+    return std::tuple_cat(std::tuple(field<&Linted::file>()), fields_within(&Linted::counts));
   }
   std::string text() const { return fmt::format("{}: {}\n", file.string(), counts.words()); }
 };

@@ -23,11 +23,10 @@ struct FetchedResponse {
 
   static constexpr auto fields() {
     using Self = FetchedResponse;
-    return std::tuple(field("file", &Self::file),
-                      field("subject", &Self::subject, {.def = "subject"}),
-                      field("serial", &Self::serial, {.def = "serial"}),
-                      field("url", &Self::url, {"of the responder"}),
-                      field("this_update", &Self::this_update), field("until", &Self::until));
+    return std::tuple(field<&Self::file>(), field<&Self::subject>({.def = "subject"}),
+                      field<&Self::serial>({.def = "serial"}),
+                      field<&Self::url>({"of the responder"}), field<&Self::this_update>(),
+                      field<&Self::until>());
   }
   std::string text() const {
     return fmt::format("{}  {} is good, says {}, until {}\n", file.string(), subject, url,

@@ -116,9 +116,8 @@ struct NewPermissions {
 
   static constexpr auto fields() {
     using Self = NewPermissions;
-    return std::tuple(field("file", &Self::file),
-                      field("subject", &Self::subject, {.def = "subject"}),
-                      field("not_before", &Self::not_before), field("not_after", &Self::not_after));
+    return std::tuple(field<&Self::file>(), field<&Self::subject>({.def = "subject"}),
+                      field<&Self::not_before>(), field<&Self::not_after>());
   }
   std::string text() const {
     std::string out;

@@ -31,8 +31,7 @@ struct GrantOfPolicy {
   std::string name, subject;
 
   static constexpr auto fields() {
-    return std::tuple(field("name", &GrantOfPolicy::name),
-                      field("subject", &GrantOfPolicy::subject));
+    return std::tuple(field<&GrantOfPolicy::name>(), field<&GrantOfPolicy::subject>());
   }
 };
 
@@ -41,8 +40,8 @@ struct PolicyPermissions {
   std::vector<GrantOfPolicy> grants = {};
 
   static constexpr auto fields() {
-    return std::tuple(field("file", &PolicyPermissions::file),
-                      field("grants", &PolicyPermissions::grants, {.least = 1}));
+    return std::tuple(field<&PolicyPermissions::file>(),
+                      field<&PolicyPermissions::grants>({.least = 1}));
   }
   std::string text() const {
     return fmt::format("{}: {}\n", file.string(), counted(grants.size(), "grant"));

@@ -45,11 +45,10 @@ struct TopicRuleFacts {
   }
   static constexpr auto fields() {
     using Self = TopicRuleFacts;
-    return std::tuple(field("expression", &Self::expression), field("line", &Self::line),
-                      field("data", &Self::data, kKind), field("metadata", &Self::metadata, kKind),
-                      field("discovery", &Self::discovery), field("liveliness", &Self::liveliness),
-                      field("read_access_control", &Self::read_access_control),
-                      field("write_access_control", &Self::write_access_control));
+    return std::tuple(field<&Self::expression>(), field<&Self::line>(), field<&Self::data>(kKind),
+                      field<&Self::metadata>(kKind), field<&Self::discovery>(),
+                      field<&Self::liveliness>(), field<&Self::read_access_control>(),
+                      field<&Self::write_access_control>());
   }
 };
 
@@ -80,16 +79,13 @@ struct DomainRuleFacts {
   }
   static constexpr auto fields() {
     using Self = DomainRuleFacts;
-    return std::tuple(
-        field("domains", &Self::domains, {.def = "domain_ranges"}), field("line", &Self::line),
-        field("allow_unauthenticated", &Self::allow_unauthenticated),
-        field("join_access_control", &Self::join_access_control),
-        field("discovery", &Self::discovery, kKind), field("liveliness", &Self::liveliness, kKind),
-        field("rtps", &Self::rtps, kKind),
-        field("pre_shared_key", &Self::pre_shared_key,
-              {.note = "if there is one", .words = "SIGN|ENCRYPT", .absent = true}),
-        field("key_revision", &Self::key_revision,
-              {.note = "if keys are revised", .absent = true}));
+    return std::tuple(field<&Self::domains>({.def = "domain_ranges"}), field<&Self::line>(),
+                      field<&Self::allow_unauthenticated>(), field<&Self::join_access_control>(),
+                      field<&Self::discovery>(kKind), field<&Self::liveliness>(kKind),
+                      field<&Self::rtps>(kKind),
+                      field<&Self::pre_shared_key>(
+                          {.note = "if there is one", .words = "SIGN|ENCRYPT", .absent = true}),
+                      field<&Self::key_revision>({.note = "if keys are revised", .absent = true}));
   }
   std::string newer_elements() const {
     std::string out;
@@ -117,7 +113,7 @@ struct ShownDomainRule {
 
   static constexpr auto fields() {
     return std::tuple_cat(fields_within(&ShownDomainRule::rule),
-                          std::tuple(field("topic_rules", &ShownDomainRule::topic_rules)));
+                          std::tuple(field<&ShownDomainRule::topic_rules>()));
   }
   std::string text(std::size_t number, const fs::path& file) const {
     auto out = fmt::format(
@@ -149,10 +145,9 @@ struct ShownGovernance {
   }
   static constexpr auto fields() {
     using Self = ShownGovernance;
-    return std::tuple(field("file", &Self::file),
-                      field("domain_rules", &Self::domain_rules, {.least = 1}),
-                      field("revision", &Self::revision,
-                            {.note = "if it has one", .def = "revision", .absent = true}));
+    return std::tuple(
+        field<&Self::file>(), field<&Self::domain_rules>({.least = 1}),
+        field<&Self::revision>({.note = "if it has one", .def = "revision", .absent = true}));
   }
   std::string text() const {
     auto out = revision ? fmt::format("revision {}\n", *revision) : "";
@@ -168,8 +163,7 @@ struct Numbered {
   std::size_t number;
 
   static constexpr auto fields() {
-    return std::tuple_cat(fields_within(&Numbered::rule),
-                          std::tuple(field("number", &Numbered::number)));
+    return std::tuple_cat(fields_within(&Numbered::rule), std::tuple(field<&Numbered::number>()));
   }
 };
 
@@ -216,12 +210,11 @@ struct ShownTopic {
   static constexpr auto fields() {
     using Self = ShownTopic;
     return std::tuple(
-        field("file", &Self::file), field("topic", &Self::topic), field("domain", &Self::domain),
-        field("domain_rule", &Self::domain_rule,
-              {.note = "the same without `topic_rules`, and `number`", .same = true}),
-        field("topic_rule", &Self::topic_rule, {.note = "the same, and `number`", .same = true}),
-        field("properties", &Self::properties,
-              {.pattern = "^(outsider|insider|relay)\\.[a-z_]+$"}));
+        field<&Self::file>(), field<&Self::topic>(), field<&Self::domain>(),
+        field<&Self::domain_rule>(
+            {.note = "the same without `topic_rules`, and `number`", .same = true}),
+        field<&Self::topic_rule>({.note = "the same, and `number`", .same = true}),
+        field<&Self::properties>({.pattern = "^(outsider|insider|relay)\\.[a-z_]+$"}));
   }
   std::string text() const {
     const auto& [rule, rule_number] = domain_rule;
@@ -310,7 +303,7 @@ struct DataTag {
   std::string name, value;
 
   static constexpr auto fields() {
-    return std::tuple(field("name", &DataTag::name), field("value", &DataTag::value));
+    return std::tuple(field<&DataTag::name>(), field<&DataTag::value>());
   }
 };
 
@@ -334,10 +327,8 @@ struct CriterionFacts {
   }
   static constexpr auto fields() {
     using Self = CriterionFacts;
-    return std::tuple(
-        field("line", &Self::line), field("topics", &Self::topics),
-        field("partitions", &Self::partitions),
-        field("data_tags", &Self::data_tags, {.note = "where there are some", .absent = true}));
+    return std::tuple(field<&Self::line>(), field<&Self::topics>(), field<&Self::partitions>(),
+                      field<&Self::data_tags>({.note = "where there are some", .absent = true}));
   }
   std::string text(std::string_view action) const {
     return fmt::format("      {:<10} {}{}{}  (line {})\n", action, joined_texts(topics),
@@ -388,12 +379,11 @@ struct RuleFacts {
     using Self = RuleFacts;
     constexpr Shown kTheSame{.note = "the same", .same = true};
     constexpr Shown kIfAny{.note = "where there are some", .absent = true};
-    return std::tuple(
-        field("allow", &Self::allow), field("line", &Self::line),
-        field("domains", &Self::domains, {.def = "domain_ranges"}),
-        field("publish", &Self::publish), field("subscribe", &Self::subscribe, kTheSame),
-        field("relay", &Self::relay, kTheSame), field("domain_tags", &Self::domain_tags, kIfAny),
-        field("domain_tag_expressions", &Self::domain_tag_expressions, kIfAny));
+    return std::tuple(field<&Self::allow>(), field<&Self::line>(),
+                      field<&Self::domains>({.def = "domain_ranges"}), field<&Self::publish>(),
+                      field<&Self::subscribe>(kTheSame), field<&Self::relay>(kTheSame),
+                      field<&Self::domain_tags>(kIfAny),
+                      field<&Self::domain_tag_expressions>(kIfAny));
   }
   std::string text(std::size_t number) const {
     auto out = fmt::format("  {:>2}  {:<5} {}  (line {})\n", number, allow ? "allow" : "deny",
@@ -427,11 +417,10 @@ struct GrantFacts {
   }
   static constexpr auto fields() {
     using Self = GrantFacts;
-    return std::tuple(field("name", &Self::name), field("subject", &Self::subject),
-                      field("line", &Self::line), field("not_before", &Self::not_before),
-                      field("not_after", &Self::not_after), field("valid_now", &Self::valid_now),
-                      field("default", &Self::otherwise, {.words = "ALLOW|DENY"}),
-                      field("rules", &Self::rules));
+    return std::tuple(
+        field<&Self::name>(), field<&Self::subject>(), field<&Self::line>(),
+        field<&Self::not_before>(), field<&Self::not_after>(), field<&Self::valid_now>(),
+        field("default", &Self::otherwise, {.words = "ALLOW|DENY"}), field<&Self::rules>());
   }
   std::string text() const {
     auto out = fmt::format("{}  {} .. {}{}  (line {})\n", shown(subject), to_string(not_before),
@@ -446,8 +435,7 @@ struct ShownPermissions {
   std::vector<GrantFacts> grants = {};
 
   static constexpr auto fields() {
-    return std::tuple(field("file", &ShownPermissions::file),
-                      field("grants", &ShownPermissions::grants));
+    return std::tuple(field<&ShownPermissions::file>(), field<&ShownPermissions::grants>());
   }
   std::string text() const {
     std::string out;

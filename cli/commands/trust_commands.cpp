@@ -156,8 +156,7 @@ struct Process {
   std::vector<Participant> participants = {};
 
   static constexpr auto fields() {
-    return std::tuple(field("pid", &Process::pid, {.least = 1}),
-                      field("participants", &Process::participants));
+    return std::tuple(field<&Process::pid>({.least = 1}), field<&Process::participants>());
   }
 };
 
@@ -165,7 +164,7 @@ struct TrustStatus {
   std::vector<Process> processes = {};
   std::string now;
 
-  static constexpr auto fields() { return std::tuple(field("processes", &TrustStatus::processes)); }
+  static constexpr auto fields() { return std::tuple(field<&TrustStatus::processes>()); }
   std::string text() const {
     std::string out;
     for (const auto& [pid, participants] : processes)

@@ -14,14 +14,12 @@ struct FlawFacts {
   std::string guard;
 
   static constexpr auto fields() {
-    return std::tuple(
-        field("id", &FlawFacts::id), field("summary", &FlawFacts::summary),
-        field("fixed_in", &FlawFacts::fixed_in,
-              {.note = "empty: no release of the series",
-               .pattern = "^([0-9]+\\.[0-9]+\\.[0-9]+)?$"}),
-        field("certain", &FlawFacts::certain,
-              {"false: the distribution's package of this version may have the fix"}),
-        field("guard", &FlawFacts::guard, {"what ddssec does; empty: only an update helps"}));
+    return std::tuple(field<&FlawFacts::id>(), field<&FlawFacts::summary>(),
+                      field<&FlawFacts::fixed_in>({.note = "empty: no release of the series",
+                                                   .pattern = "^([0-9]+\\.[0-9]+\\.[0-9]+)?$"}),
+                      field<&FlawFacts::certain>(
+                          {"false: the distribution's package of this version may have the fix"}),
+                      field<&FlawFacts::guard>({"what ddssec does; empty: only an update helps"}));
   }
   std::string text() const {
     const auto fixed = fixed_in.empty() ? "no release of this series fixes it"
@@ -38,11 +36,10 @@ struct VersionFacts {
   std::vector<FlawFacts> openssl_flaws = {};
 
   static constexpr auto fields() {
-    return std::tuple(
-        field("version", &VersionFacts::version, {.pattern = "^[0-9]+\\.[0-9]+\\.[0-9]+$"}),
-        field("schema", &VersionFacts::schema, {.words = "ddssec/1"}),
-        field("openssl", &VersionFacts::openssl, {"the version that runs"}),
-        field("openssl_flaws", &VersionFacts::openssl_flaws, {"known flaws of that version"}));
+    return std::tuple(field<&VersionFacts::version>({.pattern = "^[0-9]+\\.[0-9]+\\.[0-9]+$"}),
+                      field<&VersionFacts::schema>({.words = "ddssec/1"}),
+                      field<&VersionFacts::openssl>({"the version that runs"}),
+                      field<&VersionFacts::openssl_flaws>({"known flaws of that version"}));
   }
   std::string text() const {
     auto out = fmt::format("ddssec {}\n{}{}\n", version, openssl,

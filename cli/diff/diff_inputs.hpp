@@ -55,8 +55,8 @@ struct ShownSigners {
   static constexpr auto fields() {
     using T = ShownSigners;
     return std::tuple(field("old", &T::old_side, {"null: not signed"}),
-                      field("new", &T::new_side, {"null: not signed"}), field("same", &T::same),
-                      field("verified", &T::verified));
+                      field("new", &T::new_side, {"null: not signed"}), field<&T::same>(),
+                      field<&T::verified>());
   }
 };
 /// Complete lines: the signer, and whether that was verified. Empty if nothing is signed.
@@ -78,10 +78,9 @@ struct ShownReading {
 
   static constexpr auto fields() {
     using T = ShownReading;
-    return std::tuple(field("document", &T::document, {.words = "old|new"}),
-                      field("expression", &T::expression, {"null: another construct"}),
-                      field("sentence", &T::sentence), field("widens", &T::widens),
-                      field("at", &T::at));
+    return std::tuple(field<&T::document>({.words = "old|new"}),
+                      field<&T::expression>({"null: another construct"}), field<&T::sentence>(),
+                      field<&T::widens>(), field<&T::at>());
   }
 };
 
@@ -93,7 +92,7 @@ struct ShownReadings {
   static ShownReadings of(const governance::Readings& readings, const DiffSides& sides);
   static constexpr auto fields() {
     using T = ShownReadings;
-    return std::tuple(field("all", &T::all), field("complete", &T::complete));
+    return std::tuple(field<&T::all>(), field<&T::complete>());
   }
 };
 

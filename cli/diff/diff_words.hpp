@@ -27,7 +27,7 @@ struct Listed<governance::NameSet> {
                   return kForms[static_cast<std::size_t>(set.form)];
                 },
                 {.words = "every|every_but|listed|some"}),
-        field("expressions", &T::expressions), field("examples", &T::examples, {.least = 1}));
+        field<&T::expressions>(), field<&T::examples>({.least = 1}));
   }
 };
 
@@ -35,18 +35,16 @@ template <>
 struct Listed<governance::TopicWords> {
   using T = governance::TopicWords;
   static constexpr auto fields() {
-    return std::tuple(field("expression", &T::expression),
+    return std::tuple(field<&T::expression>(),
                       made<T>("also", [](const T& words) { return if_any(words.also); }),
-                      field("except", &T::except), field("more_exceptions", &T::more_exceptions));
+                      field<&T::except>(), field<&T::more_exceptions>());
   }
 };
 
 template <>
 struct Listed<governance::DataTag> {
   using T = governance::DataTag;
-  static constexpr auto fields() {
-    return std::tuple(field("name", &T::name), field("value", &T::value));
-  }
+  static constexpr auto fields() { return std::tuple(field<&T::name>(), field<&T::value>()); }
 };
 
 /// The topics that a change affects.
@@ -65,10 +63,9 @@ struct ChangedTopics {
   }
   static constexpr auto fields() {
     using T = ChangedTopics;
-    return std::tuple(field("witness", &T::witness, {"null: the change is not about topics"}),
-                      field("sets", &T::sets), field("other_sets", &T::other_sets),
-                      field("expressions_old", &T::expressions_old),
-                      field("expressions_new", &T::expressions_new));
+    return std::tuple(field<&T::witness>({"null: the change is not about topics"}),
+                      field<&T::sets>(), field<&T::other_sets>(), field<&T::expressions_old>(),
+                      field<&T::expressions_new>());
   }
 };
 

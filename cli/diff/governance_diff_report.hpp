@@ -17,9 +17,9 @@ struct Listed<governance::ElementChange> {
   using T = governance::ElementChange;
   static constexpr auto fields() {
     return std::tuple(
-        field("element", &T::element), field("old", &T::old_value), field("new", &T::new_value),
+        field<&T::element>(), field("old", &T::old_value), field("new", &T::new_value),
         field("class", &T::change, {.words = "weaker|stronger|wider|narrower|mixed|neutral"}),
-        field("interop", &T::interop, {.words = "none|endpoint|participant"}));
+        field<&T::interop>({.words = "none|endpoint|participant"}));
   }
 };
 
@@ -29,7 +29,7 @@ struct Listed<governance::PropertyOfSome> {
   static constexpr auto fields() {
     return std::tuple(
         made<T>("property", [](const T& one) { return governance::to_string(one.property); }),
-        field("witness", &T::witness));
+        field<&T::witness>());
   }
 };
 
@@ -65,8 +65,8 @@ template <>
 struct Listed<governance::RewrittenRules> {
   using T = governance::RewrittenRules;
   static constexpr auto fields() {
-    return std::tuple_cat(fields_within(&T::scope), std::tuple(field("only_old", &T::only_old),
-                                                               field("only_new", &T::only_new)));
+    return std::tuple_cat(fields_within(&T::scope),
+                          std::tuple(field<&T::only_old>(), field<&T::only_new>()));
   }
 };
 
@@ -113,8 +113,7 @@ struct GovernanceComparison {
         made<T>(
             "flag_day_domains",
             [](const T& one) { return domains_json(one.diff.flag_day_domains); }, kRanges),
-        field("changes", &T::changes, {.apart = true}),
-        field("rewritten", &T::diff, &Diff::rewritten),
+        field<&T::changes>({.apart = true}), field("rewritten", &T::diff, &Diff::rewritten),
         made<T>(
             "unknown_domains", [](const T& one) { return domains_json(one.diff.unknown_domains); },
             kRanges),
@@ -123,10 +122,10 @@ struct GovernanceComparison {
                 [](const T& one) { return ShownReadings::of(one.diff.readings, one.sides); },
                 {"what other products may read differently, and only one document has"}),
         field("signer", &T::sides, ShownSigners::of),
-        field("live", &T::live,
-              {"what running participants do: same, live, two phases, live unless in use, live if "
-               "the signer is believed, refused as a roll-back, refused without a revision, "
-               "restart"}));
+        field<&T::live>(
+            {"what running participants do: same, live, two phases, live unless in use, live if "
+             "the signer is believed, refused as a roll-back, refused without a revision, "
+             "restart"}));
   }
   std::string text() const;
 };

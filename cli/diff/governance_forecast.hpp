@@ -21,11 +21,10 @@ struct GovernanceForecast {
   static constexpr auto fields() {
     using T = GovernanceForecast;
     constexpr Shown kLive{.def = "live"};
-    return std::tuple(field("ddssec", &T::ddssec, {.note = "the worse of both", .def = "live"}),
-                      field("embedded", &T::embedded, kLive),
-                      field("cyclonedds", &T::cyclonedds, kLive),
-                      field("stock", &T::stock, {.words = "same|restart"}),
-                      field("reason", &T::reason), field("at", &T::at));
+    return std::tuple(field<&T::ddssec>({.note = "the worse of both", .def = "live"}),
+                      field<&T::embedded>(kLive), field<&T::cyclonedds>(kLive),
+                      field<&T::stock>({.words = "same|restart"}), field<&T::reason>(),
+                      field<&T::at>());
   }
 };
 

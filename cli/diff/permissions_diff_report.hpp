@@ -12,9 +12,9 @@ template <>
 struct Listed<governance::EntityWords> {
   using T = governance::EntityWords;
   static constexpr auto fields() {
-    return std::tuple(field("every", &T::every),
-                      field("partitions", &T::partitions, {.note = "as `tag_set`", .same = true}),
-                      field("example_data_tags", &T::example_data_tags));
+    return std::tuple(field<&T::every>(),
+                      field<&T::partitions>({.note = "as `tag_set`", .same = true}),
+                      field<&T::example_data_tags>());
   }
 };
 
@@ -23,10 +23,10 @@ struct Listed<governance::PermissionChange> {
   using T = governance::PermissionChange;
   static constexpr auto fields() {
     return std::tuple_cat(
-        std::tuple(field("subject", &T::subject)), fields_within(&T::scope),
+        std::tuple(field<&T::subject>()), fields_within(&T::scope),
         std::tuple(
-            field("element", &T::element,
-                  {.words = "rule|default|grant|validity|join|subject_name|rewritten"}),
+            field<&T::element>(
+                {.words = "rule|default|grant|validity|join|subject_name|rewritten"}),
             field("operation", &T::operation, if_any, {.words = "publish|subscribe|relay"}),
             made<T>("topics", ChangedTopics::of<T>),
             field("partitions", &T::entities, &governance::EntityWords::example_partitions,
@@ -73,16 +73,16 @@ struct PermissionsComparison {
         made<T>("verdict", [](const T& one) { return one.diff.verdict; },
                 {.words = "wider|narrower|mixed|neutral|unknown"}),
         made<T>("breaks_interop", [](const T&) { return false; }, {"never"}),
-        field("changes", &T::changes, {.apart = true}),
+        field<&T::changes>({.apart = true}),
         field("complete", &T::diff, &governance::PermissionsDiff::is_complete),
         made<T>("approximate", [](const T& one) { return !one.diff.is_exact; }),
         made<T>("readings",
                 [](const T& one) { return ShownReadings::of(one.diff.readings, one.sides); },
                 {"what other products may read differently, and only one document has"}),
         field("signer", &T::sides, ShownSigners::of),
-        field("takes_effect", &T::takes_effect,
-              {"what running participants do: same, live, live when it begins, live if the signer "
-               "is believed, restart, refused"}));
+        field<&T::takes_effect>(
+            {"what running participants do: same, live, live when it begins, live if the signer "
+             "is believed, restart, refused"}));
   }
   std::string text() const;
 };

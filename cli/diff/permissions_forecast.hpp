@@ -27,11 +27,9 @@ struct PermissionsForecast {
   static constexpr auto fields() {
     using T = PermissionsForecast;
     constexpr Shown kOurs{.def = "taken_permissions"}, kStock{.words = "same|restart"};
-    return std::tuple(field("embedded", &T::embedded, kOurs),
-                      field("cyclonedds_ddssec", &T::cyclonedds_ddssec, kOurs),
-                      field("cyclonedds", &T::cyclonedds, kStock),
-                      field("fastdds", &T::fastdds, kStock), field("reason", &T::reason),
-                      field("at", &T::at));
+    return std::tuple(field<&T::embedded>(kOurs), field<&T::cyclonedds_ddssec>(kOurs),
+                      field<&T::cyclonedds>(kStock), field<&T::fastdds>(kStock),
+                      field<&T::reason>(), field<&T::at>());
   }
 };
 

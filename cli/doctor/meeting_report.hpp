@@ -29,7 +29,7 @@ struct Listed<governance::doctor::Judgement> {
     return std::tuple(
         made<T>("from", [](const T& one) { return kSides[one.about]; }, {.words = kSideWords}),
         made<T>("to", [](const T& one) { return kSides[one.judge]; }, {.words = kSideWords}),
-        field("ok", &T::ok), made<T>("reason", [](const T& one) {
+        field<&T::ok>(), made<T>("reason", [](const T& one) {
           return one.ok ? std::nullopt : std::optional(one.reason);
         }));
   }
@@ -40,7 +40,7 @@ struct Listed<governance::doctor::Difference> {
   using T = governance::doctor::Difference;
   static constexpr std::string_view kDef = "difference";
   static constexpr auto fields() {
-    return std::tuple(field("element", &T::element),
+    return std::tuple(field<&T::element>(),
                       made<T>("a", [](const T& one) { return one.values[0]; }),
                       made<T>("b", [](const T& one) { return one.values[1]; }),
                       made<T>("line_a", [](const T& one) { return one.lines[0]; }),
@@ -89,8 +89,8 @@ struct TopicProtection {
   static constexpr auto fields() {
     using T = TopicProtection;
     constexpr Shown kKind{.def = "protection_kind"};
-    return std::tuple(field("payload", &T::payload, kKind), field("metadata", &T::metadata, kKind),
-                      field("rtps", &T::rtps, kKind));
+    return std::tuple(field<&T::payload>(kKind), field<&T::metadata>(kKind),
+                      field<&T::rtps>(kKind));
   }
 };
 
@@ -113,16 +113,15 @@ struct ShownDirection {
     using T = ShownDirection;
     using By = governance::doctor::Direction;
     constexpr Shown kIfAny{.absent = true};
-    return std::tuple(made<T>("writer", [](const T& one) { return kSides[one.by->writer]; },
-                              {.words = kSideWords}),
-                      made<T>("reader", [](const T& one) { return kSides[1 - one.by->writer]; },
-                              {.words = kSideWords}),
-                      field("ok", &T::by, &By::ok), field("steps", &T::steps),
-                      field("differences", &T::by, &By::differences),
-                      field("protection", &T::protection, kIfAny),
-                      field("obstacle", &T::obstacle, kIfAny),
-                      field("reason", &T::reason,
-                            {.note = "the first thing that keeps them apart", .absent = true}));
+    return std::tuple(
+        made<T>("writer", [](const T& one) { return kSides[one.by->writer]; },
+                {.words = kSideWords}),
+        made<T>("reader", [](const T& one) { return kSides[1 - one.by->writer]; },
+                {.words = kSideWords}),
+        field("ok", &T::by, &By::ok), field<&T::steps>(),
+        field("differences", &T::by, &By::differences), field<&T::protection>(kIfAny),
+        field<&T::obstacle>(kIfAny),
+        field<&T::reason>({.note = "the first thing that keeps them apart", .absent = true}));
   }
 };
 
@@ -160,10 +159,10 @@ struct ShownJoin {
 
   static constexpr auto fields() {
     using T = ShownJoin;
-    return std::tuple(field("domain", &T::domain), field("ok", &T::ok),
-                      field("judgements", &T::judgements, {.note = "as `start`", .same = true}),
-                      field("differences", &T::differences),
-                      field("masks", &T::masks, {.def = "masks", .least = 2, .most = 2}));
+    return std::tuple(field<&T::domain>(), field<&T::ok>(),
+                      field<&T::judgements>({.note = "as `start`", .same = true}),
+                      field<&T::differences>(),
+                      field<&T::masks>({.def = "masks", .least = 2, .most = 2}));
   }
 };
 
@@ -173,8 +172,8 @@ struct ShownHandshake {
 
   static constexpr auto fields() {
     using T = ShownHandshake;
-    return std::tuple(field("starts", &T::starts, {.note = "null: by chance", .words = kSideWords}),
-                      field("ok", &T::ok));
+    return std::tuple(field<&T::starts>({.note = "null: by chance", .words = kSideWords}),
+                      field<&T::ok>());
   }
 };
 
@@ -202,13 +201,13 @@ struct MeetingView {
     using T = MeetingView;
     using By = governance::doctor::Meeting;
     constexpr Shown kSame{.note = "the same", .same = true};
-    return std::tuple(
-        field("start", &T::meeting, &By::start),
-        field("authentication", &T::meeting, &By::authentication, kSame),
-        field("permissions", &T::meeting, &By::permissions, kSame), field("join", &T::join),
-        field("handshake", &T::handshake, {"null: a certificate cannot be read"}),
-        field("topics", &T::topics), field("topics_complete", &T::meeting, &By::topics_complete),
-        field("talk", &T::talk), field("vendor_notes", &T::vendor_notes));
+    return std::tuple(field("start", &T::meeting, &By::start),
+                      field("authentication", &T::meeting, &By::authentication, kSame),
+                      field("permissions", &T::meeting, &By::permissions, kSame), field<&T::join>(),
+                      field<&T::handshake>({"null: a certificate cannot be read"}),
+                      field<&T::topics>(),
+                      field("topics_complete", &T::meeting, &By::topics_complete),
+                      field<&T::talk>(), field<&T::vendor_notes>());
   }
 };
 

@@ -84,8 +84,8 @@ struct FindingCounts {
   static FindingCounts of(const std::vector<Finding>& findings);
   static constexpr auto fields() {
     return std::tuple(
-        field("errors", &FindingCounts::errors), field("warnings", &FindingCounts::warnings),
-        field("notes", &FindingCounts::notes, {"how many; the findings are in `diagnostics`"}));
+        field<&FindingCounts::errors>(), field<&FindingCounts::warnings>(),
+        field<&FindingCounts::notes>({"how many; the findings are in `diagnostics`"}));
   }
   /// "2 errors, 1 warning, 3 notes"; "nothing found" if there are none.
   std::string words() const;

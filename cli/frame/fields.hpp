@@ -6,12 +6,13 @@
 //     std::filesystem::path file;
 //     std::string signer;
 //     static constexpr auto fields() {
-//       return std::tuple(field("file", &Signing::file),
-//                         field("signer", &Signing::signer, {.def = "subject"}));
+//       return std::tuple(field<&Signing::file>(),
+//                         field<&Signing::signer>({.def = "subject"}));
 //     }
 //   };
 //
-// made() is a field that a function makes. Listed<T> has the field list of a struct that knows
+// The member gives the field its name; field("old", &Change::before) gives another one. made() is a
+// field that a function makes. Listed<T> has the field list of a struct that knows
 // nothing of this file. A struct with kDef ("new_ca") has an entry of its own in the schema's
 // $defs. A value with kDef and a member json() is a leaf that the schema describes by hand. The
 // alternatives of a std::variant are results of one command; kWhen of the second and the later ones
@@ -24,6 +25,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <source_location>
 #include <string>
 #include <string_view>
 #include <tuple>
@@ -53,6 +55,20 @@ struct Shown {
   std::size_t most = 0;           ///< 0: any number
   bool absent = false;            ///< an empty std::optional is left out; otherwise it is null
 };
+
+namespace fields_detail {
+
+/// The name of a member, as the compiler writes it: "... [with auto Member = &Signing::file; ...]".
+template <auto Member>
+consteval std::string_view name_of() {
+  std::string_view text = std::source_location::current().function_name();
+  text.remove_prefix(text.find("Member = "));
+  text = text.substr(0, text.find_first_of(";]"));
+  text.remove_prefix(text.rfind(':') + 1);
+  return text.substr(0, text.find(')'));
+}
+
+}  // namespace fields_detail
 
 /// One field of `Owner`.
 template <class Owner, class T>
@@ -102,6 +118,12 @@ constexpr auto field(std::string_view name, T Owner::*member, Next next, Shown s
     return std::invoke(next, owner.*member);
   };
   return made<Owner>(name, make, shown);
+}
+
+/// A field with the name of its member: field<&Signing::file>().
+template <auto Member>
+constexpr auto field(Shown shown = {}) {
+  return field(fields_detail::name_of<Member>(), Member, shown);
 }
 
 /// A field of a part of `Owner`, which stands among the fields of `Owner` itself.

@@ -23,9 +23,9 @@ struct DocumentPart {
 
   static constexpr auto fields() {
     using Self = DocumentPart;
-    return std::tuple(field("subject", &Self::subject), field("number", &Self::number),
-                      field("until", &Self::until, {.note = "null: no end", .def = "time"}),
-                      field("sha256", &Self::sha256));
+    return std::tuple(field<&Self::subject>(), field<&Self::number>(),
+                      field<&Self::until>({.note = "null: no end", .def = "time"}),
+                      field<&Self::sha256>());
   }
 };
 
@@ -39,10 +39,9 @@ struct StatusRefusal {
 
   static constexpr auto fields() {
     using Self = StatusRefusal;
-    return std::tuple(field("at", &Self::at, {.def = "time"}), field("file", &Self::file),
-                      field("code", &Self::code), field("name", &Self::name),
-                      field("sentence", &Self::sentence),
-                      field("stands", &Self::stands, {"false: no longer"}));
+    return std::tuple(field<&Self::at>({.def = "time"}), field<&Self::file>(), field<&Self::code>(),
+                      field<&Self::name>(), field<&Self::sentence>(),
+                      field<&Self::stands>({"false: no longer"}));
   }
 };
 
@@ -56,14 +55,14 @@ struct RunningDocument {
   static constexpr auto fields() {
     using Self = RunningDocument;
     return std::tuple(
-        field("kind", &Self::kind,
-              {.words = "identity certificate|identity CA|revocation list|renewal list|OCSP "
-                        "response|permissions CA|permissions|governance"}),
-        field("file", &Self::file, {.def = "path"}), field("since", &Self::since, {.def = "time"}),
-        field("in_force", &Self::in_force), field("more", &Self::more, {"how many more"}),
-        field("waiting", &Self::waiting,
-              {.note = "for peers, to come into force; null: nothing", .same = true}),
-        field("refused", &Self::refused, {"null: nothing"}));
+        field<&Self::kind>(
+            {.words = "identity certificate|identity CA|revocation list|renewal list|OCSP "
+                      "response|permissions CA|permissions|governance"}),
+        field<&Self::file>({.def = "path"}), field<&Self::since>({.def = "time"}),
+        field<&Self::in_force>(), field<&Self::more>({"how many more"}),
+        field<&Self::waiting>(
+            {.note = "for peers, to come into force; null: nothing", .same = true}),
+        field<&Self::refused>({"null: nothing"}));
   }
 };
 
@@ -77,10 +76,10 @@ struct RunningParticipant {
   static constexpr auto fields() {
     using Self = RunningParticipant;
     return std::tuple(
-        field("identity", &Self::identity, {"its handle in the process"}),
-        field("guid", &Self::guid), field("subject", &Self::subject),
-        field("cut_off", &Self::cut_off, {.note = "as `refused`; null: it is not", .same = true}),
-        field("documents", &Self::documents));
+        field<&Self::identity>({"its handle in the process"}), field<&Self::guid>(),
+        field<&Self::subject>(),
+        field<&Self::cut_off>({.note = "as `refused`; null: it is not", .same = true}),
+        field<&Self::documents>());
   }
 };
 

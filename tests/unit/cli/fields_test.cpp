@@ -80,7 +80,7 @@ template <>
 struct Listed<Range> {
   static constexpr std::string_view kDef = "range";
   static constexpr auto fields() {
-    return std::tuple(field("first", &Range::first), field("last", &Range::last));
+    return std::tuple(field<&Range::first>(), field<&Range::last>());
   }
 };
 
