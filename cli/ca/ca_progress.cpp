@@ -23,8 +23,8 @@ std::vector<Follower> those(const std::vector<Follower>& followers, Predicate pr
   return out;
 }
 
-Json names_of(const std::vector<Follower>& followers) {
-  Json out = Json::array();
+std::vector<std::string> names_of(const std::vector<Follower>& followers) {
+  std::vector<std::string> out;
   for (const auto& follower : followers) out.push_back(follower.name);
   return out;
 }

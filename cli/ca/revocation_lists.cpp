@@ -43,11 +43,6 @@ std::string number_and_date(const pki::Crl& list) {
 
 std::string number_text(const pki::Crl& list) { return to_string(list.number().value_or(0)); }
 
-Json number_json(const pki::Crl& list) {
-  const auto small = list.number().value_or(0).as_uint64();
-  return small ? Json(*small) : Json(number_text(list));
-}
-
 Result<std::vector<pki::Crl>> read_crls(const fs::path& path) {
   if (!is_there(path)) return std::vector<pki::Crl>();
   DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(path, pki::kMostDocumentOctets));

@@ -49,18 +49,19 @@ Result<pki::Crl> next_crl(const OpenCa& ca, const pki::IssueLog& log, WallTime n
                           const std::vector<std::filesystem::path>& more = {},
                           ListDate date = ListDate::after_former);
 
-/// A list's number as text and as JSON (a string if it has more than 64 bits); 0 if it has none.
+/// A list's number; 0 if it has none.
 std::string number_text(const pki::Crl& list);
-Json number_json(const pki::Crl& list);
 
 /// The same as a field of a result.
 struct ListNumber {
   static constexpr std::string_view kDef = "crl_number";
-  Json number;
   std::string text;
+  std::optional<std::uint64_t> small;  ///< empty: it has more than 64 bits
 
-  static ListNumber of(const pki::Crl& list) { return {number_json(list), number_text(list)}; }
-  const Json& json() const { return number; }
+  static ListNumber of(const pki::Crl& list) {
+    return {number_text(list), list.number().value_or(0).as_uint64()};
+  }
+  Json json() const { return small ? Json(*small) : Json(text); }
 };
 
 /// next_crl() for kListDays. A list without entries is valid as long as the CA, so that it need not

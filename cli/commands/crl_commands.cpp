@@ -107,7 +107,7 @@ Result<Answer<ShownLists>> crl_show(const Arguments& arguments, const Context&) 
   std::vector<ShownList> shown;
   for (const auto& list : lists) {
     DDSSEC_ASSIGN_OR_RETURN(auto entries, named(list.revoked(), path));
-    shown.push_back({ListHead::of(list), {entries.begin(), entries.end()}});
+    shown.push_back({ListHead::of(list), std::move(entries)});
   }
   auto first = std::move(shown.front());
   shown.erase(shown.begin());

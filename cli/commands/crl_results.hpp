@@ -27,10 +27,9 @@ struct ListHead {
     return {list.issuer(), ListNumber::of(list), list.this_update(), list.next_update()};
   }
   static constexpr auto fields() {
-    return std::tuple(field("issuer", &ListHead::issuer, {.def = "subject"}),
-                      field("number", &ListHead::number),
-                      field("this_update", &ListHead::this_update),
-                      field("next_update", &ListHead::next_update, {"null: none"}));
+    return std::tuple(field<&ListHead::issuer>({.def = "subject"}), field<&ListHead::number>(),
+                      field<&ListHead::this_update>(),
+                      field<&ListHead::next_update>({"null: none"}));
   }
   std::string until() const {
     return next_update ? "until " + date(*next_update) : "without an end";
@@ -43,8 +42,8 @@ struct NewList {
   std::size_t revoked;
 
   static constexpr auto fields() {
-    return std::tuple_cat(std::tuple(field("file", &NewList::file)), fields_within(&NewList::list),
-                          std::tuple(field("revoked", &NewList::revoked, {"how many"})));
+    return std::tuple_cat(std::tuple(field<&NewList::file>()), fields_within(&NewList::list),
+                          std::tuple(field<&NewList::revoked>({"how many"})));
   }
   std::string text() const {
     return fmt::format("{}  number {}, {} revoked, {}\n", file.string(), list.number.text, revoked,
@@ -52,34 +51,29 @@ struct NewList {
   }
 };
 
-/// An entry of a list.
-struct ListEntry {
-  std::string serial;
-  WallTime time;
-  std::string reason;
-
-  ListEntry(const pki::Revocation& one)
-      : serial(one.serial), time(one.time), reason(to_string(one.reason)) {}
+template <>
+struct Listed<pki::Revocation> {
+  using T = pki::Revocation;
   static constexpr auto fields() {
-    return std::tuple(field("serial", &ListEntry::serial, {.def = "serial"}),
-                      field("time", &ListEntry::time), field("reason", &ListEntry::reason));
+    return std::tuple(field<&T::serial>({.def = "serial"}), field<&T::time>(), field<&T::reason>());
   }
 };
 
 struct ShownList {
   ListHead list;
-  std::vector<ListEntry> revoked;
+  std::vector<pki::Revocation> revoked;
 
   static constexpr auto fields() {
     return std::tuple_cat(fields_within(&ShownList::list),
-                          std::tuple(field("revoked", &ShownList::revoked)));
+                          std::tuple(field<&ShownList::revoked>()));
   }
   std::string text() const {
     auto out =
         fmt::format("issuer   {}\nnumber   {}\nvalid    {} .. {}\n", list.issuer, list.number.text,
                     date(list.this_update), list.next_update ? date(*list.next_update) : "");
     for (const auto& one : revoked)
-      out += fmt::format("revoked  {}  {}  {}\n", one.serial, date(one.time), one.reason);
+      out +=
+          fmt::format("revoked  {}  {}  {}\n", one.serial, date(one.time), to_string(one.reason));
     return out;
   }
 };
@@ -90,10 +84,9 @@ struct ShownLists {
   std::vector<ShownList> others;
 
   static constexpr auto fields() {
-    return std::tuple_cat(
-        std::tuple(field("file", &ShownLists::file)), fields_within(&ShownLists::first),
-        std::tuple(field("others", &ShownLists::others,
-                         {.note = "the same of further lists of the file", .same = true})));
+    return std::tuple_cat(std::tuple(field<&ShownLists::file>()), fields_within(&ShownLists::first),
+                          std::tuple(field<&ShownLists::others>(
+                              {.note = "the same of further lists of the file", .same = true})));
   }
   std::string text() const {
     auto out = first.text();
@@ -113,7 +106,7 @@ struct VerifiedList {
   std::vector<Seen> all = {};
 
   static constexpr auto fields() {
-    return std::tuple_cat(std::tuple(field("file", &VerifiedList::file)),
+    return std::tuple_cat(std::tuple(field<&VerifiedList::file>()),
                           fields_within(&VerifiedList::list));
   }
   std::string text() const {
@@ -133,8 +126,7 @@ struct RenewalCounts {
   std::size_t certificates, permissions;
 
   static constexpr auto fields() {
-    return std::tuple(field("certificates", &RenewalCounts::certificates),
-                      field("permissions", &RenewalCounts::permissions));
+    return std::tuple(field<&RenewalCounts::certificates>(), field<&RenewalCounts::permissions>());
   }
 };
 
@@ -148,15 +140,13 @@ struct DistributedLists {
     return std::tuple_cat(
         fields_within(&Self::list),
         std::tuple(
-            field("folders", &Self::folders),
-            field("elsewhere", &Self::elsewhere,
-                  {"folders that the log knows and this machine does not have"}),
-            field("left_behind", &Self::left_behind,
-                  {"here, with a certificate from before a rotation"}),
-            field("of_other_cas", &Self::of_other_cas, {"here, with a certificate of another CA"}),
-            field("renewals", &Self::renewals, {"entries of the renewal list"}),
-            field("without_permissions", &Self::without_permissions,
-                  {"folders that get none of its permissions: no permissions CA is in them"})));
+            field<&Self::folders>(),
+            field<&Self::elsewhere>({"folders that the log knows and this machine does not have"}),
+            field<&Self::left_behind>({"here, with a certificate from before a rotation"}),
+            field<&Self::of_other_cas>({"here, with a certificate of another CA"}),
+            field<&Self::renewals>({"entries of the renewal list"}),
+            field<&Self::without_permissions>(
+                {"folders that get none of its permissions: no permissions CA is in them"})));
   }
   std::string text() const {
     std::string out;

@@ -113,7 +113,7 @@ struct ShownCheck {
         made<T>("verdicts",
                 [](const T& one) { return verdicts_json(one.check->outcomes, *one.products); },
                 {.note = "by vendor: ok, unsafe, late, fail", .def = "outcomes"}),
-        made<T>("fix", [](const T& one) { return one.fix(); }, {.absent = true}));
+        field<&T::fix>({.absent = true}));
   }
 };
 
@@ -136,11 +136,11 @@ struct ShownDiagnosis {
   static constexpr auto fields() {
     using T = ShownDiagnosis;
     return std::tuple(
-        made<T>("vendors", [](const T& one) { return one.vendors(); },
-                {.note = "with the version that is predicted: the named or the installed one",
-                 .def = "product",
-                 .least = 1}),
-        made<T>("checks", [](const T& one) { return one.checks(); }),
+        field<&T::vendors>(
+            {.note = "with the version that is predicted: the named or the installed one",
+             .def = "product",
+             .least = 1}),
+        field<&T::checks>(),
         made<T>("verdicts",
                 [](const T& one) { return verdicts_json(one.diagnosis.outcomes(), one.products); },
                 {.note = "of all checks", .def = "outcomes"}));

@@ -6,7 +6,7 @@
 
 #include "base/text.hpp"
 #include "cli/commands/groups.hpp"
-#include "cli/diff/diff_inputs.hpp"
+#include "cli/diff/diff_words.hpp"
 #include "cli/documents/documents.hpp"
 #include "governance/compare/protection_properties.hpp"
 #include "governance/decision.hpp"
@@ -22,108 +22,97 @@ using governance::Grant;
 using governance::Property;
 using governance::TopicRule;
 
-constexpr Shown kKind{.def = "protection_kind"};
-
 Json range_list(const governance::DomainSet& domains) { return domains_json(domains.ranges); }
 
-struct TopicRuleFacts {
+std::optional<ProtectionKind> if_protected(ProtectionKind kind) {
+  return is_protected(kind) ? std::optional(kind) : std::nullopt;
+}
+
+std::optional<bool> if_set(bool flag) { return flag ? std::optional(flag) : std::nullopt; }
+
+constexpr Shown kKind{.def = "protection_kind"};
+
+}  // namespace
+
+template <>
+struct Listed<TopicRule> {
+  using T = TopicRule;
   static constexpr std::string_view kDef = "topic_rule";
-  std::string expression;
-  int line;
-  std::string data, metadata;
-  bool discovery, liveliness, read_access_control, write_access_control;
-
-  static TopicRuleFacts of(const TopicRule& rule) {
-    return {rule.topic_expression,
-            rule.line,
-            std::string(to_string(rule.data_protection_kind)),
-            std::string(to_string(rule.metadata_protection_kind)),
-            rule.enable_discovery_protection,
-            rule.enable_liveliness_protection,
-            rule.enable_read_access_control,
-            rule.enable_write_access_control};
-  }
   static constexpr auto fields() {
-    using Self = TopicRuleFacts;
-    return std::tuple(field<&Self::expression>(), field<&Self::line>(), field<&Self::data>(kKind),
-                      field<&Self::metadata>(kKind), field<&Self::discovery>(),
-                      field<&Self::liveliness>(), field<&Self::read_access_control>(),
-                      field<&Self::write_access_control>());
+    return std::tuple(field("expression", &T::topic_expression), field<&T::line>(),
+                      field("data", &T::data_protection_kind, kKind),
+                      field("metadata", &T::metadata_protection_kind, kKind),
+                      field("discovery", &T::enable_discovery_protection),
+                      field("liveliness", &T::enable_liveliness_protection),
+                      field("read_access_control", &T::enable_read_access_control),
+                      field("write_access_control", &T::enable_write_access_control));
   }
 };
 
-struct DomainRuleFacts {
-  Json domains;
-  int line;
-  bool allow_unauthenticated, join_access_control;
-  std::string discovery, liveliness, rtps;
-  // Of DDS-Security 1.2: nothing where there is none, as everywhere but in domains of embedded
-  // participants.
-  std::optional<std::string> pre_shared_key = {};
-  std::optional<bool> key_revision = {};
-  std::string domain_words = {};
-
-  static DomainRuleFacts of(const DomainRule& rule) {
-    DomainRuleFacts out{.domains = range_list(rule.domains),
-                        .line = rule.line,
-                        .allow_unauthenticated = rule.allow_unauthenticated_participants,
-                        .join_access_control = rule.enable_join_access_control,
-                        .discovery = std::string(to_string(rule.discovery_protection_kind)),
-                        .liveliness = std::string(to_string(rule.liveliness_protection_kind)),
-                        .rtps = std::string(to_string(rule.rtps_protection_kind)),
-                        .domain_words = shown(rule.domains.ranges)};
-    if (is_protected(rule.rtps_psk_protection_kind))
-      out.pre_shared_key = to_string(rule.rtps_psk_protection_kind);
-    if (rule.enable_key_revision) out.key_revision = true;
-    return out;
-  }
+/// Without the topic rules.
+template <>
+struct Listed<DomainRule> {
+  using T = DomainRule;
   static constexpr auto fields() {
-    using Self = DomainRuleFacts;
-    return std::tuple(field<&Self::domains>({.def = "domain_ranges"}), field<&Self::line>(),
-                      field<&Self::allow_unauthenticated>(), field<&Self::join_access_control>(),
-                      field<&Self::discovery>(kKind), field<&Self::liveliness>(kKind),
-                      field<&Self::rtps>(kKind),
-                      field<&Self::pre_shared_key>(
-                          {.note = "if there is one", .words = "SIGN|ENCRYPT", .absent = true}),
-                      field<&Self::key_revision>({.note = "if keys are revised", .absent = true}));
-  }
-  std::string newer_elements() const {
-    std::string out;
-    if (pre_shared_key) out += fmt::format("  pre-shared key {}", *pre_shared_key);
-    if (key_revision) out += "  keys are revised";
-    return out;
+    return std::tuple(field("domains", &T::domains, range_list, {.def = "domain_ranges"}),
+                      field<&T::line>(),
+                      field("allow_unauthenticated", &T::allow_unauthenticated_participants),
+                      field("join_access_control", &T::enable_join_access_control),
+                      field("discovery", &T::discovery_protection_kind, kKind),
+                      field("liveliness", &T::liveliness_protection_kind, kKind),
+                      field("rtps", &T::rtps_protection_kind, kKind),
+                      // Of DDS-Security 1.2: nothing where there is none, as everywhere but in
+                      // domains of embedded participants.
+                      field("pre_shared_key", &T::rtps_psk_protection_kind, if_protected,
+                            {.note = "if there is one", .words = "SIGN|ENCRYPT", .absent = true}),
+                      field("key_revision", &T::enable_key_revision, if_set,
+                            {.note = "if keys are revised", .absent = true}));
   }
 };
+
+namespace {
+
+std::string newer_elements(const DomainRule& rule) {
+  std::string out;
+  if (is_protected(rule.rtps_psk_protection_kind))
+    out += fmt::format("  pre-shared key {}", to_string(rule.rtps_psk_protection_kind));
+  if (rule.enable_key_revision) out += "  keys are revised";
+  return out;
+}
 
 std::string_view yes(bool value) { return value ? "yes" : "no"; }
 
-std::string topic_row(const TopicRuleFacts& rule, std::size_t number) {
+std::string topic_row(const TopicRule& rule, std::size_t number) {
   return fmt::format(
       "  {:>4}  {:<40} data {:<8} metadata {:<8} read {} write {} discovery {} "
       "(line {})\n",
-      number, shown(rule.expression), rule.data, rule.metadata,
-      rule.read_access_control ? "by permission" : "free",
-      rule.write_access_control ? "by permission" : "free", rule.discovery ? "protected" : "open",
-      rule.line);
+      number, shown(rule.topic_expression), to_string(rule.data_protection_kind),
+      to_string(rule.metadata_protection_kind),
+      rule.enable_read_access_control ? "by permission" : "free",
+      rule.enable_write_access_control ? "by permission" : "free",
+      rule.enable_discovery_protection ? "protected" : "open", rule.line);
 }
 
 struct ShownDomainRule {
-  DomainRuleFacts rule;
-  std::vector<TopicRuleFacts> topic_rules = {};
+  DomainRule rule;
 
   static constexpr auto fields() {
-    return std::tuple_cat(fields_within(&ShownDomainRule::rule),
-                          std::tuple(field<&ShownDomainRule::topic_rules>()));
+    return std::tuple_cat(
+        fields_within(&ShownDomainRule::rule),
+        std::tuple(field("topic_rules", &ShownDomainRule::rule, &DomainRule::topic_rules)));
   }
   std::string text(std::size_t number, const fs::path& file) const {
     auto out = fmt::format(
         "domain rule {}: {} ({}:{})\n"
         "  discovery {}  liveliness {}  rtps {}{}\n"
         "  strangers {}, permissions needed to join: {}\n",
-        number, rule.domain_words, file.string(), rule.line, rule.discovery, rule.liveliness,
-        rule.rtps, rule.newer_elements(), rule.allow_unauthenticated ? "allowed" : "refused",
-        yes(rule.join_access_control));
-    for (std::size_t i = 0; i < topic_rules.size(); ++i) out += topic_row(topic_rules[i], i + 1);
+        number, shown(rule.domains.ranges), file.string(), rule.line,
+        to_string(rule.discovery_protection_kind), to_string(rule.liveliness_protection_kind),
+        to_string(rule.rtps_protection_kind), newer_elements(rule),
+        rule.allow_unauthenticated_participants ? "allowed" : "refused",
+        yes(rule.enable_join_access_control));
+    for (std::size_t i = 0; i < rule.topic_rules.size(); ++i)
+      out += topic_row(rule.topic_rules[i], i + 1);
     return out;
   }
 };
@@ -135,12 +124,8 @@ struct ShownGovernance {
 
   static ShownGovernance of(const Governance& document, const fs::path& file) {
     ShownGovernance out{file};
+    for (const auto& rule : document.domain_rules) out.domain_rules.push_back({rule});
     if (document.revision != 0) out.revision = document.revision;
-    for (const auto& rule : document.domain_rules) {
-      out.domain_rules.push_back({DomainRuleFacts::of(rule)});
-      for (const auto& topic : rule.topic_rules)
-        out.domain_rules.back().topic_rules.push_back(TopicRuleFacts::of(topic));
-    }
     return out;
   }
   static constexpr auto fields() {
@@ -192,8 +177,8 @@ std::string_view asked_of(bool access_control) {
   return access_control ? "by permission" : "free: every participant of the domain";
 }
 
-std::string_view effect(bool flag, std::string_view kind) {
-  return flag && kind != to_string(ProtectionKind::none) ? "protected" : "open";
+std::string_view effect(bool flag, ProtectionKind kind) {
+  return flag && is_protected(kind) ? "protected" : "open";
 }
 
 /// The rules that decide for one topic of one domain.
@@ -202,8 +187,8 @@ struct ShownTopic {
   fs::path file;
   std::string topic;
   DomainId domain;
-  Numbered<DomainRuleFacts> domain_rule;
-  Numbered<TopicRuleFacts> topic_rule;
+  Numbered<DomainRule> domain_rule;
+  Numbered<TopicRule> topic_rule;
   std::vector<std::string> properties;
   std::string achieves;  ///< the properties in words: complete lines
 
@@ -224,10 +209,14 @@ struct ShownTopic {
                "  payload    {:<12} metadata   {:<12} rtps  {} (domain rule {}, line {})\n"
                "  discovery  {:<12} liveliness {}\n"
                "  access     read {}, write {}\n",
-               shown(topic), domain, row_number, '"' + shown(row.expression) + '"', file.string(),
-               row.line, row.data, row.metadata, rule.rtps, rule_number, rule.line,
-               effect(row.discovery, rule.discovery), effect(row.liveliness, rule.liveliness),
-               asked_of(row.read_access_control), asked_of(row.write_access_control)) +
+               shown(topic), domain, row_number, '"' + shown(row.topic_expression) + '"',
+               file.string(), row.line, to_string(row.data_protection_kind),
+               to_string(row.metadata_protection_kind), to_string(rule.rtps_protection_kind),
+               rule_number, rule.line,
+               effect(row.enable_discovery_protection, rule.discovery_protection_kind),
+               effect(row.enable_liveliness_protection, rule.liveliness_protection_kind),
+               asked_of(row.enable_read_access_control),
+               asked_of(row.enable_write_access_control)) +
            achieves;
   }
 };
@@ -257,14 +246,13 @@ Result<Answer<ShownDocument>> one_topic(const Governance& document, const fs::pa
   if (row == rule->topic_rules.end())
     return fail(Code::topic_not_covered, {.document = file, .line = rule->line, .found = topic});
   const auto achieved = properties(*rule, *row);
-  ShownTopic out{
-      .file = file,
-      .topic = topic,
-      .domain = domain,
-      .domain_rule = {DomainRuleFacts::of(*rule), number_in(document.domain_rules, *rule)},
-      .topic_rule = {TopicRuleFacts::of(*row), number_in(rule->topic_rules, *row)},
-      .properties = {},
-      .achieves = sentence(achieved)};
+  ShownTopic out{.file = file,
+                 .topic = topic,
+                 .domain = domain,
+                 .domain_rule = {*rule, number_in(document.domain_rules, *rule)},
+                 .topic_rule = {*row, number_in(rule->topic_rules, *row)},
+                 .properties = {},
+                 .achieves = sentence(achieved)};
   for (const auto property : governance::listed(achieved))
     out.properties.emplace_back(to_string(property));
   return Answer<ShownDocument>{std::move(out)};
@@ -299,140 +287,103 @@ std::string joined_texts(const std::vector<std::string>& texts) {
   return out;
 }
 
-struct DataTag {
-  std::string name, value;
+std::string data_tags_text(const governance::Criteria& criteria) {
+  if (!criteria.data_tags) return {};
+  std::string out;
+  for (const auto& tag : *criteria.data_tags)
+    out += fmt::format("{}{}={}", out.empty() ? "  with data tags " : ", ", shown(tag.name),
+                       shown(tag.value));
+  return out.empty() ? "  with no data tags" : out;
+}
 
-  static constexpr auto fields() {
-    return std::tuple(field<&DataTag::name>(), field<&DataTag::value>());
-  }
-};
+std::string text_of(const governance::Criteria& criteria, std::string_view action) {
+  return fmt::format(
+      "      {:<10} {}{}{}  (line {})\n", action, joined_texts(texts_of(criteria.topics)),
+      criteria.partitions ? "  in partitions " + joined_texts(texts_of(*criteria.partitions)) : "",
+      data_tags_text(criteria), criteria.line);
+}
 
-struct CriterionFacts {
+std::optional<std::vector<std::string>> texts_if_any(const std::vector<governance::Text>& texts) {
+  return texts.empty() ? std::nullopt : std::optional(texts_of(texts));
+}
+
+}  // namespace
+
+template <>
+struct Listed<governance::Criteria> {
+  using T = governance::Criteria;
   static constexpr std::string_view kDef = "criterion";
-  int line;
-  std::vector<std::string> topics, partitions;
-  std::optional<std::vector<DataTag>> data_tags = {};
-  bool has_partitions = false;  ///< also an empty list of them
-
-  static CriterionFacts of(const governance::Criteria& criteria) {
-    CriterionFacts out{.line = criteria.line,
-                       .topics = texts_of(criteria.topics),
-                       .partitions = {},
-                       .has_partitions = criteria.partitions.has_value()};
-    if (criteria.partitions) out.partitions = texts_of(*criteria.partitions);
-    if (!criteria.data_tags) return out;
-    out.data_tags.emplace();
-    for (const auto& tag : *criteria.data_tags) out.data_tags->push_back({tag.name, tag.value});
-    return out;
-  }
   static constexpr auto fields() {
-    using Self = CriterionFacts;
-    return std::tuple(field<&Self::line>(), field<&Self::topics>(), field<&Self::partitions>(),
-                      field<&Self::data_tags>({.note = "where there are some", .absent = true}));
-  }
-  std::string text(std::string_view action) const {
-    return fmt::format("      {:<10} {}{}{}  (line {})\n", action, joined_texts(topics),
-                       has_partitions ? "  in partitions " + joined_texts(partitions) : "",
-                       data_tags_text(), line);
-  }
-
- private:
-  std::string data_tags_text() const {
-    std::string out;
-    if (!data_tags) return out;
-    for (const auto& tag : *data_tags)
-      out += fmt::format("{}{}={}", out.empty() ? "  with data tags " : ", ", shown(tag.name),
-                         shown(tag.value));
-    return out.empty() ? "  with no data tags" : out;
+    return std::tuple(field<&T::line>(), field("topics", &T::topics, texts_of),
+                      made<T>("partitions",
+                              [](const T& one) {
+                                return one.partitions ? texts_of(*one.partitions)
+                                                      : std::vector<std::string>();
+                              }),
+                      field<&T::data_tags>({.note = "where there are some", .absent = true}));
   }
 };
 
-std::vector<CriterionFacts> criteria_of(const std::vector<governance::Criteria>& list) {
-  std::vector<CriterionFacts> out;
-  std::ranges::transform(list, std::back_inserter(out), &CriterionFacts::of);
+template <>
+struct Listed<governance::Rule> {
+  using T = governance::Rule;
+  static constexpr auto fields() {
+    constexpr Shown kTheSame{.note = "the same", .same = true};
+    // Of DDS-Security 1.2: only where there are some.
+    constexpr Shown kIfAny{.note = "where there are some", .absent = true};
+    return std::tuple(
+        field<&T::allow>(), field<&T::line>(),
+        field("domains", &T::domains, range_list, {.def = "domain_ranges"}), field<&T::publish>(),
+        field<&T::subscribe>(kTheSame), field<&T::relay>(kTheSame),
+        made<T>(
+            "domain_tags", [](const T& one) { return texts_if_any(one.domains.tags); }, kIfAny),
+        made<T>(
+            "domain_tag_expressions",
+            [](const T& one) { return texts_if_any(one.domains.tag_expressions); }, kIfAny));
+  }
+};
+
+namespace {
+
+std::string text_of(const governance::Rule& rule, std::size_t number) {
+  auto out = fmt::format("  {:>2}  {:<5} {}  (line {})\n", number, rule.allow ? "allow" : "deny",
+                         shown(rule.domains.ranges), rule.line);
+  for (const auto& [action, list] :
+       {std::pair("publish", &rule.publish), std::pair("subscribe", &rule.subscribe),
+        std::pair("relay", &rule.relay)})
+    for (const auto& criteria : *list) out += text_of(criteria, action);
   return out;
 }
 
-struct RuleFacts {
-  bool allow;
-  int line;
-  Json domains;
-  std::vector<CriterionFacts> publish, subscribe, relay;
-  // Of DDS-Security 1.2: only where there are some.
-  std::optional<std::vector<std::string>> domain_tags = {}, domain_tag_expressions = {};
-  std::string domain_words = {};
-
-  static RuleFacts of(const governance::Rule& rule) {
-    RuleFacts out{.allow = rule.allow,
-                  .line = rule.line,
-                  .domains = range_list(rule.domains),
-                  .publish = criteria_of(rule.publish),
-                  .subscribe = criteria_of(rule.subscribe),
-                  .relay = criteria_of(rule.relay),
-                  .domain_words = shown(rule.domains.ranges)};
-    if (!rule.domains.tags.empty()) out.domain_tags = texts_of(rule.domains.tags);
-    if (!rule.domains.tag_expressions.empty())
-      out.domain_tag_expressions = texts_of(rule.domains.tag_expressions);
-    return out;
-  }
-  static constexpr auto fields() {
-    using Self = RuleFacts;
-    constexpr Shown kTheSame{.note = "the same", .same = true};
-    constexpr Shown kIfAny{.note = "where there are some", .absent = true};
-    return std::tuple(field<&Self::allow>(), field<&Self::line>(),
-                      field<&Self::domains>({.def = "domain_ranges"}), field<&Self::publish>(),
-                      field<&Self::subscribe>(kTheSame), field<&Self::relay>(kTheSame),
-                      field<&Self::domain_tags>(kIfAny),
-                      field<&Self::domain_tag_expressions>(kIfAny));
-  }
-  std::string text(std::size_t number) const {
-    auto out = fmt::format("  {:>2}  {:<5} {}  (line {})\n", number, allow ? "allow" : "deny",
-                           domain_words, line);
-    for (const auto& [action, list] :
-         {std::pair("publish", &publish), std::pair("subscribe", &subscribe),
-          std::pair("relay", &relay)})
-      for (const auto& criterion : *list) out += criterion.text(action);
-    return out;
-  }
-};
-
-struct GrantFacts {
-  std::string name, subject;
-  int line;
-  WallTime not_before, not_after;
+struct ShownGrant {
+  Grant grant;
   bool valid_now;
-  std::string otherwise;
-  std::vector<RuleFacts> rules = {};
 
-  static GrantFacts of(const Grant& grant, WallTime now) {
-    GrantFacts out{grant.name,
-                   grant.subject_name,
-                   grant.line,
-                   grant.validity.not_before,
-                   grant.validity.not_after,
-                   grant.validity.contains(now),
-                   grant.default_allow ? "ALLOW" : "DENY"};
-    std::ranges::transform(grant.rules, std::back_inserter(out.rules), &RuleFacts::of);
-    return out;
-  }
   static constexpr auto fields() {
-    using Self = GrantFacts;
+    using T = ShownGrant;
     return std::tuple(
-        field<&Self::name>(), field<&Self::subject>(), field<&Self::line>(),
-        field<&Self::not_before>(), field<&Self::not_after>(), field<&Self::valid_now>(),
-        field("default", &Self::otherwise, {.words = "ALLOW|DENY"}), field<&Self::rules>());
+        field("name", &T::grant, &Grant::name), field("subject", &T::grant, &Grant::subject_name),
+        field("line", &T::grant, &Grant::line),
+        made<T>("not_before", [](const T& one) { return one.grant.validity.not_before; }),
+        made<T>("not_after", [](const T& one) { return one.grant.validity.not_after; }),
+        field<&T::valid_now>(),
+        made<T>("default", [](const T& one) { return one.grant.default_allow ? "ALLOW" : "DENY"; },
+                {.words = "ALLOW|DENY"}),
+        field("rules", &T::grant, &Grant::rules));
   }
   std::string text() const {
-    auto out = fmt::format("{}  {} .. {}{}  (line {})\n", shown(subject), to_string(not_before),
-                           to_string(not_after), valid_now ? "" : "  NOT VALID NOW", line);
-    for (std::size_t i = 0; i < rules.size(); ++i) out += rules[i].text(i + 1);
-    return out + fmt::format("      all else: {}\n", otherwise == "ALLOW" ? "ALLOWED" : "denied");
+    auto out =
+        fmt::format("{}  {} .. {}{}  (line {})\n", shown(grant.subject_name),
+                    to_string(grant.validity.not_before), to_string(grant.validity.not_after),
+                    valid_now ? "" : "  NOT VALID NOW", grant.line);
+    for (std::size_t i = 0; i < grant.rules.size(); ++i) out += text_of(grant.rules[i], i + 1);
+    return out + fmt::format("      all else: {}\n", grant.default_allow ? "ALLOWED" : "denied");
   }
 };
 
 struct ShownPermissions {
   fs::path file;
-  std::vector<GrantFacts> grants = {};
+  std::vector<ShownGrant> grants = {};
 
   static constexpr auto fields() {
     return std::tuple(field<&ShownPermissions::file>(), field<&ShownPermissions::grants>());
@@ -455,7 +406,7 @@ Result<Answer<ShownPermissions>> permissions_show(const Arguments& arguments,
   Answer<ShownPermissions> out{{file}};
   for (const auto& grant : document.grants)
     if (!subject || is_for(grant, *subject))
-      out.result.grants.push_back(GrantFacts::of(grant, context.clock.now()));
+      out.result.grants.push_back({grant, grant.validity.contains(context.clock.now())});
   if (subject && out.result.grants.empty())
     return fail(Code::no_grant_for_subject,
                 {.document = file, .expected = arguments.text("--subject")});

@@ -185,11 +185,4 @@ std::string signed_line(const NewParticipant& participant, const OpenCa& permiss
                      pki::participant_folder(folder).permissions, now);
 }
 
-Json certificate_json(const pki::Certificate& certificate) {
-  return {{"subject", certificate.subject()},
-          {"serial", certificate.serial()},
-          {"not_after", to_string(certificate.not_after())},
-          {"sha256", to_hex(certificate.fingerprint())}};
-}
-
 }  // namespace ddssec::cli

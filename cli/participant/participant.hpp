@@ -96,7 +96,4 @@ std::string log_line(const NewParticipant& participant, const std::filesystem::p
 std::string signed_line(const NewParticipant& participant, const OpenCa& permissions,
                         const std::filesystem::path& folder, WallTime now);
 
-/// The JSON about an issued certificate: subject, serial, not_after, sha256.
-Json certificate_json(const pki::Certificate& certificate);
-
 }  // namespace ddssec::cli
