@@ -5,6 +5,7 @@
 #include "governance/domain_pieces.hpp"
 #include "governance/lint.hpp"
 #include "governance/lint_findings.hpp"
+#include "governance/live_change.hpp"
 #include "governance/matcher.hpp"
 #include "governance/shadowed.hpp"
 #include "governance/topic_sets.hpp"
@@ -118,15 +119,6 @@ void check_coverage(Findings& out, const Governance& document, std::size_t at,
   out.add(place.about(GOV002, std::move(text)));
 }
 
-bool same_protection(const TopicRule& a, const TopicRule& b) {
-  return a.enable_discovery_protection == b.enable_discovery_protection &&
-         a.enable_liveliness_protection == b.enable_liveliness_protection &&
-         a.enable_read_access_control == b.enable_read_access_control &&
-         a.enable_write_access_control == b.enable_write_access_control &&
-         a.metadata_protection_kind == b.metadata_protection_kind &&
-         a.data_protection_kind == b.data_protection_kind;
-}
-
 std::vector<std::string_view> expressions_of(const DomainRule& rule) {
   std::vector<std::string_view> out;
   for (const auto& topic : rule.topic_rules) out.emplace_back(topic.topic_expression);
@@ -156,7 +148,7 @@ void check_dead_rules(Findings& out, const DomainPlace& place) {
     for (const auto by : found[i].by)
       names.push_back(fmt::format("{} (rule {})", in_quotes(rules[by].topic_expression), by + 1));
     const bool is_harmless = std::ranges::all_of(
-        found[i].by, [&](std::uint32_t by) { return same_protection(rules[by], rules[i]); });
+        found[i].by, [&](std::uint32_t by) { return protect_alike(rules[by], rules[i]); });
     auto finding = place.about(
         GOV010, i,
         fmt::format("topic_rule {} {} can never apply: {} already {} every name it matches{}",
