@@ -50,19 +50,18 @@ Result<std::vector<pki::Certificate>> load_bundle(std::string_view uri, std::str
 }
 
 /// Certificate authorities among the readable PEM files of a folder, the others passed over.
-Result<std::vector<pki::Certificate>> load_folder(std::string_view folder) {
+Result<std::vector<pki::Certificate>> load_folder(std::string_view value) {
   constexpr auto kName = property::kTrustedCaDir;
-  if (folder.starts_with("file://")) folder.remove_prefix(7);
-  if (folder.starts_with("file:")) folder.remove_prefix(5);
+  const auto folder = file_named_by(value).value_or(std::string(value));  // also a plain path
   std::error_code error;
-  std::filesystem::directory_iterator entries(std::filesystem::path(folder), error);
+  std::filesystem::directory_iterator entries(folder, error);
   std::vector<std::string> paths;
   for (; !error && entries != std::filesystem::directory_iterator(); entries.increment(error))
     paths.push_back(entries->path().string());
   if (error)
     return fail(
         Code::trusted_ca_dir_unreadable,
-        {.document = std::string(kName), .found = std::string(folder), .note = error.message()});
+        {.document = std::string(kName), .found = folder, .note = error.message()});
   std::ranges::sort(paths);
   std::vector<pki::Certificate> found;
   for (const auto& path : paths) {
@@ -73,7 +72,7 @@ Result<std::vector<pki::Certificate>> load_folder(std::string_view folder) {
       return fail(Code::trusted_ca_dir_too_many,
                   {.document = std::string(kName),
                    .expected = "at most " + std::to_string(kMostTrustedCas),
-                   .found = std::string(folder)});
+                   .found = folder});
   }
   return found;
 }
