@@ -263,19 +263,6 @@ DDS_Security_boolean get_permissions_credential_token(Instance* instance, CToken
   });
 }
 
-DDS_Security_boolean set_listener(Instance* instance,
-                                  const dds_security_access_control_listener* listener,
-                                  Exception* ex) {
-  return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    adapter.listen(listener);
-    return {};
-  });
-}
-
-DDS_Security_boolean return_token(Instance* instance, const CToken* token, Exception* ex) {
-  return take_back_token<Adapter>(instance, token, ex);
-}
-
 DDS_Security_boolean get_participant_sec_attributes(
     Instance* instance, const CPermissions handle,
     DDS_Security_ParticipantSecurityAttributes* attributes, Exception* ex) {
@@ -424,9 +411,9 @@ constexpr dds_security_access_control kTable = {
     .check_remote_datawriter_dispose_instance = check_remote_datawriter_dispose_instance,
     .get_permissions_token = get_permissions_token,
     .get_permissions_credential_token = get_permissions_credential_token,
-    .set_listener = set_listener,
-    .return_permissions_token = return_token,
-    .return_permissions_credential_token = return_token,
+    .set_listener = set_listener<Adapter>,
+    .return_permissions_token = take_back_token<Adapter>,
+    .return_permissions_credential_token = take_back_token<Adapter>,
     .get_participant_sec_attributes = get_participant_sec_attributes,
     .get_topic_sec_attributes = get_topic_sec_attributes,
     .get_datawriter_sec_attributes = get_datawriter_sec_attributes,

@@ -310,19 +310,6 @@ DDS_Security_boolean get_authenticated_peer_credential_token(Instance* instance,
   });
 }
 
-DDS_Security_boolean set_listener(Instance* instance,
-                                  const dds_security_authentication_listener* listener,
-                                  Exception* ex) {
-  return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    adapter.listen(listener);
-    return {};
-  });
-}
-
-DDS_Security_boolean return_token(Instance* instance, const CToken* token, Exception* ex) {
-  return take_back_token<Adapter>(instance, token, ex);
-}
-
 DDS_Security_boolean return_handshake_handle(Instance* instance, const CHandshake handle,
                                              Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
@@ -372,10 +359,10 @@ constexpr dds_security_authentication kTable = {
     .process_handshake = process_handshake,
     .get_shared_secret = get_shared_secret,
     .get_authenticated_peer_credential_token = get_authenticated_peer_credential_token,
-    .set_listener = set_listener,
-    .return_identity_token = return_token,
-    .return_identity_status_token = return_token,
-    .return_authenticated_peer_credential_token = return_token,
+    .set_listener = set_listener<Adapter>,
+    .return_identity_token = take_back_token<Adapter>,
+    .return_identity_status_token = take_back_token<Adapter>,
+    .return_authenticated_peer_credential_token = take_back_token<Adapter>,
     .return_handshake_handle = return_handshake_handle,
     .return_identity_handle = return_identity_handle,
     .return_sharedsecret_handle = return_sharedsecret_handle,

@@ -59,4 +59,14 @@ DDS_Security_boolean take_back_token(Instance* instance, const DDS_Security_Data
   });
 }
 
+/// Takes the functions by which the plugin tells the host of events.
+template <class Context, class Instance, class Listener>
+DDS_Security_boolean set_listener(Instance* instance, const Listener* listener,
+                                  Exception* ex) noexcept {
+  return ask<Context>(instance, ex, [&](Context& context) -> Status {
+    context.listen(listener);
+    return {};
+  });
+}
+
 }  // namespace ddssec::cyclonedds
