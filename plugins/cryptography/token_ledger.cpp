@@ -19,7 +19,8 @@ Result<Guid> read_guid(Reader& in) {
               EntityId::from(octets.subspan(GuidPrefix::size))};
 }
 
-std::size_t octets_in(const spi::Token& token) {
+/// The class id, and the name and value of each property.
+std::size_t octets_with_names(const spi::Token& token) {
   auto octets = token.class_id.size();
   for (const auto& one : token.properties) octets += one.name.size() + one.value.size();
   for (const auto& one : token.binary_properties) octets += one.name.size() + one.value.size();
@@ -69,7 +70,7 @@ Result<std::vector<spi::Token>> read_tokens(Reader& in) {
   for (std::uint32_t i = 0; i < count; ++i) {
     DDSSEC_ASSIGN_OR_RETURN(auto token, spi::read_token(in));
     tokens.push_back(std::move(token));
-    octets += octets_in(tokens.back());
+    octets += octets_with_names(tokens.back());
   }
   if (octets > kMostTokenOctets) return fail(Code::length_out_of_range);
   return tokens;

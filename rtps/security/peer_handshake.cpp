@@ -16,8 +16,7 @@ Bytes octets_of(const spi::Token& token, std::string_view name) {
   return found != nullptr ? *found : Bytes();
 }
 
-/// Sum of the sizes of its values.
-std::size_t octets_in(const spi::Token& token) {
+std::size_t octets_of_values(const spi::Token& token) {
   std::size_t out = 0;
   for (const auto& property : token.binary_properties) out += property.value.size();
   return out;
@@ -265,7 +264,7 @@ bool PeerHandshake::on_request(const GenericMessage& message, const Sha256Digest
                 .challenge = std::move(challenge),
                 .peer_data = to_bytes(outline.participant_data),
                 .since = now,
-                .octets = octets_in(token)});
+                .octets = octets_of_values(token)});
   next_ = std::min(next_, now + kResend);
   return true;
 }
