@@ -5,6 +5,7 @@
 #include "base/rollback.hpp"
 #include "plugins/cryptography/key_material.hpp"
 #include "plugins/cryptography/key_owner.hpp"
+#include "plugins/spi/message_class.hpp"
 
 namespace ddssec::cryptography {
 namespace {
@@ -93,12 +94,12 @@ Result<std::optional<TokenMessage>> read_generic_message(const DataPiece& piece)
   DDSSEC_ASSIGN_OR_RETURN(const auto source_endpoint, read_guid(in));
   const auto class_at = kEncapsulationSize + in.position() + sizeof(std::uint32_t);
   DDSSEC_ASSIGN_OR_RETURN(const auto class_id, in.read_string());
-  const bool is_of_reader = class_id == "dds.sec.datareader_crypto_tokens";
+  const bool is_of_reader = class_id == spi::message_class::kDatareaderTokens;
   TokenMessage message{source_endpoint, endpoint, piece.number, is_of_reader, {}, class_at, 0};
-  if (class_id == "dds.sec.participant_crypto_tokens") {
+  if (class_id == spi::message_class::kParticipantTokens) {
     message.remote = {source.prefix, kEntityIdParticipant};
     message.local = participant;
-  } else if (class_id != "dds.sec.datawriter_crypto_tokens" && !is_of_reader) {
+  } else if (class_id != spi::message_class::kDatawriterTokens && !is_of_reader) {
     return std::nullopt;
   } else if (source_endpoint.prefix != source.prefix ||
              source_endpoint.entity == kEntityIdParticipant) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/ids.hpp"
+#include "plugins/spi/message_class.hpp"
 #include "plugins/spi/token.hpp"
 
 namespace ddssec::rtps {
@@ -19,11 +20,7 @@ struct MessageIdentity {
 
 /// GenericMessageClassId.
 namespace message_class {
-inline constexpr std::string_view kAuthRequest = "dds.sec.auth_request";
-inline constexpr std::string_view kAuthentication = "dds.sec.auth";
-inline constexpr std::string_view kParticipantTokens = "dds.sec.participant_crypto_tokens";
-inline constexpr std::string_view kDatawriterTokens = "dds.sec.datawriter_crypto_tokens";
-inline constexpr std::string_view kDatareaderTokens = "dds.sec.datareader_crypto_tokens";
+using namespace spi::message_class;
 /// Specific to ddssec and without meaning to others: it only has to be acknowledged.
 inline constexpr std::string_view kQuestion = "org.ddssec.are_you_there";
 /// Specific to ddssec: documents that were renewed (DocumentRenewal), and the answer.
