@@ -5,164 +5,19 @@
 #include "base/rollback.hpp"
 #include "plugins/cryptography/key_material.hpp"
 #include "plugins/cryptography/key_owner.hpp"
-#include "plugins/spi/message_class.hpp"
 
 namespace ddssec::cryptography {
 namespace {
 
 constexpr std::string_view kDocument = "a key token message";
-constexpr std::size_t kEncapsulationSize = 4;
 constexpr std::size_t kSubjectSize = 6;
-
-Result<Guid> read_guid(Reader& in) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto octets, in.read_bytes(GuidPrefix::size + EntityId::size));
-  return Guid{GuidPrefix::from(octets.first(GuidPrefix::size)),
-              EntityId::from(octets.subspan(GuidPrefix::size))};
-}
-
-/// The class id, and the name and value of each property.
-std::size_t octets_with_names(const spi::Token& token) {
-  auto octets = token.class_id.size();
-  for (const auto& one : token.properties) octets += one.name.size() + one.value.size();
-  for (const auto& one : token.binary_properties) octets += one.name.size() + one.value.size();
-  return octets;
-}
-
-bool is_writer(const EntityId& id) {
-  const auto kind = id.octets[3] & 0x3f;
-  return kind == 0x02 || kind == 0x03;
-}
-bool is_reader(const EntityId& id) {
-  const auto kind = id.octets[3] & 0x3f;
-  return kind == 0x04 || kind == 0x07;
-}
-
-/// True for a writer and a reader of one secure builtin topic (DDS-Security 1.2, clause 7.5.8). The
-/// sender chooses the bits of an entity id that mark it as builtin, and the host matches no other
-/// builtin endpoints by itself.
-bool are_builtin_pair(const EntityId& remote, const EntityId& local) {
-  constexpr std::array<std::uint32_t, 4> kTopics = {0xff0003, 0xff0004, 0xff0200, 0xff0101};
-  const auto topic_of = [](const EntityId& id) {
-    return std::uint32_t{id.octets[0]} << 16 | std::uint32_t{id.octets[1]} << 8 | id.octets[2];
-  };
-  constexpr auto is_keyed = [](const EntityId& id) {
-    return id.octets[3] == 0xc2 || id.octets[3] == 0xc7;
-  };
-  return topic_of(remote) == topic_of(local) && is_keyed(remote) && is_keyed(local) &&
-         std::ranges::find(kTopics, topic_of(remote)) != kTopics.end();
-}
-
-/// True for two endpoints, or two participants, for which the host can use tokens at all.
-bool are_two_of_a_kind(const TokenMessage& message) {
-  const auto &remote = message.remote.entity, &local = message.local.entity;
-  if (remote == kEntityIdParticipant) return local == kEntityIdParticipant;
-  const auto &writer = message.is_of_reader ? local : remote,
-             &reader = message.is_of_reader ? remote : local;
-  if (!is_writer(writer) || !is_reader(reader)) return false;
-  return is_builtin(remote) || is_builtin(local) ? are_builtin_pair(remote, local) : true;
-}
-
-Result<std::vector<spi::Token>> read_tokens(Reader& in) {
-  constexpr std::size_t kLeastToken = 12;
-  DDSSEC_ASSIGN_OR_RETURN(const auto count, in.read_count(kLeastToken));
-  if (count > spi::kMostTokensPerMessage) return fail(Code::length_out_of_range);
-  std::vector<spi::Token> tokens;
-  std::size_t octets = 0;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    DDSSEC_ASSIGN_OR_RETURN(auto token, spi::read_token(in));
-    tokens.push_back(std::move(token));
-    octets += octets_with_names(tokens.back());
-  }
-  if (octets > kMostTokenOctets) return fail(Code::length_out_of_range);
-  return tokens;
-}
 
 bool has_place_for_ticket(std::span<const spi::Token> tokens) {
   return !tokens.empty() && !tokens.front().binary_properties.empty() &&
          tokens.front().binary_properties.front().value.size() >= sizeof(Ticket::octets);
 }
 
-/// ParticipantGenericMessage (DDS-Security 1.2, clause 7.3.22).
-Result<std::optional<TokenMessage>> read_generic_message(const DataPiece& piece) {
-  constexpr std::size_t kAfterSource = 8 + 24;  // its number, and related_message_identity
-  const bool little = (piece.payload[1] & 1) != 0;
-  Reader in(piece.payload.subspan(kEncapsulationSize), little ? Endian::little : Endian::big);
-  DDSSEC_ASSIGN_OR_RETURN(const auto source, read_guid(in));
-  DDSSEC_RETURN_IF_ERROR(in.skip(kAfterSource));
-  DDSSEC_ASSIGN_OR_RETURN(const auto participant, read_guid(in));
-  DDSSEC_ASSIGN_OR_RETURN(const auto endpoint, read_guid(in));
-  DDSSEC_ASSIGN_OR_RETURN(const auto source_endpoint, read_guid(in));
-  const auto class_at = kEncapsulationSize + in.position() + sizeof(std::uint32_t);
-  DDSSEC_ASSIGN_OR_RETURN(const auto class_id, in.read_string());
-  const bool is_of_reader = class_id == spi::message_class::kDatareaderTokens;
-  TokenMessage message{source_endpoint, endpoint, piece.number, is_of_reader, {}, class_at, 0};
-  if (class_id == spi::message_class::kParticipantTokens) {
-    message.remote = {source.prefix, kEntityIdParticipant};
-    message.local = participant;
-  } else if (class_id != spi::message_class::kDatawriterTokens && !is_of_reader) {
-    return std::nullopt;
-  } else if (source_endpoint.prefix != source.prefix ||
-             source_endpoint.entity == kEntityIdParticipant) {
-    return fail(Code::malformed);  // without owner, or a participant's tokens as an endpoint's
-  }
-  if (piece.number >= kGreatestNumber) return fail(Code::length_out_of_range);
-  message.tokens_at = kEncapsulationSize + in.position();
-  DDSSEC_ASSIGN_OR_RETURN(message.tokens, read_tokens(in));
-  return message;
-}
-
 }  // namespace
-
-Result<std::optional<TokenMessage>> read_token_message(const DataPiece& piece) {
-  if (!piece.begins_sample) return std::nullopt;
-  auto message = read_generic_message(piece);
-  if (message) return message;
-  return fail(Code::token_source_unreadable,
-              {.document = "a key token message", .note = "its tokens cannot be read"});
-}
-
-Status check_usable(const TokenMessage& message) {
-  if (!are_two_of_a_kind(message))
-    return fail(Code::token_source_unreadable,
-                {.document = std::string(kDocument),
-                 .found = message.remote.to_string() + " for " + message.local.to_string(),
-                 .note = "no two such endpoints exchange keys"});
-  const bool is_of_participant = message.remote.entity == kEntityIdParticipant;
-  const auto most = is_of_participant ? 1 : kMostTokensPerEndpoint;
-  if (message.tokens.empty() || message.tokens.size() > most)
-    return fail(Code::crypto_token_count, {.document = std::string(kDocument)});
-  for (const auto& token : message.tokens) DDSSEC_RETURN_IF_ERROR(read_crypto_token(token));
-  return {};
-}
-
-void write_ticket(const Ticket& ticket, const TokenMessage& message, const DataPiece& piece,
-                  MutableBytes payload) {
-  // read_tokens has parsed this without an error, so parsing it again at its place succeeds.
-  const bool little = (piece.payload[1] & 1) != 0;
-  const auto stream = payload.subspan(kEncapsulationSize);
-  Reader in(stream, little ? Endian::little : Endian::big);
-  const auto overwrite = [&](BytesView value) {
-    const auto at = static_cast<std::size_t>(value.data() - stream.data());
-    std::ranges::fill(stream.subspan(at, value.size()), std::uint8_t{0});
-  };
-  std::optional<std::size_t> first;
-  (void)in.skip(message.tokens_at - kEncapsulationSize);
-  (void)in.read_count(1);
-  for (const auto& token : message.tokens) {
-    (void)in.read_string();
-    (void)in.read_count(1);
-    for (std::size_t i = 0; i < 2 * token.properties.size(); ++i) (void)in.read_string();
-    (void)in.read_count(1);
-    for (std::size_t i = 0; i < token.binary_properties.size(); ++i) {
-      (void)in.read_string();
-      const auto value = in.read_octet_sequence();
-      if (!value) return;
-      overwrite(*value);
-      if (!first) first = static_cast<std::size_t>(value->data() - stream.data());
-    }
-  }
-  if (first) std::ranges::copy(ticket.octets, stream.subspan(*first).begin());
-}
 
 void wipe_tokens(std::span<spi::Token> tokens) {
   for (auto& token : tokens)

@@ -21,50 +21,10 @@
 #include "base/ids.hpp"
 #include "base/result.hpp"
 #include "plugins/cryptography/awaited_tokens.hpp"
-#include "plugins/cryptography/data_piece.hpp"
+#include "plugins/cryptography/token_message.hpp"
 #include "plugins/spi/token.hpp"
 
 namespace ddssec::cryptography {
-
-/// The fields of a key token message that the ledger needs.
-struct TokenMessage {
-  Guid remote;           ///< owner of the keys: a participant or an endpoint
-  Guid local;            ///< the receiver
-  std::uint64_t number;  ///< writerSN
-  bool is_of_reader;     ///< datareader_crypto_tokens
-  std::vector<spi::Token> tokens;
-  std::size_t class_at;   ///< position of the text of message_class_id in the payload
-  std::size_t tokens_at;  ///< position of the sequence of tokens in the payload
-};
-
-/// Parses a piece that passed check_token_source; empty if no tokens begin in it. All tokens must
-/// be in this piece: with fragments, a sender could hide which tokens it sends. Error:
-/// token_source_unreadable, also for tokens of more than kMostTokenOctets, for an endpoint's tokens
-/// that do not name an endpoint of the sender, and for numbers from kGreatestNumber on: Cyclone DDS
-/// handles the greatest of all numbers before those that come first.
-Result<std::optional<TokenMessage>> read_token_message(const DataPiece& piece);
-
-/// Success if the host could use the tokens once its endpoints are matched: key material, of an
-/// allowed number, between a writer and a reader or between two participants. The host would store
-/// anything. Errors: token_source_unreadable (no two such entities exchange keys),
-/// crypto_token_count, those of read_crypto_token.
-Status check_usable(const TokenMessage& message);
-
-inline constexpr std::uint64_t kGreatestNumber = std::uint64_t{1} << 62;
-
-/// The largest number of octets of all tokens of one message, including names and class ids: three
-/// times the size of two keys with receiver keys.
-inline constexpr std::size_t kMostTokenOctets = 1024;
-
-/// A writer may have one key for both levels, or one key for each (DDS-Security 1.2,
-/// clause 10.5.2.1).
-inline constexpr std::size_t kMostTokensPerEndpoint = 2;
-
-/// Given to the host instead of key material; the host presents it later.
-struct Ticket {
-  std::array<std::uint8_t, 16> octets;
-  auto operator<=>(const Ticket&) const = default;
-};
 
 /// A match for which the host presents a ticket, possibly one of a session that has ended.
 struct TicketUser {
@@ -94,11 +54,6 @@ struct Passage {
   TicketUser user = {};
   bool operator==(const Passage&) const = default;
 };
-
-/// Overwrites the first binary value of a message from read_token_message with the ticket, and all
-/// others with zeros.
-void write_ticket(const Ticket& ticket, const TokenMessage& message, const DataPiece& piece,
-                  MutableBytes payload);
 
 /// The key material of usable tokens, packed into one block without the parts that are the same in
 /// all tokens. Wiped at destruction.
