@@ -16,7 +16,8 @@ Result<Bytes> read_file(const std::filesystem::path& path, std::size_t most);
 /// The first certificate of a PEM file. Errors: those of read_file and Certificate::from_pem.
 Result<pki::Certificate> read_certificate(const std::filesystem::path& path);
 
-/// True if something exists at `path`; false for a dangling link.
+/// As pki::is_there, also true for a file in a folder that cannot be searched. But links are
+/// followed: false for a dangling one.
 bool is_there(const std::filesystem::path& path);
 
 /// Success if a folder can be read. Errors: file_not_found, file_unreadable (not a folder, or not

@@ -3,17 +3,13 @@
 #include <system_error>
 
 namespace ddssec::pki {
-namespace {
-
 namespace fs = std::filesystem;
 
-// A dangling link counts as an intended file: it is reported as broken when it is read.
 bool is_there(const fs::path& path) {
-  std::error_code ignored;
-  return fs::symlink_status(path, ignored).type() > fs::file_type::not_found;
+  std::error_code error;
+  const auto type = fs::symlink_status(path, error).type();
+  return type != fs::file_type::not_found && error != std::errc::filename_too_long;
 }
-
-}  // namespace
 
 fs::path or_in_token(const fs::path& file) {
   auto in_token = fs::path(file).replace_extension(".p11");

@@ -29,6 +29,11 @@ struct ParticipantFolder {
   std::filesystem::path properties;  ///< security.properties; optional, used by ddssec only
 };
 
+/// False if no file of that name can exist. True for everything else, also for a dangling link and
+/// for a file in a folder that cannot be searched: a document that was put there must not count as
+/// absent, and reading it reports what is wrong.
+bool is_there(const std::filesystem::path& path);
+
 /// The path of a key or certificate: `file`, or if it does not exist, the *.p11 file in its place
 /// that names the object in a token.
 std::filesystem::path or_in_token(const std::filesystem::path& file);

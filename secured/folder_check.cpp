@@ -11,18 +11,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool is_there(const fs::path& path) {
+// For hints and for the choice of a sentence. So, unlike pki::is_there, false for a folder that
+// cannot be searched: an unreadable folder beside the one that is meant is no participant.
+bool is_seen(const fs::path& path) {
   std::error_code ignored;
   return fs::exists(fs::symlink_status(path, ignored));
 }
 
 bool is_participant(const fs::path& folder) {
   const auto files = pki::participant_folder(folder);
-  return is_there(files.certificate) || is_there(files.identity_ca);
+  return is_seen(files.certificate) || is_seen(files.identity_ca);
 }
 
 bool is_of_a_ca(const fs::path& folder) {
-  return is_there(folder / "ca.key.pem") || is_there(folder / "identity/ca.pem");
+  return is_seen(folder / "ca.key.pem") || is_seen(folder / "identity/ca.pem");
 }
 
 // Returns `words` followed by the participants found, for example "it holds participants:
@@ -58,7 +60,7 @@ Status check_is_participant(const fs::path& given) {
   if (!fs::is_directory(given, error)) {
     const auto near = participants_in(folder.parent_path(), "participants here: ");
     return fail(
-        is_there(given) ? Code::file_unreadable : Code::file_not_found,
+        is_seen(given) ? Code::file_unreadable : Code::file_not_found,
         {.document = given.string(),
          .expected = "a participant's folder",
          .hint = near.empty() ? "name a folder that ddssec init or identity issue made" : near});

@@ -4,6 +4,7 @@
 
 #include "governance/doctor/lenient_text.hpp"
 #include "governance/read.hpp"
+#include "pki/participant_folder.hpp"
 #include "pki/source.hpp"
 
 namespace ddssec::governance::doctor {
@@ -38,10 +39,7 @@ Result<pki::PrivateKey> load_key(const fs::path& path) {
   return named(pki::PrivateKey::load(uri, path.string()), path);
 }
 
-bool is_there(const fs::path& path) {
-  std::error_code ignored;
-  return fs::symlink_status(path, ignored).type() > fs::file_type::not_found;
-}
+using pki::is_there;
 
 Result<std::vector<pki::Crl>> load_crls(const fs::path& path) {
   if (!is_there(path)) return std::vector<pki::Crl>();

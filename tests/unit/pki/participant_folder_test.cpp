@@ -46,5 +46,19 @@ TEST_F(Folder, ABrokenLinkCountsAndFlatNamesWin) {
   EXPECT_EQ(participant_folder(at_).layout, FolderLayout::flat);
 }
 
+// A document that cannot be reached must not count as one that was never put there.
+TEST_F(Folder, OnlyAFileThatCannotExistIsAbsent) {
+  touch("crl.pem");
+  EXPECT_TRUE(is_there(at_ / "crl.pem"));
+  EXPECT_FALSE(is_there(at_ / "renewed.pem"));
+  EXPECT_FALSE(is_there(at_ / "nowhere" / "crl.pem"));
+  EXPECT_FALSE(is_there(at_ / "crl.pem" / "crl.pem")) << "below a file";
+  EXPECT_FALSE(is_there(at_ / std::string(300, 'x'))) << "a name longer than the system allows";
+  fs::create_symlink("nowhere", at_ / "dangling.pem");
+  EXPECT_TRUE(is_there(at_ / "dangling.pem"));
+  fs::create_directory_symlink("loop", at_ / "loop");
+  EXPECT_TRUE(is_there(at_ / "loop" / "crl.pem")) << "a folder that cannot be searched";
+}
+
 }  // namespace
 }  // namespace ddssec::pki
