@@ -79,20 +79,4 @@ SetAnswer overlap(std::span<const std::string_view> a, std::span<const std::stri
   return search(two_sets(a, b), limits, {{0, 1}, {}}, SetAnswer::Kind::yes, SetAnswer::Kind::no);
 }
 
-std::optional<std::vector<std::optional<std::string>>> first_matched_names(
-    std::span<const std::string_view> expressions, const SetLimits& limits) {
-  std::vector<RankedExpression> ranked;
-  ranked.reserve(expressions.size());
-  for (const auto expression : expressions) {
-    ranked.push_back({expression, 0, static_cast<std::uint32_t>(ranked.size())});
-  }
-  auto atoms = name_atoms(ranked, limits);
-  if (!atoms) return std::nullopt;
-  std::vector<std::optional<std::string>> names(expressions.size());
-  for (auto& atom : *atoms) {
-    if (const auto rank = atom.rank_in(0)) names[*rank] = std::move(atom.witness);
-  }
-  return names;
-}
-
 }  // namespace ddssec::governance

@@ -109,9 +109,4 @@ SetAnswer contained(std::span<const std::string_view> inner,
 SetAnswer overlap(std::span<const std::string_view> a, std::span<const std::string_view> b,
                   const SetLimits& limits = {});
 
-/// For each expression of a list that is tried in order: a name for which it is the first match, or
-/// empty for an expression that can never be the first. No result if a limit was reached.
-std::optional<std::vector<std::optional<std::string>>> first_matched_names(
-    std::span<const std::string_view> expressions, const SetLimits& limits = {});
-
 }  // namespace ddssec::governance

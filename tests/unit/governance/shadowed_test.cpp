@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "governance/topic_sets.hpp"
+#include "tests/unit/governance/first_matched_names.hpp"
 
 namespace ddssec::governance {
 namespace {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "governance/matcher.hpp"
+#include "tests/unit/governance/first_matched_names.hpp"
 #include "tests/unit/governance_compare/words.hpp"
 
 namespace ddssec::governance {
