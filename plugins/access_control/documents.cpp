@@ -124,7 +124,6 @@ void DocumentCache::add_form(const Sha256Digest& text, const Sha256Digest& form)
 
 void DocumentCache::insert(Entry entry) {
   const std::lock_guard lock(mutex_);
-  ++times_read_;
   if (by_text_.contains(entry.text)) return;  // two threads read it at the same time
   entries_.push_front(std::move(entry));
   Rollback forget([&] { entries_.pop_front(); });
@@ -141,11 +140,6 @@ void DocumentCache::drop_oldest() {
   for (const auto& form : oldest.forms) by_form_.erase(form);
   by_text_.erase(oldest.text);
   entries_.pop_back();
-}
-
-std::size_t DocumentCache::times_read() const {
-  const std::lock_guard lock(mutex_);
-  return times_read_;
 }
 
 std::size_t DocumentCache::size() const {

@@ -98,8 +98,6 @@ class DocumentCache {
   /// check_signer.
   Result<std::shared_ptr<PermissionsDocument>> permissions(const PermissionsCa& ca, BytesView file,
                                                            WallTime now);
-  /// The number of documents verified and parsed so far, for tests.
-  std::size_t times_read() const;
   std::size_t size() const;
 
  private:
@@ -125,7 +123,6 @@ class DocumentCache {
   Places by_form_;
   Places by_text_;
   std::size_t octets_ = 0;
-  std::size_t times_read_ = 0;
 };
 
 }  // namespace ddssec::access_control
