@@ -273,10 +273,4 @@ std::string Certificate::serial() const {
   return serial_text(X509_get0_serialNumber(impl_->x509.get()));
 }
 
-bool Certificate::signed_with_rsa() const {
-  int key_type = NID_undef;
-  OBJ_find_sigid_algs(X509_get_signature_nid(impl_->x509.get()), nullptr, &key_type);
-  return key_type == NID_rsaEncryption || key_type == NID_rsassaPss;
-}
-
 }  // namespace ddssec::pki

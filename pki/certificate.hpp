@@ -91,9 +91,6 @@ class Certificate {
   /// True if `ca` has the name of this certificate's issuer and the key that signed it. Nothing
   /// else is checked: pki/chain.hpp decides whether the certificate is valid.
   bool is_issued_by(const Certificate& ca) const;
-  /// True if the CA signed this certificate with an RSA key. Fast DDS announces c.dsign_algo by
-  /// that, not by the certificate's own key.
-  bool signed_with_rsa() const;
 
   /// Compares octet for octet.
   friend bool operator==(const Certificate& a, const Certificate& b) {

@@ -23,7 +23,6 @@ TEST(Certificate, SaysWhatItHolds) {
   EXPECT_EQ(again->not_after(), kYear.not_after);
   EXPECT_EQ(to_string(again->key_algorithm()), "EC-prime256v1");
   EXPECT_EQ(again->serial().size(), 32u);
-  EXPECT_FALSE(again->signed_with_rsa());
   EXPECT_NE(*again, ca.certificate());
   EXPECT_NE(ca.certificate().subject().find("O=Example\\, Inc"), std::string::npos);
   EXPECT_EQ(again->issuer(), ca.certificate().subject());
@@ -59,7 +58,6 @@ TEST(Certificate, SubjectDigestIsOverTheDerName) {
 TEST(Certificate, AnEcLeafUnderAnRsaCaKnowsBoth) {
   const auto ca = make_ca("CN=Root", {KeyKind::rsa, 2048});
   const auto leaf = make_leaf(ca);
-  EXPECT_TRUE(leaf.certificate.signed_with_rsa());
   EXPECT_EQ(leaf.certificate.key_algorithm().kind, KeyKind::ec_p256);
   EXPECT_EQ(to_string(ca.certificate().key_algorithm()), "RSA-2048");
 }
