@@ -13,7 +13,8 @@ endforeach()
 foreach(folder base pki governance plugins wire rtps secured)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder}
           DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ddssec COMPONENT dev
-          FILES_MATCHING PATTERN "*.hpp" PATTERN "*.def" PATTERN cyclonedds EXCLUDE)
+          FILES_MATCHING PATTERN "*.hpp" PATTERN "*.def" PATTERN cyclonedds EXCLUDE
+          PATTERN known_key.hpp EXCLUDE)  # for tests only
 endforeach()
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/ddssec)

@@ -11,6 +11,7 @@
 
 #include "base/hash.hpp"
 #include "base/never_destroyed.hpp"
+#include "pki/known_key.hpp"
 #include "pki/openssl.hpp"
 
 namespace ddssec::pki {
@@ -233,13 +234,13 @@ Result<EphemeralKey> EphemeralKey::generate(KeyAgreementKind kind) {
   return EphemeralKey(kind, std::make_shared<const Impl>(PkeyPtr(raw)));
 }
 
-Result<EphemeralKey> EphemeralKey::from_private(KeyAgreementKind kind, BytesView number) {
+Result<EphemeralKey> KnownKey::from_private(KeyAgreementKind kind, BytesView number) {
   const SecretBignumPtr secret(
       BN_bin2bn(number.data(), static_cast<int>(number.size()), BN_secure_new()));
   const auto element = secret ? public_of(kind, secret.get()) : Bytes();
   if (element.empty()) return std::unexpected(not_in_group("the private number is out of range"));
   DDSSEC_ASSIGN_OR_RETURN(auto pair, make_pair(kind, secret.get(), element));
-  return EphemeralKey(kind, std::make_shared<const Impl>(std::move(pair)));
+  return EphemeralKey(kind, std::make_shared<const EphemeralKey::Impl>(std::move(pair)));
 }
 
 Bytes EphemeralKey::public_octets(PublicKeyEncoding encoding) const {

@@ -51,10 +51,6 @@ class EphemeralKey {
   /// Fresh from OpenSSL's generator. Error: internal.
   static Result<EphemeralKey> generate(KeyAgreementKind kind);
 
-  /// The pair of a given private number (big endian): known answers and replayed handshakes only.
-  /// Errors: public_key_not_in_group if it is zero or too large.
-  static Result<EphemeralKey> from_private(KeyAgreementKind kind, BytesView number);
-
   KeyAgreementKind kind() const { return kind_; }
 
   /// The public half: an uncompressed point for EC (the encoding asked for does not count), the
@@ -69,6 +65,7 @@ class EphemeralKey {
   Result<SharedSecret> derive(BytesView peer_octets) const;
 
  private:
+  friend struct KnownKey;
   using Impl = PeerPublicKey::Impl;
   EphemeralKey(KeyAgreementKind kind, std::shared_ptr<const Impl> impl)
       : kind_(kind), impl_(std::move(impl)) {}

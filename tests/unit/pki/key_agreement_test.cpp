@@ -1,4 +1,4 @@
-#include "pki/key_agreement.hpp"
+#include "pki/known_key.hpp"
 
 #include <openssl/core_names.h>
 #include <openssl/dh.h>
@@ -119,7 +119,7 @@ TEST(Modp, BothEncodingsAreWrittenAndRecognised) {
 // One shared value in 256 begins with a zero octet; peers hash it without.
 TEST(Modp, SharedValuesWithLeadingZerosAreHashedWithoutThem) {
   const auto p = parameter(OSSL_PKEY_PARAM_FFC_P);
-  const auto mine = *EphemeralKey::from_private(kModp, Bytes{0x12, 0x34, 0x56, 0x78});
+  const auto mine = *KnownKey::from_private(kModp, Bytes{0x12, 0x34, 0x56, 0x78});
   const auto base = mine.public_octets();
   const BignumPtr y(BN_bin2bn(base.data(), static_cast<int>(base.size()), nullptr));
   const BignumPtr z(BN_new());
@@ -132,7 +132,7 @@ TEST(Modp, SharedValuesWithLeadingZerosAreHashedWithoutThem) {
     const auto expected = octets_of(z);
     if (expected.size() >= 256 && i > 3) continue;
     short_ones += expected.size() < 256 ? 1 : 0;
-    const auto other = *EphemeralKey::from_private(kModp, octets_of(exponent));
+    const auto other = *KnownKey::from_private(kModp, octets_of(exponent));
     EXPECT_EQ(*mine.derive(other.public_octets()), *SharedSecret::copy_of(sha256(expected)));
     EXPECT_EQ(*other.derive(base), *SharedSecret::copy_of(sha256(expected)));
   }
@@ -141,7 +141,7 @@ TEST(Modp, SharedValuesWithLeadingZerosAreHashedWithoutThem) {
 
 TEST(Modp, APublicValueWithLeadingZerosIsWrittenWithoutThem) {
   for (unsigned i = 1; i < 5000; ++i) {
-    const auto key = *EphemeralKey::from_private(
+    const auto key = *KnownKey::from_private(
         kModp, Bytes{static_cast<std::uint8_t>(i >> 8), static_cast<std::uint8_t>(i), 7});
     const auto plain = key.public_octets();
     ASSERT_NE(plain[0], 0);
@@ -158,8 +158,8 @@ TEST(Modp, APublicValueWithLeadingZerosIsWrittenWithoutThem) {
 
 TEST(KeyAgreement, PrivateNumbersOutOfRangeAreRefused) {
   for (const auto kind : {kP256, kP384, kModp}) {
-    EXPECT_CODE(EphemeralKey::from_private(kind, Bytes{0}), public_key_not_in_group);
-    EXPECT_CODE(EphemeralKey::from_private(kind, Bytes(300, 0xff)), public_key_not_in_group);
+    EXPECT_CODE(KnownKey::from_private(kind, Bytes{0}), public_key_not_in_group);
+    EXPECT_CODE(KnownKey::from_private(kind, Bytes(300, 0xff)), public_key_not_in_group);
   }
 }
 

@@ -2,7 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "fixture.hpp"
-#include "pki/key_agreement.hpp"
+#include "pki/known_key.hpp"
 #include "pki/openssl.hpp"
 #include "pki/signature.hpp"
 
@@ -79,7 +79,7 @@ TEST_P(Points, ValidOnesGiveTheSharedSecretAndInvalidOnesAreRefused) {
   const auto file = vectors(name);
   for (const auto& group : file["testGroups"]) {
     for (const auto& test : group["tests"]) {
-      const auto key = EphemeralKey::from_private(kind, octets(test["private"]));
+      const auto key = KnownKey::from_private(kind, octets(test["private"]));
       ASSERT_TRUE(key) << test.dump();
       const auto secret = key->derive(octets(test["public"]));
       // "acceptable" here are compressed points: DDS-Security wants uncompressed ones.

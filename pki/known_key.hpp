@@ -1,0 +1,14 @@
+// Key pairs of a known private number. For tests with known answers: not installed.
+#pragma once
+
+#include "pki/key_agreement.hpp"
+
+namespace ddssec::pki {
+
+struct KnownKey {
+  /// The pair of a given private number (big endian). Error: public_key_not_in_group if it is zero
+  /// or too large.
+  static Result<EphemeralKey> from_private(KeyAgreementKind kind, BytesView number);
+};
+
+}  // namespace ddssec::pki
