@@ -15,7 +15,7 @@ struct Section {
   std::array<std::string_view, 6> names = {};
 };
 constexpr Section kSections[] = {
-    {"to begin with", "", {"init"}},
+    {"start here", "", {"init"}},
     {"questions: what is wrong, what is allowed, which participants talk",
      "",
      {"doctor", "check", "can", "inspect", "expiry", "explain"}},
