@@ -14,16 +14,16 @@ RULE = re.compile(rf"^X\(\s*(\w+),\s*(\w+),\s*{LITERALS},\s*{LITERALS}\)", re.M)
 
 CODES = """# Codes
 
-Every refusal and event of ddssec has a code that never changes. Messages end with its name and number, and `ddssec explain 1142` (a number, a
-name or a sentence) says what to do. The severity is the usual one; an event can have another. This page is made from `base/codes` by
-`tests/lint/generated_pages.py . --write`.
+Every refusal and event of ddssec has a code that never changes. Messages end with its name and number, and
+`ddssec explain 1142` (a number, a name or a sentence) says what to do. The severity is the usual one; an event can have
+another. This page is made from `base/codes` by `tests/lint/generated_pages.py . --write`.
 """
 CODES_ORDER = ("base", "pki", "governance", "authentication", "access_control", "cryptography", "host", "rtps", "cli", "tool")
 RULES = """# Rules
 
-What `governance lint`, `permissions lint`, `doctor`, `check` and `inspect` report, by ids that never change; `ddssec explain ID`
-says the same. Errors stop `sign` and end a command with exit code 1; warnings and notes do not. This page is
-made from `base/rules` by `tests/lint/generated_pages.py . --write`.
+What `governance lint`, `permissions lint`, `doctor`, `check` and `inspect` report, by ids that never change;
+`ddssec explain ID` says the same. Errors stop `sign` and end a command with exit code 1; warnings and notes do not.
+This page is made from `base/rules` by `tests/lint/generated_pages.py . --write`.
 """
 RULES_ORDER = ("governance", "permissions", "doctor", "capture")
 TITLES = {"governance": "`governance lint`", "permissions": "`permissions lint`",

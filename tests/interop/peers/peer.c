@@ -10,7 +10,13 @@
 #include <time.h>
 
 static const char color[] = "BLUE";
-enum { MAX_SAMPLES = 100000, MAX_PAYLOAD = 64 << 20, MAX_USER_DATA = 60000, MAX_INTERVAL = 60000, MAX_EXIT_AFTER = 60000 };
+enum {
+  MAX_SAMPLES = 100000,
+  MAX_PAYLOAD = 64 << 20,
+  MAX_USER_DATA = 60000,
+  MAX_INTERVAL = 60000,
+  MAX_EXIT_AFTER = 60000
+};
 
 static volatile sig_atomic_t stopped;
 
