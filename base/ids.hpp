@@ -57,7 +57,12 @@ struct Guid {
   GuidPrefix prefix;
   EntityId entity;
 
+  static constexpr std::size_t size = GuidPrefix::size + EntityId::size;
   auto operator<=>(const Guid&) const = default;
+  /// Copies the first 16 octets of `in`, which must have at least that many.
+  static Guid from(BytesView in) {
+    return {GuidPrefix::from(in), EntityId::from(in.subspan(GuidPrefix::size))};
+  }
   std::string to_string() const { return prefix.to_string() + "." + entity.to_string(); }
   std::array<std::uint8_t, 16> octets() const {
     std::array<std::uint8_t, 16> out{};

@@ -64,10 +64,6 @@ std::string text_in(BytesView value) {
   return std::string(as_text(octets->back() == 0 ? octets->first(octets->size() - 1) : *octets));
 }
 
-Guid guid_from(BytesView octets) {
-  return {GuidPrefix::from(octets.first(12)), EntityId::from(octets.subspan(12, 4))};
-}
-
 }  // namespace
 
 Result<Guid> participant_guid_in(BytesView participant_data) {
@@ -78,8 +74,8 @@ Result<Guid> participant_guid_in(BytesView participant_data) {
     if (!parameter) break;
 
     if (parameter->id != pid::kParticipantGuid) continue;
-    if (parameter->value.size() < 16) return malformed("a short PARTICIPANT_GUID");
-    const Guid guid = guid_from(parameter->value);
+    if (parameter->value.size() < Guid::size) return malformed("a short PARTICIPANT_GUID");
+    const auto guid = Guid::from(parameter->value);
     if (found && *found != guid) return malformed("two different PARTICIPANT_GUIDs");
     found = guid;
   }

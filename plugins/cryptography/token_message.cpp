@@ -14,9 +14,8 @@ constexpr std::string_view kTokenMessage = "a key token message";
 constexpr std::size_t kEncapsulationSize = 4;
 
 Result<Guid> read_guid(Reader& in) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto octets, in.read_bytes(GuidPrefix::size + EntityId::size));
-  return Guid{GuidPrefix::from(octets.first(GuidPrefix::size)),
-              EntityId::from(octets.subspan(GuidPrefix::size))};
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, in.read_bytes(Guid::size));
+  return Guid::from(octets);
 }
 
 /// The class id, and the name and value of each property.

@@ -118,9 +118,7 @@ class Entities final : public HostEntities {
   std::optional<Guid> guid_of(dds_entity_t entity) const {
     dds_guid_t octets;
     if (host_.get_guid(entity, &octets) != DDS_RETCODE_OK) return std::nullopt;
-    const BytesView view(octets.v);
-    return Guid{GuidPrefix::from(view.first(GuidPrefix::size)),
-                EntityId::from(view.subspan(GuidPrefix::size))};
+    return Guid::from(octets.v);
   }
 
   /// Readers are below subscribers, and nothing is below them.

@@ -11,7 +11,6 @@
 namespace ddssec::cyclonedds {
 namespace {
 
-constexpr std::size_t kGuidSize = GuidPrefix::size + EntityId::size;
 constexpr std::size_t kEncapsulationSize = 4;
 
 /// DATA and DATA_FRAG have the writer id at the same position.
@@ -24,10 +23,8 @@ bool is_of_subscriptions(BytesView submessage) {
              rtps::kSubscriptionsSecureWriter;
 }
 
-std::optional<Guid> guid_from(BytesView octets) {
-  if (octets.size() != kGuidSize) return std::nullopt;
-  return Guid{GuidPrefix::from(octets.first(GuidPrefix::size)),
-              EntityId::from(octets.subspan(GuidPrefix::size))};
+std::optional<Guid> whole_guid(BytesView octets) {
+  return octets.size() == Guid::size ? std::optional(Guid::from(octets)) : std::nullopt;
 }
 
 std::size_t key_of(const EntityId& entity) {
@@ -71,13 +68,13 @@ struct OwnReaders::Announcement {
 
 void OwnReaders::Announcement::take(const rtps::Parameter& parameter) {
   if (parameter.id == pid::kEndpointGuid) {
-    reader = guid_from(parameter.value).value_or(Guid{});
+    reader = whole_guid(parameter.value).value_or(Guid{});
   } else if (parameter.id == pid::kTopicName) {
     auto name = as_text(counted(parameter));
     if (name.ends_with('\0')) name.remove_suffix(1);
     is_carrier = name == kCarrierTopic;
   } else if (parameter.id == pid::kUserData) {
-    ended = guid_from(counted(parameter));
+    ended = whole_guid(counted(parameter));
   }
 }
 

@@ -26,8 +26,8 @@ Result<EndpointData> read_endpoint(BytesView payload) {
 
 // A disposed instance is reduced to its GUID.
 Result<Guid> key_of(BytesView octets) {
-  if (octets.size() != 16) return fail(Code::truncated);
-  return Guid{GuidPrefix::from(octets.first(12)), EntityId::from(octets.subspan(12))};
+  if (octets.size() != Guid::size) return fail(Code::truncated);
+  return Guid::from(octets);
 }
 
 template <class T>

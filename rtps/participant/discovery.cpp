@@ -352,8 +352,7 @@ void Discovery::on_endpoint(const Change& change, bool publications, bool secure
     return secure || known == remote->endpoints.end() || !known->second.data.by_secure_discovery;
   };
   if (!change.is_alive()) {
-    const auto key = change.key_hash ? Guid{GuidPrefix::from(BytesView(*change.key_hash).first(12)),
-                                            EntityId::from(BytesView(*change.key_hash).subspan(12))}
+    const auto key = change.key_hash ? Guid::from(*change.key_hash)
                                      : read_endpoint_key(change.payload.view()).value_or(Guid{});
     if (key.prefix != remote->prefix()) return;
     if (may_change(key.entity)) return parts_.matcher.remove(*remote, key.entity);
