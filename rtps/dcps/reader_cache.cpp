@@ -10,11 +10,13 @@ namespace {
 /// A sample that TIME_BASED_FILTER held back is offered to a full reader no more often than this.
 constexpr std::chrono::milliseconds kLeastPause{10};
 
-// With source order: true if the change is older than what was already read or taken. Also true if
-// it ends the instance but is older than a later sample, or if a full history would drop it first.
+// With source order: true if the change is older than what was already read or taken, or than what
+// is held back. Also true if it ends the instance but is older than a later sample, or if a full
+// history would drop it first.
 bool is_too_old(const HeldInstances& all, const HeldInstance& instance, const Change& change) {
   if (!change.source_time) return false;
   if (instance.seen_until && *change.source_time < *instance.seen_until) return true;
+  if (instance.held_back && *change.source_time < instance.held_back->source_time) return true;
   if (instance.valid() == 0) return false;
   if (!change.is_alive()) return change.source_time < instance.held.back().change.source_time;
   return all.is_full(instance) && change.source_time < instance.oldest()->change.source_time;
@@ -135,10 +137,13 @@ ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at, const H
   if (by_source_ && instance != nullptr && is_too_old(held_, *instance, change)) return dropped;
   if (instance != nullptr && at.now < instance->quiet_until && change.is_alive()) {
     if (!reliable_) return dropped;
+    const auto origin = change.origin();
     const auto writer = change.writer;
     if (!held_.hold_back(*instance, change, share, expires))
       return {Outcome::rejected, SampleRejectedReason::by_samples_limit, handle, true};
     held_.join(*instance, writer, share);  // so that the instance does not end before it
+    if (exclusive_) instance->owner = writer;
+    if (exclusive_) instance->latest = origin;
     return dropped;
   }
   Payload key_value;

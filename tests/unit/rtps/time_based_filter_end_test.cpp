@@ -1,5 +1,7 @@
 // TIME_BASED_FILTER: an instance, or its writer, that ends while a sample of it is held back
 // (DDS 1.4, 2.2.3.12: a reliable reader gets the last sample in the end).
+#include <optional>
+
 #include <gmock/gmock.h>
 
 #include "rtps/dcps/reader_cache.hpp"
@@ -15,8 +17,8 @@ constexpr int kEnd = -1;  // a sample without data
 
 struct TimeBasedFilterEnd : ::testing::Test {
   TimeBasedFilterEnd() {
-    cache.set_writer(writer(1), 0, kDurationInfinite, identity(1));
-    cache.set_writer(writer(2), 0, kDurationInfinite, identity(2));
+    cache->set_writer(writer(1), 0, kDurationInfinite, identity(1));
+    cache->set_writer(writer(2), 0, kDurationInfinite, identity(2));
   }
   static GuidPrefix identity(std::uint8_t number) { return GuidPrefix::from(Bytes(12, number)); }
   static Guid writer(std::uint8_t number) { return {identity(number), EntityId{{0, 0, 1, 2}}}; }
@@ -38,11 +40,11 @@ struct TimeBasedFilterEnd : ::testing::Test {
       change.status.unregistered = true;
     else
       change.payload = Payload::copy_of(Bytes(1000, static_cast<std::uint8_t>(value)));
-    return cache.store(change, moment()).outcome;
+    return cache->store(change, moment()).outcome;
   }
   std::vector<int> take() {
     std::vector<OctetSample> samples;
-    cache.select({.take = true}, moment(), samples);
+    cache->select({.take = true}, moment(), samples);
     std::vector<int> out;
     for (const auto& sample : samples)
       out.push_back(sample.info.valid_data ? sample.payload.view()[0] : kEnd);
@@ -50,11 +52,26 @@ struct TimeBasedFilterEnd : ::testing::Test {
   }
   std::vector<int> taken_after(seconds time) {
     now += time;
-    cache.release(moment());
+    cache->release(moment());
     return take();
   }
 
-  ReaderCache cache{qos()};
+  Outcome put_of_time(int value, int seconds, std::uint8_t from, bool disposes = false) {
+    Change change;
+    change.writer = writer(from);
+    change.key_hash = KeyHash{1};
+    change.source_time = Time{{seconds, 0}};
+    change.status.disposed = disposes;
+    change.payload = Payload::copy_of(Bytes{static_cast<std::uint8_t>(value)});
+    return cache->store(change, moment()).outcome;
+  }
+  void begin(const Qos& other) {
+    cache.emplace(other);
+    cache->set_writer(writer(1), 1, kDurationInfinite, identity(1));
+    cache->set_writer(writer(2), 10, kDurationInfinite, identity(2));
+  }
+
+  std::optional<ReaderCache> cache{std::in_place, qos()};
   MonotonicTime now = seconds(100);
 };
 
@@ -64,15 +81,15 @@ TEST_F(TimeBasedFilterEnd, Unregister_LastSampleComesBeforeIt) {
   EXPECT_EQ(put(kEnd), Outcome::stored);
   EXPECT_THAT(take(), ElementsAre(10, 11, kEnd));
   EXPECT_THAT(taken_after(seconds(10)), ElementsAre());
-  EXPECT_EQ(cache.octets(), 0U);
+  EXPECT_EQ(cache->octets(), 0U);
 }
 
 TEST_F(TimeBasedFilterEnd, WriterLeaves_LastSampleComesBeforeTheEnd) {
   ASSERT_EQ(put(10), Outcome::stored);
   ASSERT_EQ(put(11), Outcome::dropped);
-  EXPECT_TRUE(cache.lose_writer(writer(1), true, now));
+  EXPECT_TRUE(cache->lose_writer(writer(1), true, now));
   EXPECT_THAT(take(), ElementsAre(10, 11, kEnd));
-  EXPECT_EQ(cache.octets(), 0U);
+  EXPECT_EQ(cache->octets(), 0U);
 }
 
 TEST_F(TimeBasedFilterEnd, UnregisterInAFullReader_IsRepeatedUntilThereIsRoom) {
@@ -103,7 +120,7 @@ TEST_F(TimeBasedFilterEnd, InstanceThatReturns_CountsNothingWhenItHasEnded) {
     EXPECT_THAT(taken_after(seconds(3)), ElementsAre(11));
     ASSERT_EQ(put(kEnd), Outcome::stored);
     EXPECT_THAT(take(), ElementsAre(kEnd));
-    EXPECT_EQ(cache.octets(), 0U);
+    EXPECT_EQ(cache->octets(), 0U);
   }
 }
 
@@ -112,7 +129,7 @@ TEST_F(TimeBasedFilterEnd, AnotherWriterLeaves_SampleIsKept) {
   ASSERT_EQ(put(20, 2), Outcome::dropped);
   EXPECT_EQ(put(kEnd, 1), Outcome::stored);
   EXPECT_THAT(take(), ElementsAre(10));
-  EXPECT_FALSE(cache.lose_writer(writer(1), true, now));
+  EXPECT_FALSE(cache->lose_writer(writer(1), true, now));
   EXPECT_THAT(taken_after(seconds(3)), ElementsAre(20));
 }
 
@@ -121,6 +138,31 @@ TEST_F(TimeBasedFilterEnd, OneOfTwoUnregisters_ItsLastSampleComesAndTheInstanceL
   ASSERT_EQ(put(10, 1), Outcome::dropped);
   EXPECT_EQ(put(kEnd, 1), Outcome::stored);
   EXPECT_THAT(take(), ElementsAre(20, 10));
+}
+
+// ---- what may replace the sample that is held back
+
+TEST_F(TimeBasedFilterEnd, Exclusive_WeakerWriterReplacesNothing) {
+  auto exclusive = qos();
+  exclusive.ownership = OwnershipKind::exclusive;
+  begin(exclusive);
+  ASSERT_EQ(put(1, 1), Outcome::stored);
+  ASSERT_EQ(put(2, 2), Outcome::dropped);  // held back
+  ASSERT_EQ(put(3, 1), Outcome::dropped);  // the second owns the instance
+  EXPECT_THAT(take(), ElementsAre(1));
+  EXPECT_THAT(taken_after(seconds(3)), ElementsAre(2));
+}
+
+TEST_F(TimeBasedFilterEnd, BySource_OlderSampleOrDisposeReplacesNothing) {
+  auto by_source = qos();
+  by_source.destination_order = DestinationOrderKind::by_source;
+  begin(by_source);
+  ASSERT_EQ(put_of_time(1, 10, 1), Outcome::stored);
+  ASSERT_EQ(put_of_time(2, 20, 2), Outcome::dropped);
+  ASSERT_EQ(put_of_time(3, 12, 1), Outcome::dropped);
+  ASSERT_EQ(put_of_time(0, 15, 1, true), Outcome::dropped);
+  EXPECT_THAT(take(), ElementsAre(1));
+  EXPECT_THAT(taken_after(seconds(3)), ElementsAre(2));
 }
 
 }  // namespace
