@@ -107,6 +107,10 @@ std::vector<Follower> RotationProgress::not_ended(const std::vector<Follower>& f
   });
 }
 
+std::vector<Follower> RotationProgress::revoked(const std::vector<Follower>& followers) const {
+  return those(followers, [&](const auto& one) { return is_revoked(one); });
+}
+
 std::vector<std::string> not_reached(const CaPaths& ca, const KnownFollowers& known) {
   const auto unreached = read_unreached(ca);
   std::vector<std::string> out;
@@ -121,6 +125,11 @@ std::string moved_words(std::size_t moved, std::size_t all) {
                      moved == 1 ? "has" : "have");
 }
 
+std::string distribution_before_end(const fs::path& given) {
+  if (!is_there(ca_paths(given, "identity").crl)) return {};
+  return fmt::format("ddssec crl distribute --ca {}", given.string());
+}
+
 namespace {
 
 struct Remaining {
@@ -129,14 +138,24 @@ struct Remaining {
   bool is_elsewhere;  ///< a folder is not where the log has it
 };
 
-std::string next_step(const std::string& command, const std::string& role,
-                      const Remaining& remaining) {
+std::string next_step(const fs::path& given, const std::string& role, const Remaining& remaining) {
+  const auto command = fmt::format("ddssec ca rotate {}", given.string());
+  const auto distribution = distribution_before_end(given);
+  const auto lists = [&](std::string_view word) {
+    if (!remaining.is_overlap || distribution.empty()) return std::string();
+    return fmt::format(
+        "  {}   {}\n         once, after --move: then --end ends no session of Cyclone DDS\n", word,
+        distribution);
+  };
   const bool moves = remaining.is_overlap && (remaining.is_here_left || remaining.is_elsewhere);
   const auto step = moves ? "--move" : "--end";
   if (!remaining.is_elsewhere || (remaining.is_overlap && remaining.is_here_left))
-    return fmt::format("  next   {} --role {} {}\n", command, role, step);
-  const auto then =
-      remaining.is_overlap ? fmt::format("  then   {} --role {} --end\n", command, role) : "";
+    return moves || lists("next").empty()
+               ? fmt::format("  next   {} --role {} {}\n", command, role, step)
+               : fmt::format("{}  then   {} --role {} {}\n", lists("next"), command, role, step);
+  const auto then = remaining.is_overlap ? fmt::format("{}  then   {} --role {} --end\n",
+                                                       lists("then"), command, role)
+                                         : "";
   return fmt::format(
       "  next   {} PLACES --role {} {}\n"
       "         PLACES: where the folders that are not here are now. A participant on another "
@@ -147,10 +166,11 @@ std::string next_step(const std::string& command, const std::string& role,
 }  // namespace
 
 std::string RotationFacts::text() const {
+  const auto without = revoked == 0 ? "" : fmt::format(", {} revoked", revoked);
   auto out = until ? fmt::format(
                          "overlap  this is the successor; the former CA counts beside it "
                          "until {}; {}\n",
-                         date(*until), moved_words(folders - left.size(), folders))
+                         date(*until), moved_words(folders - left.size(), folders) + without)
                    : fmt::format(
                          "rotation not finished: {} still {} what an earlier key of this CA "
                          "issued or signed, or trusts that key\n",
@@ -169,15 +189,17 @@ Result<std::optional<RotationFacts>> shown_rotation(const fs::path& given, const
   const auto away =
       overlap ? std::vector<std::string>() : not_reached(ca_paths(given, role), known);
   if (!overlap && left.empty() && away.empty()) return std::nullopt;
-  RotationFacts out{.folders = known.here.size(),
+  const auto revoked = progress.revoked(known.here).size();
+  RotationFacts out{.folders = known.here.size() - revoked,
                     .left = names_of(left),
                     .elsewhere = known.elsewhere,
-                    .unfinished = left.size() + away.size()};
+                    .unfinished = left.size() + away.size(),
+                    .revoked = revoked};
   if (overlap) {
     out.until = overlap->until;
     for (const auto& one : overlap->former) out.former.push_back(to_hex(one.fingerprint()));
   }
-  out.next = next_step(fmt::format("ddssec ca rotate {}", given.string()), role,
+  out.next = next_step(given, role,
                        {.is_overlap = overlap.has_value(),
                         .is_here_left = !left.empty(),
                         .is_elsewhere = overlap ? !known.elsewhere.empty() : !away.empty()});

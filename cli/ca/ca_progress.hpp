@@ -32,6 +32,8 @@ class RotationProgress {
   /// Those that trust a former CA of the same name, or trust this one and have not moved. A
   /// participant of a CA of another name is none of them.
   std::vector<Follower> not_ended(const std::vector<Follower>& followers) const;
+  /// Those that are revoked, and so get no certificate of the successor. Of an identity CA only.
+  std::vector<Follower> revoked(const std::vector<Follower>& followers) const;
 
  private:
   bool accepts_successor(const Follower& follower) const;
@@ -55,6 +57,11 @@ std::vector<std::string> not_reached(const CaPaths& ca, const KnownFollowers& kn
 /// "1 of 4 folders has moved".
 std::string moved_words(std::size_t moved, std::size_t all);
 
+/// The command that gives the folders what `--move` put into the renewal lists of the CAs, so that
+/// `--end` ends no session of Cyclone DDS. Empty: the CA at `given` has no revocation list, and so
+/// cannot distribute lists.
+std::string distribution_before_end(const std::filesystem::path& given);
+
 /// The rotation of a CA as `ca show` reports it.
 struct RotationFacts {
   static constexpr std::string_view kDef = "ca_rotation";
@@ -64,12 +71,13 @@ struct RotationFacts {
   std::vector<std::string> left = {}, elsewhere = {};
   std::size_t unfinished = 0;  ///< folders, those elsewhere included; without an overlap
   std::string next = {};       ///< the next step: complete lines
+  std::size_t revoked = 0;     ///< folders; not among `folders`
 
   static constexpr auto fields() {
     return std::tuple(
         field<&RotationFacts::until>({"null: the former CA has ended"}),
         field<&RotationFacts::former>({.note = "SHA-256 of each former CA", .def = "sha256"}),
-        field<&RotationFacts::folders>({"how many"}),
+        field<&RotationFacts::folders>({"how many, without revoked ones"}),
         field<&RotationFacts::left>(
             {.note = "those that have not moved; after the end, those that still have or trust "
                      "something of the former CA",

@@ -45,7 +45,9 @@ Result<KnownFollowers> followers_of(const Arguments& arguments, const fs::path& 
 Status check_no_other_kind(const fs::path& given) {
   if (is_there(given / "public/identity_ca.cert.pem"))
     return fail(Code::usage,
-                {.field = "DIR", .note = "it is a keystore of ROS 2: ddssec keystore rotate"});
+                {.field = "DIR",
+                 .note = "it is a keystore of ROS 2, which has no overlap: ddssec keystore rotate "
+                         "replaces its CA at once"});
   if (is_there(given / "cert.pem"))
     return fail(Code::usage,
                 {.field = "DIR",
@@ -119,11 +121,19 @@ std::string next_step(const std::string& role, Step step, const std::string& giv
           "With stock plugins, restart a participant after it was moved. Until then it talks only "
           "to those that have not moved: ddssec check A B\n",
           command);
-    case Step::move:
-      return fmt::format("When all have moved, those on other machines too: {} --end\n", command);
+    case Step::move: {
+      const auto lists = distribution_before_end(given);
+      return fmt::format("{}When all have moved{}, those on other machines too: {} --end\n",
+                         lists.empty() ? ""
+                                       : fmt::format("Next, so that --end ends no session of "
+                                                     "Cyclone DDS: {}\n",
+                                                     lists),
+                         lists.empty() ? "" : " and have renewed.pem", command);
+    }
     case Step::end:
-      return "Copy the folders of participants on other machines there. Sessions that began with "
-             "the former CA end and begin again.\n";
+      return "Copy the folders of participants on other machines there. Sessions of Cyclone DDS "
+             "that began with the former CA end and begin again, unless both sides have "
+             "renewed.pem.\n";
   }
   return "Every participant must start again with the new files, unless it runs on ddssec's "
          "plugins: "

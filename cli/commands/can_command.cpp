@@ -246,6 +246,14 @@ void warn_of_places(const Question& question, Report& report) {
       report.findings.insert(report.findings.end(), check.findings.begin(), check.findings.end());
 }
 
+// In an enclave of ROS 2, new permissions come from the policy, which has the topics of every node.
+std::string way_out(const Question& question) {
+  if (question.folder.paths.layout == pki::FolderLayout::sros2)
+    return "add the topic to the enclave's policy, then: ddssec keystore permission KEYSTORE "
+           "ENCLAVE --policy POLICY --node-defaults";
+  return std::string(info(code_of(question.action)).hint);
+}
+
 // All steps as in check: identity, grant, joining, topic rule and rights.
 Result<Ruling> answer_to(const Question& question) {
   if (auto answer = by_revocation(question.folder.paths)) return *std::move(answer);
@@ -280,9 +288,7 @@ Result<Ruling> answer_to(const Question& question) {
   if (verdict.allowed && verdict.criteria != nullptr && question.request.partitions.empty())
     if (const auto where = partitions_of(*verdict.criteria); !where.empty())
       out.because += ", but " + where;
-  if (!verdict.allowed)
-    out.hint =
-        !advice.hint.empty() ? advice.hint : std::string(info(code_of(question.action)).hint);
+  if (!verdict.allowed) out.hint = !advice.hint.empty() ? advice.hint : way_out(question);
   return out;
 }
 

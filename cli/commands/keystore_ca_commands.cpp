@@ -56,9 +56,9 @@ struct KeystoreCa {
   std::string text() const {
     if (!is_new) return fmt::format("{}  has two CAs already\n", keystore.string());
     auto out = fmt::format(
-        "{}  {} CA is {} now, with a new key; {} signed anew\nEvery participant must start again "
-        "with "
-        "the new files. Copies of enclaves on other machines need them, too.\n",
+        "{}  {} CA is {} now, with a new key; {} signed anew\nCopies of enclaves on other machines "
+        "need the new files, too. Every participant must start again with them, unless it runs on "
+        "ddssec's plugins: old ones and new ones do not meet.\n",
         keystore.string(), ca.role, ca.subject, counted(enclaves.size(), "enclave"));
     for (const auto& file : unlogged.value_or(std::vector<std::string>()))
       out += fmt::format("signed although the log does not have it: {}\n", file);

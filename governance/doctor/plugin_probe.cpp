@@ -130,6 +130,15 @@ void check_plugins(const fs::path& folder, Diagnosis& out) {
   const auto about = ours ? "ddssec" : "Cyclone DDS";
   out.pass(Rule::DOC070, about);
   out.pass(Rule::DOC071, about);
+  std::error_code ignored;
+  if (ours && !fs::is_directory(folder, ignored)) {
+    out.report({.ours = Outcome::fail},
+               {.rule = Rule::DOC070,
+                .message = "the folder of the plugin libraries does not exist",
+                .document = folder},
+               about);
+    return;
+  }
   for (const auto& plugin : kPlugins) {
     std::string tried = (folder / plugin.library).string();
     const auto probe = ours ? probe_plugin(fs::absolute(tried).string(), std::string(plugin.role))

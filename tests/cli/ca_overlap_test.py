@@ -155,9 +155,12 @@ class Overlap(Transcript):
             told = self.refused("overlap_under_way", 1, *again)
             self.assertIn("1 of 2 folders has moved", told["message"])
             self.assertIn("--move; when all have moved, --end", told["hint"])
-            self.rotate(role, "--move")
+            text = self.run_program("ca", "rotate", "demo", "--role", role, "--move", *NOW).stdout
+            self.assertIn("Cyclone DDS: ddssec crl distribute --ca demo\n", text)
             self.assertTrue(self.refused("overlap_under_way", 1, *again)["hint"].endswith("--role ROLE --end"))
-            self.assertIn("--end", self.run_program("ca", "show", "demo", "--role", role, *NOW).stdout)
+            text = self.run_program("ca", "show", "demo", "--role", role, *NOW).stdout
+            self.assertIn("next   ddssec crl distribute --ca demo\n", text)
+            self.assertIn(f"then   ddssec ca rotate demo --role {role} --end\n", text)
             self.rotate(role, "--end")
             self.assertIsNone(self.rotation(role))
 
@@ -204,7 +207,8 @@ class Overlap(Transcript):
         self.assertEqual(step[-1], "--move")
         self.run_program(*step, *NOW, exit=1)
         steps = self.steps_shown(role, "away")
-        self.assertEqual([step[-1] for step in steps], ["--move", "--end"])
+        self.assertEqual([step[-1] for step in steps], ["--move", "demo", "--end"])
+        self.assertEqual(steps[1], ["crl", "distribute", "--ca", "demo"])
         for step in steps:
             self.run_program(*step, *NOW)
         self.assertIsNone(self.rotation(role))
@@ -298,6 +302,9 @@ class Overlap(Transcript):
     def test_RevokedParticipant_IsNotLeftAfterTheEnd(self):
         self.rotate("identity", "--overlap", "30d")
         self.json("identity", "revoke", "demo/talker", "--ca", "demo", *NOW, exit=1)
+        self.assertEqual(self.rotation("identity")["folders"], 1)
+        text = self.run_program("ca", "show", "demo", "--role", "identity", *NOW).stdout
+        self.assertIn("; 0 of 1 folder have moved, 1 revoked\n", text)
         self.rotate("identity", "--end")
         self.assertIsNone(self.rotation("identity"))
         self.refused("no_overlap", 1, "ca", "rotate", "demo", "--role", "identity", "--end", *NOW)

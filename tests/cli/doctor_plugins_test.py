@@ -103,6 +103,10 @@ class Plugins(DoctorTest):
         out = self.json("doctor", self.paths["correct"], "--plugins", "plugins", exit=1)
         self.assertEqual([d["id"] for d in out["diagnostics"]], ["DOC071"] * 3)
         self.assertIn("init_authentication", out["diagnostics"][0]["message"])
+        (told,) = self.json("doctor", self.paths["correct"], "--plugins", "nowhere", exit=1)["diagnostics"]
+        self.assertEqual((told["id"], pathlib.Path(told["file"]).name), ("DOC070", "nowhere"))
+        self.assertIn("does not exist", told["message"])
+        self.assertIn("copy the folder again (cp -rLT)", told["hint"])
 
     def test_configurations_of_a_folder_that_was_moved(self):
         self.run_program("init", "demo")

@@ -50,7 +50,9 @@ class Keystore(KeystoreTest):
         self.assertIn("--enclave /other\n", done.stdout)
         shutil.rmtree(self.at / "ks/enclaves/other")
         self.json("can", TALKER, "publish", "rt/chatter", *NOW)
-        self.json("can", TALKER, "subscribe", "rt/chatter", *NOW, exit=1)
+        (told,) = self.json("can", TALKER, "subscribe", "rt/chatter", *NOW, exit=1)["diagnostics"]
+        self.assertIn("ddssec keystore permission", told["hint"])
+        self.assertNotIn("permissions new", told["hint"])
         self.json("keystore", "permission", "ks", "/talker_listener/talker", "--allow-all", *NOW)
         self.healthy("/talker_listener/talker")
         self.json("keystore", "enclave", "ks", "/talker_listener/listener", "--allow-all", *NOW)
