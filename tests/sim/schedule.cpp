@@ -63,8 +63,10 @@ void add_further_attacks(Plan& plan) {
     plan.temper.announce = static_cast<unsigned>(1 + dice.below(50));
     plan.siege.announce = static_cast<unsigned>(1 + dice.below(50));
   }
-  // Where only payloads are protected, present readers would get each of the samples at once.
-  plan.sparse = dice.chance(100) && plan.protection->covers_headers;
+  // Where submessages are not protected, a writer matches present readers at once: they would get
+  // each of the samples.
+  plan.sparse =
+      dice.chance(100) && plan.protection->covers_headers && plan.protection->separates_topics;
   if (dice.chance(10))
     add_siblings(plan);
   else if (dice.chance(20))
