@@ -6,9 +6,9 @@
 
 namespace ddssec::access_control {
 
-/// The permissions of the peers among these are extended by the lists of their participants, as
-/// PermissionsHolder::follow_list has it. If one of them ends, the lists are read once more before.
-/// Raises the events about both.
+/// Extends the permissions of each peer in `entries` by the renewal list of the local participant
+/// that knows the peer (PermissionsHolder::follow_list). Before a peer's permissions end, the list
+/// is read once more. Raises the events about extensions and about unusable lists.
 void follow_renewal_lists(const Entries& entries, DocumentCache& documents,
                           const Environment& environment);
 

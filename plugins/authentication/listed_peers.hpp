@@ -19,7 +19,7 @@ namespace ddssec::authentication {
 void follow_renewal_lists(IdentityTable& table, std::vector<IdentityTable::Ended>& ended,
                           const Environment& environment);
 
-/// As of a peer that has ended, for one whose certificate is of no CA that is trusted now. True:
+/// The same for a peer whose certificate none of the CAs trusted now has issued. Returns true if
 /// the session goes on.
 bool follow_renewal_list(IdentityTable& table, const IdentityTable::Authenticated& peer,
                          const LocalIdentity& local, const Environment& environment);
