@@ -1,0 +1,135 @@
+// What is not protected as its reader or writer requires changes nothing.
+#include "tests/unit/rtps_security/attacker.hpp"
+#include "wire/acknack.hpp"
+#include "wire/gap.hpp"
+#include "wire/heartbeat.hpp"
+#include "wire/info_source.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace testing;
+
+constexpr auto kSign = ProtectionKind::sign;
+constexpr auto kEncrypt = ProtectionKind::encrypt;
+
+struct Protected : Pair {
+  explicit Protected(const Rules& rules) : Pair(rules) { EXPECT_TRUE(match()); }
+  Data data(std::int64_t number) const {
+    static const Bytes octets(8);
+    return {kEntityIdUnknown, writer.entity, {number}, {}, PayloadKind::data, octets};
+  }
+};
+
+TEST(KeyringTransform, ClearSubmessagesOfProtectedEndpointsAreDroppedAndCounted) {
+  for (const auto& rules : {Rules{.metadata = kSign}, Rules{.rtps = kSign}}) {
+    Protected pair(rules);
+    const auto& from = pair.a->prefix();
+    const auto before = pair.b->protection_counters().unprotected;
+    pair.b->receive(forged(from, pair.data(1)), pair.world.now);
+    pair.b->receive(
+        forged(from,
+               Heartbeat{kEntityIdUnknown, pair.writer.entity, {1}, {900}, 900, false, false}),
+        pair.world.now);
+    pair.b->receive(forged(from, Gap{kEntityIdUnknown,
+                                     pair.writer.entity,
+                                     {1},
+                                     SequenceNumberSet(SequenceNumber{1000})}),
+                    pair.world.now);
+    EXPECT_EQ(pair.b->protection_counters().unprotected, before + 3);
+    EXPECT_TRUE(pair.b.events.has(Code::rtps_protection_missing));
+    const auto at_a = pair.a->protection_counters().unprotected;
+    pair.a->receive(
+        forged(pair.b->prefix(), AckNack{pair.reader.entity, pair.writer.entity,
+                                         SequenceNumberSet(SequenceNumber{1}), 1 << 30, true}),
+        pair.world.now);
+    EXPECT_EQ(pair.a->protection_counters().unprotected, at_a + 1);
+    // The honest writer goes on as if nothing had come.
+    pair.write();
+    EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.changes.size() == 1; }, 200));
+  }
+}
+
+TEST(KeyringTransform, APlainPayloadWhereProtectionIsDueIsDropped) {
+  Protected pair({.data = kEncrypt});
+  pair.b->receive(forged(pair.a->prefix(), pair.data(1)), pair.world.now);
+  EXPECT_TRUE(pair.b.listener.changes.empty());
+  EXPECT_EQ(pair.b->protection_counters().undecodable, 1u);
+  pair.write();
+  EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.changes.size() == 1; }, 200));
+}
+
+// Nothing of it is protected by the payload key. Our writers send the key, so that it is.
+TEST(KeyringTransform, ADisposeWithoutAPayloadWherePayloadsAreProtectedIsDropped) {
+  for (const auto kind : {kSign, kEncrypt}) {
+    Protected pair({.data = kind});
+    auto dispose = pair.data(1);
+    dispose.payload = {};
+    dispose.kind = PayloadKind::none;
+    dispose.inline_qos.status = {true, false};
+    dispose.inline_qos.key_hash = KeyHash{1};
+    pair.b->receive(forged(pair.a->prefix(), dispose), pair.world.now);
+    dispose.inline_qos.status = {false, true};
+    pair.b->receive(forged(pair.a->prefix(), dispose), pair.world.now);
+    EXPECT_TRUE(pair.b.listener.changes.empty());
+    EXPECT_EQ(pair.b->protection_counters().unprotected, 2u);
+    EXPECT_TRUE(pair.b.events.has(Code::rtps_protection_missing));
+    Change honest;
+    honest.status = {true, false};
+    honest.key_hash = KeyHash{1};
+    honest.key_only = true;
+    honest.payload = payload();
+    pair.a->local_endpoints().writer(pair.writer)->write(std::move(honest), pair.world.now);
+    ASSERT_TRUE(pair.world.run_until([&] { return pair.b.listener.changes.size() == 1; }, 200));
+    EXPECT_TRUE(pair.b.listener.changes[0].status.disposed);
+  }
+}
+
+TEST(KeyringTransform, InfoSourceInAClearMessageGivesNobodysRights) {
+  Protected pair({.metadata = kSign});
+  InfoSource source;
+  source.source.prefix = pair.a->prefix();
+  pair.b->receive(forged(GuidPrefix::from(Bytes(12, 9)), source, pair.data(1)), pair.world.now);
+  EXPECT_TRUE(pair.b.listener.changes.empty());
+}
+
+TEST(KeyringTransform, AProtectedMessageWithOneOctetChangedOrCutIsNothing) {
+  for (const auto& rules : {everything(kSign), everything(kEncrypt),
+                            everything(ProtectionKind::encrypt_with_origin_authentication)}) {
+    Protected pair(rules);
+    pair.world.run(200);
+    pair.a.post.sent.clear();
+    pair.write();
+    ASSERT_FALSE(pair.a.post.sent.empty());
+    const auto sent = pair.a.post.sent.front().second;
+    for (std::size_t i = 0; i < sent.size(); ++i) {
+      auto broken = sent;
+      broken[i] ^= 0x40;
+      pair.b->receive(broken, pair.world.now);
+      pair.b->receive(BytesView(sent).first(i), pair.world.now);
+    }
+    EXPECT_TRUE(pair.b.listener.changes.empty());
+    pair.b->receive(sent, pair.world.now);
+    EXPECT_EQ(pair.b.listener.changes.size(), 1u);
+  }
+}
+
+// A message of an unknown sender may only be early: it is counted, without an event for each.
+TEST(KeyringTransform, GroupOfAnUnknownSender_IsCountedWithoutAnEvent) {
+  Protected pair({.metadata = kSign});
+  pair.world.run(200);
+  pair.a.post.sent.clear();
+  pair.write();
+  ASSERT_FALSE(pair.a.post.sent.empty());
+  auto stranger = pair.a.post.sent.front().second;
+  std::ranges::fill(std::span(stranger).subspan(8, GuidPrefix::size), std::uint8_t{9});
+  const auto before = pair.b->protection_counters().undecodable;
+  const auto events = pair.b.events.text();
+  pair.b->receive(stranger, pair.world.now);
+  EXPECT_GT(pair.b->protection_counters().undecodable, before);
+  EXPECT_EQ(pair.b.events.text(), events);
+  EXPECT_TRUE(pair.b.listener.changes.empty());
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
