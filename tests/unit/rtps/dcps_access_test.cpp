@@ -1,12 +1,14 @@
 // The calls by which samples are written, read and taken, by instance and by condition, and what
 // statuses, listeners and conditions say about them.
 #include "rtps/dcps/wait_set.hpp"
+#include "tests/support/succeeds.hpp"
 #include "tests/unit/rtps/dcps_fixture.hpp"
 
 namespace ddssec::rtps {
 namespace {
 
 using namespace std::chrono_literals;
+using test::succeeds;
 using testing::code_of;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -20,7 +22,7 @@ struct Access : testing::Polled {
   Samples<Reading> samples;
   void SetUp() override { ASSERT_TRUE(match(writer, reader)); }
   void write(const char* sensor, std::int64_t value) {
-    ASSERT_TRUE(writer.write({sensor, value}));
+    ASSERT_TRUE(succeeds(writer.write({sensor, value})));
     run();
   }
 };
@@ -53,14 +55,16 @@ TEST_P(Access, ByCondition) {
   auto& over = reader.create_readcondition({.instance = kNotAlive});
   EXPECT_FALSE(fresh.trigger_value());
   write("a", 1), write("b", 2);
-  EXPECT_TRUE(fresh.trigger_value() && !over.trigger_value());
+  EXPECT_TRUE(fresh.trigger_value());
+  EXPECT_TRUE(!over.trigger_value());
   EXPECT_EQ(reader.read_w_condition(samples, fresh, 1), 1u);
   EXPECT_EQ(reader.read_next_instance_w_condition(samples, {}, fresh), 1u);
   EXPECT_THAT(values(samples), ElementsAre(2));
   EXPECT_FALSE(fresh.trigger_value());
-  ASSERT_TRUE(writer.dispose({"a"}));
+  ASSERT_TRUE(succeeds(writer.dispose({"a"})));
   run();
-  EXPECT_TRUE(fresh.trigger_value() && over.trigger_value());
+  EXPECT_TRUE(fresh.trigger_value());
+  EXPECT_TRUE(over.trigger_value());
   EXPECT_EQ(reader.take_next_instance_w_condition(samples, {}, over), 2u);
   EXPECT_FALSE(over.trigger_value());
   EXPECT_EQ(reader.take_w_condition(samples, over), 0u);
@@ -69,8 +73,8 @@ TEST_P(Access, ByCondition) {
 }
 
 TEST_P(Access, ACollectionThatIsUsedAgainShowsNothingOld) {
-  ASSERT_TRUE(writer.write({"a", 1, {1, 2, 3}}));
-  ASSERT_TRUE(writer.write({"a", 2, {}}));
+  ASSERT_TRUE(succeeds(writer.write({"a", 1, {1, 2, 3}})));
+  ASSERT_TRUE(succeeds(writer.write({"a", 2, {}})));
   run();
   EXPECT_EQ(reader.take(samples, 1), 1u);
   EXPECT_EQ(reader.take(samples, 1), 1u);
@@ -83,10 +87,10 @@ TEST_P(Access, InstancesOfTheWriter) {
   const auto handle = *writer.register_instance({"a"});
   EXPECT_EQ(writer.lookup_instance({"a"}), handle);
   EXPECT_EQ(writer.key_value(handle)->sensor, "a");
-  EXPECT_TRUE(writer.write({"a", 1}, handle));
+  EXPECT_TRUE(succeeds(writer.write({"a", 1}, handle)));
   EXPECT_EQ(code_of(writer.write({"b", 1}, handle)), Code::rtps_bad_parameter);
   EXPECT_EQ(code_of(writer.unregister_instance({"b"})), Code::rtps_precondition_not_met);
-  EXPECT_TRUE(writer.unregister_instance({"a"}, handle));
+  EXPECT_TRUE(succeeds(writer.unregister_instance({"a"}, handle)));
   EXPECT_TRUE(writer.lookup_instance({"a"}).is_nil());
   EXPECT_EQ(code_of(writer.key_value(handle)), Code::rtps_bad_parameter);
   run();
@@ -97,14 +101,14 @@ TEST_P(Access, InstancesOfTheWriter) {
 TEST_P(Access, UnregisteringNeedNotDispose) {
   auto qos = writer.qos();
   qos.autodispose_unregistered_instances = false;
-  ASSERT_TRUE(writer.set_qos(qos));
+  ASSERT_TRUE(succeeds(writer.set_qos(qos)));
   write("a", 1);
-  ASSERT_TRUE(writer.unregister_instance_w_timestamp({"a"}, {}, Time{{5, 0}}));
+  ASSERT_TRUE(succeeds(writer.unregister_instance_w_timestamp({"a"}, {}, Time{{5, 0}})));
   run();
   EXPECT_EQ(reader.take(samples), 2u);
   EXPECT_EQ(samples[1].info.instance_state, InstanceState::not_alive_no_writers);
   EXPECT_EQ(samples[1].info.source_timestamp, (Time{{5, 0}}));
-  ASSERT_TRUE(writer.dispose_w_timestamp({"a"}, {}, Time{{6, 0}}));
+  ASSERT_TRUE(succeeds(writer.dispose_w_timestamp({"a"}, {}, Time{{6, 0}})));
   run();
   EXPECT_EQ(reader.take(samples), 1u);
   EXPECT_EQ(samples[0].info.source_timestamp, (Time{{6, 0}}));
@@ -117,7 +121,7 @@ TEST_P(Access, OctetsGoInAndComeOut) {
   std::vector<OctetSample> raw;
   EXPECT_EQ(octets->read(raw), 1u);
   EXPECT_EQ(deserialize<Reading>(raw[0].payload.view())->value, 5);
-  ASSERT_TRUE(writer.dispose({"a"}));
+  ASSERT_TRUE(succeeds(writer.dispose({"a"})));
   run();
   EXPECT_EQ(octets->take(raw), 2u);
   EXPECT_TRUE(raw[1].key_only);
@@ -128,10 +132,11 @@ TEST_P(Access, OctetsGoInAndComeOut) {
   const Reading sample{"raw", 9};
   serialize(sample, payload);
   EXPECT_EQ(code_of(sender->write_octets({.payload = payload})), Code::rtps_bad_parameter);
-  ASSERT_TRUE(sender->write_octets({.payload = payload, .key = key_hash(sample, scratch)}));
+  ASSERT_TRUE(
+      succeeds(sender->write_octets({.payload = payload, .key = key_hash(sample, scratch)})));
   run();
   taken(reader);
-  ASSERT_TRUE(sender->write_octets({.payload = Bytes{0, 1, 0, 0, 9}, .key = KeyHash{1}}));
+  ASSERT_TRUE(succeeds(sender->write_octets({.payload = Bytes{0, 1, 0, 0, 9}, .key = KeyHash{1}})));
   run();
   EXPECT_THAT(taken(reader), IsEmpty());
   EXPECT_EQ(reader.malformed(), 1u);
@@ -144,7 +149,7 @@ TEST_P(Access, ASampleBeyondTheLargestIsRefusedAtWrite) {
   ASSERT_EQ(code_of(refused), Code::rtps_sample_too_large);
   EXPECT_EQ(refused.error().details().expected, "at most 67108864");
   EXPECT_TRUE(writer.lookup_instance(large).is_nil());
-  EXPECT_TRUE(writer.write({"a", 1}));
+  EXPECT_TRUE(succeeds(writer.write({"a", 1})));
 }
 
 struct Heard final : DomainParticipantListener {
@@ -252,7 +257,8 @@ TEST_P(Access, EveryStatusIsHeardByListeners) {
   EXPECT_TRUE(here.heard("publication"));
   EXPECT_EQ(here.matched.current_count, 2);  // the fixture's reader as well
   EXPECT_TRUE(there.heard("subscription"));
-  ASSERT_TRUE(w.write({"a", 1}) && w.write({"a", 2}));
+  ASSERT_TRUE(succeeds(w.write({"a", 1})));
+  ASSERT_TRUE(succeeds(w.write({"a", 2})));
   run(250ms);
   EXPECT_TRUE(here.heard("offered deadline"));
   EXPECT_THAT(there.calls, ::testing::IsSupersetOf({"rejected", "requested deadline"}));
@@ -275,7 +281,7 @@ TEST_P(Access, AnotherTypeIsAnInconsistentTopic) {
   Heard heard;
   b.topic->set_listener(&heard);
   testing::End c(environment, options());
-  ASSERT_TRUE(c.participant->delete_contained_entities());
+  ASSERT_TRUE(succeeds(c.participant->delete_contained_entities()));
   auto* topic = *c.participant->create_topic("Readings", {.name = "Other"});
   auto* group = *c.participant->create_publisher();
   ASSERT_TRUE(group->create_datawriter(*topic));
@@ -302,7 +308,7 @@ TEST_P(Access, StatusConditionsFollowTheStatusesTheyAreFor) {
   EXPECT_EQ(status.total_count_change, 1);
   EXPECT_EQ(status.last_remote, writer.guid());
   EXPECT_EQ(reader.subscription_matched_status().total_count_change, 0);
-  ASSERT_TRUE(a.publisher->delete_datawriter(writer));
+  ASSERT_TRUE(succeeds(a.publisher->delete_datawriter(writer)));
   run(50ms);
   const auto after = reader.subscription_matched_status();
   EXPECT_EQ(std::pair(after.current_count, after.current_count_change), std::pair(0, -1));
@@ -310,12 +316,12 @@ TEST_P(Access, StatusConditionsFollowTheStatusesTheyAreFor) {
 }
 
 TEST_P(Access, WaitingServesAParticipantWithoutAThread) {
-  ASSERT_TRUE(writer.write({"a", 1}));
+  ASSERT_TRUE(succeeds(writer.write({"a", 1})));
   const bool delivered = GetParam() == testing::Way::in_process;
   EXPECT_EQ(writer.wait_for_acknowledgments(1ms).has_value(), delivered);
   EXPECT_TRUE(reader.wait_for_unread(1s));
-  EXPECT_TRUE(writer.wait_for_acknowledgments(1s));
-  EXPECT_TRUE(a.publisher->wait_for_acknowledgments(0ms));
+  EXPECT_TRUE(succeeds(writer.wait_for_acknowledgments(1s)));
+  EXPECT_TRUE(succeeds(a.publisher->wait_for_acknowledgments(0ms)));
   EXPECT_THAT(taken(reader), ElementsAre(1));
   EXPECT_FALSE(reader.wait_for_unread(1ms));
 }

@@ -2,12 +2,14 @@
 #include <atomic>
 #include <thread>
 
+#include "tests/support/succeeds.hpp"
 #include "tests/unit/rtps/dcps_fixture.hpp"
 
 namespace ddssec::rtps {
 namespace {
 
 using namespace std::chrono_literals;
+using test::succeeds;
 using testing::code_of;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -22,10 +24,10 @@ TEST_P(Policies, DeadlineIsMissedOnBothSidesOncePerPeriodAndInstance) {
   auto& writer = a.writer(qos);
   auto& reader = b.reader(qos);
   ASSERT_TRUE(match(writer, reader));
-  ASSERT_TRUE(writer.write({"a", 1}));
+  ASSERT_TRUE(succeeds(writer.write({"a", 1})));
   run(80ms);
-  ASSERT_TRUE(writer.write({"a", 2}));
-  ASSERT_TRUE(writer.write({"b", 2}));
+  ASSERT_TRUE(succeeds(writer.write({"a", 2})));
+  ASSERT_TRUE(succeeds(writer.write({"b", 2})));
   run(80ms);
   EXPECT_EQ(writer.offered_deadline_missed_status().total_count, 0);
   EXPECT_EQ(reader.requested_deadline_missed_status().total_count, 0);
@@ -37,7 +39,7 @@ TEST_P(Policies, DeadlineIsMissedOnBothSidesOncePerPeriodAndInstance) {
   EXPECT_EQ(requested.total_count_change, 2);
   EXPECT_EQ(requested.last_instance_handle, reader.lookup_instance({"b"}));
   EXPECT_EQ(reader.requested_deadline_missed_status().total_count_change, 0);
-  ASSERT_TRUE(writer.dispose({"b"}));
+  ASSERT_TRUE(succeeds(writer.dispose({"b"})));
   run(100ms);
   EXPECT_EQ(writer.offered_deadline_missed_status().total_count_change, 1);
   EXPECT_EQ(reader.requested_deadline_missed_status().total_count_change, 1);
@@ -47,17 +49,17 @@ TEST_P(Policies, DeadlineMayChangeWithinTheContract) {
   auto& writer = a.writer(reliable());
   auto& reader = b.reader(reliable());
   ASSERT_TRUE(match(writer, reader));
-  ASSERT_TRUE(writer.write({"a", 1}));
+  ASSERT_TRUE(succeeds(writer.write({"a", 1})));
   auto qos = reliable();
   qos.deadline = Duration::from(50ms);
-  EXPECT_TRUE(writer.set_qos(qos));
+  EXPECT_TRUE(succeeds(writer.set_qos(qos)));
   run(60ms);
   EXPECT_EQ(writer.offered_deadline_missed_status().total_count, 1);
-  EXPECT_TRUE(reader.set_qos(qos));
+  EXPECT_TRUE(succeeds(reader.set_qos(qos)));
   run(60ms);
   EXPECT_EQ(reader.requested_deadline_missed_status().total_count, 1);
   qos.deadline = Duration::from(10ms);  // more than is offered
-  EXPECT_TRUE(reader.set_qos(qos));
+  EXPECT_TRUE(succeeds(reader.set_qos(qos)));
   run(20ms);
   EXPECT_THAT(reader.matched_publications(), IsEmpty());
   EXPECT_EQ(reader.requested_incompatible_qos_status().last.policy, "DEADLINE.period");
@@ -70,9 +72,9 @@ TEST_P(Policies, LifespanEndsWhatIsHeldAndWhatIsKeptForLateJoiners) {
   auto& writer = a.writer(offered);
   auto& reader = b.reader(requested);
   ASSERT_TRUE(match(writer, reader));
-  ASSERT_TRUE(writer.write({"a", 1}));
+  ASSERT_TRUE(succeeds(writer.write({"a", 1})));
   run(100ms);
-  ASSERT_TRUE(writer.write({"a", 2}));
+  ASSERT_TRUE(succeeds(writer.write({"a", 2})));
   run(20ms);
   Samples<Reading> samples;
   EXPECT_EQ(reader.read(samples), 2u);
@@ -86,7 +88,7 @@ TEST_P(Policies, LifespanEndsWhatIsHeldAndWhatIsKeptForLateJoiners) {
   auto& later = b.reader(requested);
   run(100ms);
   EXPECT_THAT(taken(later), IsEmpty());
-  EXPECT_TRUE(writer.wait_for_acknowledgments(0ms));
+  EXPECT_TRUE(succeeds(writer.wait_for_acknowledgments(0ms)));
 }
 
 TEST_P(Policies, ExclusiveOwnershipFailsOverByStrengthDeadlineLivelinessAndDeparture) {
@@ -101,31 +103,32 @@ TEST_P(Policies, ExclusiveOwnershipFailsOverByStrengthDeadlineLivelinessAndDepar
   auto& first = a.writer(strong);
   auto& second = a.writer(weak);
   auto& reader = b.reader(requested);
-  ASSERT_TRUE(match(first, reader) && match(second, reader));
+  ASSERT_TRUE(match(first, reader));
+  ASSERT_TRUE(match(second, reader));
   const auto both = [&](std::int64_t value) {
-    EXPECT_TRUE(second.write({"a", -value}));
+    EXPECT_TRUE(succeeds(second.write({"a", -value})));
     run();
-    EXPECT_TRUE(first.write({"a", value}));
+    EXPECT_TRUE(succeeds(first.write({"a", value})));
     run(10ms);
     return taken(reader);
   };
   EXPECT_THAT(both(1), ElementsAre(-1, 1));
   EXPECT_THAT(both(2), ElementsAre(2));
   weak.ownership_strength = 20;
-  EXPECT_TRUE(second.set_qos(weak));
+  EXPECT_TRUE(succeeds(second.set_qos(weak)));
   run(50ms);
   EXPECT_THAT(both(3), ElementsAre(-3));
   // The owner falls silent: when its lease ends, the other takes over.
   for (std::int64_t i = 4; i < 20; ++i) {
-    EXPECT_TRUE(first.write({"a", i}));
+    EXPECT_TRUE(succeeds(first.write({"a", i})));
     run(30ms);
   }
   EXPECT_EQ(reader.liveliness_changed_status().not_alive_count, 1);
   EXPECT_THAT(taken(reader), ::testing::Contains(19));
   EXPECT_THAT(both(20), ElementsAre(-20));
-  EXPECT_TRUE(a.publisher->delete_datawriter(second));
+  EXPECT_TRUE(succeeds(a.publisher->delete_datawriter(second)));
   run(50ms);
-  EXPECT_TRUE(first.write({"a", 21}));
+  EXPECT_TRUE(succeeds(first.write({"a", 21})));
   run(10ms);
   EXPECT_THAT(taken(reader), ElementsAre(21));
 }
@@ -136,9 +139,9 @@ TEST_P(Policies, ManualLivelinessIsLostAndComesBack) {
   auto& writer = a.writer(qos);
   auto& reader = b.reader(reliable());
   ASSERT_TRUE(match(writer, reader));
-  ASSERT_TRUE(writer.write({"a", 1}));
+  ASSERT_TRUE(succeeds(writer.write({"a", 1})));
   run(150ms);
-  ASSERT_TRUE(writer.assert_liveliness());
+  ASSERT_TRUE(succeeds(writer.assert_liveliness()));
   run(150ms);
   EXPECT_EQ(writer.liveliness_lost_status().total_count, 0);
   auto status = reader.liveliness_changed_status();
@@ -154,7 +157,7 @@ TEST_P(Policies, ManualLivelinessIsLostAndComesBack) {
   EXPECT_EQ(samples[0].info.instance_state, InstanceState::not_alive_no_writers);
   EXPECT_FALSE(samples[1].info.valid_data);
   EXPECT_EQ(samples[1].data.sensor, "a");
-  ASSERT_TRUE(writer.write({"a", 2}));
+  ASSERT_TRUE(succeeds(writer.write({"a", 2})));
   run(10ms);
   EXPECT_EQ(reader.liveliness_changed_status().alive_count, 1);
   EXPECT_EQ(reader.take(samples), 1u);
@@ -168,14 +171,15 @@ TEST_P(Policies, AnyManualWriterOfAParticipantAssertsAll) {
   auto& idle = a.writer(qos);
   auto& busy = a.writer(qos);
   auto& reader = b.reader(reliable());
-  ASSERT_TRUE(match(idle, reader) && match(busy, reader));
+  ASSERT_TRUE(match(idle, reader));
+  ASSERT_TRUE(match(busy, reader));
   for (int i = 0; i < 4; ++i) {
-    ASSERT_TRUE(busy.write({"a", i}));
+    ASSERT_TRUE(succeeds(busy.write({"a", i})));
     run(150ms);
   }
   EXPECT_EQ(idle.liveliness_lost_status().total_count, 0);
   EXPECT_EQ(reader.liveliness_changed_status().alive_count, 2);
-  ASSERT_TRUE(a.participant->assert_liveliness());
+  ASSERT_TRUE(succeeds(a.participant->assert_liveliness()));
   run(150ms);
   EXPECT_EQ(idle.liveliness_lost_status().total_count, 0);
   run(100ms);
@@ -194,7 +198,7 @@ TEST_P(Policies, AutomaticLivelinessEndsWithItsParticipant) {
   for (int i = 0; i < 120; ++i) clock.advance(10ms), b.participant->poll(0ms);  // a is stuck
   EXPECT_EQ(reader.liveliness_changed_status().not_alive_count, 1);
   EXPECT_EQ(reader.subscription_matched_status().current_count, 1);
-  ASSERT_TRUE(writer.write({"a", 1}));
+  ASSERT_TRUE(succeeds(writer.write({"a", 1})));
   run();
   EXPECT_EQ(reader.liveliness_changed_status().alive_count, 1);
 }
@@ -205,20 +209,21 @@ TEST_P(Policies, BySourceTimestampAnOlderSampleDoesNotComeLate) {
   auto& one = a.writer(qos);
   auto& two = a.writer(qos);
   auto& reader = b.reader(qos);
-  ASSERT_TRUE(match(one, reader) && match(two, reader));
+  ASSERT_TRUE(match(one, reader));
+  ASSERT_TRUE(match(two, reader));
   const auto at = [&](std::chrono::nanoseconds offset) {
     return Time::from(clock.wall() + offset);
   };
-  ASSERT_TRUE(one.write_w_timestamp({"a", 2}, {}, at(2s)));
+  ASSERT_TRUE(succeeds(one.write_w_timestamp({"a", 2}, {}, at(2s))));
   run(10ms);
-  ASSERT_TRUE(two.write_w_timestamp({"a", 1}, {}, at(1s)));
+  ASSERT_TRUE(succeeds(two.write_w_timestamp({"a", 1}, {}, at(1s))));
   run(10ms);
   EXPECT_THAT(taken(reader), ElementsAre(1, 2));
-  ASSERT_TRUE(two.write_w_timestamp({"a", 0}, {}, at(1500ms)));
+  ASSERT_TRUE(succeeds(two.write_w_timestamp({"a", 0}, {}, at(1500ms))));
   run(10ms);
   EXPECT_THAT(taken(reader), IsEmpty());
   EXPECT_EQ(code_of(one.write_w_timestamp({"a", 3}, {}, at(1s))), Code::rtps_bad_parameter);
-  EXPECT_TRUE(one.write({"a", 4}));  // the calendar is behind the last time given
+  EXPECT_TRUE(succeeds(one.write({"a", 4})));  // the calendar is behind the last time given
 }
 
 TEST_P(Policies, TransientLocalKeepsForLateJoinersWhatHistoryKeeps) {
@@ -244,7 +249,7 @@ TEST_P(Policies, HistoricalDataThatDoesNotComeIsATimeout) {
   auto qos = reliable();
   qos.durability = DurabilityKind::transient_local;
   auto& writer = a.writer(qos);
-  ASSERT_TRUE(writer.write({"a", 1}));
+  ASSERT_TRUE(succeeds(writer.write({"a", 1})));
   auto& reader = b.reader(qos);
   ASSERT_TRUE(eventually([&] {  // b alone: it never hears what the writer has
     a.participant->poll(0ms);
@@ -260,9 +265,9 @@ TEST_P(Policies, ResourceLimitsHoldAtTheWriter) {
   qos.reliability.max_blocking_time = kDurationZero;
   qos.resource_limits = {.max_samples = 4, .max_instances = 2, .max_samples_per_instance = 3};
   auto& writer = a.writer(qos);
-  for (int i = 0; i < 3; ++i) ASSERT_TRUE(writer.write({"a", i}));
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(succeeds(writer.write({"a", i})));
   EXPECT_EQ(code_of(writer.write({"a", 3})), Code::rtps_history_full);
-  ASSERT_TRUE(writer.write({"b", 0}));
+  ASSERT_TRUE(succeeds(writer.write({"b", 0})));
   EXPECT_EQ(code_of(writer.write({"b", 1})), Code::rtps_history_full);
   EXPECT_EQ(code_of(writer.write({"c", 0})), Code::rtps_out_of_resources);
   EXPECT_EQ(code_of(writer.register_instance({"c"})), Code::rtps_out_of_resources);
@@ -299,7 +304,7 @@ TEST_P(Policies, ResourceLimitsHoldAtTheReaderAndNothingIsLost) {
   auto& writer = a.writer(reliable());
   auto& reader = b.reader(requested);
   ASSERT_TRUE(match(writer, reader));
-  for (int i = 0; i < 4; ++i) ASSERT_TRUE(writer.write({"a", i}));
+  for (int i = 0; i < 4; ++i) ASSERT_TRUE(succeeds(writer.write({"a", i})));
   run(300ms);
   auto status = reader.sample_rejected_status();
   EXPECT_EQ(status.total_count, 1);  // the third, however often it is offered
@@ -320,7 +325,7 @@ TEST_P(Policies, DataRepresentationIsWhatTheWriterOffersFirst) {
   ASSERT_TRUE(match(writer, reader));
   EXPECT_EQ(old.requested_incompatible_qos_status().last_policy_id,
             QosPolicyId::data_representation);
-  ASSERT_TRUE(writer.write({"a", 7, {1, 2, 3}}));
+  ASSERT_TRUE(succeeds(writer.write({"a", 7, {1, 2, 3}})));
   run(10ms);
   Samples<Reading> samples;
   EXPECT_EQ(reader.take(samples), 1u);
@@ -334,7 +339,7 @@ TEST_P(Policies, BestEffortLossIsCounted) {
   qos.resource_limits.max_samples = 1;
   auto& reader = b.reader(qos);
   ASSERT_TRUE(match(writer, reader));
-  for (int i = 0; i < 3; ++i) ASSERT_TRUE(writer.write({"a", i}));
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(succeeds(writer.write({"a", i})));
   run(10ms);
   EXPECT_THAT(taken(reader), ElementsAre(0));
   EXPECT_EQ(reader.sample_rejected_status().total_count, 2);
@@ -347,10 +352,11 @@ TEST_P(Policies, ReaderDataLifecyclePurges) {
   requested.reader_data_lifecycle.autopurge_disposed_samples_delay = Duration::from(100ms);
   auto& reader = b.reader(requested);
   auto& other = b.reader(reliable());
-  ASSERT_TRUE(match(writer, reader) && match(writer, other));
+  ASSERT_TRUE(match(writer, reader));
+  ASSERT_TRUE(match(writer, other));
   auto& condition = reader.create_readcondition({});
-  ASSERT_TRUE(writer.write({"a", 1}));
-  ASSERT_TRUE(writer.dispose({"a"}));
+  ASSERT_TRUE(succeeds(writer.write({"a", 1})));
+  ASSERT_TRUE(succeeds(writer.dispose({"a"})));
   run(50ms);
   EXPECT_TRUE(condition.trigger_value());
   run(100ms);
@@ -358,9 +364,9 @@ TEST_P(Policies, ReaderDataLifecyclePurges) {
   EXPECT_THAT(taken(reader), IsEmpty());
   EXPECT_THAT(taken(other), ElementsAre(1));
   requested.reader_data_lifecycle = {};  // may change
-  ASSERT_TRUE(reader.set_qos(requested));
-  ASSERT_TRUE(writer.write({"a", 2}));
-  ASSERT_TRUE(writer.dispose({"a"}));
+  ASSERT_TRUE(succeeds(reader.set_qos(requested)));
+  ASSERT_TRUE(succeeds(writer.write({"a", 2})));
+  ASSERT_TRUE(succeeds(writer.dispose({"a"})));
   run(200ms);
   EXPECT_THAT(taken(reader), ElementsAre(2));
 }
@@ -371,14 +377,15 @@ TEST_P(Policies, DeletingAWriterDisposesUnlessItIsToldNotTo) {
   offered.autodispose_unregistered_instances = false;
   auto& leaving = a.writer(offered);
   auto& reader = b.reader(reliable());
-  ASSERT_TRUE(match(disposing, reader) && match(leaving, reader));
-  ASSERT_TRUE(disposing.write({"a", 1}));
+  ASSERT_TRUE(match(disposing, reader));
+  ASSERT_TRUE(match(leaving, reader));
+  ASSERT_TRUE(succeeds(disposing.write({"a", 1})));
   ASSERT_TRUE(disposing.register_instance({"b"}));
-  ASSERT_TRUE(leaving.write({"c", 3}));
+  ASSERT_TRUE(succeeds(leaving.write({"c", 3})));
   run(20ms);
   EXPECT_EQ(taken(reader).size(), 2u);
-  ASSERT_TRUE(a.publisher->delete_datawriter(disposing));
-  ASSERT_TRUE(a.publisher->delete_contained_entities());
+  ASSERT_TRUE(succeeds(a.publisher->delete_datawriter(disposing)));
+  ASSERT_TRUE(succeeds(a.publisher->delete_contained_entities()));
   run(50ms);
   Samples<Reading> samples;
   ASSERT_EQ(reader.take(samples), 3u);
@@ -398,7 +405,7 @@ TEST_P(Policies, AParticipantThatEndsDisposesToo) {
     return writer.matched_subscription_data(reader.guid()) &&
            reader.matched_publication_data(writer.guid());
   }));
-  ASSERT_TRUE(writer.write({"a", 1}));
+  ASSERT_TRUE(succeeds(writer.write({"a", 1})));
   run(20ms);
   EXPECT_THAT(taken(reader), ElementsAre(1));
   c.reset();
@@ -414,11 +421,11 @@ TEST_P(Policies, ChangedDataOfTopicGroupAndEndpointIsSeenByPeers) {
   ASSERT_TRUE(match(writer, reader));
   auto of_topic = a.topic->qos();
   of_topic.topic_data = {1};
-  ASSERT_TRUE(a.topic->set_qos(of_topic));
-  ASSERT_TRUE(a.publisher->set_qos({.group_data = {2}}));
+  ASSERT_TRUE(succeeds(a.topic->set_qos(of_topic)));
+  ASSERT_TRUE(succeeds(a.publisher->set_qos({.group_data = {2}})));
   auto qos = writer.qos();
   qos.user_data = {3};
-  ASSERT_TRUE(writer.set_qos(qos));
+  ASSERT_TRUE(succeeds(writer.set_qos(qos)));
   run(20ms);
   const auto seen = reader.matched_publication_data(writer.guid())->qos;
   EXPECT_EQ(seen.topic_data, Bytes{1});

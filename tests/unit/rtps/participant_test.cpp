@@ -49,7 +49,8 @@ TEST(Participant, FindsOthersMatchesAndDelivers) {
   world.run();
   ASSERT_EQ(b.listener.changes.size(), 1u);
   EXPECT_EQ(b.listener.changes[0].writer, writer);
-  EXPECT_TRUE(a.events.seen.empty() && b.events.seen.empty());
+  EXPECT_TRUE(a.events.seen.empty());
+  EXPECT_TRUE(b.events.seen.empty());
   b.participant.remove(reader, world.now);
   world.run();
   EXPECT_EQ(a.listener.matched, 0);
@@ -102,7 +103,8 @@ TEST(Participant, ASilentParticipantIsGoneAfterItsLease) {
       a.participant.create_writer(square(default_writer_qos()), a.listener, world.now);
   const auto reader =
       b.participant.create_reader(square(default_reader_qos()), b.listener, world.now);
-  ASSERT_TRUE(writer && reader);
+  ASSERT_TRUE(writer);
+  ASSERT_TRUE(reader);
   world.run();
   EXPECT_EQ(b.listener.matched, 1);
   world.nodes = {&b};
