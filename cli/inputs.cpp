@@ -128,9 +128,8 @@ Result<Bytes> read_file(const fs::path& path, std::size_t most) {
 }
 
 bool is_there(const fs::path& path) {
-  std::error_code error;
-  const auto type = fs::status(as_held(path), error).type();
-  return type != fs::file_type::not_found && error != std::errc::filename_too_long;
+  std::error_code ignored;
+  return fs::exists(as_held(path), ignored);
 }
 
 Status check_directory(const fs::path& folder, std::string_view expected) {

@@ -16,8 +16,8 @@ Result<Bytes> read_file(const std::filesystem::path& path, std::size_t most);
 /// The first certificate of a PEM file. Errors: those of read_file and Certificate::from_pem.
 Result<pki::Certificate> read_certificate(const std::filesystem::path& path);
 
-/// As pki::is_there, also true for a file in a folder that cannot be searched. But links are
-/// followed: false for a dangling one.
+/// True if something exists at `path`. False for a dangling link, and for a file in a folder that
+/// cannot be searched: the command reports that when it writes there (compare pki::is_there).
 bool is_there(const std::filesystem::path& path);
 
 /// Success if a folder can be read. Errors: file_not_found, file_unreadable (not a folder, or not
