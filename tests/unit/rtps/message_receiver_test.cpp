@@ -36,7 +36,7 @@ struct Heard final : MessageListener {
   void on_stateless_frag(const GuidPrefix&, const DataFrag&) override {}
   void on_builtin_heartbeat(const Guid& writer) override { heartbeats.push_back(writer); }
   void on_alive(const Guid&) override {}
-  void on_acknack(const EntityId&, const Guid&, std::int32_t) override {}
+  void on_acknack(const GuidPrefix&, const AckNack&, bool) override {}
   void on_key_exchange(const GuidPrefix&) override {}
   void on_message(const GuidPrefix& source, const SignsOfLife& signs) override {
     sources.push_back(source);
