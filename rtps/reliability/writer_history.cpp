@@ -62,11 +62,13 @@ SequenceNumber WriterHistory::add(Change change) {
 
 /// A late joiner needs the last samples of living instances most.
 void WriterHistory::make_room() {
-  if (by_instance_) {
+  if (by_instance_ && may_drop_) {
     drop_ended_instances(most_changes_ - most_changes_ / 8);
     drop_replaced(most_changes_ - most_changes_ / 64);
     trim_front();
     forget_dropped();
+    // If nothing was found, there is nothing to look for until such a change comes.
+    may_drop_ = count_ - markers_ <= most_changes_ || find(last())->status.unregistered;
   }
   while (count_ - markers_ > most_changes_) remove_through(first());
 }
@@ -111,6 +113,7 @@ void WriterHistory::join_instance(Slot& added) {
   const auto known = instances_.find(key);
   auto& instance = known == instances_.end() ? spare_.insert(instances_, key) : known->second;
   added.previous = instance.last;
+  may_drop_ |= (instance.count > 0 && history_.depth > 1) || added.change->status.unregistered;
   if (instance.count++ == 0)
     instance.first = number;
   else

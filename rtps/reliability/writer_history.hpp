@@ -92,7 +92,8 @@ class WriterHistory {
   std::size_t markers_ = 0;  ///< number of markers, which do not count for any limit
   Ring<SequenceNumber> marks_;
   std::size_t octets_ = 0;
-  Instances instances_;  ///< if by_instance_
+  bool may_drop_ = false;  ///< make_room may find changes that are not the last of living instances
+  Instances instances_;    ///< if by_instance_
   SpareNodes<Instances> spare_;
 };
 

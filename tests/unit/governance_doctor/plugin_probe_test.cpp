@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "fixture.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {
@@ -29,9 +30,17 @@ TEST(PluginProbe, TheLoadersReasonIsTold) {
   EXPECT_THAT(probe.detail, testing::HasSubstr("/nowhere/libdds_security_auth.so"));
 }
 
-TEST(PluginProbe, AFolderWithoutLibrariesIsThreeFaultsOfOurs) {
+TEST(PluginProbe, AFolderThatDoesNotExistIsOneFaultOfOurs) {
   Diagnosis out;
   check_plugins("/nowhere", out);
+  EXPECT_THAT(rules_of(out), testing::ElementsAre(Rule::DOC070));
+  EXPECT_EQ(out.outcomes(), (Outcomes{.ours = Outcome::fail}));
+}
+
+TEST(PluginProbe, AFolderWithoutLibrariesIsThreeFaultsOfOurs) {
+  const test::TemporaryFolder folder;
+  Diagnosis out;
+  check_plugins(folder.path(), out);
   EXPECT_THAT(rules_of(out), testing::ElementsAre(Rule::DOC070, Rule::DOC070, Rule::DOC070));
   EXPECT_EQ(out.outcomes(), (Outcomes{.ours = Outcome::fail}));
 }

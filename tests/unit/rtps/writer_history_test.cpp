@@ -1,10 +1,13 @@
 // What a writer still holds, when changes in between are dropped.
 #include "rtps/reliability/writer_history.hpp"
 
+#include <chrono>
 #include <map>
 #include <set>
 
 #include <gmock/gmock.h>
+
+#include "tests/support/slowdown.hpp"
 
 namespace ddssec::rtps {
 namespace {
@@ -137,6 +140,21 @@ TEST(WriterHistory, TooManyLivingInstances_OldestGoes) {
   for (std::uint8_t i = 0; i < 20; ++i) history.add(change_of(i));
   EXPECT_THAT(held(history),
               ::testing::ElementsAre(5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20));
+}
+
+// A walk through the history for each change took milliseconds.
+TEST(WriterHistory, ManyMoreLivingInstances_CostNoMoreThanOthers) {
+  constexpr std::int32_t kMost = 20'000;
+  WriterHistory history(at_most(kMost));
+  const auto begin = std::chrono::steady_clock::now();
+  for (std::uint32_t i = 0; i < 5 * kMost; ++i) {
+    auto change = change_of(1);
+    change.key_hash = KeyHash{static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i >> 8),
+                              static_cast<std::uint8_t>(i >> 16)};
+    history.add(std::move(change));
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(2) * test::kSlowdown);
+  EXPECT_EQ(history.size(), static_cast<std::size_t>(kMost));
 }
 
 }  // namespace
