@@ -134,7 +134,11 @@ ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at, const H
       held_.join(*instance, change.writer, writer_of(change.writer).share);
     return dropped;
   }
-  if (by_source_ && instance != nullptr && is_too_old(held_, *instance, change)) return dropped;
+  if (by_source_ && instance != nullptr && is_too_old(held_, *instance, change)) {
+    // Whenever it says so, the writer has left. Otherwise the instance would never end.
+    const bool ends = change.status.unregistered && leave(*instance, change.writer, at.now);
+    return ends ? Stored{Outcome::stored, {}, handle} : dropped;
+  }
   if (instance != nullptr && at.now < instance->quiet_until && change.is_alive()) {
     if (!reliable_) return dropped;
     const auto origin = change.origin();

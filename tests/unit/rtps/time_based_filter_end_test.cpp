@@ -165,5 +165,27 @@ TEST_F(TimeBasedFilterEnd, BySource_OlderSampleOrDisposeReplacesNothing) {
   EXPECT_THAT(taken_after(seconds(3)), ElementsAre(2));
 }
 
+// Before, a writer whose clock was late stayed one of the instance's writers.
+TEST_F(TimeBasedFilterEnd, BySource_UnregisterOfALateClock_CountsAllTheSame) {
+  auto by_source = qos();
+  by_source.destination_order = DestinationOrderKind::by_source;
+  by_source.time_based_filter = kDurationZero;
+  begin(by_source);
+  const auto unregister = [&](int time, std::uint8_t from) {
+    Change change;
+    change.writer = writer(from);
+    change.key_hash = KeyHash{1};
+    change.source_time = Time{{time, 0}};
+    change.status.unregistered = true;
+    return cache->store(change, moment()).outcome;
+  };
+  ASSERT_EQ(put_of_time(1, 9, 1), Outcome::stored);
+  ASSERT_EQ(put_of_time(2, 12, 2), Outcome::stored);
+  EXPECT_EQ(unregister(10, 1), Outcome::dropped);
+  EXPECT_THAT(take(), ElementsAre(1, 2));
+  EXPECT_EQ(unregister(11, 2), Outcome::stored);
+  EXPECT_THAT(take(), ElementsAre(kEnd));
+}
+
 }  // namespace
 }  // namespace ddssec::rtps
