@@ -41,10 +41,8 @@ std::string_view to_string(Refusal why) {
       return "another process than the writer's listens, or the process is in another PID "
              "namespace";
     case Refusal::no_answer:
-      return "there is no answer: the other one is of an earlier version, the processes are "
-             "of different users and org.ddssec.shm.other_users is not true in both, or the other "
-             "one "
-             "is too slow";
+      return "there is no answer: the other process has an earlier version, is too slow, or runs "
+             "as another user and org.ddssec.shm.other_users is not true in both";
     case Refusal::too_many_tokens:
       return "too many offers are open";
     case Refusal::not_matched:

@@ -1,4 +1,5 @@
-// Which submessages of a message reach whom, and where an invalid one ends it.
+// Which of a message's submessages each endpoint gets, and where an invalid submessage ends the
+// message.
 #include "rtps/participant/message_receiver.hpp"
 
 #include <gmock/gmock.h>

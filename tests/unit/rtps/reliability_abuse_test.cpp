@@ -84,7 +84,7 @@ TEST(Reliability, ForgedCounts_DoNotEndTheRepairOfSamples) {
   EXPECT_TRUE(pair.writer.all_acknowledged());
 }
 
-// Nobody lacks it yet. Then it would be lost.
+// No reader lacks the sample yet. A GAP for it would make the reader skip it later.
 TEST(Reliability, ARequestForFragmentsOfALaterSample_MakesItNotIrrelevant) {
   Pair pair(keep_all());
   pair.match();

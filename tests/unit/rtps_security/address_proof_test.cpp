@@ -139,7 +139,7 @@ TEST(AddressProof, APeerThatAnotherAnnouncedFirstAsOfAnotherVendor_IsAuthenticat
 }
 
 /// The attacker on the path holds back what proves the peer's identity or its address, and sends a
-/// copy of the former from its own host. What is sent there is lost.
+/// copy of the proof of identity from its own host. Messages to that host are lost.
 struct CopiedProof : ::testing::Test {
   CopiedProof() : pair({}) {
     pair.world.filter = [this](const Node& from, Bytes datagram) {
