@@ -129,6 +129,9 @@ set(ddssec_common_headers <algorithm> <array> <atomic> <bitset> <chrono> <cstdin
 
 # How many files are compiled as one; 1 is for working on one file.
 set(DDSSEC_BATCH 8 CACHE STRING "Files that are compiled as one; 1 compiles each by itself")
+# The same for tests: most of their time is that of GoogleTest's and the product's templates. A batch of 24 files
+# needs up to 2 GB of memory.
+set(DDSSEC_TEST_BATCH 24 CACHE STRING "Test files that are compiled as one; 1 compiles each by itself")
 
 # ddssec_join_files(TARGET SOURCES...): compiles files of one folder together, so that the templates which
 # many of them use are compiled once. Their unnamed namespaces become one: names in them must differ.
@@ -208,19 +211,19 @@ function(ddssec_library name)
 endfunction()
 
 # ddssec_batches(OUT TARGET SOURCES...): OUT is what TARGET is compiled from. Files *_test.cpp are joined
-# by batch_tests.cmake, in as few batches of about equal size as DDSSEC_BATCH allows.
+# by batch_tests.cmake, in as few batches of about equal size as DDSSEC_TEST_BATCH allows.
 function(ddssec_batches out target)
   set(tests ${ARGN})
   list(FILTER tests INCLUDE REGEX "^[^/]*_test\\.cpp$")
   list(LENGTH tests count)
-  if(DDSSEC_BATCH LESS_EQUAL 1 OR count LESS_EQUAL 1)
+  if(DDSSEC_TEST_BATCH LESS_EQUAL 1 OR count LESS_EQUAL 1)
     set(${out} ${ARGN} PARENT_SCOPE)
     return()
   endif()
   set(result ${ARGN})
   list(REMOVE_ITEM result ${tests})
   list(TRANSFORM tests PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
-  math(EXPR batches "(${count} + ${DDSSEC_BATCH} - 1) / ${DDSSEC_BATCH}")
+  math(EXPR batches "(${count} + ${DDSSEC_TEST_BATCH} - 1) / ${DDSSEC_TEST_BATCH}")
   math(EXPR size "(${count} + ${batches} - 1) / ${batches}")
   set(script ${PROJECT_SOURCE_DIR}/cmake/batch_tests.cmake)
   foreach(number RANGE 1 ${batches})

@@ -239,7 +239,7 @@ TEST_P(PolledListeners, AParticipantDestroyedInItsOwnListener_EndsTheProcessWith
 }
 
 INSTANTIATE_TEST_SUITE_P(Over, PolledListeners, ::testing::Values(Way::network, Way::in_process),
-                         name_of);
+                         [](const auto& info) { return testing::name_of(info); });
 
 }  // namespace
 }  // namespace ddssec::rtps
