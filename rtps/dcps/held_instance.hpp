@@ -76,9 +76,10 @@ struct HeldInstance {
   HeldSamples::iterator invalid_at;  ///< only if there is one
   /// With DESTINATION_ORDER BY_SOURCE_TIMESTAMP and a long history: the samples in that order.
   std::map<SourceOrder, HeldSamples::iterator> by_source;
-  /// Of the first sample's writer; see ReaderCache::set_writer.
-  std::optional<GuidPrefix> identity;
-  HeldShareOf share;               ///< the same; its key counts for it
+  /// Of the identity for which the instance and its key count. One of its writers has the instance,
+  /// as long as any writer has it.
+  HeldShareOf share;
+  std::size_t payers = 0;          ///< number of its writers among `writers`
   std::vector<Guid> writers;       ///< those that are alive and have not unregistered the instance
   std::optional<Guid> owner;       ///< only with OWNERSHIP EXCLUSIVE
   Original latest;                 ///< the origin of the latest stored change; the same

@@ -59,11 +59,16 @@ HeldInstance* HeldInstances::find(InstanceHandle handle) {
   return at == instances_.end() ? nullptr : &at->second;
 }
 
-bool HeldInstances::has_room_for_instance(const std::optional<GuidPrefix>& identity) const {
+bool HeldInstances::has_room_for_instance(const HeldShareOf& share) const {
   const auto free = max_instances_ - instances_.size() + idle_.size();
-  if (free == 0 || !shares_ || !identity) return free > 0;
-  const auto own = of_identity_.find(*identity);
-  return own == of_identity_.end() || own->second < free;
+  return free > 0 && (!shares_ || !share || share->instances < free);
+}
+
+bool HeldInstances::can_pay(const HeldInstance& instance, const HeldShareOf& share) const {
+  if (instance.payers > 0 || share == instance.share || !share) return true;
+  const auto free = max_instances_ - instances_.size() + idle_.size();
+  const auto octets = instance.key_value.size();
+  return (!shares_ || share->instances < free) && has_room_for_octets(octets, share, {octets, 0});
 }
 
 bool HeldInstances::has_room_for_octets(std::size_t octets, const HeldShareOf& share,
@@ -75,18 +80,21 @@ bool HeldInstances::has_room_for_octets(std::size_t octets, const HeldShareOf& s
 }
 
 HeldInstances::Rejection HeldInstances::rejects(const HeldInstance* instance, const Change& change,
-                                                const Payer& payer, std::size_t key_octets) const {
+                                                const HeldShareOf& share,
+                                                std::size_t key_octets) const {
   using Reason = SampleRejectedReason;
-  if (instance == nullptr && !has_room_for_instance(payer.identity))
+  if (instance == nullptr && !has_room_for_instance(share))
     return {Reason::by_instances_limit, true};
-  if ((change.is_alive() || change.status.disposed) &&
-      !joined_.has_room(change.writer, instance == nullptr ? InstanceHandle{} : instance->handle,
-                        payer.share))
+  const bool joins = change.is_alive() || change.status.disposed;
+  if (joins && instance != nullptr && !can_pay(*instance, share))
+    return {Reason::by_instances_limit, true};
+  if (joins && !joined_.has_room(change.writer,
+                                 instance == nullptr ? InstanceHandle{} : instance->handle, share))
     return {Reason::by_instances_limit, true};
   const bool replaces = change.is_alive() && instance != nullptr && is_full(*instance);
   Freed freed;
   if (replaces) freed.octets = instance->oldest()->change.payload.size();
-  if (replaces && instance->oldest()->share == payer.share) freed.own = freed.octets;
+  if (replaces && instance->oldest()->share == share) freed.own = freed.octets;
   const bool is_held_back =
       instance != nullptr && instance->held_back && &*instance->held_back == &change;
   if (is_held_back) {  // its octets count already
@@ -94,13 +102,12 @@ HeldInstances::Rejection HeldInstances::rejects(const HeldInstance* instance, co
     freed.own += change.payload.size();
   }
   const auto octets = key_octets + (change.is_alive() ? change.payload.size() : 0);
-  if (!has_room_for_octets(octets, payer.share, freed)) return {Reason::by_samples_limit, true};
+  if (!has_room_for_octets(octets, share, freed)) return {Reason::by_samples_limit, true};
   if (replaces || !change.is_alive()) return {};
   if (instance != nullptr && instance->valid() >= max_per_instance_)
     return {Reason::by_samples_per_instance_limit};
   if (samples_ >= max_samples_) return {Reason::by_samples_limit};
-  const bool has_share =
-      !shares_samples_ || !payer.share || payer.share->samples < max_samples_ - samples_;
+  const bool has_share = !shares_samples_ || !share || share->samples < max_samples_ - samples_;
   return has_share ? Rejection{} : Rejection{Reason::by_samples_limit, true};
 }
 
@@ -111,9 +118,8 @@ bool HeldInstances::is_full(const HeldInstance& instance) const {
 
 // If new instances are added one after the other, the last one is within the share if all but it
 // are fewer than what is free then.
-Room HeldInstances::room_for_instances(const WantedRoom& wanted,
-                                       const std::optional<GuidPrefix>& identity) const {
-  const bool is_shared = shares_ && identity;
+Room HeldInstances::room_for_instances(const WantedRoom& wanted, const HeldShareOf& share) const {
+  const bool is_shared = shares_ && share;
   const auto fits = [&](std::size_t fresh, std::size_t free, std::size_t own) {
     return fresh == 0 || (fresh <= free && (!is_shared || own + 2 * fresh - 1 <= free));
   };
@@ -127,16 +133,14 @@ Room HeldInstances::room_for_instances(const WantedRoom& wanted,
     if (samples > max_per_instance_) return Room::never;
     if (instance != nullptr && instance->valid() + samples > max_per_instance_) out = Room::later;
   }
-  const auto own = identity ? of_identity_.find(*identity) : of_identity_.end();
   const auto free = max_instances_ - instances_.size() + idle_.size() - reused;
-  if (fits(fresh, free, own == of_identity_.end() ? 0 : own->second)) return out;
+  if (fits(fresh, free, share ? share->instances : 0)) return out;
   return fits(wanted.instances.size(), max_instances_, 0) ? Room::later : Room::never;
 }
 
 // If they are stored one after the other, the last one is within the share if all of them together
 // are no more than what is free afterwards.
-Room HeldInstances::room_for(const WantedRoom& wanted, const Payer& payer) const {
-  const auto& share = payer.share;
+Room HeldInstances::room_for(const WantedRoom& wanted, const HeldShareOf& share) const {
   const bool replaces = history_.kind == HistoryKind::keep_last;
   const auto fits = [&](const HeldShare& all, const HeldShare& own) {
     const HeldShare then{all.samples + wanted.samples, all.octets + wanted.octets};
@@ -148,7 +152,7 @@ Room HeldInstances::room_for(const WantedRoom& wanted, const Payer& payer) const
   };
   if (!fits({}, {})) return Room::never;
   const bool fits_now = fits({samples_, octets_}, share ? *share : HeldShare{});
-  return std::max(fits_now ? Room::now : Room::later, room_for_instances(wanted, payer.identity));
+  return std::max(fits_now ? Room::now : Room::later, room_for_instances(wanted, share));
 }
 
 void HeldInstances::hold(const HeldShareOf& share, std::size_t octets) {
@@ -167,18 +171,17 @@ void HeldInstances::count_sample(const HeldSample& sample, int sign) {
   if (sample.share) change(sample.share->samples);
 }
 
-HeldInstance& HeldInstances::create(const KeyHash& key, Payload key_value, const Payer& payer) {
+HeldInstance& HeldInstances::create(const KeyHash& key, Payload key_value,
+                                    const HeldShareOf& share) {
   if (instances_.size() >= max_instances_) forget(*idle_.front());
   const InstanceHandle handle{next_handle_++};
   auto& instance = instances_[handle];
   instance.handle = handle;
   instance.key = key;
   instance.key_value = std::move(key_value);
-  instance.share = payer.share;
-  hold(instance.share, instance.key_value.size());
   by_key_[key] = &instance;
-  instance.identity = payer.identity;
-  if (shares_ && payer.identity) ++of_identity_[*payer.identity];
+  octets_ += instance.key_value.size();
+  charge(instance, share);
   return instance;
 }
 
@@ -199,9 +202,8 @@ void HeldInstances::settle(HeldInstance& instance) {
 void HeldInstances::forget(HeldInstance& instance) {
   take_held_back(instance);
   by_key_.erase(instance.key);
-  let_go(instance.share, instance.key_value.size());
-  if (const auto& identity = instance.identity; shares_ && identity)
-    if (--of_identity_.at(*identity) == 0) of_identity_.erase(*identity);
+  charge(instance, nullptr);
+  octets_ -= instance.key_value.size();
   for (const auto& writer : instance.writers) joined_.remove(writer, instance.handle);
   instances_.erase(InstanceHandle(instance.handle));
 }
@@ -315,15 +317,44 @@ std::optional<Change> HeldInstances::take_held_back(HeldInstance& instance) {
   return std::exchange(instance.held_back, std::nullopt);
 }
 
+void HeldInstances::charge(HeldInstance& instance, const HeldShareOf& share) {
+  const auto octets = instance.key_value.size();
+  if (share) share->octets += octets, ++share->instances;
+  if (instance.share) instance.share->octets -= octets, --instance.share->instances;
+  instance.share = share;
+}
+
 void HeldInstances::join(HeldInstance& instance, const Guid& writer, const HeldShareOf& share) {
-  if (!joined_.has_room(writer, instance.handle, share)) return;
-  if (joined_.add(writer, instance.handle, share)) instance.writers.push_back(writer);
+  if (!joined_.has_room(writer, instance.handle, share) || !can_pay(instance, share)) return;
+  if (!joined_.add(writer, instance.handle, share)) return;
+  instance.writers.push_back(writer);
+  if (instance.payers == 0 && instance.share != share) charge(instance, share);
+  if (instance.share == share) ++instance.payers;
+}
+
+void HeldInstances::find_payer(HeldInstance& instance) {
+  const auto share_of = [&](const Guid& writer) -> const HeldShareOf& {
+    return joined_.share_of(writer);
+  };
+  const auto payer = std::ranges::find_if(
+      instance.writers, [&](const Guid& writer) { return can_pay(instance, share_of(writer)); });
+  if (payer == instance.writers.end()) {
+    for (const auto& writer : instance.writers) joined_.remove(writer, instance.handle);
+    instance.writers.clear();
+    instance.owner.reset();
+    return;
+  }
+  charge(instance, share_of(*payer));
+  instance.payers = static_cast<std::size_t>(std::ranges::count_if(
+      instance.writers, [&](const Guid& writer) { return share_of(writer) == instance.share; }));
 }
 
 bool HeldInstances::leave(HeldInstance& instance, const Guid& writer) {
   if (instance.owner == writer) instance.owner.reset();
   if (std::erase(instance.writers, writer) == 0) return false;
+  const bool paid = joined_.share_of(writer) == instance.share;
   joined_.remove(writer, instance.handle);
+  if (paid && --instance.payers == 0 && !instance.writers.empty()) find_payer(instance);
   return true;
 }
 

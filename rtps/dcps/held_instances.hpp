@@ -52,27 +52,22 @@ class HeldInstances {
   /// The instances with samples. An instance may be removed while the list is iterated.
   const LinkedList<HeldInstance>& ready() const { return ready_; }
 
-  /// Whose shares a change uses.
-  struct Payer {
-    const std::optional<GuidPrefix>& identity;
-    const HeldShareOf& share;
-  };
   struct Rejection {
     SampleRejectedReason reason = SampleRejectedReason::not_rejected;
     bool crowded = false;  ///< due to a limit that identities share
   };
   /// Returns the limit that leaves no room for the change, or not_rejected. `instance`: the
-  /// instance of the change; nullptr: a new one with a key of so many octets. The change may be the
-  /// one that the instance holds back.
-  Rejection rejects(const HeldInstance* instance, const Change& change, const Payer& payer,
+  /// instance of the change; nullptr: a new one with a key of so many octets. `share`: of the
+  /// writer's identity. The change may be the one that the instance holds back.
+  Rejection rejects(const HeldInstance* instance, const Change& change, const HeldShareOf& share,
                     std::size_t key_octets) const;
   /// With KEEP_LAST: the next sample replaces the oldest one.
   bool is_full(const HeldInstance& instance) const;
   /// Whether these samples of an identity can be stored beside those that are held. The octets of
   /// new keys and the places of InstanceWriters are not counted.
-  Room room_for(const WantedRoom& wanted, const Payer& payer) const;
+  Room room_for(const WantedRoom& wanted, const HeldShareOf& share) const;
   /// Must be called only if `rejects` found room. May remove the oldest idle instance to make room.
-  HeldInstance& create(const KeyHash& key, Payload key_value, const Payer& payer);
+  HeldInstance& create(const KeyHash& key, Payload key_value, const HeldShareOf& share);
   /// Must be called after a change to the instance. Moves it to the lists where it belongs, or
   /// forgets it.
   void settle(HeldInstance& instance);
@@ -102,7 +97,9 @@ class HeldInstances {
 
   /// Does nothing if there is no room.
   void join(HeldInstance& instance, const Guid& writer, const HeldShareOf& share);
-  /// Returns false if the writer was not one of the instance's writers.
+  /// Returns false if the writer was not one of the instance's writers. If no other writer of its
+  /// identity has the instance, the instance counts for the identity of one that stays. If none of
+  /// these has room for it, they leave as well.
   bool leave(HeldInstance& instance, const Guid& writer);
   /// The instances that the writer has joined.
   std::vector<InstanceHandle> joined_by(const Guid& writer) const {
@@ -144,9 +141,12 @@ class HeldInstances {
 
  private:
   void count(const HeldInstance& instance, int sign);
-  bool has_room_for_instance(const std::optional<GuidPrefix>& identity) const;
-  Room room_for_instances(const WantedRoom& wanted,
-                          const std::optional<GuidPrefix>& identity) const;
+  bool has_room_for_instance(const HeldShareOf& share) const;
+  Room room_for_instances(const WantedRoom& wanted, const HeldShareOf& share) const;
+  /// Whether the instance can count for this identity, if no writer of another pays for it.
+  bool can_pay(const HeldInstance& instance, const HeldShareOf& share) const;
+  void charge(HeldInstance& instance, const HeldShareOf& share);
+  void find_payer(HeldInstance& instance);
   /// `freed`: octets that go at the same time; `own`: those of them of the same share.
   struct Freed {
     std::size_t octets = 0, own = 0;
@@ -167,7 +167,6 @@ class HeldInstances {
   LinkedList<HeldInstance> ready_, idle_;  ///< must outlive the instances that are in them
   std::map<InstanceHandle, HeldInstance> instances_;
   std::map<KeyHash, HeldInstance*> by_key_;
-  std::map<GuidPrefix, std::size_t> of_identity_;  ///< number of instances; only if they are shared
   InstanceWriters joined_;
   std::map<std::pair<MonotonicTime, std::uint64_t>, Expiring> expiring_;
   std::uint64_t expiries_ = 0, places_ = 0;

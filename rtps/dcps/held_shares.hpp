@@ -9,10 +9,10 @@
 
 namespace ddssec::rtps {
 
-/// Of one identity: the number of samples, the octets of samples and keys, and how often one of its
-/// writers has an instance.
+/// Of one identity: the number of samples, the octets of samples and keys, how often one of its
+/// writers has an instance, and the number of instances that count for it.
 struct HeldShare {
-  std::size_t samples = 0, octets = 0, joins = 0;
+  std::size_t samples = 0, octets = 0, joins = 0, instances = 0;
 };
 /// All that is held of an identity refers to its share. nullptr: nothing is counted.
 using HeldShareOf = std::shared_ptr<HeldShare>;

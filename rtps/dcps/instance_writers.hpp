@@ -24,6 +24,8 @@ class InstanceWriters {
   /// Returns false if the writer does not have it.
   bool remove(const Guid& writer, InstanceHandle instance);
   std::vector<InstanceHandle> instances_of(const Guid& writer) const;
+  /// Of a writer that has an instance.
+  const HeldShareOf& share_of(const Guid& writer) const { return writers_.at(writer).share; }
   std::size_t size() const { return size_; }
 
  private:

@@ -10,6 +10,7 @@ void Presenter::add(PresentedReader& reader, const Guid& writer, const std::opti
   const SourceKey key{grouped ? nullptr : &reader, grouped ? *group : writer};
   if (!source_of_.try_emplace({&reader, writer}, key).second) return;
   auto& source = sources_[key];
+  source.key = key;
   if (source.streams.empty() && source.ready.empty()) source.identity = identity;
   source.streams.try_emplace({&reader, writer});
   source.leaving.erase({&reader, writer});  // it is back
@@ -335,10 +336,27 @@ void Presenter::release(Source& source, MonotonicTime now) {
   while (!paused_ && !source.ready.empty()) {
     auto& [first, batch] = *source.ready.begin();
     if (!may_present(source, first, batch, now)) return;
-    batch.is_blocked = !has_room(batch) || !present(source, batch);
     if (batch.is_blocked) return;
-    source.ready.erase(source.ready.begin());
+    batch.is_blocked = room_for(batch) != Room::now || !present(source, batch);
+    if (!batch.is_blocked) {
+      source.ready.erase(source.ready.begin());
+      continue;
+    }
+    searched_ = source.key;
+    in_vain_ += batch.items.size();
+    if (in_vain_ >= kItemsBeforePause)
+      search_at_ = now + std::exchange(in_vain_, 0) * kPausePerItem;
+    return;
   }
+}
+
+void Presenter::unblock(Batch& batch, MonotonicTime now, bool freed) {
+  if (!batch.is_blocked) return;
+  batch.retries = batch.retries || freed;
+  if (!batch.retries) return;
+  const bool is_early = now < search_at_;
+  retries_ = retries_ || is_early;
+  batch.retries = batch.is_blocked = is_early;
 }
 
 void Presenter::on_progress(PresentedReader& reader, const Guid& writer, SequenceNumber group,
@@ -355,19 +373,27 @@ void Presenter::pause(bool paused, MonotonicTime now) {
   release(now);
 }
 
-void Presenter::release(MonotonicTime now) {
-  for (auto at = sources_.begin(); at != sources_.end(); at = forget_if_done(at)) {
-    auto& source = at->second;
-    if (!source.ready.empty()) source.ready.begin()->second.is_blocked = false;
-    release(source, now);
+// Sources have turns: the search begins after the one that was searched last.
+void Presenter::release(MonotonicTime now, bool freed) {
+  retries_ = false;
+  const auto last = searched_;
+  auto at = sources_.upper_bound(last);
+  for (const bool from_begin : {false, true}) {
+    if (from_begin) at = sources_.begin();
+    while (at != sources_.end() && (!from_begin || at->first <= last)) {
+      auto& source = at->second;
+      if (!source.ready.empty()) unblock(source.ready.begin()->second, now, freed);
+      release(source, now);
+      at = forget_if_done(at);
+    }
   }
 }
 
 MonotonicTime Presenter::next_tick() const {
-  auto next = kNever;
-  if (paused_) return next;
+  if (paused_) return kNever;
+  auto next = retries_ ? search_at_ : kNever;
   for (const auto& [key, source] : sources_)
-    if (!source.ready.empty() && has_room(source.ready.begin()->second))
+    if (!source.ready.empty() && !source.ready.begin()->second.is_blocked)
       next = std::min(next, source.ready.begin()->second.since + kPatience);
   return next;
 }

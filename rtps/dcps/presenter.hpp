@@ -53,6 +53,12 @@ class Presenter {
   /// How long a gap in a group's sequence numbers delays the samples after it.
   static constexpr MonotonicTime kPatience = std::chrono::milliseconds(200);
 
+  /// A search for room costs time for each item of a batch. After searches in vain for so many
+  /// items there is none for a while, which is this long for each of them: what waits costs little
+  /// of the reader's time, however often samples are taken.
+  static constexpr std::size_t kItemsBeforePause = 256;
+  static constexpr MonotonicTime kPausePerItem = std::chrono::microseconds(4);
+
   Presenter(bool by_group, bool coherent, bool ordered)
       : by_group_(by_group), coherent_(coherent), ordered_(ordered) {}
 
@@ -74,14 +80,15 @@ class Presenter {
                    MonotonicTime now);
   /// While paused, nothing is presented (begin_access).
   void pause(bool paused, MonotonicTime now);
-  /// Must be called when readers may have room again, or when the wait for a gap has ended.
-  void release(MonotonicTime now);
+  /// Must be called when readers may have room again (`freed`), and at `next_tick`.
+  void release(MonotonicTime now, bool freed = true);
   MonotonicTime next_tick() const;
   /// The price of everything that is held.
   std::size_t octets() const { return octets_; }
 
  private:
   using StreamKey = std::pair<PresentedReader*, Guid>;
+  using SourceKey = std::pair<PresentedReader*, Guid>;
   struct Item {
     PresentedReader* reader;
     Change change;
@@ -109,10 +116,12 @@ class Presenter {
     SequenceNumber last;  ///< last group sequence number in the batch
     MonotonicTime since{};
     std::map<PresentedReader*, Wanted> wanted = {};
-    bool is_blocked = false;  ///< found no room; readers have taken nothing since
+    bool is_blocked = false;  ///< found no room
+    bool retries = false;     ///< readers have taken something since
   };
   /// A publisher, or one writer of one reader.
   struct Source {
+    SourceKey key;
     GuidPrefix identity;
     std::map<StreamKey, Stream> streams;
     std::map<SequenceNumber, Set> sets;
@@ -122,7 +131,6 @@ class Presenter {
     /// last of them.
     std::map<StreamKey, std::size_t> leaving;
   };
-  using SourceKey = std::pair<PresentedReader*, Guid>;
   /// What is held of one identity.
   struct Held {
     std::size_t open = 0, ready = 0;
@@ -162,15 +170,17 @@ class Presenter {
                    MonotonicTime now) const;
   static void note_wanted(Batch& batch);
   static Room room_for(const Batch& batch);
-  static bool has_room(const Batch& batch) {
-    return !batch.is_blocked && room_for(batch) == Room::now;
-  }
+  void unblock(Batch& batch, MonotonicTime now, bool freed);
   bool present(Source& source, Batch& batch);
   void release(Source& source, MonotonicTime now);
 
   const bool by_group_, coherent_, ordered_;
   bool paused_ = false;
-  std::size_t octets_ = 0;  ///< of everything that is held
+  MonotonicTime search_at_{};  ///< no room is searched for blocked batches before
+  bool retries_ = false;       ///< a batch waits for that
+  std::size_t in_vain_ = 0;    ///< items of the searches in vain since the last pause
+  SourceKey searched_;         ///< source of the batch that was searched last
+  std::size_t octets_ = 0;     ///< of everything that is held
   std::map<GuidPrefix, Held> held_;
   std::map<SourceKey, Source> sources_;
   std::map<StreamKey, SourceKey> source_of_;

@@ -10,16 +10,24 @@ namespace {
 /// A sample that TIME_BASED_FILTER held back is offered to a full reader no more often than this.
 constexpr std::chrono::milliseconds kLeastPause{10};
 
+bool is_far_ahead(const std::optional<Time>& time, const Moment& at) {
+  return time && time->to_nanoseconds() - at.wall.to_nanoseconds() > ReaderCache::kMostAhead;
+}
+
 // With source order: true if the change is older than what was already read or taken, or than what
 // is held back. Also true if it ends the instance but is older than a later sample, or if a full
-// history would drop it first.
-bool is_too_old(const HeldInstances& all, const HeldInstance& instance, const Change& change) {
+// history would drop it first. What is far ahead at `at` came before our clock was set back.
+bool is_too_old(const HeldInstances& all, const HeldInstance& instance, const Change& change,
+                const std::optional<Moment>& at = std::nullopt) {
   if (!change.source_time) return false;
-  if (instance.seen_until && *change.source_time < *instance.seen_until) return true;
-  if (instance.held_back && *change.source_time < instance.held_back->source_time) return true;
+  const auto is_before = [&](const std::optional<Time>& other) {
+    return change.source_time < other && !(at && is_far_ahead(other, *at));
+  };
+  if (is_before(instance.seen_until)) return true;
+  if (instance.held_back && is_before(instance.held_back->source_time)) return true;
   if (instance.valid() == 0) return false;
-  if (!change.is_alive()) return change.source_time < instance.held.back().change.source_time;
-  return all.is_full(instance) && change.source_time < instance.oldest()->change.source_time;
+  if (!change.is_alive()) return is_before(instance.held.back().change.source_time);
+  return all.is_full(instance) && is_before(instance.oldest()->change.source_time);
 }
 
 // DDS 1.4, 2.2.2.5.1.5: an instance that returns starts a new generation and has the view state
@@ -37,6 +45,11 @@ bool holds_back(const HeldInstance& instance, const Guid& writer) {
   return instance.held_back && instance.held_back->writer == writer;
 }
 
+bool has_room_for_held_back(const HeldInstances& all, const HeldInstance& instance) {
+  return all.rejects(&instance, *instance.held_back, instance.share_of_held_back, 0).reason ==
+         SampleRejectedReason::not_rejected;
+}
+
 }  // namespace
 
 ReaderCache::ReaderCache(const Qos& qos, KeyOf key_of, const Queries& queries)
@@ -52,7 +65,7 @@ ReaderCache::ReaderCache(const Qos& qos, KeyOf key_of, const Queries& queries)
 
 void ReaderCache::set_writer(const Guid& writer, std::int32_t strength, Duration lifespan,
                              const std::optional<GuidPrefix>& identity) {
-  writers_[writer] = {strength, lifespan, identity, identity ? shares_.of(*identity) : nullptr};
+  writers_[writer] = {strength, lifespan, identity ? shares_.of(*identity) : nullptr};
 }
 
 const ReaderCache::Writer& ReaderCache::writer_of(const Guid& guid) const {
@@ -97,8 +110,7 @@ bool ReaderCache::is_wanted_again(const Change& change) {
 }
 
 void ReaderCache::limit_source_time(Change& change, const Moment& at) {
-  if (!by_source_ || !change.source_time) return;
-  if (change.source_time->to_nanoseconds() - at.wall.to_nanoseconds() <= kMostAhead) return;
+  if (!by_source_ || !is_far_ahead(change.source_time, at)) return;
   change.source_time = at.wall;
   ++times_ahead_;
 }
@@ -115,10 +127,7 @@ MonotonicTime ReaderCache::expiry_of(const Change& change, const Moment& at) con
 }
 
 ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at) {
-  return store(change, at, writer_of(change.writer).share);
-}
-
-ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at, const HeldShareOf& share) {
+  const auto& share = writer_of(change.writer).share;
   const auto key = change.key_hash.value_or(KeyHash{});
   auto* instance = held_.find(key);
   const auto handle = instance == nullptr ? InstanceHandle{} : instance->handle;
@@ -131,10 +140,11 @@ ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at, const H
     if (change.status.unregistered)
       leave(*instance, change.writer, at.now);
     else
-      held_.join(*instance, change.writer, writer_of(change.writer).share);
+      held_.join(*instance, change.writer, share);
     return dropped;
   }
-  if (by_source_ && instance != nullptr && is_too_old(held_, *instance, change)) {
+  if (instance != nullptr && is_far_ahead(instance->seen_until, at)) instance->seen_until.reset();
+  if (by_source_ && instance != nullptr && is_too_old(held_, *instance, change, at)) {
     // Whenever it says so, the writer has left. Otherwise the instance would never end.
     const bool ends = change.status.unregistered && leave(*instance, change.writer, at.now);
     return ends ? Stored{Outcome::stored, {}, handle} : dropped;
@@ -150,18 +160,21 @@ ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at, const H
     if (exclusive_) instance->latest = origin;
     return dropped;
   }
+  const bool needs_key = instance == nullptr && key_of_;
   Payload key_value;
-  if (instance == nullptr && key_of_) key_value = Payload::copy_of(key_of_(change));
-  const std::optional<GuidPrefix> known_instance;
-  const HeldInstances::Payer payer{
-      instance == nullptr ? writer_of(change.writer).identity : known_instance, share};
+  if (needs_key && change.key_octets == 0) {
+    key_value = Payload::copy_of(key_of_(change));
+    change.key_octets = static_cast<std::uint32_t>(key_value.size());
+  }
   const bool brings_last = instance != nullptr && change.status.unregistered &&
                            !change.status.disposed && holds_back(*instance, change.writer);
   const auto [reason, crowded] =
-      held_.rejects(instance, brings_last ? *instance->held_back : change, payer, key_value.size());
+      held_.rejects(instance, brings_last ? *instance->held_back : change, share,
+                    needs_key ? change.key_octets : 0);
   if (reason != SampleRejectedReason::not_rejected)
     return {Outcome::rejected, reason, handle, crowded};
-  if (instance == nullptr) instance = &held_.create(key, std::move(key_value), payer);
+  if (needs_key && key_value.size() == 0) key_value = Payload::copy_of(key_of_(change));
+  if (instance == nullptr) instance = &held_.create(key, std::move(key_value), share);
   if (brings_last) store_held_back(*instance, at.now);
   if (change.is_alive())
     store_alive(*instance, {.change = std::move(change), .expires = expires, .share = share},
@@ -193,13 +206,16 @@ void ReaderCache::store_alive(Instance& instance, HeldSample sample, MonotonicTi
 }
 
 // DDS 1.4, 2.2.3.12: a reliable reader gets the last sample in the end. That end is now.
-void ReaderCache::store_held_back(Instance& instance, MonotonicTime now) {
+bool ReaderCache::store_held_back(Instance& instance, MonotonicTime now) {
   HeldSample sample;
   sample.expires = instance.expiry_of_held_back;
   sample.share = instance.share_of_held_back;
   sample.change = *held_.take_held_back(instance);
-  if (sample.expires <= now || (by_source_ && is_too_old(held_, instance, sample.change))) return;
+  const bool is_late =
+      sample.expires <= now || (by_source_ && is_too_old(held_, instance, sample.change));
+  if (is_late || !may_own(instance, sample.change.writer)) return false;
   store_alive(instance, std::move(sample), now);
+  return true;
 }
 
 // Handles a dispose, an unregister, or both at once.
@@ -289,15 +305,8 @@ void ReaderCache::forget_ended(const KeyHash& key) {
 bool ReaderCache::leave(Instance& instance, const Guid& writer, MonotonicTime now) {
   bool changes = false;
   if (holds_back(instance, writer)) {
-    const std::optional<GuidPrefix> known_instance;
-    const auto share = instance.share_of_held_back;
-    const auto& last = *instance.held_back;
-    changes = held_.rejects(&instance, last, {known_instance, share}, 0).reason ==
-              SampleRejectedReason::not_rejected;
-    if (changes)
-      store_held_back(instance, now);
-    else
-      held_.take_held_back(instance);
+    changes = has_room_for_held_back(held_, instance) && store_held_back(instance, now);
+    held_.take_held_back(instance);
   }
   if (!held_.leave(instance, writer)) return changes;
   const bool ends = instance.writers.empty() && instance.state == InstanceState::alive;
@@ -387,16 +396,14 @@ bool ReaderCache::release(const Moment& at) {
   while (!quiet_.empty() && quiet_.front()->release_at <= at.now) {
     auto& instance = *quiet_.front();
     instance.quiet.leave();
-    const auto share = instance.share_of_held_back;  // its writer may be gone
-    auto change = held_.take_held_back(instance);
-    if (!change) continue;
-    const auto expires = instance.expiry_of_held_back;
-    const auto outcome = store(*change, at, share).outcome;
-    any = any || outcome == Outcome::stored;
-    if (outcome == Outcome::dropped) held_.settle(instance);
-    if (outcome != Outcome::rejected) continue;
-    begin_quiet(instance, at.now, at.now + std::max<MonotonicTime>(separation_, kLeastPause));
-    held_.hold_back(instance, *change, share, expires);  // where it was before
+    if (!instance.held_back) continue;
+    if (!has_room_for_held_back(held_, instance) && instance.expiry_of_held_back > at.now) {
+      // It keeps its place: others may have used the share that it would need for a new one.
+      begin_quiet(instance, at.now, at.now + std::max<MonotonicTime>(separation_, kLeastPause));
+      continue;
+    }
+    any = store_held_back(instance, at.now) || any;
+    held_.settle(instance);
   }
   return any;
 }

@@ -54,7 +54,7 @@ class ReaderCache {
   /// Whether these samples of a writer's identity can be stored (HeldInstances).
   Room room_for(const WantedRoom& wanted, const Guid& writer) const {
     const auto& of_writer = writer_of(writer);
-    return held_.room_for(wanted, {of_writer.identity, of_writer.share});
+    return held_.room_for(wanted, of_writer.share);
   }
   /// The change's own writer sends what another writer delivered before. With OWNERSHIP EXCLUSIVE
   /// the writer gets its instance back, if it is stronger than the owner. Returns true if the
@@ -111,11 +111,9 @@ class ReaderCache {
   struct Writer {
     std::int32_t strength = 0;
     Duration lifespan = kDurationInfinite;
-    std::optional<GuidPrefix> identity = {};
     HeldShareOf share = {};
   };
 
-  Stored store(Change& change, const Moment& at, const HeldShareOf& share);
   /// Returns the default values for a writer that is not matched.
   const Writer& writer_of(const Guid& guid) const;
   bool may_own(const Instance& instance, const Guid& writer) const;
@@ -123,8 +121,8 @@ class ReaderCache {
   MonotonicTime expiry_of(const Change& change, const Moment& at) const;
   void store_alive(Instance& instance, HeldSample sample, MonotonicTime now);
   void store_end(Instance& instance, const Change& change, MonotonicTime now);
-  /// Before the end of its writer.
-  void store_held_back(Instance& instance, MonotonicTime now);
+  /// Moves what the instance holds back to its samples. Returns false if it was dropped instead.
+  bool store_held_back(Instance& instance, MonotonicTime now);
   bool leave(Instance& instance, const Guid& writer, MonotonicTime now);
   void end(Instance& instance, InstanceState state, MonotonicTime now);
   bool purge(MonotonicTime now);

@@ -30,8 +30,8 @@ void ReaderPresentation::on_group(const Guid& writer, SequenceNumber group, Mono
   if (holds_back()) presenter_->on_progress(reader_, writer, group, now);
 }
 
-void ReaderPresentation::release(MonotonicTime now) {
-  if (holds_back()) presenter_->release(now);
+void ReaderPresentation::release(MonotonicTime now, bool freed) {
+  if (holds_back()) presenter_->release(now, freed);
 }
 
 void ReaderPresentation::pause(bool paused, MonotonicTime now) {

@@ -35,13 +35,15 @@ bool ReceivedSamples::name_instance(Change& change, const KeyProtection& keys) c
 }
 
 KeyHash ReceivedSamples::instance_of(const Change& change, const KeyProtection& keys) const {
+  if (change.is_examined) return change.key_hash.value_or(KeyHash{});
   return type_.with_key ? key_of(change, keys).value_or(KeyHash{}) : KeyHash{};
 }
 
 ReceivedSamples::Received ReceivedSamples::take(Change& change, BoundFilter* filter,
                                                 const KeyProtection& keys, const Moment& at) {
-  if (filter != nullptr && change.is_alive() && !passes(change, *filter)) return {};
-  if (!name_instance(change, keys)) {
+  const bool is_new = !std::exchange(change.is_examined, false);
+  if (is_new && filter != nullptr && change.is_alive() && !passes(change, *filter)) return {};
+  if (is_new && !name_instance(change, keys)) {
     count_malformed();
     return {change.is_alive() ? Outcome::unseen : Outcome::unreadable_key};
   }
@@ -51,7 +53,10 @@ ReceivedSamples::Received ReceivedSamples::take(Change& change, BoundFilter* fil
   if (filter != nullptr && !change.is_alive() && cache_->lookup(key).is_nil()) return {};
   const auto sighting = seen_ ? SeenOriginals::of(change) : SeenOriginals::Sighting{};
   const auto stored = cache_->store(change, at);
-  if (stored.outcome == ReaderCache::Outcome::rejected) return {Outcome::rejected, stored};
+  if (stored.outcome == ReaderCache::Outcome::rejected) {
+    change.is_examined = true;
+    return {Outcome::rejected, stored};
+  }
   // Samples that the reader does not see do not take a place.
   const bool is_seen = stored.outcome == ReaderCache::Outcome::stored;
   if (seen_ && (is_seen || !sighting.claim)) seen_->add(sighting);

@@ -57,7 +57,12 @@ void SampleReception::remove_writer(const Guid& writer) {
     return;
   }
   left(writer);
+  present_again();
+}
+
+void SampleReception::present_again() {
   presentation_.release(context_.now());
+  schedule_presenter();
 }
 
 void SampleReception::left(const Guid& writer) {
@@ -70,7 +75,7 @@ void SampleReception::lose_writers(std::span<const Guid> writers, MonotonicTime 
   for (const auto& writer : writers)
     changed = samples_.cache().lose_writer(writer, false, now) || changed;
   if (changed) note_data();
-  presentation_.release(now);
+  present_again();
   call_at(cache().next_tick());
 }
 
@@ -103,12 +108,13 @@ Room SampleReception::room_for(const WantedRoom& wanted, const Guid& writer) con
 bool SampleReception::store(Change& change) {
   using Outcome = ReceivedSamples::Outcome;
   const auto times_ahead = cache().times_ahead();
+  const bool is_new = !change.is_examined;
   const auto received = samples_.take(change, filter_.filter(), keys_, context_.moment());
   if (cache().times_ahead() != times_ahead) report_time_ahead(change.writer);
   call_at(cache().next_tick());
   switch (received.outcome) {
     case Outcome::rejected:
-      reject(change, received.stored);
+      reject(change, received.stored, is_new);
       return false;
     case Outcome::unreadable_key:
       report_unreadable_key(change);
@@ -124,10 +130,10 @@ bool SampleReception::store(Change& change) {
 }
 
 // A reliable writer keeps the change and offers it again. The change is counted only once.
-void SampleReception::reject(const Change& change, const ReaderCache::Stored& stored) {
+void SampleReception::reject(const Change& change, const ReaderCache::Stored& stored, bool is_new) {
   refused_ = true;
   const std::pair which(change.writer, change.sequence_number);
-  if (std::exchange(last_rejected_, which) == which) return;
+  if (std::exchange(last_rejected_, which) == which || !is_new) return;
   rejected_.count();
   rejected_.last_reason = stored.reason;
   rejected_.last_instance_handle = stored.instance;
@@ -261,7 +267,7 @@ bool SampleReception::discard_malformed(std::span<const OctetSample> samples) {
 }
 
 void SampleReception::after_access(bool taken) {
-  if (taken) presentation_.release(context_.now());
+  if (taken) present_again();
   update_conditions();
 }
 
@@ -273,7 +279,7 @@ void SampleReception::match(QueryMatches& query) {
 void SampleReception::forget_ended(std::span<const KeyHash> keys) {
   if (keys.empty()) return;
   for (const auto& key : keys) samples_.cache().forget_ended(key);
-  presentation_.release(context_.now());
+  present_again();
   update_conditions();
 }
 
@@ -284,8 +290,9 @@ void SampleReception::pause(bool paused, MonotonicTime now) {
 
 void SampleReception::on_time(MonotonicTime now) {
   auto& cache = samples_.cache();
-  if (cache.expire(now)) update_conditions();
-  presentation_.release(now);
+  const bool freed = cache.expire(now);
+  if (freed) update_conditions();
+  presentation_.release(now, freed);
   schedule_presenter();
   if (cache.release(context_.moment())) note_data();
   cache.check_deadlines(now, reports_.deadline_missed);

@@ -87,8 +87,10 @@ class SampleReception final : private PresentedReader, private Timed {
   void lose(std::size_t samples) override { on_lost(static_cast<std::int64_t>(samples)); }
   void give_up(const Guid& writer, std::size_t samples, Limit limit) override;
   void on_time(MonotonicTime now) override;
+  /// Samples have left the reader.
+  void present_again();
   bool store(Change& change);
-  void reject(const Change& change, const ReaderCache::Stored& stored);
+  void reject(const Change& change, const ReaderCache::Stored& stored, bool is_new);
   void report_crowded(const Guid& writer, SampleRejectedReason reason);
   void report_time_ahead(const Guid& writer);
   void report_unreadable_key(const Change& change);

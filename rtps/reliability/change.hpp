@@ -1,6 +1,7 @@
 // A change of an instance, as stored in histories and sent in messages.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "base/ids.hpp"
@@ -21,6 +22,10 @@ struct Change {
   Payload payload;        ///< with its encapsulation
   Coherence coherence = {};
   Original original = {};
+  /// Set by a DataReader that has no room for the change: `key_hash` names its instance for certain,
+  /// and it passed the content filter. Offering it again then costs the same for every length.
+  bool is_examined = false;
+  std::uint32_t key_octets = 0;  ///< if it is examined: length of the key that would be stored
 
   /// The original writer and its sequence number, even if another writer sent the change.
   Original origin() const {

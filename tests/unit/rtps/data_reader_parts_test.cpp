@@ -75,6 +75,51 @@ TEST_F(ReceivedSamplesTest, ProvenPayload_IsBelievedMoreThanTheHashBesideIt) {
   }
 }
 
+// Each HEARTBEAT of its writer made the reader deserialize a refused sample of 60 MB twice.
+TEST_F(ReceivedSamplesTest, RefusedChange_IsNotDeserializedAgain) {
+  std::size_t hashes = 0, serialized = 0;
+  auto counted = type;
+  counted.key_hash = [&](const Change& of, bool hidden) {
+    ++hashes;
+    return type.key_hash(of, hidden);
+  };
+  counted.serialized_key = [&](const Change& of) {
+    ++serialized;
+    return type.serialized_key(of);
+  };
+  qos.resource_limits.max_instances = 1;
+  keys.proven = true;
+  ReceivedSamples samples(qos, counted);
+  EXPECT_EQ(take(samples, change("kitchen")), Outcome::stored);
+  auto refused = change("cellar");
+  const auto offer = [&] {
+    return samples.take(refused, nullptr, keys, {now, Time::from(now)}).outcome;
+  };
+  EXPECT_EQ(offer(), Outcome::rejected);
+  const auto before = std::pair(hashes, serialized);
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(offer(), Outcome::rejected);
+  EXPECT_EQ(std::pair(hashes, serialized), before);
+  auto end = change("kitchen");
+  end.status = {true, true};
+  EXPECT_EQ(take(samples, end), Outcome::stored);
+  std::vector<OctetSample> out;
+  samples.cache().select({.take = true}, {now, Time::from(now)}, out);
+  EXPECT_EQ(offer(), Outcome::stored);
+  EXPECT_FALSE(refused.is_examined) << "another reader has to examine it";
+}
+
+TEST_F(ReceivedSamplesTest, RefusedChange_HasPassedTheFilterOnce) {
+  qos.resource_limits.max_instances = 1;
+  ReceivedSamples samples(qos, type);
+  auto above = filter("value > 10");
+  EXPECT_EQ(take(samples, change("kitchen", 11), &above), Outcome::stored);
+  auto refused = change("cellar", 11);
+  const Moment at{now, Time::from(now)};
+  EXPECT_EQ(samples.take(refused, &above, keys, at).outcome, Outcome::rejected);
+  auto below = filter("value < 10");
+  EXPECT_EQ(samples.take(refused, &below, keys, at).outcome, Outcome::rejected);
+}
+
 TEST_F(ReceivedSamplesTest, UnreadableKey_IsCounted_AndReportedForAnEnd) {
   ReceivedSamples samples(qos, type);
   auto broken = change("kitchen");

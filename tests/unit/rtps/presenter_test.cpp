@@ -99,6 +99,68 @@ TEST_F(Coherent, WhatTheReaderRefusesAfterAllWaits) {
   EXPECT_EQ(presenter.octets(), 0u);
 }
 
+// A set of 40,000 samples that waited made each take() of the reader last 15 ms.
+TEST_F(Coherent, WhatWaits_CostsLittleOfTheReadersTime) {
+  one.room = 10, one.most = 10'000;
+  constexpr int kMany = 1000;
+  for (int i = 1; i <= kMany; ++i) put(i, 1, 1);
+  put(kMany + 1, 0, 0);
+  const auto before = one.asked;
+  for (int i = 0; i < 1000; ++i) presenter.release(now);
+  EXPECT_EQ(one.asked, before);
+  EXPECT_EQ(presenter.next_tick(), now + kMany * Presenter::kPausePerItem);
+  now = presenter.next_tick();
+  presenter.release(now, false);
+  EXPECT_EQ(one.asked, before + 1);
+  EXPECT_EQ(presenter.next_tick(), kNever) << "nothing was taken meanwhile";
+  one.room = 10'000;
+  presenter.release(now);
+  now = presenter.next_tick();
+  presenter.release(now, false);
+  EXPECT_EQ(take().size(), kMany + 0u);
+}
+
+TEST_F(Coherent, SetsThatWait_HaveTurns) {
+  presenter.add(one, writer(2), {}, identity(2));
+  presenter.add(one, writer(3), {}, identity(3));
+  one.room = 0, one.most = 10'000;
+  for (const std::uint8_t from : {1, 2, 3}) {
+    const int size = from == 2 ? 400 : 500;
+    for (int i = 1; i <= size + 1; ++i) {
+      auto next = change(from, i, i > size ? 0 : from, {{i > size ? 0 : 1}, {}, {}, {}});
+      ASSERT_TRUE(presenter.on_change(one, next, now));
+    }
+  }
+  one.room = 400;
+  presenter.release(now);
+  for (int turn = 0; turn < 3; ++turn) {
+    now = std::min(presenter.next_tick(), now + std::chrono::seconds(1));
+    presenter.release(now, false);
+  }
+  EXPECT_EQ(take().size(), 400u) << "the one for which there is room";
+}
+
+// The same with many sets of few samples, each of a writer of its own.
+TEST_F(Coherent, ManySetsThatWait_CostLittleOfTheReadersTime) {
+  one.room = 0;
+  for (std::uint8_t from = 10; from < 250; ++from) {
+    presenter.add(one, writer(from), {}, identity(2));
+    for (int i = 1; i <= 11; ++i) {
+      auto next = change(from, i, i > 10 ? 0 : 7, {{i > 10 ? 0 : 1}, {}, {}, {}});
+      ASSERT_TRUE(presenter.on_change(one, next, now));
+    }
+  }
+  const auto before = one.asked;
+  for (int i = 0; i < 100; ++i) presenter.release(now);
+  EXPECT_LT(one.asked - before, 60);
+  one.room = 100;
+  for (int turn = 0; turn < 100; ++turn) {
+    now += std::chrono::milliseconds(2);
+    presenter.release(now, turn == 0);
+  }
+  EXPECT_EQ(take().size(), 2400u);
+}
+
 TEST_F(Coherent, WhatWaitsIsKeptWhenItsWriterLeaves) {
   one.takes = 1;
   put(1, 1, 1), put(2, 2, 1), put(3, 3, 1), put(4, 0, 0), put(5, 5, 5);

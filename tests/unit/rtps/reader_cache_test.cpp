@@ -20,6 +20,30 @@ TEST_F(ReaderCacheTest, AWriter_WhoseSampleCameFromAnotherFirst_KeepsItsInstance
   EXPECT_EQ(samples.back().info.instance_state, InstanceState::alive);
 }
 
+// A clock that was an hour ahead for a moment: its writer goes on with the last timestamp, and all
+// samples were dropped for that hour.
+TEST_F(ReaderCacheTest, AClockThatWasSetBack_DoesNotSilenceSourceOrder) {
+  qos.destination_order = DestinationOrderKind::by_source;
+  qos.history = {HistoryKind::keep_last, 1};
+  const auto later = now + std::chrono::hours(1);
+  const auto store = [&](MonotonicTime wall, std::uint8_t value) {
+    Change change;
+    change.writer = writer(1);
+    change.key_hash = KeyHash{1};
+    change.source_time = Time::from(later);
+    change.payload = Payload::copy_of(Bytes{value});
+    return cache().store(change, {now, Time::from(wall)}).outcome;
+  };
+  EXPECT_EQ(store(later, 1), Outcome::stored);
+  EXPECT_THAT(values(take()), ElementsAre(1));
+  EXPECT_EQ(store(now, 2), Outcome::stored);
+  EXPECT_THAT(values(take()), ElementsAre(2));
+  EXPECT_EQ(store(later, 3), Outcome::stored);
+  EXPECT_EQ(store(now, 4), Outcome::stored) << "the former one is not read yet";
+  put(1, 0, kDispose);
+  EXPECT_EQ(read().back().info.instance_state, InstanceState::not_alive_disposed);
+}
+
 TEST_F(ReaderCacheTest, ReadKeepsAndTakeRemoves) {
   put(1, 10), put(1, 11);
   auto first = read();

@@ -155,6 +155,86 @@ TEST_F(Shares, WhatFindsNoRoomToBeKeptForLater_IsRejectedAndTheFormerStays) {
   EXPECT_EQ(kept[0].payload.size(), 2u);
 }
 
+// Two others that held back as much as they could made the reader forget 37 acknowledged samples of
+// 110.
+TEST_F(Shares, WhatWasKeptForLater_IsNotLostWhenOthersFillTheirShares) {
+  qos.time_based_filter = Duration::from(std::chrono::seconds(1));
+  qos.reliability.kind = ReliabilityKind::reliable;
+  qos.history = {HistoryKind::keep_last, 1};
+  made.reset();
+  constexpr std::size_t kMany = 7;
+  for (std::uint8_t i = 1; i <= 3; ++i)
+    cache().set_writer(writer(i), 0, kDurationInfinite, writer(i).prefix);
+  for (std::uint8_t from = 1; from <= 3; ++from)
+    for (std::uint8_t key = 0; key < kMany; ++key)
+      put_octets(from, static_cast<std::uint8_t>(50 * from + key), 1);
+  take();
+  std::array<std::size_t, 4> kept{};
+  for (std::uint8_t from = 1; from <= 3; ++from)
+    for (std::uint8_t key = 0; key < kMany; ++key)
+      kept[from] += put_octets(from, static_cast<std::uint8_t>(50 * from + key), kLarge).outcome ==
+                            Outcome::dropped
+                        ? 1
+                        : 0;
+  ASSERT_EQ(kept[1], kMany);
+  ASSERT_GT(kept[2], 2u);
+  std::array<std::size_t, 4> got{};
+  for (int turn = 0; turn < 10; ++turn) {
+    now += std::chrono::seconds(1);
+    cache().release(moment());
+    for (const auto& sample : take()) ++got[sample.info.publication_handle.prefix.octets[0]];
+  }
+  EXPECT_EQ(got, kept);
+}
+
+/// Instances that the first identity begins and leaves, and that another one also writes.
+struct Left : Cache {
+  Left() {
+    for (std::uint8_t i = 1; i <= 3; ++i)
+      cache().set_writer(writer(i), 0, kDurationInfinite, writer(i).prefix);
+  }
+  Outcome put_many(std::uint8_t from, std::uint32_t key, StatusInfo status = {}) {
+    Change change;
+    change.writer = writer(from);
+    change.status = status;
+    auto& hash = change.key_hash.emplace();
+    for (std::size_t at = 0; at < 4; ++at) hash[at] = static_cast<std::uint8_t>(key >> (8 * at));
+    return cache().store(change, moment()).outcome;
+  }
+  static constexpr auto kHalf = static_cast<std::uint32_t>(HeldInstances::kMaxInstances / 2);
+};
+
+// The other one kept 65,536 instances in the first one's account, which was locked out for good.
+TEST_F(Left, AnInstanceThatAnotherIdentityKeeps_CountsForThatOne) {
+  std::uint32_t refused = 0, refused_of_other = 0;
+  for (std::uint32_t key = 0; key < kHalf + 1000; ++key) {
+    refused += put_many(1, key) == Outcome::stored ? 0 : 1;
+    refused_of_other += put_many(3, key) == Outcome::stored ? 0 : 1;
+    put_many(1, key, kUnregister);
+    take();
+  }
+  EXPECT_EQ(refused, 0u);
+  EXPECT_EQ(refused_of_other, 0u) << "as long as it is not alone with the instance";
+  EXPECT_LE(cache().instances(), kHalf + 1) << "no more than its share";
+  EXPECT_EQ(put_many(3, 5'000'000), Outcome::rejected) << "its own share is used up";
+  EXPECT_EQ(put_many(1, 5'000'000), Outcome::stored);
+  EXPECT_EQ(put_many(2, 6'000'000), Outcome::stored);
+}
+
+TEST_F(Left, WhoHasNoRoomForAnInstance_LeavesItWithTheLastOneThatHas) {
+  for (std::uint32_t key = 0; key < kHalf; ++key) {
+    ASSERT_EQ(put_many(3, key), Outcome::stored);
+    if (key % 1000 == 0) take();
+  }
+  take();
+  EXPECT_EQ(put_many(1, 1'000'000), Outcome::stored);
+  EXPECT_EQ(put_many(3, 1'000'000), Outcome::stored);
+  EXPECT_EQ(put_many(1, 1'000'000, kUnregister), Outcome::stored);
+  EXPECT_EQ(put_many(3, 1'000'000), Outcome::rejected) << "it would be its own";
+  EXPECT_EQ(put_many(1, 1'000'000), Outcome::stored) << "it begins again";
+  EXPECT_EQ(put_many(3, 1'000'000), Outcome::stored);
+}
+
 TEST_F(ReaderCacheTest, MemoryIsBoundedWhateverTheLimits) {
   const auto large = [&](std::uint8_t key) {
     Change change;
