@@ -12,6 +12,7 @@
 #include "base/result.hpp"
 #include "governance/matcher.hpp"
 #include "governance/model.hpp"
+#include "governance/partition_match.hpp"
 #include "governance/verdict_cache.hpp"
 
 namespace ddssec::governance {
@@ -21,12 +22,6 @@ enum class Action : std::uint8_t { publish, subscribe, relay };
 std::string describe_domain(DomainId domain, std::string_view tag);
 /// "publish", "subscribe", "relay".
 std::string_view to_string(Action action);
-
-/// The number of an entity's partitions that an allow rule must list.
-enum class PartitionMatch : std::uint8_t {
-  all,  ///< every one (DDS-Security 1.2, clause 10.4.1.5.3.4.1.4)
-  one,  ///< the "legacy" mode of 1.2: one is enough
-};
 
 /// What an entity requests. No partition means the partition "".
 struct Request {

@@ -3,18 +3,55 @@
 #include <algorithm>
 #include <iterator>
 
+#include "base/status_service.hpp"
 #include "pki/participant_folder.hpp"
 #include "pki/source.hpp"
+#include "plugins/access_control/access_control.hpp"
+#include "plugins/authentication/authentication.hpp"
+#include "plugins/cryptography/cryptography.hpp"
 #include "plugins/spi/clock_step_grace.hpp"
 #include "plugins/spi/property_file.hpp"
 #include "plugins/spi/property_names.hpp"
 #include "secured/folder_check.hpp"
+#include "secured/reported_calendar.hpp"
 
 namespace ddssec::secured {
 
+struct Engines::Parts {
+  explicit Parts(const Environment& environment)
+      : documents(documents_shown(&environment.events)),
+        calendar(environment.clock, environment.events),
+        authentication(authentication::make_authentication(judging(environment))),
+        access_control(access_control::make_access_control(judging(environment),
+                                                           {.host_revises_keys = true,
+                                                            .host_has_pre_shared_keys = true,
+                                                            .host_changes_protection = true})),
+        cryptography(cryptography::make_cryptography(environment)) {}
+
+  /// For the plugins that judge documents.
+  Environment judging(const Environment& environment) const {
+    Environment out{calendar, environment.random, environment.events};
+    out.documents = documents.get();
+    return out;
+  }
+
+  std::shared_ptr<DocumentsInUse> documents;  ///< nullptr: none are shown
+  ReportedCalendar calendar;
+  std::unique_ptr<spi::Authentication> authentication;
+  std::unique_ptr<spi::AccessControl> access_control;
+  std::unique_ptr<spi::Cryptography> cryptography;
+};
+
+Engines::Engines(const Environment& environment) : parts_(std::make_unique<Parts>(environment)) {}
+Engines::~Engines() = default;
+
+rtps::SecurityPlugins Engines::view() {
+  return {*parts_->authentication, *parts_->access_control, *parts_->cryptography};
+}
+
 Status Engines::set_clock_step_grace(const spi::PropertyList& properties) {
   DDSSEC_ASSIGN_OR_RETURN(const auto grace, spi::clock_step_grace(properties));
-  calendar_.set_grace(grace);
+  parts_->calendar.set_grace(grace);
   return {};
 }
 

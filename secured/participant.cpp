@@ -3,9 +3,33 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "base/event_log.hpp"
+#include "secured/engines.hpp"
+
 namespace ddssec::secured {
 
-namespace {}  // namespace
+struct Participant::State {
+  explicit State(EventSink* sink) : events(sink != nullptr ? *sink : standard_error) {}
+  SystemClock clock;
+  SystemRandom random;
+  StandardErrorEvents standard_error;
+  EventSink& events;
+  LoggedEvents logged{events, EventLog::of_environment()};
+  RateLimitedSink limited{logged, clock};
+  Engines engines{{clock, random, limited}};
+  std::unique_ptr<rtps::DomainParticipant> participant = {};
+  rtps::Publisher* publisher = nullptr;
+  rtps::Subscriber* subscriber = nullptr;
+};
+
+Participant::Participant(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Participant::~Participant() = default;
+Participant::Participant(Participant&&) noexcept = default;
+Participant& Participant::operator=(Participant&&) noexcept = default;
+
+rtps::DomainParticipant& Participant::dds() { return *state_->participant; }
+rtps::Publisher& Participant::publisher() { return *state_->publisher; }
+rtps::Subscriber& Participant::subscriber() { return *state_->subscriber; }
 
 void StandardErrorEvents::raise(const Event& event) {
   if (event.is_returned) return;

@@ -2,9 +2,16 @@
 // around them. `dds()` gives access to the rest of DDS.
 #pragma once
 
-#include "base/event_log.hpp"
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <utility>
+
+#include "base/event.hpp"
+#include "base/result.hpp"
 #include "rtps/dcps/domain_participant.hpp"
-#include "secured/engines.hpp"
 
 namespace ddssec::secured {
 
@@ -21,6 +28,11 @@ class StandardErrorEvents final : public EventSink {
 /// it. Thread-safe. Must not be destroyed within one of its listeners (~DomainParticipant).
 class Participant {
  public:
+  ~Participant();
+  /// A participant that was moved from may only be destroyed or assigned to.
+  Participant(Participant&&) noexcept;
+  Participant& operator=(Participant&&) noexcept;
+
   /// Joins a domain with the identity, permissions and governance in `folder`, which `ddssec init`
   /// creates. Refusals of peers are reported to `events`, which must outlive the participant; if it
   /// is nullptr, they are printed to standard error. All events are also appended to the file that
@@ -45,7 +57,7 @@ class Participant {
   Result<rtps::DataWriter<T>*> writer(const std::string& topic, std::optional<rtps::Qos> qos = {}) {
     const auto on = topic_of<T>(topic);
     if (!on) return std::unexpected(on.error());
-    return state_->publisher->create_datawriter<T>(**on, std::move(qos).value_or(writer_qos()));
+    return publisher().create_datawriter<T>(**on, std::move(qos).value_or(writer_qos()));
   }
   /// Creates a reader with `qos`, or with reader_qos() if none is given. Ownership and errors as
   /// for writer().
@@ -53,31 +65,23 @@ class Participant {
   Result<rtps::DataReader<T>*> reader(const std::string& topic, std::optional<rtps::Qos> qos = {}) {
     const auto on = topic_of<T>(topic);
     if (!on) return std::unexpected(on.error());
-    return state_->subscriber->create_datareader<T>(**on, std::move(qos).value_or(reader_qos()));
+    return subscriber().create_datareader<T>(**on, std::move(qos).value_or(reader_qos()));
   }
 
   /// Creates new keys and gives them to the peers that are trusted now; see
   /// rtps::DomainParticipant::revise_keys.
   Status revise_keys() { return dds().revise_keys(); }
 
-  rtps::DomainParticipant& dds() { return *state_->participant; }
+  /// The participant for everything else of DDS: listeners, further publishers and subscribers,
+  /// conditions, discovered participants. Lives as long as this object.
+  rtps::DomainParticipant& dds();
 
  private:
-  struct State {
-    explicit State(EventSink* sink) : events(sink != nullptr ? *sink : standard_error) {}
-    SystemClock clock;
-    SystemRandom random;
-    StandardErrorEvents standard_error;
-    EventSink& events;
-    LoggedEvents logged{events, EventLog::of_environment()};
-    RateLimitedSink limited{logged, clock};
-    Engines engines{{clock, random, limited}};
-    std::unique_ptr<rtps::DomainParticipant> participant = {};
-    rtps::Publisher* publisher = nullptr;
-    rtps::Subscriber* subscriber = nullptr;
-  };
+  struct State;
 
-  explicit Participant(std::unique_ptr<State> state) : state_(std::move(state)) {}
+  explicit Participant(std::unique_ptr<State> state);
+  rtps::Publisher& publisher();
+  rtps::Subscriber& subscriber();
   template <rtps::DdsType T>
   Result<rtps::Topic*> topic_of(const std::string& name) {
     if (auto* known = dds().lookup_topicdescription(name)) return known;

@@ -4,11 +4,9 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
-#include <vector>
 
 #include "base/event.hpp"
-#include "base/hash.hpp"
-#include "governance/decision.hpp"
+#include "governance/partition_match.hpp"
 #include "plugins/spi/access_control.hpp"
 
 namespace ddssec::access_control {

@@ -5,6 +5,7 @@
 #include "base/hash.hpp"
 #include "rtps/dcps/domain_participant.hpp"
 #include "rtps/discovery/serialized.hpp"
+#include "rtps/participant/participant.hpp"
 
 namespace ddssec::rtps {
 namespace {

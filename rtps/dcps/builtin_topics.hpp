@@ -5,6 +5,7 @@
 #include "rtps/dcps/ended_instances.hpp"
 #include "rtps/dcps/subscriber.hpp"
 #include "rtps/discovery/discovery_listener.hpp"
+#include "wire/entity_ids.hpp"
 
 namespace ddssec::rtps {
 
@@ -68,7 +69,7 @@ class BuiltinDataReader final
   using AnyDataReader::AnyDataReader;
 
   Result<Guid> create(EndpointRequest) override {
-    return Guid{context_.protocol().prefix(), BuiltinTopicOf<T>::reader};
+    return Guid{context_.prefix(), BuiltinTopicOf<T>::reader};
   }
   Status check_unused() const override {
     return precondition_not_met("reader", "one that was created", "a builtin one");

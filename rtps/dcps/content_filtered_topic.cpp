@@ -1,6 +1,7 @@
 #include "rtps/dcps/content_filtered_topic.hpp"
 
 #include "rtps/dcps/domain_participant.hpp"
+#include "rtps/participant/participant.hpp"
 
 namespace ddssec::rtps {
 

@@ -2,6 +2,8 @@
 
 #include "rtps/dcps/domain_participant.hpp"
 #include "rtps/dcps/writer_filter.hpp"
+#include "rtps/durability/durable_stores.hpp"
+#include "rtps/participant/participant.hpp"
 
 namespace ddssec::rtps {
 namespace {
@@ -16,6 +18,10 @@ std::unexpected<Error> bad_parameter(std::string field, std::string expected, st
 }
 
 }  // namespace
+
+StatefulWriter& AnyDataWriter::protocol() const {
+  return *context_.protocol().local_endpoints().writer(guid_);
+}
 
 AnyDataWriter::AnyDataWriter(Group& publisher, ParticipantContext& context, Topic& topic, Qos qos)
     : Endpoint(publisher, context, topic, std::move(qos),
@@ -52,7 +58,7 @@ Result<Guid> AnyDataWriter::create(EndpointRequest request) {
 
 Status AnyDataWriter::restore(EndpointRequest& request) {
   auto& participant = publisher().participant();
-  DDSSEC_ASSIGN_OR_RETURN(auto* store, participant.stores_.of(qos_.durability));
+  DDSSEC_ASSIGN_OR_RETURN(auto* store, participant.stores_->of(qos_.durability));
   StreamKey key{.domain = static_cast<std::uint32_t>(participant.domain_id()),
                 .topic = request.topic_name,
                 .type = request.type_name,

@@ -14,6 +14,7 @@
 namespace ddssec::rtps {
 
 class Publisher;
+class StatefulWriter;
 
 /// A change of an instance, already serialized.
 struct OctetWrite {
@@ -90,7 +91,7 @@ class AnyDataWriter : public Endpoint, private Timed {
   Status wait_for_room(std::unique_lock<std::mutex>& lock, const OctetWrite& change);
   void after_write(const KeyHash& key, StatusInfo status, SequenceNumber number, MonotonicTime now);
   void end_set(Coherence marker, MonotonicTime now);
-  StatefulWriter& protocol() const { return *context_.protocol().local_endpoints().writer(guid_); }
+  StatefulWriter& protocol() const;
   bool has_listener(StatusKind kind) const override {
     return listeners_.for_status(kind) != nullptr;
   }

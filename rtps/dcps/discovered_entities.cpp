@@ -1,5 +1,7 @@
 #include "rtps/dcps/discovered_entities.hpp"
 
+#include "rtps/participant/participant.hpp"
+
 namespace ddssec::rtps {
 
 std::vector<Guid> DiscoveredEntities::participants() const {

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include "rtps/dcps/no_callbacks.hpp"
+#include "rtps/dcps/participant_service.hpp"
+#include "rtps/durability/durable_stores.hpp"
 
 namespace ddssec::rtps {
 namespace {
@@ -82,13 +84,24 @@ Result<ParticipantConfig> config_of(const DomainParticipantOptions& options,
 
 }  // namespace
 
+static_assert(DomainParticipantOptions::kLargestFragment == MessageSender::kLargestFragment);
+
+detail::ServiceHolder::ServiceHolder(const Environment& environment,
+                                     const DomainParticipantOptions& options)
+    : service_(std::make_unique<ParticipantService>(
+          environment, options.own_thread,
+          options.in_process ? Neighbourhood::of(options.domain_id, options.domain_tag)
+                             : std::make_shared<Neighbourhood>())) {}
+
+detail::ServiceHolder::~ServiceHolder() = default;
+
 DomainParticipant::DomainParticipant(DomainParticipantOptions options,
                                      const Environment& environment)
     : ServiceHolder(environment, options),
-      Entity(service_.context()),
+      Entity(service_->context()),
       options_(std::move(options)),
       qos_{options_.user_data},
-      stores_(environment.events),
+      stores_(std::make_unique<DurableStores>(environment.events)),
       manual_liveliness_([this](MonotonicTime now) {
         context_.protocol().assert_liveliness(LivelinessKind::manual_by_participant, now);
       }),
@@ -112,9 +125,9 @@ Result<std::unique_ptr<DomainParticipant>> DomainParticipant::create(
   const auto& options = out->options_;
   if (!options.durability_store.empty())
     DDSSEC_RETURN_IF_ERROR(
-        out->stores_.open_file(options.durability_store, options.durability_store_octets,
-                               options.security.has_value(), out->context_.moment().wall));
-  auto& service = out->service_;
+        out->stores_->open_file(options.durability_store, options.durability_store_octets,
+                                options.security.has_value(), out->context_.moment().wall));
+  auto& service = *out->service_;
   DDSSEC_ASSIGN_OR_RETURN(
       auto participant_sockets,
       ParticipantSockets::open(options.domain_id, std::move(interfaces),
@@ -152,7 +165,7 @@ Status DomainParticipant::enable() {
     mark_enabled();
     all = qos_.autoenable_created_entities;
   }
-  DDSSEC_RETURN_IF_ERROR(service_.start());
+  DDSSEC_RETURN_IF_ERROR(service_->start());
   if (!all) return {};
   if (builtin_topics_) DDSSEC_RETURN_IF_ERROR(builtin_topics_->subscriber().enable());
   DDSSEC_RETURN_IF_ERROR(topics_.enable());
@@ -162,7 +175,7 @@ Status DomainParticipant::enable() {
 DomainParticipant::~DomainParticipant() {
   const auto quiet = NoCallbacks::begin_or_terminate(context_, guid_);
   if (context_.has_protocol()) groups_.conclude_writers();
-  service_.stop();
+  service_->stop();
   builtin_topics_.reset();
   groups_.release();
   topics_.release();
@@ -172,11 +185,15 @@ DomainParticipant::~DomainParticipant() {
   context_.leave();
 }
 
+int DomainParticipant::index() const { return service_->sockets().index(); }
+
+void DomainParticipant::poll(std::chrono::nanoseconds timeout) { service_->serve(timeout); }
+
 DomainParticipantCounters DomainParticipant::counters() const {
   const auto held = lock();
   const auto& protocol = context_.protocol();
   return {protocol.counters(), protocol.protection_counters(), protocol.authentication_counters(),
-          protocol.remote_participants().size(), service_.exceptions()};
+          protocol.remote_participants().size(), service_->exceptions()};
 }
 
 DomainParticipantQos DomainParticipant::qos() const {

@@ -2,13 +2,29 @@
 // here.
 #pragma once
 
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/event.hpp"
+#include "base/ids.hpp"
+#include "base/result.hpp"
 #include "rtps/dcps/discovered_entities.hpp"
 #include "rtps/dcps/groups.hpp"
-#include "rtps/dcps/participant_service.hpp"
 #include "rtps/dcps/topic_descriptions.hpp"
-#include "rtps/durability/durable_stores.hpp"
+#include "rtps/participant/participant_counters.hpp"
+#include "rtps/security/security_counters.hpp"
+#include "rtps/security/security_options.hpp"
 
 namespace ddssec::rtps {
+
+class DurableStores;
+class ParticipantService;
 
 struct DomainParticipantOptions {
   /// The DDS domain, 0 to 232.
@@ -33,14 +49,16 @@ struct DomainParticipantOptions {
   /// Time between announcements of the participant, after the first few. 0: derived from the lease
   /// duration.
   std::chrono::nanoseconds announcement_period{};
-  /// Samples with a larger payload are sent in fragments of this size. In octets, at most 14336.
-  std::uint32_t fragment_size = MessageSender::kLargestFragment;
+  /// Samples with a larger payload are sent in fragments of this size. In octets, 1 to
+  /// kLargestFragment; other values count as the nearest of these.
+  static constexpr std::uint32_t kLargestFragment = 14336;
+  std::uint32_t fragment_size = kLargestFragment;
   /// Announces the TypeInformation of types generated from IDL. Cyclone DDS then does not match an
   /// endpoint whose type differs, even if only a bound differs.
   bool announce_types = true;
   /// Receive buffer to request from the operating system for each socket, in octets. If less is
   /// granted than large samples need, a warning event is raised.
-  std::size_t receive_buffer = UdpSocket::kWantedBuffer;
+  std::size_t receive_buffer = std::size_t{4} << 20;
   /// Before a thread sleeps until something arrives, it looks for it again and again for this long.
   /// Takes a processor meanwhile, and saves the time until a sleeping thread runs. At most
   /// kLongestBusyWait.
@@ -56,7 +74,7 @@ struct DomainParticipantOptions {
   /// long as the participant.
   std::string durability_store = {};
   /// Limit for the size of the store, in octets.
-  std::size_t durability_store_octets = SampleStore::kDefaultOctets;
+  std::size_t durability_store_octets = std::size_t{4} << 30;
   /// Empty: the participant is not secured.
   std::optional<SecurityOptions> security = {};
 };
@@ -81,11 +99,9 @@ namespace detail {
 /// A base class of its own, because it must be constructed before Entity, which needs the context
 /// in it.
 struct ServiceHolder {
-  ServiceHolder(const Environment& environment, const DomainParticipantOptions& options)
-      : service_(environment, options.own_thread,
-                 options.in_process ? Neighbourhood::of(options.domain_id, options.domain_tag)
-                                    : std::make_shared<Neighbourhood>()) {}
-  ParticipantService service_;
+  ServiceHolder(const Environment& environment, const DomainParticipantOptions& options);
+  ~ServiceHolder();
+  const std::unique_ptr<ParticipantService> service_;
 };
 }  // namespace detail
 
@@ -112,7 +128,7 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
   Guid guid() const { return guid_; }
   DomainId domain_id() const { return options_.domain_id; }
   /// The participant index, which determines the ports (RTPS 9.6.2.3).
-  int index() const { return service_.sockets().index(); }
+  int index() const;
   DomainParticipantCounters counters() const;
   Time current_time() const { return context_.moment().wall; }
 
@@ -226,7 +242,7 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
 
   /// Serves sockets, timers and listeners for at most `timeout`. Only for a participant without a
   /// thread of its own (own_thread = false).
-  void poll(std::chrono::nanoseconds timeout) { service_.serve(timeout); }
+  void poll(std::chrono::nanoseconds timeout);
 
  private:
   friend class AnyDataReader;
@@ -241,7 +257,7 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
   Qos default_topic_qos_;
   Guid guid_;
   Listening<DomainParticipantListener> listening_;
-  DurableStores stores_;
+  const std::unique_ptr<DurableStores> stores_;
   ManualLiveliness manual_liveliness_;
   DiscoveredEntities discovered_;
   TopicDescriptions topics_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "rtps/dcps/group.hpp"
+#include "rtps/participant/participant.hpp"
 #include "rtps/participant/partition_change.hpp"
 
 namespace ddssec::rtps {

@@ -5,6 +5,7 @@
 
 #include "rtps/dcps/key_protection.hpp"
 #include "rtps/dcps/topic.hpp"
+#include "rtps/participant/endpoint_listener.hpp"
 
 namespace ddssec::rtps {
 

@@ -9,7 +9,7 @@
 #include "rtps/dcps/instance_writers.hpp"
 #include "rtps/dcps/state_counts.hpp"
 #include "rtps/qos/qos.hpp"
-#include "rtps/reliability/stateful_writer.hpp"
+#include "rtps/reliability/change.hpp"
 
 namespace ddssec::rtps {
 

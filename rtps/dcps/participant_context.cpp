@@ -1,10 +1,24 @@
 #include "rtps/dcps/participant_context.hpp"
 
 #include "rtps/dcps/entity.hpp"
+#include "rtps/participant/participant.hpp"
 
 namespace ddssec::rtps {
 
 thread_local const ParticipantContext::Calling* ParticipantContext::calling_ = nullptr;
+
+ParticipantContext::ParticipantContext(const Environment& environment, Server& server,
+                                       std::shared_ptr<ServingTurn> turn,
+                                       std::shared_ptr<Neighbourhood> neighbourhood)
+    : environment_(environment),
+      server_(server),
+      turn_(std::move(turn)),
+      neighbourhood_(std::move(neighbourhood)),
+      mutex_(neighbourhood_->mutex()) {}
+
+ParticipantContext::~ParticipantContext() = default;
+
+const GuidPrefix& ParticipantContext::prefix() const { return protocol_->prefix(); }
 
 void ParticipantContext::adopt(std::unique_ptr<Participant> protocol) {
   protocol_ = std::move(protocol);

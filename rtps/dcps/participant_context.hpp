@@ -6,16 +6,18 @@
 #include <mutex>
 #include <thread>
 
+#include "base/event.hpp"
 #include "rtps/dcps/callback_lock.hpp"
 #include "rtps/dcps/link.hpp"
 #include "rtps/dcps/reader_cache.hpp"
 #include "rtps/dcps/serving_turn.hpp"
-#include "rtps/participant/participant.hpp"
+#include "rtps/participant/neighbourhood.hpp"
 #include "rtps/reliability/timer_queue.hpp"
 
 namespace ddssec::rtps {
 
 class Entity;
+class Participant;
 
 /// The lock is never held while a listener is called. Locks are taken in this order: the callback
 /// lock, the lock of members, the lock.
@@ -33,12 +35,8 @@ class ParticipantContext {
   /// `turn`: nullptr if the participant has no thread of its own.
   ParticipantContext(const Environment& environment, Server& server,
                      std::shared_ptr<ServingTurn> turn,
-                     std::shared_ptr<Neighbourhood> neighbourhood)
-      : environment_(environment),
-        server_(server),
-        turn_(std::move(turn)),
-        neighbourhood_(std::move(neighbourhood)),
-        mutex_(neighbourhood_->mutex()) {}
+                     std::shared_ptr<Neighbourhood> neighbourhood);
+  ~ParticipantContext();
 
   std::mutex& mutex() const { return mutex_; }
   const std::shared_ptr<ServingTurn>& turn() const { return turn_; }
@@ -49,6 +47,7 @@ class ParticipantContext {
 
   // The caller holds the lock:
   Participant& protocol() const { return *protocol_; }
+  const GuidPrefix& prefix() const;  ///< of the protocol
   void adopt(std::unique_ptr<Participant> protocol);
   /// From now on nothing outside calls the protocol.
   void leave();

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "rtps/dcps/held_instances.hpp"
-#include "rtps/reliability/stateful_writer.hpp"
+#include "rtps/reliability/change.hpp"
 
 namespace ddssec::rtps {
 

@@ -4,6 +4,7 @@
 
 #include "base/hash.hpp"
 #include "rtps/dcps/domain_participant.hpp"
+#include "rtps/participant/participant.hpp"
 
 namespace ddssec::rtps {
 

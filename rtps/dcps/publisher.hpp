@@ -3,6 +3,7 @@
 
 #include "rtps/dcps/data_writer.hpp"
 #include "rtps/dcps/group.hpp"
+#include "rtps/reliability/writer_group.hpp"
 
 namespace ddssec::rtps {
 

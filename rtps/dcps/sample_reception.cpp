@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "rtps/participant/participant.hpp"
+
 namespace ddssec::rtps {
 
 SampleReception::SampleReception(const Reader& reader, Reports reports)

@@ -11,7 +11,8 @@
 #include <mutex>
 #include <thread>
 
-#include "rtps/transport/udp_socket.hpp"
+#include "base/clock.hpp"
+#include "rtps/transport/file_descriptor.hpp"
 
 namespace ddssec::rtps {
 

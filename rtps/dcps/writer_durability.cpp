@@ -1,5 +1,7 @@
 #include "rtps/dcps/writer_durability.hpp"
 
+#include "rtps/durability/durable_store.hpp"
+
 namespace ddssec::rtps {
 
 WriterDurability::~WriterDurability() {

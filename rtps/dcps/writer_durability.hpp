@@ -2,9 +2,17 @@
 // they outlive the writer.
 #pragma once
 
-#include "rtps/durability/durable_store.hpp"
+#include <chrono>
+#include <mutex>
+#include <vector>
+
+#include "base/result.hpp"
+#include "rtps/durability/stored_change.hpp"
+#include "rtps/qos/qos.hpp"
 
 namespace ddssec::rtps {
+
+class DurableStore;
 
 /// One writer's stream in a DurableStore. All calls have no effect until it is opened. The caller
 /// serializes calls.

@@ -5,11 +5,12 @@
 #include <vector>
 
 #include "base/clock.hpp"
-#include "rtps/reliability/writer_history.hpp"
 #include "wire/numbers.hpp"
 #include "wire/time.hpp"
 
 namespace ddssec::rtps {
+
+class WriterHistory;
 
 /// Tracks when each change of a writer expires.
 class WriterLifespan {

@@ -11,6 +11,7 @@
 #include "rtps/durability/store_security.hpp"
 #include "rtps/keeper/kept_topic.hpp"
 #include "rtps/keeper/refused_writers.hpp"
+#include "rtps/participant/participant.hpp"
 
 namespace ddssec::rtps {
 namespace {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "rtps/dcps/domain_participant.hpp"
+#include "rtps/durability/durable_store.hpp"
 
 namespace ddssec::rtps {
 

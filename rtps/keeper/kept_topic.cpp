@@ -1,5 +1,7 @@
 #include "rtps/keeper/kept_topic.hpp"
 
+#include "rtps/participant/participant.hpp"
+
 #include <algorithm>
 #include <limits>
 

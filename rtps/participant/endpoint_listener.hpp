@@ -5,10 +5,13 @@
 #include "rtps/discovery/endpoint_data.hpp"
 #include "rtps/participant/liveliness_signal.hpp"
 #include "rtps/qos/matching.hpp"
+#include "rtps/reliability/change.hpp"
 #include "rtps/reliability/held_octets.hpp"
-#include "rtps/reliability/stateful_writer.hpp"
+#include "rtps/reliability/key_payload.hpp"
 
 namespace ddssec::rtps {
+
+class ChangeFilter;
 
 /// Receives notifications for one local endpoint. Called from within receive, tick, create and
 /// remove.

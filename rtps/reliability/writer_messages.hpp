@@ -3,18 +3,13 @@
 
 #include "rtps/reliability/key_payload.hpp"
 #include "rtps/reliability/message_sender.hpp"
+#include "rtps/reliability/writer_group.hpp"
 #include "rtps/reliability/writer_history.hpp"
 #include "wire/gap.hpp"
 #include "wire/heartbeat.hpp"
 #include "wire/inline_qos.hpp"
 
 namespace ddssec::rtps {
-
-/// What the writers of one publisher with GROUP access have in common.
-struct WriterGroup {
-  SequenceNumber current;  ///< the last group sequence number that was assigned; 0: none
-  GroupDigest writers = {};
-};
 
 /// Adds submessages to the sender, which the caller flushes. The sender and the history must
 /// outlive this object.

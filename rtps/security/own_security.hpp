@@ -9,22 +9,9 @@
 #include "plugins/spi/authentication.hpp"
 #include "plugins/spi/cryptography.hpp"
 #include "plugins/spi/shared_memory.hpp"
+#include "rtps/security/security_options.hpp"
 
 namespace ddssec::rtps {
-
-/// The plugins, created by the application. They must outlive every participant that uses them.
-struct SecurityPlugins {
-  spi::Authentication& authentication;
-  spi::AccessControl& access_control;
-  spi::Cryptography& cryptography;
-};
-
-/// The options that make a participant a secured one.
-struct SecurityOptions {
-  SecurityPlugins plugins;
-  /// Their names are those in plugins/spi/property_names.hpp.
-  spi::PropertyList properties;
-};
 
 /// A local participant that was authenticated and authorized. Its destructor returns the handles.
 class OwnSecurity {

@@ -5,16 +5,10 @@
 #include "rtps/budget/work_budget.hpp"
 #include "rtps/reliability/send_protection.hpp"
 #include "rtps/security/own_security.hpp"
+#include "rtps/security/security_counters.hpp"
 #include "wire/header.hpp"
 
 namespace ddssec::rtps {
-
-/// Counts of dropped messages; never reset.
-struct ProtectionCounters {
-  std::uint64_t unprotected = 0;  ///< protection was required but missing
-  std::uint64_t undecodable = 0;  ///< protected, but could not be verified
-  std::uint64_t unsendable = 0;   ///< could not be protected, and so was not sent
-};
 
 /// Does nothing if the governance has no rtps_psk_protection_kind.
 class PreSharedMessages {

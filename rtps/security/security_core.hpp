@@ -6,6 +6,7 @@
 
 #include "rtps/security/keyring.hpp"
 #include "rtps/security/peer.hpp"
+#include "rtps/security/security_counters.hpp"
 
 namespace ddssec::rtps {
 
@@ -34,13 +35,6 @@ class SecurityHost {
   virtual bool on_rights_changed(const GuidPrefix& peer) = 0;
   /// The peer's identity or permissions, or the local ones, expired or were revoked.
   virtual void on_ended(const GuidPrefix& peer) = 0;
-};
-
-/// The number of peers that authenticated, and of peers with at least one refused message or
-/// announcement.
-struct AuthenticationCounters {
-  std::uint64_t authenticated = 0;
-  std::uint64_t failed = 0;
 };
 
 class MemoryExchange;

@@ -5,6 +5,7 @@
 #include "rtps/dcps/offered_liveliness.hpp"
 #include "rtps/dcps/source_timestamps.hpp"
 #include "rtps/dcps/writer_lifespan.hpp"
+#include "rtps/reliability/writer_history.hpp"
 #include "tests/support/code_of.hpp"
 
 namespace ddssec::rtps {

@@ -1,6 +1,7 @@
 // The calls by which samples are written, read and taken, by instance and by condition, and what
 // statuses, listeners and conditions say about them.
 #include "rtps/dcps/wait_set.hpp"
+#include "rtps/reliability/stateful_reader.hpp"
 #include "tests/support/succeeds.hpp"
 #include "tests/unit/rtps/dcps_fixture.hpp"
 

@@ -1,7 +1,9 @@
 // Inline QoS of every kind and length, in the name of a writer that matched, against a reader that
 // uses all of it: it goes on, and what honest writers send comes whole.
+#include "rtps/transport/ports.hpp"
 #include "rtps/transport/udp_socket.hpp"
 #include "tests/unit/rtps/dcps_fixture.hpp"
+#include "wire/data.hpp"
 
 namespace ddssec::rtps {
 namespace {

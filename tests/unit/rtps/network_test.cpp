@@ -3,6 +3,9 @@
 #include <filesystem>
 #include <fstream>
 
+#include "rtps/transport/interfaces.hpp"
+#include "rtps/transport/ports.hpp"
+#include "rtps/transport/udp_socket.hpp"
 #include "tests/unit/rtps/dcps_fixture.hpp"
 
 namespace ddssec::rtps {

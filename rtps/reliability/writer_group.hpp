@@ -1,0 +1,13 @@
+// What the writers of one publisher with GROUP access have in common (RTPS 8.7.6).
+#pragma once
+
+#include "wire/inline_qos.hpp"
+
+namespace ddssec::rtps {
+
+struct WriterGroup {
+  SequenceNumber current;  ///< the last group sequence number that was assigned; 0: none
+  GroupDigest writers = {};
+};
+
+}  // namespace ddssec::rtps
