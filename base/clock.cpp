@@ -6,6 +6,7 @@
 #include <fmt/chrono.h>
 #include <sodium.h>
 
+#include "base/seeded_random.hpp"
 #include "base/writer.hpp"
 
 namespace ddssec {

@@ -47,9 +47,11 @@ class SystemClock final : public Clock {
   std::chrono::nanoseconds since_boot() const override;
 };
 
-/// A clock that a test moves by hand. Not thread-safe.
+/// A clock that stands still until it is moved: for tests, and to judge documents at another time.
+/// Not thread-safe.
 class ManualClock final : public Clock {
  public:
+  /// `now`: the calendar time. The monotonic time begins at 0.
   explicit ManualClock(WallTime now) : now_(now) {}
   WallTime now() const override { return now_; }
   std::chrono::nanoseconds wall() const override { return now_.time_since_epoch() + fraction_; }
@@ -79,21 +81,10 @@ class Random {
   virtual Status fill(MutableBytes out) = 0;
 };
 
-/// The operating system's generator.
+/// The operating system's generator. Thread-safe.
 class SystemRandom final : public Random {
  public:
   Status fill(MutableBytes out) override;
-};
-
-/// A reproducible stream from a seed. For tests only: never for real keys.
-class SeededRandom final : public Random {
- public:
-  explicit SeededRandom(std::uint64_t seed) : seed_(seed) {}
-  Status fill(MutableBytes out) override;
-
- private:
-  std::uint64_t seed_;
-  std::uint64_t counter_ = 0;
 };
 
 }  // namespace ddssec

@@ -65,6 +65,7 @@ bool is_news(Code code);
 class EventSink {
  public:
   virtual ~EventSink() = default;
+  /// Takes one event. The reference is valid only during the call. Must not throw.
   virtual void raise(const Event& event) = 0;
 };
 

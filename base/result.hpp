@@ -33,6 +33,8 @@ class Error {
       : code_(code), details_(std::make_shared<const ErrorDetails>(std::move(details))) {}
 
   Code code() const { return code_; }
+  /// The place and the values; all fields are empty if the error has none. Valid as long as this
+  /// error or a copy of it.
   const ErrorDetails& details() const;
 
   /// What the user can do about it: the hint of the details, or else that of the code.
@@ -59,6 +61,7 @@ using Result = std::expected<T, Error>;
 /// Success, or the reason why not.
 using Status = Result<void>;
 
+/// The error as the result of a function: `return fail(Code::file_not_found, {.document = path});`
 inline std::unexpected<Error> fail(Code code) { return std::unexpected(Error(code)); }
 inline std::unexpected<Error> fail(Code code, ErrorDetails details) {
   return std::unexpected(Error(code, std::move(details)));

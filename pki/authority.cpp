@@ -9,6 +9,7 @@
 #include "pki/mime.hpp"
 #include "pki/ocsp_address.hpp"
 #include "pki/openssl.hpp"
+#include "pki/self_signed.hpp"
 #include "pki/subject_name.hpp"
 
 namespace ddssec::pki {
@@ -287,8 +288,7 @@ Result<std::string> make_request(const PrivateKey& key, const Certificate& old) 
   return request_for(key, X509_get_subject_name(old.impl().x509.get()));
 }
 
-Result<Credential> Authority::self_sign(const CertificateTemplate& content, PrivateKey key,
-                                        Random& random) {
+Result<Credential> self_sign(const CertificateTemplate& content, PrivateKey key, Random& random) {
   DDSSEC_ASSIGN_OR_RETURN(const auto name, make_name(content.subject));
   DDSSEC_ASSIGN_OR_RETURN(
       auto certificate, build(content, {name.get(), key.impl().pkey.get()}, nullptr, key, random));

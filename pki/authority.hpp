@@ -104,10 +104,6 @@ class Authority {
   static Result<Authority> create_root(std::string_view subject, PrivateKey key, Validity validity,
                                        Random& random);
 
-  /// A new self-signed certificate with any content; for tests, which need unusual ones.
-  static Result<Credential> self_sign(const CertificateTemplate& content, PrivateKey key,
-                                      Random& random);
-
   /// An existing CA. Errors: key_mismatch, not_a_ca.
   static Result<Authority> load(Certificate certificate, PrivateKey key);
 

@@ -3,6 +3,7 @@
 
 #include <set>
 
+#include "base/seeded_random.hpp"
 #include "tests/sim/insider.hpp"
 #include "tests/sim/invariants.hpp"
 #include "tests/sim/network.hpp"

@@ -1,5 +1,6 @@
 // The channel that brings keys: a peer that announces much loses none of its keys, and one that
 // acknowledges nothing takes little memory.
+#include "base/seeded_random.hpp"
 #include "tests/support/counted_memory.hpp"
 #include "tests/unit/rtps_security/fixture.hpp"
 

@@ -14,6 +14,7 @@
 
 #include "base/documents_in_use.hpp"
 #include "base/event.hpp"
+#include "base/seeded_random.hpp"
 #include "base/writer.hpp"
 #include "pki/authority.hpp"
 #include "pki/key_agreement.hpp"

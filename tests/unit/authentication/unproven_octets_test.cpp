@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include "base/seeded_random.hpp"
 #include "plugins/authentication/credentials.hpp"
 #include "tests/unit/authentication/fixture.hpp"
 

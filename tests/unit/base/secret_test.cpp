@@ -6,6 +6,7 @@
 
 #include "base/clock.hpp"
 #include "base/hash.hpp"
+#include "base/seeded_random.hpp"
 
 namespace ddssec {
 namespace {

@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "base/seeded_random.hpp"
 #include "governance/doctor/diagnosis.hpp"
 #include "governance/write.hpp"
 #include "pki/authority.hpp"

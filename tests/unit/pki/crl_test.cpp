@@ -6,6 +6,7 @@
 
 #include "fixture.hpp"
 #include "pki/authority.hpp"
+#include "pki/self_signed.hpp"
 #include "tests/support/delta_list.hpp"
 
 namespace ddssec::pki {
@@ -110,7 +111,7 @@ TEST(CrlCheck, RefusesOtherSigners) {
 }
 
 TEST(CrlCheck, RefusesACaThatMayNotSignLists) {
-  auto self = Authority::self_sign({.subject = "CN=Root",
+  auto self = self_sign({.subject = "CN=Root",
                                     .validity = kYear,
                                     .is_ca = true,
                                     .key_usage = "critical,digitalSignature,keyCertSign"},

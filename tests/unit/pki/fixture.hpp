@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "base/clock.hpp"
+#include "base/seeded_random.hpp"
 #include "pki/authority.hpp"
 #include "pki/chain.hpp"
 #include "tests/support/expect_code.hpp"

@@ -2,8 +2,10 @@
 
 #include <filesystem>
 
+#include "base/seeded_random.hpp"
 #include "fixture.hpp"
 #include "pki/openssl.hpp"
+#include "pki/self_signed.hpp"
 #include "pki/source.hpp"
 
 namespace ddssec::pki {
@@ -167,7 +169,7 @@ TEST_F(Smime, TheSignerMustBeValidAtTheTime) {
 
 TEST_F(Smime, TheSignersKeyUsageMustAllowSignatures) {
   const auto key = *PrivateKey::generate(KeyKind::ec_p256);
-  const auto self = *Authority::self_sign(
+  const auto self = *self_sign(
       {.subject = "CN=CA", .validity = kYear, .is_ca = true, .key_usage = "keyCertSign,cRLSign"},
       key, test_random());
   const auto ca = *Authority::load(self.certificate, self.key);

@@ -7,6 +7,7 @@
 
 #include <gmock/gmock.h>
 
+#include "base/seeded_random.hpp"
 #include "governance/write.hpp"
 #include "plugins/access_control/access_control.hpp"
 #include "plugins/authentication/authentication.hpp"

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "base/seeded_random.hpp"
 #include "plugins/authentication/authentication.hpp"
 #include "tests/unit/rtps_security/fixture.hpp"
 

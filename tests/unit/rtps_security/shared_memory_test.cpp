@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "base/descriptor.hpp"
+#include "base/seeded_random.hpp"
 #include "rtps/security/memory_exchange.hpp"
 #include "tests/unit/rtps_memory/hostile_sockets.hpp"
 #include "tests/unit/rtps_security/key_thief.hpp"
