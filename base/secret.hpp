@@ -1,7 +1,9 @@
 // Key material: wiped at destruction, compared in constant time, never printed.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <utility>
 

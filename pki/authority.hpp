@@ -1,11 +1,13 @@
 // Issuing: certificate authorities, identity certificates, requests, revocation lists and signed
-// documents. Used by the command line tool, the demo and the tests; no plugin needs it.
+// documents. For tools that issue; no participant and no plugin needs it.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "base/bytes.hpp"
 #include "base/clock.hpp"
@@ -97,6 +99,7 @@ class Authority {
                                   Random& random);
 
   /// The same with path length 1: one CA may be between it and the certificates that are issued.
+  /// Errors: those of create.
   static Result<Authority> create_root(std::string_view subject, KeySpec key, Validity validity,
                                        Random& random);
 
@@ -107,7 +110,7 @@ class Authority {
   /// An existing CA. Errors: key_mismatch, not_a_ca.
   static Result<Authority> load(Certificate certificate, PrivateKey key);
 
-  /// A new CA below this one, which may issue no further CA.
+  /// A new CA below this one, which may issue no further CA. Errors: those of create.
   Result<Authority> subordinate(std::string_view subject, KeySpec key, Validity validity,
                                 Random& random) const;
 
@@ -116,7 +119,7 @@ class Authority {
                                 Random& random) const;
 
   /// A new key and a certificate for it, for one participant. `ocsp_responder`: as in
-  /// CertificateTemplate.
+  /// CertificateTemplate. Errors: subject_name_malformed, random_failed, internal.
   Result<Credential> issue(std::string_view subject, KeySpec key, Validity validity, Random& random,
                            std::string_view ocsp_responder = {}) const;
 
@@ -146,7 +149,7 @@ class Authority {
   /// invalid.
   Result<Crl> make_crl(const CrlTemplate& content) const;
 
-  /// pki::sign_document with this CA's key.
+  /// pki::sign_document with this CA's key. Errors: those of that function.
   Result<Bytes> sign_document(BytesView document, WallTime signing_time, Random& random) const;
 
   const Certificate& certificate() const { return self_.certificate; }

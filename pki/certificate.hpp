@@ -1,11 +1,13 @@
 // X.509 certificates: parsed once, verified once, cheap to copy.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/bytes.hpp"
@@ -18,6 +20,7 @@ namespace ddssec::pki {
 /// The supported key types, from DDS-Security 1.2, clause 8.2.
 enum class KeyKind : std::uint8_t { rsa, ec_p256, ec_p384 };
 
+/// The kind of a key and its size in bits.
 struct KeyAlgorithm {
   KeyKind kind;
   int bits;

@@ -1,9 +1,12 @@
 // Verifies certificates up to the configured CA file, at a given time.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/clock.hpp"
@@ -69,6 +72,7 @@ class ChainVerifier {
   /// certificate_revoked. Costs one lookup in each list.
   bool may_be_revoked(const Certificate& certificate) const;
 
+  /// The certificates of the CA file, in its order. Valid as long as this object.
   const std::vector<Certificate>& anchors() const;
 
   ~ChainVerifier();

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <memory>
+#include <string_view>
+#include <utility>
 
 #include "base/bytes.hpp"
 #include "base/result.hpp"
@@ -37,6 +39,7 @@ class PrivateKey {
   /// key_in_token.
   Result<KeyPem> to_pem(const Passphrase* passphrase = nullptr) const;
 
+  /// The kind of the key and its size in bits.
   KeyAlgorithm algorithm() const;
   /// True if the key is in a token, from which it cannot be exported.
   bool in_token() const;

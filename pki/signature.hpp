@@ -1,6 +1,9 @@
 // Signatures of handshake messages (DDS-Security 1.2, clause 10.3.4.2).
 #pragma once
 
+#include <cstddef>
+#include <utility>
+
 #include "base/bytes.hpp"
 #include "base/result.hpp"
 #include "pki/certificate.hpp"

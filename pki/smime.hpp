@@ -2,7 +2,9 @@
 // clause 10.4.1).
 #pragma once
 
+#include <cstddef>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "base/bytes.hpp"
@@ -60,6 +62,7 @@ class DocumentVerifier {
   /// ChainVerifier::verify for the signer. The caller names the document with Error::in.
   Result<SignedDocument> verify(BytesView file, WallTime now) const;
 
+  /// The certificates of the file, in its order. Valid as long as this object.
   const std::vector<Certificate>& permissions_cas() const { return chain_.anchors(); }
 
  private:

@@ -1,6 +1,7 @@
 // Subject names as text: RFC 4514 (2253) and OpenSSL's one-line form, compared with certificates.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>

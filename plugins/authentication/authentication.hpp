@@ -2,6 +2,7 @@
 // make.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <memory>
 

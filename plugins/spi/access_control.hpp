@@ -1,6 +1,7 @@
 // The AccessControl interface (DDS-Security 1.2, clause 9.4.2.9), independent of the host.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>

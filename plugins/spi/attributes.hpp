@@ -41,6 +41,7 @@ struct ParticipantSecurityAttributes {
   bool is_all_discovery_protected = false;
   bool operator==(const ParticipantSecurityAttributes&) const = default;
 
+  /// True if the kind is SIGN or ENCRYPT, with or without origin authentication.
   bool is_rtps_protected() const { return is_protected(rtps); }
   bool is_discovery_protected() const { return is_protected(discovery); }
   bool is_liveliness_protected() const { return is_protected(liveliness); }
@@ -68,6 +69,7 @@ struct EndpointSecurityAttributes {
   std::shared_ptr<const MatchGate> gate = {};
   bool operator==(const EndpointSecurityAttributes&) const = default;
 
+  /// The masks' bits of the same names (DDS-Security 1.2, clause 7.3.24).
   bool is_submessage_protected() const { return is_protected(submessage); }
   bool is_payload_protected() const { return is_protected(payload); }
   bool is_key_protected() const { return is_encrypted(payload); }

@@ -1,6 +1,7 @@
 // The Authentication interface (DDS-Security 1.2, clause 9.3.2.11), independent of the host.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>

@@ -6,6 +6,7 @@
 // crypto_handle_unknown (never given out, or unregistered) or crypto_handle_wrong_kind.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -264,8 +265,11 @@ class CryptoTransform {
 class Cryptography {
  public:
   virtual ~Cryptography() = default;
+  /// The part that has the keys. Lives as long as this object, as do the others.
   virtual CryptoKeyFactory& key_factory() = 0;
+  /// The part that gives keys to peers and takes theirs.
   virtual CryptoKeyExchange& key_exchange() = 0;
+  /// The part that protects and checks messages.
   virtual CryptoTransform& transform() = 0;
 };
 

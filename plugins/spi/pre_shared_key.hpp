@@ -2,6 +2,7 @@
 // 1.2, clause 9.5.1.10, encode_rtps_message with transform_with_psk).
 #pragma once
 
+#include <cstddef>
 #include <string_view>
 
 #include "base/bytes.hpp"

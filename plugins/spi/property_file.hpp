@@ -1,6 +1,7 @@
 // A file of properties (security.properties), for settings that a host cannot pass otherwise.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string_view>
 

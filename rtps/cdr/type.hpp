@@ -4,11 +4,13 @@
 
 #include <array>
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace ddssec::rtps {
@@ -50,28 +52,37 @@ struct Member {
   std::size_t element_bound = kUnbounded;  ///< of a sequence's elements
 };
 
+// In the traits of a type, each of these describes a member; they can be nested. `value` is
+// referenced, not copied.
+
+/// A member that belongs to the key (@key).
 template <class T>
 constexpr Member<T> key(T& value, std::size_t bound = kUnbounded) {
   return {value, true, bound};
 }
+/// A string or sequence of at most `bound` characters or elements.
 template <class T>
 constexpr Member<T> bounded(T& value, std::size_t bound) {
   return {value, false, bound};
 }
+/// A member with its name in the IDL, by which filters refer to it.
 template <class T>
 constexpr Member<T> named(std::string_view name, T& value) {
   return {value, false, kUnbounded, name};
 }
+/// The same for a member that has further properties.
 template <class T>
 constexpr Member<T> named(std::string_view name, Member<T> member) {
   member.name = name;
   return member;
 }
 
+/// A sequence whose elements, strings or sequences, are at most `bound` long.
 template <class T>
 constexpr Member<T> with_element_bound(T& value, std::size_t bound) {
   return {value, false, kUnbounded, {}, bound};
 }
+/// The same for a member that has further properties.
 template <class T>
 constexpr Member<T> with_element_bound(Member<T> member, std::size_t bound) {
   member.element_bound = bound;

@@ -2,6 +2,14 @@
 // samples.
 #pragma once
 
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
 #include "rtps/dcps/ended_instances.hpp"
 #include "rtps/dcps/subscriber.hpp"
 #include "rtps/discovery/discovery_listener.hpp"
@@ -23,37 +31,44 @@ struct TopicBuiltinTopicData {
 };
 
 /// Describes each builtin topic: its name, its reader's entity id and how its payload is
-/// deserialized.
+/// deserialized. `read` takes a payload with its encapsulation; with `key_only`, the payload is the
+/// key alone. It is for BuiltinDataReader. Errors: rtps_parameter_invalid and the other codes of
+/// malformed announcements.
 template <class T>
 struct BuiltinTopicOf;
 template <>
 struct BuiltinTopicOf<ParticipantBuiltinTopicData> {
   static constexpr std::string_view topic = "DCPSParticipant";
   static constexpr EntityId reader = kSpdpReader;
+  /// See BuiltinTopicOf.
   static Result<ParticipantBuiltinTopicData> read(BytesView payload, bool key_only);
 };
 template <>
 struct BuiltinTopicOf<TopicBuiltinTopicData> {
   static constexpr std::string_view topic = "DCPSTopic";
   static constexpr EntityId reader{{0x00, 0x00, 0x02, 0xc7}};
+  /// See BuiltinTopicOf.
   static Result<TopicBuiltinTopicData> read(BytesView payload, bool key_only);
 };
 template <>
 struct BuiltinTopicOf<PublicationBuiltinTopicData> {
   static constexpr std::string_view topic = "DCPSPublication";
   static constexpr EntityId reader = kPublicationsReader;
+  /// See BuiltinTopicOf.
   static Result<PublicationBuiltinTopicData> read(BytesView payload, bool key_only);
 };
 template <>
 struct BuiltinTopicOf<SubscriptionBuiltinTopicData> {
   static constexpr std::string_view topic = "DCPSSubscription";
   static constexpr EntityId reader = kSubscriptionsReader;
+  /// See BuiltinTopicOf.
   static Result<SubscriptionBuiltinTopicData> read(BytesView payload, bool key_only);
 };
 
+/// What a builtin reader returns.
 template <class T>
 struct BuiltinSample {
-  T data;
+  T data;  ///< only its key is meaningful if !info.valid_data
   SampleInfo info;
 };
 
@@ -92,12 +107,14 @@ class BuiltinDataReader final
 /// (EndedInstances).
 class BuiltinTopics final : private DiscoveryListener {
  public:
+  /// Both must outlive this object.
   BuiltinTopics(DomainParticipant& participant, ParticipantContext& context);
   /// Returns the object, and creates it if needed. The caller holds the callback lock.
   static BuiltinTopics& of(std::unique_ptr<BuiltinTopics>& made, DomainParticipant& participant,
                            ParticipantContext& context);
   ~BuiltinTopics() override;
 
+  /// See DomainParticipant::builtin_subscriber. Owned by this object.
   Subscriber& subscriber() { return *subscriber_; }
   /// Creates the reader of T once, and delivers what is already known.
   template <class T>

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <memory>
 #include <mutex>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "rtps/dcps/query_matches.hpp"
@@ -38,6 +41,7 @@ class Condition {
   Condition(const Condition&) = delete;
   Condition& operator=(const Condition&) = delete;
 
+  /// True while it is triggered.
   bool trigger_value() const { return state_->trigger; }
 
  protected:
@@ -49,9 +53,11 @@ class Condition {
   const std::shared_ptr<ConditionState> state_;
 };
 
-/// Triggered by the application.
+/// Triggered by the application, which creates and owns it.
 class GuardCondition final : public Condition {
  public:
+  /// With true, wakes the threads that wait for it. It stays triggered until it is set to false.
+  /// May be called by any thread.
   void set_trigger_value(bool value) { trigger(value); }
 };
 
@@ -59,11 +65,14 @@ class GuardCondition final : public Condition {
 /// been read. All statuses are enabled at first.
 class StatusCondition final : public Condition {
  public:
+  /// Made by its entity, which owns it.
   StatusCondition(Entity& entity, std::shared_ptr<ServingTurn> turn)
       : Condition(std::move(turn)), entity_(entity) {}
 
   Entity& entity() const { return entity_; }
+  /// The statuses that trigger it.
   StatusMask enabled_statuses() const { return StatusMask::from(enabled_); }
+  /// From now on only these statuses trigger it, also those that have changed already.
   void set_enabled_statuses(StatusMask statuses);
 
  private:
@@ -83,7 +92,7 @@ class ReadCondition : public Condition {
   /// nullptr if this is not a QueryCondition, or if its expression is empty. To be used only by the
   /// reader.
   const QueryMatches* query() const { return query_.get(); }
-  /// Errors: rtps_precondition_not_met (the condition belongs to another reader).
+  /// Success if it is one of this reader. Errors: rtps_precondition_not_met.
   Status check_reader(const AnyDataReader& reader) const;
 
  protected:
@@ -100,8 +109,10 @@ class ReadCondition : public Condition {
 class QueryCondition final : public ReadCondition {
  public:
   const std::string& query_expression() const { return text_.expression; }
+  /// The values of %0, %1 and so on in the expression.
   std::vector<std::string> query_parameters() const;
-  /// Errors: rtps_filter_invalid; then nothing has changed.
+  /// Applies at once, to the samples that the reader holds too. Errors: rtps_filter_invalid; then
+  /// nothing has changed.
   Status set_query_parameters(std::vector<std::string> parameters);
 
  private:

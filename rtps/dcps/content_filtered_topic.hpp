@@ -1,6 +1,10 @@
 // ContentFilteredTopic of DDS 1.4, 2.2.2.3.3.
 #pragma once
 
+#include <mutex>
+#include <string>
+#include <vector>
+
 #include "rtps/dcps/topic.hpp"
 #include "rtps/discovery/content_filter_property.hpp"
 #include "rtps/filter/bound_filter.hpp"
@@ -20,6 +24,7 @@ class ContentFilteredTopic {
   const std::string& name() const { return name_; }
   Topic& related_topic() const { return related_; }
   const std::string& filter_expression() const { return text_.expression; }
+  /// The values of %0, %1 and so on in the expression.
   std::vector<std::string> expression_parameters() const;
   /// Applies to all its readers, from the next sample on. Errors: rtps_filter_invalid; then nothing
   /// has changed.

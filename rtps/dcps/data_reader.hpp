@@ -1,6 +1,15 @@
 // DataReader of DDS 1.4, 2.2.2.5.3, for serialized and for typed samples.
 #pragma once
 
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
 #include "rtps/dcps/content_filtered_topic.hpp"
 #include "rtps/dcps/data_reader_listeners.hpp"
 #include "rtps/dcps/endpoint.hpp"
@@ -18,9 +27,13 @@ class AnyDataReader : public Endpoint {
  public:
   ~AnyDataReader() override;
 
+  /// The subscriber that owns it.
   Subscriber& subscriber() const;
   /// Returns nullptr if the reader receives all samples of its topic.
   ContentFilteredTopic* content_filtered_topic() const { return filter_.topic(); }
+  /// Replaces the listener, which the caller owns; nullptr: none. `mask`: the statuses that it
+  /// handles; the others go to the listeners of its subscriber and participant. Waits until running
+  /// callbacks of the former listener have returned (exceptions: rtps/dcps/listener.hpp).
   void set_listener(DataReaderListener* listener, StatusMask mask = kAnyStatus);
 
   /// Appends the samples that match the query to `out` and returns their number. Errors:
@@ -39,18 +52,20 @@ class AnyDataReader : public Endpoint {
   /// match the query; an empty expression matches all. The reader owns it. Errors:
   /// rtps_filter_invalid.
   Result<QueryCondition*> create_querycondition(const States& states, FilterText query);
-  /// Errors: rtps_precondition_not_met (the condition belongs to another reader).
+  /// Deletes the condition. Errors: rtps_precondition_not_met (it belongs to another reader).
   Status delete_readcondition(ReadCondition& condition);
-  /// Deletes its conditions.
+  /// Deletes its conditions. Pointers to them are invalid afterwards.
   void delete_contained_entities();
 
   /// Waits until the samples that the matched reliable writers held when they matched have arrived.
   /// Returns at once if DURABILITY is VOLATILE. Errors: rtps_timeout, rtps_not_enabled.
   Status wait_for_historical_data(std::chrono::nanoseconds most);
-  /// Waits until the reader holds unread samples. Returns false if there are none after `most`.
+  /// Waits until the reader holds unread samples. Returns false if there are none after `most`, and
+  /// at once within a listener if there are none. A waiting thread may serve the participant's
+  /// sockets meanwhile.
   bool wait_for_unread(std::chrono::nanoseconds most);
 
-  /// Reading a status resets its change counts.
+  /// The statuses of DDS 1.4, 2.2.4.1. Reading one resets its change counts.
   DeadlineMissedStatus requested_deadline_missed_status() { return read_deadline_status(); }
   IncompatibleQosStatus requested_incompatible_qos_status() { return read_incompatible_status(); }
   LivelinessChangedStatus liveliness_changed_status();
@@ -110,7 +125,7 @@ class AnyDataReader : public Endpoint {
   RequestedLiveliness liveliness_;
 };
 
-/// A reader of serialized samples.
+/// A reader of serialized samples, with read(), take() and their variants (SampleAccess).
 class OctetDataReader final : public AnyDataReader,
                               public SampleAccess<OctetDataReader, std::vector<OctetSample>> {
  private:
@@ -123,14 +138,17 @@ class OctetDataReader final : public AnyDataReader,
   }
 };
 
-/// A reader of T. If the same collection is passed again, its objects keep their memory.
+/// A reader of T, with read(), take() and their variants (SampleAccess). Created and deleted by its
+/// subscriber. Thread-safe. If the same collection is passed again, its objects keep their memory.
 template <DdsType T>
 class DataReader final : public AnyDataReader, public SampleAccess<DataReader<T>, Samples<T>> {
  public:
-  /// Return the oldest unread sample. Empty if there is none, or if the reader is not enabled or
-  /// may not be accessed now.
+  /// Returns the oldest unread sample, and removes it or marks it as read. Empty if there is none,
+  /// or if the reader is not enabled or may not be accessed now. Never waits.
   std::optional<Sample<T>> take_next_sample() { return next(true); }
   std::optional<Sample<T>> read_next_sample() { return next(false); }
+  /// Returns the handle of the sample's instance; only the key of `sample` counts. HANDLE_NIL if
+  /// the reader does not know the instance.
   InstanceHandle lookup_instance(const T& sample) const {
     Bytes scratch;
     return lookup_key(has_key<T>() ? key_hash(sample, scratch, keys_.hidden, version_of(qos()))

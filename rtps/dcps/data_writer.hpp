@@ -2,6 +2,12 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
 
 #include "rtps/dcps/data_writer_listeners.hpp"
 #include "rtps/dcps/endpoint.hpp"
@@ -31,18 +37,32 @@ class AnyDataWriter : public Endpoint, private Timed {
  public:
   ~AnyDataWriter() override;
 
+  /// The publisher that owns it.
   Publisher& publisher() const;
+  /// Replaces the listener, which the caller owns; nullptr: none. `mask`: the statuses that it
+  /// handles; the others go to the listeners of its publisher and participant. Waits until running
+  /// callbacks of the former listener have returned (exceptions: rtps/dcps/listener.hpp).
   void set_listener(DataWriterListener* listener, StatusMask mask = kAnyStatus);
 
-  // Errors of all of them: rtps_not_enabled, rtps_bad_parameter (the key is missing, the handle
-  // names another instance, or with BY_SOURCE_TIMESTAMP the source time is before the previous
-  // one), rtps_out_of_resources (max_instances). Those that write: also rtps_sample_too_large,
-  // rtps_history_full (no room within RELIABILITY.max_blocking_time), and with DURABILITY TRANSIENT
-  // or PERSISTENT those of WriterDurability::wait_for_room.
+  /// Writes a sample. The octets are copied. Waits for room for at most
+  /// RELIABILITY.max_blocking_time; within a listener it does not wait.
+  /// Errors:
+  /// - rtps_not_enabled
+  /// - rtps_bad_parameter: the key is missing, the handle names another instance, or with
+  ///   BY_SOURCE_TIMESTAMP the source time is before the previous one
+  /// - rtps_out_of_resources: max_instances
+  /// - rtps_sample_too_large: readers would drop it
+  /// - rtps_history_full: no room in time
+  /// - with DURABILITY TRANSIENT or PERSISTENT also rtps_store_failed, rtps_store_unusable,
+  ///   rtps_timeout (too much waits to be stored) and out_of_memory
   Status write_octets(const OctetWrite& change);
+  /// Disposes the instance. `change.payload` is the serialized key. Errors: those of write_octets.
   Status dispose_octets(const OctetWrite& change);
-  /// Further errors: rtps_precondition_not_met (the instance is not registered).
+  /// The writer will not write the instance any more. Errors: those of write_octets,
+  /// rtps_precondition_not_met (the instance is not registered).
   Status unregister_octets(const OctetWrite& change);
+  /// Makes the instance known to the writer, which writing does too; sends nothing. Errors:
+  /// rtps_not_enabled, rtps_bad_parameter, rtps_out_of_resources.
   Result<InstanceHandle> register_octets(const OctetWrite& change);
   /// Returns HANDLE_NIL if the instance is not registered.
   InstanceHandle lookup_key(const KeyHash& key) const;
@@ -50,13 +70,14 @@ class AnyDataWriter : public Endpoint, private Timed {
   Result<Bytes> octets_of_key(InstanceHandle instance) const;
 
   /// Waits until all matched reliable readers have acknowledged everything. With DURABILITY
-  /// PERSISTENT also waits until everything is stored. Errors: rtps_timeout, rtps_not_enabled,
-  /// rtps_store_failed.
+  /// PERSISTENT also waits until everything is stored. Errors: rtps_timeout, rtps_not_enabled; from
+  /// the store rtps_store_failed, rtps_store_unusable and out_of_memory.
   Status wait_for_acknowledgments(std::chrono::nanoseconds most);
-  /// Errors: rtps_not_enabled.
+  /// Says that the writer is alive (DDS 1.4, 2.2.2.4.2.22), for LIVELINESS MANUAL_BY_PARTICIPANT or
+  /// MANUAL_BY_TOPIC. A write says it too. Errors: rtps_not_enabled.
   Status assert_liveliness();
 
-  /// Reading a status resets its change counts.
+  /// The statuses of DDS 1.4, 2.2.4.1. Reading one resets its change counts.
   DeadlineMissedStatus offered_deadline_missed_status() { return read_deadline_status(); }
   IncompatibleQosStatus offered_incompatible_qos_status() { return read_incompatible_status(); }
   LivelinessLostStatus liveliness_lost_status();
@@ -115,14 +136,16 @@ class AnyDataWriter : public Endpoint, private Timed {
 template <DdsType T>
 class DataWriter final : public AnyDataWriter {
  public:
-  /// Errors: see AnyDataWriter.
+  /// Writes a sample. `handle`: that of its instance, or HANDLE_NIL. The source time is now. May
+  /// wait for RELIABILITY.max_blocking_time. Errors of all calls that write:
+  /// AnyDataWriter::write_octets.
   Status write(const T& sample, InstanceHandle handle = {}) {
     return write_octets(with_payload(Buffers(*this), sample, handle, std::nullopt));
   }
   Status write_w_timestamp(const T& sample, InstanceHandle handle, Time source_timestamp) {
     return write_octets(with_payload(Buffers(*this), sample, handle, source_timestamp));
   }
-  /// Disposes the instance.
+  /// Disposes the instance; only the key of `sample` counts.
   Status dispose(const T& sample, InstanceHandle handle = {}) {
     return dispose_octets(with_key(Buffers(*this), sample, handle, std::nullopt));
   }
@@ -130,7 +153,8 @@ class DataWriter final : public AnyDataWriter {
     return dispose_octets(with_key(Buffers(*this), sample, handle, source_timestamp));
   }
   /// The writer will not write this instance any more. With autodispose_unregistered_instances (the
-  /// default) the instance is disposed as well.
+  /// default) the instance is disposed as well. Further error: rtps_precondition_not_met (the
+  /// instance is not registered).
   Status unregister_instance(const T& sample, InstanceHandle handle = {}) {
     return unregister_octets(with_key(Buffers(*this), sample, handle, std::nullopt));
   }
@@ -138,9 +162,12 @@ class DataWriter final : public AnyDataWriter {
                                          Time source_timestamp) {
     return unregister_octets(with_key(Buffers(*this), sample, handle, source_timestamp));
   }
+  /// See AnyDataWriter::register_octets.
   Result<InstanceHandle> register_instance(const T& sample) {
     return register_octets(with_key(Buffers(*this), sample, {}, std::nullopt));
   }
+  /// Returns the handle of the sample's instance; only the key of `sample` counts. HANDLE_NIL if
+  /// the instance is not registered.
   InstanceHandle lookup_instance(const T& sample) {
     return lookup_key(key_of(Buffers(*this), sample).value_or(KeyHash{}));
   }

@@ -6,9 +6,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/event.hpp"
@@ -26,6 +28,7 @@ namespace ddssec::rtps {
 class DurableStores;
 class ParticipantService;
 
+/// What a participant is created with. Only domain_id usually needs a value.
 struct DomainParticipantOptions {
   /// The DDS domain, 0 to 232.
   DomainId domain_id = 0;
@@ -79,8 +82,10 @@ struct DomainParticipantOptions {
   std::optional<SecurityOptions> security = {};
 };
 
+/// DomainParticipantQos of DDS 1.4, 2.2.3.
 struct DomainParticipantQos {
-  Bytes user_data;
+  Bytes user_data;  ///< announced by discovery
+  /// ENTITY_FACTORY: topics, publishers and subscribers are created enabled.
   bool autoenable_created_entities = true;
   bool operator==(const DomainParticipantQos&) const = default;
 };
@@ -109,6 +114,7 @@ struct ServiceHolder {
 /// it. All calls are thread-safe. Listeners are called by the participant's thread, or by poll().
 class DomainParticipant final : private detail::ServiceHolder, public Entity {
  public:
+  /// Number of participant indexes at each address of DomainParticipantOptions::peers.
   static constexpr int kAnnouncedIndexes = 10;
 
   /// Creates a participant and raises the event rtps_joined, which names the interfaces. The clock,
@@ -129,23 +135,33 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
   DomainId domain_id() const { return options_.domain_id; }
   /// The participant index, which determines the ports (RTPS 9.6.2.3).
   int index() const;
+  /// A copy of the counters now.
   DomainParticipantCounters counters() const;
+  /// The calendar time that its samples get as source time (DDS 1.4, 2.2.2.2.1.26).
   Time current_time() const { return context_.moment().wall; }
 
+  /// The policies that are in force.
   DomainParticipantQos qos() const;
   /// Changed user data is announced soon. Always succeeds.
   Status set_qos(const DomainParticipantQos& qos);
+  /// Starts its thread and discovery, and enables what it contains unless
+  /// autoenable_created_entities is false. Errors: rtps_thread_failed, those of the entities.
   Status enable() override;
+  /// Replaces the listener, which the caller owns; nullptr: none. `mask`: the statuses that it
+  /// handles; the listeners of its entities are asked first. Waits until running callbacks of the
+  /// former listener have returned (exceptions: rtps/dcps/listener.hpp).
   void set_listener(DomainParticipantListener* listener, StatusMask mask = kAnyStatus);
 
   /// Creates a topic, which the participant owns. Errors: rtps_precondition_not_met (the name is
   /// already in use), rtps_qos_inconsistent, rtps_bad_parameter (the name of the topic or type is
-  /// empty or longer than 256 characters).
+  /// empty or longer than 256 characters). `qos`: default_topic_qos() if none is given. `listener`:
+  /// see set_listener.
   template <DdsType T>
   Result<Topic*> create_topic(std::string name, std::optional<Qos> qos = {},
                               TopicListener* listener = nullptr, StatusMask mask = kAnyStatus) {
     return create_topic(std::move(name), type_support<T>(), std::move(qos), listener, mask);
   }
+  /// The same for a type that is described at run time, such as a topic of octets.
   Result<Topic*> create_topic(std::string name, TypeSupport type, std::optional<Qos> qos = {},
                               TopicListener* listener = nullptr, StatusMask mask = kAnyStatus);
   /// Returns nullptr if there is no topic with this name.
@@ -162,28 +178,38 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
   ContentFilteredTopic* lookup_contentfilteredtopic(std::string_view name) const {
     return topics_.lookup_filtered(name);
   }
-  /// Errors: rtps_precondition_not_met (the topic has readers or belongs to another participant, or
-  /// the call is made from within a callback).
+  /// Deletes the topic. Errors: rtps_precondition_not_met (the topic has readers or belongs to
+  /// another participant, or the call is made from within a callback).
   Status delete_contentfilteredtopic(ContentFilteredTopic& topic) { return topics_.remove(topic); }
-  /// The participant owns what these calls create. The policies are checked when the first writer
-  /// or reader is created. Errors: those of Group::enable.
+  /// Creates a publisher, which the participant owns. The policies are checked when its first
+  /// writer is created, so this call has no error.
   Result<Publisher*> create_publisher(GroupQos qos = {}, PublisherListener* listener = nullptr,
                                       StatusMask mask = kAnyStatus) {
     return groups_.create_publisher(std::move(qos), listener, mask);
   }
+  /// Creates a subscriber, which the participant owns. The policies are checked when its first
+  /// reader is created, so this call has no error.
   Result<Subscriber*> create_subscriber(GroupQos qos = {}, SubscriberListener* listener = nullptr,
                                         StatusMask mask = kAnyStatus) {
     return groups_.create_subscriber(std::move(qos), listener, mask);
   }
-  // Errors: rtps_precondition_not_met (the entity belongs to another participant, is in use or is
-  // not empty, or the call is made from within a callback of this participant, or of another one
-  // that a callback of this one waits for).
+  /// Deletes the topic; one that find_topic has returned as well only with the last of these calls.
+  /// Waits until running listeners of this participant have returned. Errors:
+  /// rtps_precondition_not_met (the topic belongs to another participant or is in use, or the call
+  /// is made from within a callback of this participant, or of another one that a callback of this
+  /// one waits for).
   Status delete_topic(Topic& topic) { return topics_.remove(topic); }
+  /// Deletes a publisher without writers, or a subscriber without readers. Errors and waiting: as
+  /// for delete_topic; rtps_precondition_not_met also if it is not empty.
   Status delete_publisher(Publisher& publisher) { return groups_.remove(publisher); }
   Status delete_subscriber(Subscriber& subscriber) { return groups_.remove(subscriber); }
+  /// Deletes all topics, publishers and subscribers with what they contain. Pointers to them are
+  /// invalid afterwards. Errors: rtps_precondition_not_met (called from within a callback, as for
+  /// delete_topic).
   Status delete_contained_entities();
   /// True if it contains topics, publishers or subscribers, not counting builtin ones.
   bool contains_entities() const;
+  /// The policies of topics that are created without any.
   Qos default_topic_qos() const;
   /// Sets the policies of topics that are created without any. Errors: rtps_qos_inconsistent.
   Status set_default_topic_qos(const Qos& qos);
@@ -208,7 +234,7 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
   /// The remote participants that were accepted. For a secured participant: those that are
   /// authenticated, or admitted without authentication.
   std::vector<Guid> discovered_participants() const { return discovered_.participants(); }
-  /// Errors: rtps_bad_parameter (no such participant).
+  /// Returns what a participant announced. Errors: rtps_bad_parameter (no such participant).
   Result<ParticipantBuiltinTopicData> discovered_participant_data(const Guid& participant) const {
     return discovered_.participant_data(participant);
   }
@@ -220,12 +246,15 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
   /// ignored (DDS-Security 1.2, clause 9.8.10.4). Call this for reasons that only the application
   /// knows. Errors: rtps_not_enabled, rtps_key_revision_disabled.
   Status revise_keys();
-  // Ignores the entity permanently, as if it had never been found. Errors: rtps_not_enabled.
-  /// With the participant's own GUID: its writers and readers do not match each other.
+  /// Ignores the participant until this one is deleted, as if it had never been found (DDS 1.4,
+  /// 2.2.2.2.1.14). With the own GUID: its writers and readers do not match each other. A secured
+  /// participant then revises its keys, if the governance enables that. Errors: rtps_not_enabled.
   Status ignore_participant(const Guid& participant) {
     return discovered_.ignore_participant(participant);
   }
+  /// Ignores all remote writers and readers of that topic. Errors: rtps_not_enabled.
   Status ignore_topic(const std::string& name) { return discovered_.ignore_topic(name); }
+  /// Ignores a remote writer, or a remote reader. Errors: rtps_not_enabled.
   Status ignore_publication(const Guid& writer) { return discovered_.ignore_endpoint(writer); }
   Status ignore_subscription(const Guid& reader) { return discovered_.ignore_endpoint(reader); }
   /// Returns a topic of this participant. Otherwise waits up to `most` until a remote endpoint uses
@@ -240,8 +269,8 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
   /// rtps_not_enabled.
   Status assert_liveliness();
 
-  /// Serves sockets, timers and listeners for at most `timeout`. Only for a participant without a
-  /// thread of its own (own_thread = false).
+  /// Waits for datagrams and timers for at most `timeout`, and serves them and the listeners. Only
+  /// for a participant without a thread of its own (own_thread = false).
   void poll(std::chrono::nanoseconds timeout);
 
  private:

@@ -2,6 +2,11 @@
 // random source and event sink from the caller.
 #pragma once
 
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <vector>
+
 #include "rtps/dcps/domain_participant.hpp"
 
 namespace ddssec::rtps {
@@ -21,8 +26,8 @@ class DomainParticipantFactory {
   Result<DomainParticipant*> create_participant(DomainParticipantOptions options,
                                                 DomainParticipantListener* listener = nullptr,
                                                 StatusMask mask = kAnyStatus);
-  /// Errors: rtps_precondition_not_met (the participant belongs to another factory or contains
-  /// entities, or the call is made from within one of its callbacks).
+  /// Deletes the participant. Errors: rtps_precondition_not_met (it belongs to another factory or
+  /// contains entities, or the call is made from within one of its callbacks).
   Status delete_participant(DomainParticipant& participant);
   /// Returns any participant in that domain, or nullptr if there is none.
   DomainParticipant* lookup_participant(DomainId domain) const;

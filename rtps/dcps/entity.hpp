@@ -1,20 +1,29 @@
 // The common base class of all entities (DDS 1.4, 2.2.2.1.1).
 #pragma once
 
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <utility>
+
 #include "rtps/dcps/listener.hpp"
 #include "rtps/dcps/status_changes.hpp"
 
 namespace ddssec::rtps {
 
+/// An entity of DDS. Thread-safe, as are all derived classes unless they say otherwise.
+/// Applications do not derive from it.
 class Entity {
  public:
   virtual ~Entity();
   Entity(const Entity&) = delete;
   Entity& operator=(const Entity&) = delete;
 
+  /// The condition for a WaitSet, owned by the entity.
   StatusCondition& status_condition() { return changes_.condition(); }
   /// The statuses that changed since the application read them or a listener was called for them.
   StatusMask status_changes() const;
+  /// True after enable().
   bool is_enabled() const;
   /// Enables the entity, so that it takes part in communication. Has no effect on an enabled
   /// entity. Entities are created enabled, unless their container is not enabled or has

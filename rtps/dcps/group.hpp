@@ -2,11 +2,20 @@
 // all of them.
 #pragma once
 
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
 #include "rtps/dcps/endpoint.hpp"
 
 namespace ddssec::rtps {
 
-/// PublisherQos and SubscriberQos.
+/// PublisherQos and SubscriberQos (DDS 1.4, 2.2.3).
 struct GroupQos {
   Presentation presentation = {};
   std::vector<std::string> partition = {};
@@ -34,10 +43,14 @@ class Group : public Entity {
   ~Group() override;
 
   DomainParticipant& participant() const { return participant_; }
+  /// The policies that are in force.
   GroupQos qos() const;
-  /// Errors: rtps_immutable_policy, rtps_qos_inconsistent.
+  /// Changes the policies and announces them for all its writers or readers. Errors:
+  /// rtps_immutable_policy (PRESENTATION, once it is enabled), rtps_qos_inconsistent; for a secured
+  /// participant those of access control, if it may not use the partitions.
   Status set_qos(const GroupQos& qos);
   Status enable() override;
+  /// Deletes its writers or readers with their conditions. Pointers to them are invalid afterwards.
   /// Errors: rtps_precondition_not_met (called from within a callback).
   Status delete_contained_entities();
 

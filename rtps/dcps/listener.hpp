@@ -24,32 +24,50 @@ class AnyDataWriter;
 class Subscriber;
 class Topic;
 
+/// A status that a listener is called with counts as read: its change counts begin again at 0.
 class TopicListener {
  public:
   virtual ~TopicListener() = default;
+  /// A remote endpoint uses the topic's name with another type.
   virtual void on_inconsistent_topic(Topic&, const InconsistentTopicStatus&) {}
 };
 
+/// For a writer; at a publisher or participant for all of its writers.
 class DataWriterListener {
  public:
   virtual ~DataWriterListener() = default;
+  /// An instance was not written within the DEADLINE period.
   virtual void on_offered_deadline_missed(AnyDataWriter&, const DeadlineMissedStatus&) {}
+  /// A reader was found that requests what the writer does not offer. The status names the policy
+  /// and both values.
   virtual void on_offered_incompatible_qos(AnyDataWriter&, const IncompatibleQosStatus&) {}
+  /// The writer did not assert its liveliness within its lease.
   virtual void on_liveliness_lost(AnyDataWriter&, const LivelinessLostStatus&) {}
+  /// A reader matched, or no longer does.
   virtual void on_publication_matched(AnyDataWriter&, const MatchedStatus&) {}
 };
 
 class PublisherListener : public virtual DataWriterListener {};
 
+/// For a reader; at a subscriber or participant for all of its readers.
 class DataReaderListener {
  public:
   virtual ~DataReaderListener() = default;
+  /// An instance got no sample within the DEADLINE period.
   virtual void on_requested_deadline_missed(AnyDataReader&, const DeadlineMissedStatus&) {}
+  /// A writer was found that does not offer what the reader requests. The status names the policy
+  /// and both values.
   virtual void on_requested_incompatible_qos(AnyDataReader&, const IncompatibleQosStatus&) {}
+  /// A sample had no room within RESOURCE_LIMITS.
   virtual void on_sample_rejected(AnyDataReader&, const SampleRejectedStatus&) {}
+  /// A matched writer is alive again, or no longer.
   virtual void on_liveliness_changed(AnyDataReader&, const LivelinessChangedStatus&) {}
+  /// The reader holds samples that are new. Take or read until there are none: several samples may
+  /// bring one call.
   virtual void on_data_available(AnyDataReader&) {}
+  /// A writer matched, or no longer does.
   virtual void on_subscription_matched(AnyDataReader&, const MatchedStatus&) {}
+  /// Samples of a matched writer will never arrive.
   virtual void on_sample_lost(AnyDataReader&, const SampleLostStatus&) {}
 };
 
@@ -57,6 +75,7 @@ class DataReaderListener {
 /// readers is not called.
 class SubscriberListener : public virtual DataReaderListener {
  public:
+  /// At least one of its readers holds samples that are new.
   virtual void on_data_on_readers(Subscriber&) {}
 };
 

@@ -1,12 +1,18 @@
 // The calls that read and take samples (DDS 1.4, 2.2.2.5.3), for any type of collection.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
 #include "rtps/dcps/condition.hpp"
 #include "rtps/dcps/reader_cache.hpp"
 #include "rtps/dcps/type_support.hpp"
 
 namespace ddssec::rtps {
 
+/// A sample that was read or taken. The application owns it.
 template <DdsType T>
 struct Sample {
   T data{};  ///< only its key is meaningful if !info.valid_data
@@ -21,6 +27,7 @@ class Samples {
   bool empty() const { return size_ == 0; }
   Sample<T>& operator[](std::size_t i) { return held_[i]; }
   const Sample<T>& operator[](std::size_t i) const { return held_[i]; }
+  /// For `for (auto& sample : samples)`.
   auto begin() { return held_.begin(); }
   auto end() { return held_.begin() + static_cast<std::ptrdiff_t>(size_); }
   auto begin() const { return held_.begin(); }
@@ -62,33 +69,43 @@ class Samples {
   std::vector<OctetSample> raw_;
 };
 
-/// `Reader` provides fill(query, samples), which replaces the contents of the collection. All calls
-/// return the number of samples found, 0 if there are none (NO_DATA). Errors: rtps_not_enabled,
-/// rtps_bad_parameter (no such instance), rtps_precondition_not_met (the condition belongs to
-/// another reader, or GROUP access without begin_access).
+/// The base class of readers that has these calls. `Reader` provides fill(query, samples), which
+/// replaces the contents of the collection.
+///
+/// All calls replace the contents of `out` and return the number of samples found: 0 if there are
+/// none (NO_DATA), at most `most`. None of them waits. A read marks samples as read, a take removes
+/// them from the reader. Errors: rtps_not_enabled, rtps_bad_parameter (no such instance),
+/// rtps_precondition_not_met (the condition belongs to another reader, or GROUP access without
+/// begin_access).
 template <class Reader, class Collection>
 class SampleAccess {
  public:
   using Count = Result<std::size_t>;
 
+  /// Selects the samples in these states, of all instances.
   Count read(Collection& out, std::int32_t most = kLengthUnlimited, const States& states = {}) {
     return find(out, most, {.states = states});
   }
+  /// The same, and removes them.
   Count take(Collection& out, std::int32_t most = kLengthUnlimited, const States& states = {}) {
     return find(out, most, {.states = states, .take = true});
   }
+  /// Selects the samples for which the condition is triggered.
   Count read_w_condition(Collection& out, const ReadCondition& condition,
                          std::int32_t most = kLengthUnlimited) {
     return find(out, most, {}, &condition);
   }
+  /// The same, and removes them.
   Count take_w_condition(Collection& out, const ReadCondition& condition,
                          std::int32_t most = kLengthUnlimited) {
     return find(out, most, {.take = true}, &condition);
   }
+  /// Selects the samples of one instance.
   Count read_instance(Collection& out, InstanceHandle instance,
                       std::int32_t most = kLengthUnlimited, const States& states = {}) {
     return find(out, most, {.states = states, .scope = Scope::instance, .instance = instance});
   }
+  /// The same, and removes them.
   Count take_instance(Collection& out, InstanceHandle instance,
                       std::int32_t most = kLengthUnlimited, const States& states = {}) {
     return find(out, most,
@@ -100,17 +117,20 @@ class SampleAccess {
                            std::int32_t most = kLengthUnlimited, const States& states = {}) {
     return find(out, most, {.states = states, .scope = Scope::next_instance, .instance = previous});
   }
+  /// The same, and removes them.
   Count take_next_instance(Collection& out, InstanceHandle previous,
                            std::int32_t most = kLengthUnlimited, const States& states = {}) {
     return find(
         out, most,
         {.states = states, .take = true, .scope = Scope::next_instance, .instance = previous});
   }
+  /// Selects the next instance after `previous` for whose samples the condition is triggered.
   Count read_next_instance_w_condition(Collection& out, InstanceHandle previous,
                                        const ReadCondition& condition,
                                        std::int32_t most = kLengthUnlimited) {
     return find(out, most, {.scope = Scope::next_instance, .instance = previous}, &condition);
   }
+  /// The same, and removes them.
   Count take_next_instance_w_condition(Collection& out, InstanceHandle previous,
                                        const ReadCondition& condition,
                                        std::int32_t most = kLengthUnlimited) {

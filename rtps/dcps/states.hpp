@@ -1,6 +1,7 @@
 // Sample, view and instance states, and SampleInfo (DDS 1.4, 2.2.2.5.1 and 2.2.2.5.4).
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "base/ids.hpp"
@@ -13,14 +14,19 @@ template <class E>
 struct Mask {
   std::uint32_t bits = 0;
 
+  /// The empty set.
   constexpr Mask() = default;
+  /// The set of one value.
   constexpr Mask(E value) : bits(static_cast<std::uint32_t>(value)) {}
+  /// The set of all values.
   static constexpr Mask any() { return from(~0u); }
+  /// The set of the values whose bits are set.
   static constexpr Mask from(std::uint32_t bits) {
     Mask mask;
     mask.bits = bits;
     return mask;
   }
+  /// True if the value is in the set.
   constexpr bool contains(E value) const { return (bits & static_cast<std::uint32_t>(value)) != 0; }
   constexpr bool empty() const { return bits == 0; }
   constexpr Mask operator|(Mask other) const { return from(bits | other.bits); }
@@ -29,8 +35,12 @@ struct Mask {
   constexpr bool operator==(const Mask&) const = default;
 };
 
+/// Whether the reader has returned the sample before (DDS 1.4, 2.2.2.5.1).
 enum class SampleState : std::uint8_t { read = 1, not_read = 2 };
+/// Whether it is the first time that the reader returns samples of the instance, or of this
+/// generation of it.
 enum class ViewState : std::uint8_t { new_ = 1, not_new = 2 };
+/// Whether the instance has writers, was disposed, or has lost all its writers.
 enum class InstanceState : std::uint8_t {
   alive = 1,
   not_alive_disposed = 2,

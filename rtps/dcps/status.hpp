@@ -1,6 +1,8 @@
 // Communication statuses of DDS 1.4, 2.2.4.1, with additional information for diagnosis.
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
 #include <map>
 
 #include "base/ids.hpp"
@@ -34,6 +36,7 @@ inline constexpr StatusMask kAnyStatus = StatusMask::any();
 struct CountStatus {
   std::int32_t total_count = 0;
   std::int32_t total_count_change = 0;
+  /// Adds to both counts, which stop at 2^31 - 1.
   void count(std::int64_t by = 1);
 };
 

@@ -1,25 +1,38 @@
 // Subscriber of DDS 1.4, 2.2.2.5.2.
 #pragma once
 
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
 #include "rtps/dcps/data_reader.hpp"
 #include "rtps/dcps/group.hpp"
 
 namespace ddssec::rtps {
 
-/// Created and deleted by its participant.
+/// Creates and deletes readers, which share its policies. Created and deleted by its participant.
+/// Thread-safe.
 class Subscriber final : public Group {
  public:
   ~Subscriber() override { members_.clear(); }  // they refer to members of this class
 
+  /// Replaces the listener, which the caller owns; nullptr: none. `mask`: the statuses that it
+  /// handles; readers' own listeners are asked first. Waits until running callbacks of the former
+  /// listener have returned (exceptions: rtps/dcps/listener.hpp).
   void set_listener(SubscriberListener* listener, StatusMask mask = kAnyStatus);
 
   Qos default_datareader_qos() const { return default_endpoint_qos(); }
   /// Sets the policies of readers that are created without any. Errors: rtps_qos_inconsistent.
   Status set_default_datareader_qos(const Qos& qos) { return set_default_endpoint_qos(qos); }
 
-  /// Creates a reader of T, which the subscriber owns, on a topic of that type. Errors:
-  /// rtps_bad_parameter (the topic has another type), rtps_precondition_not_met (the topic belongs
-  /// to another participant), rtps_qos_inconsistent.
+  /// Creates a reader of T, which the subscriber owns, on a topic of that type. `qos`:
+  /// default_datareader_qos() if none is given. `listener`: see AnyDataReader::set_listener.
+  /// Errors: rtps_bad_parameter (the topic has another type), rtps_precondition_not_met (the topic
+  /// belongs to another participant), rtps_qos_inconsistent. If the reader is enabled at once, for
+  /// a secured participant also those of access control (the error names document and rule).
   template <DdsType T>
   Result<DataReader<T>*> create_datareader(Topic& topic, std::optional<Qos> qos = {},
                                            DataReaderListener* listener = nullptr,
@@ -48,8 +61,8 @@ class Subscriber final : public Group {
     return create_filtered<OctetDataReader>(topic, topic.related_topic().type_name(),
                                             std::move(qos), listener, mask);
   }
-  /// Errors: rtps_precondition_not_met (the reader belongs to another subscriber or has read
-  /// conditions, or the call is made from within a callback).
+  /// Deletes the reader and its samples. Errors: rtps_precondition_not_met (the reader belongs to
+  /// another subscriber or has read conditions, or the call is made from within a callback).
   Status delete_datareader(AnyDataReader& reader) { return delete_member(reader); }
   /// Returns any of its readers on that topic, or nullptr if there is none.
   AnyDataReader* lookup_datareader(std::string_view topic_name) const;
@@ -57,7 +70,7 @@ class Subscriber final : public Group {
   /// samples of a group with ordered access. All readers show what they held when the access began.
   /// Calls may be nested. Errors: rtps_not_enabled.
   Status begin_access();
-  /// Errors: rtps_not_enabled, rtps_precondition_not_met (no begin_access before).
+  /// Ends the access. Errors: rtps_not_enabled, rtps_precondition_not_met (no begin_access before).
   Status end_access();
   /// The readers that hold samples in these states. With ordered access of GROUP scope the list has
   /// one entry for each sample, in the order in which the samples should be read or taken one by

@@ -1,6 +1,8 @@
 // Topic of DDS 1.4, 2.2.2.3.2.
 #pragma once
 
+#include <string>
+
 #include "rtps/dcps/entity.hpp"
 #include "rtps/dcps/type_support.hpp"
 
@@ -18,10 +20,15 @@ class Topic final : public Entity {
   const TypeSupport& type() const { return type_; }
   DomainParticipant& participant() const { return participant_; }
 
+  /// The policies that are in force.
   Qos qos() const;
-  /// Errors: rtps_qos_inconsistent, rtps_immutable_policy.
+  /// Changes the policies. Writers and readers on the topic keep theirs, and announce its
+  /// TOPIC_DATA. Errors: rtps_qos_inconsistent, rtps_immutable_policy (once it is enabled).
   Status set_qos(const Qos& qos);
   Status enable() override;
+  /// Replaces the listener, which the caller owns; nullptr: none. `mask`: the statuses that it
+  /// handles; the others go to the listener of its participant. Waits until running callbacks of
+  /// the former listener have returned (exceptions: rtps/dcps/listener.hpp).
   void set_listener(TopicListener* listener, StatusMask mask = kAnyStatus);
   /// Reading the status resets its change count.
   InconsistentTopicStatus inconsistent_topic_status();

@@ -2,6 +2,9 @@
 #pragma once
 
 #include <functional>
+#include <memory>
+#include <optional>
+#include <string>
 
 #include "rtps/cdr/cdr_reader.hpp"
 #include "rtps/cdr/cdr_writer.hpp"
@@ -52,6 +55,7 @@ Result<T> deserialize_change(const Change& change) {
 
 }  // namespace detail
 
+/// The functions for T, which the code generator or the application has given TypeTraits.
 template <DdsType T>
 TypeSupport type_support() {
   TypeSupport support{.name = std::string(TypeTraits<T>::type_name), .with_key = has_key<T>()};

@@ -3,7 +3,10 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <memory>
+#include <mutex>
 #include <pthread.h>
+#include <vector>
 
 #include "base/result.hpp"
 #include "rtps/dcps/condition.hpp"
@@ -44,13 +47,17 @@ class WaitSet {
   WaitSet(const WaitSet&) = delete;
   WaitSet& operator=(const WaitSet&) = delete;
 
-  /// Attaching a condition a second time has no effect.
+  /// From now on the wait set waits for the condition too, which it does not own. Attaching a
+  /// condition a second time has no effect.
   void attach_condition(Condition& condition);
-  /// Errors: rtps_precondition_not_met (the condition is not attached).
+  /// From now on the wait set does not wait for the condition. Errors: rtps_precondition_not_met
+  /// (it is not attached).
   Status detach_condition(Condition& condition);
+  /// The attached conditions. They belong to their owners.
   std::vector<Condition*> conditions() const;
 
-  /// Returns the triggered conditions, at least one. The application must not use a returned
+  /// Waits until a condition is triggered, for at most `most`. Returns the triggered conditions, at
+  /// least one. The application must not use a returned
   /// pointer after it has deleted the condition; the same holds for conditions(). Errors:
   /// rtps_timeout, rtps_precondition_not_met (another thread is already waiting).
   Result<std::vector<Condition*>> wait(std::chrono::nanoseconds most);

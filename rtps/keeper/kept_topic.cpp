@@ -1,11 +1,11 @@
 #include "rtps/keeper/kept_topic.hpp"
 
-#include "rtps/participant/participant.hpp"
-
 #include <algorithm>
 #include <limits>
 
 #include <fmt/format.h>
+
+#include "rtps/participant/participant.hpp"
 
 namespace ddssec::rtps {
 namespace {

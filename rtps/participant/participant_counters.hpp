@@ -1,3 +1,4 @@
+// Counters of the protocol of a participant.
 #pragma once
 
 #include <cstdint>

@@ -2,8 +2,10 @@
 // system without setting each policy.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 
 #include "rtps/qos/qos.hpp"
 

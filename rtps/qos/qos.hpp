@@ -1,6 +1,7 @@
 // The quality-of-service policies of DDS 1.4, 2.2.3, that discovery carries, with their defaults.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -114,7 +115,9 @@ struct Qos {
   bool is_reliable() const { return reliability.kind == ReliabilityKind::reliable; }
 };
 
+/// The defaults of DDS 1.4 for readers: RELIABILITY is BEST_EFFORT.
 inline Qos default_reader_qos() { return {}; }
+/// The defaults of DDS 1.4 for writers: RELIABILITY is RELIABLE.
 inline Qos default_writer_qos() {
   Qos qos;
   qos.reliability.kind = ReliabilityKind::reliable;
