@@ -10,11 +10,11 @@ foreach(library ${ddssec_libraries})
   install(TARGETS ddssec_${library} EXPORT ddssecTargets
           ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev)
 endforeach()
-foreach(folder base pki governance plugins wire rtps secured)
-  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder}
-          DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ddssec COMPONENT dev
-          FILES_MATCHING PATTERN "*.hpp" PATTERN "*.def" PATTERN cyclonedds EXCLUDE
-          PATTERN known_key.hpp EXCLUDE)  # for tests only
+include(${CMAKE_CURRENT_LIST_DIR}/public_headers.cmake)
+foreach(header ${DDSSEC_PUBLIC_HEADERS} ${DDSSEC_CARRIED_HEADERS})
+  cmake_path(GET header PARENT_PATH folder)
+  install(FILES ${PROJECT_SOURCE_DIR}/${header}
+          DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ddssec/${folder} COMPONENT dev)
 endforeach()
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/ddssec)

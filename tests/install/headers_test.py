@@ -1,0 +1,45 @@
+#!/usr/bin/env python3
+"""Installs the headers and compiles each public one alone, as the only #include of a file, with nothing else of
+ddssec in reach. What is installed must be exactly the lists of cmake/public_headers.cmake.
+Usage: headers_test.py SOURCE BUILD"""
+
+import concurrent.futures
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "lint"))
+from public_headers import lists  # noqa: E402
+
+COMPILE = [os.environ.get("CXX", "c++"), "-std=c++23", "-fsyntax-only", "-Wall", "-Wextra", "-Wconversion", "-Wshadow",
+           "-Werror", "-x", "c++", "-"]
+
+
+def refusal(include, header):
+    """What the compiler says of a file that includes the header alone; empty if it compiles."""
+    run = subprocess.run([*COMPILE, f"-I{include}"], input=f"#include <{header}>\n", capture_output=True, text=True)
+    return "" if run.returncode == 0 else f"<{header}> does not compile alone:\n{run.stderr}"
+
+
+def main():
+    source, build = (pathlib.Path(path).resolve() for path in sys.argv[1:])
+    of_cmake = lists((source / "cmake/public_headers.cmake").read_text(encoding="utf-8"))
+    public, carried = of_cmake["DDSSEC_PUBLIC_HEADERS"], of_cmake["DDSSEC_CARRIED_HEADERS"]
+    with tempfile.TemporaryDirectory() as prefix:
+        subprocess.run(["cmake", "--install", build, "--component", "dev", "--prefix", prefix], check=True,
+                       stdout=subprocess.DEVNULL)
+        include = pathlib.Path(prefix) / "include/ddssec"
+        installed = {path.relative_to(include).as_posix() for path in include.rglob("*") if path.is_file()}
+        found = [f"installed, but in no list: {name}" for name in sorted(installed - {*public, *carried})]
+        found += [f"in a list, but not installed: {name}" for name in sorted({*public, *carried} - installed)]
+        with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+            found += filter(None, pool.map(lambda header: refusal(include, header), public))
+    print("\n".join(found) if found else f"{len(public)} public headers compile alone, with {len(carried)} others")
+    return 1 if found or not public else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
