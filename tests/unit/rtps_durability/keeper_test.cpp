@@ -3,6 +3,7 @@
 #include <csignal>
 #include <sys/resource.h>
 
+#include "rtps/reliability/writer_history.hpp"
 #include "tests/unit/rtps_durability/keeper_fixture.hpp"
 
 namespace ddssec::rtps {

@@ -7,6 +7,8 @@
 #include <gmock/gmock.h>
 
 #include "plugins/spi/property_names.hpp"
+#include "secured/engines.hpp"
+#include "secured/reported_calendar.hpp"
 #include "tests/support/silent.hpp"
 
 namespace ddssec::secured {
