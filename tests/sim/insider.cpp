@@ -1,5 +1,6 @@
 #include "tests/sim/insider.hpp"
 
+#include "tests/sim/claims.hpp"
 #include "wire/header.hpp"
 
 namespace ddssec::rtps::sim {
@@ -86,6 +87,8 @@ class Tampering final : public testing::KeyThief, private spi::CryptoTransform {
   spi::CryptoTransform& real() { return KeyThief::transform(); }
   Bytes changed(BytesView plain) {
     auto out = to_bytes(plain);
+    if (malice_.further.chance(malice_.claims))
+      claim(out, [&](bool writes) { return malice_.endpoint(writes); });
     if (malice_.dice.chance(malice_.tampers)) mangle(out, malice_.dice, malice_.names);
     return out;
   }

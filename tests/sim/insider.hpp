@@ -12,7 +12,10 @@ struct Malice {
   Dice dice{0};
   unsigned tampers = 0;     ///< with so many in a thousand of its messages
   unsigned false_keys = 0;  ///< in a thousand steps: keys in another's name, by a stolen key
+  Dice further{0};          ///< for kinds of attacks that were added later
+  unsigned claims = 0;      ///< in a thousand announcements of its endpoints: another's endpoint
   std::vector<GuidPrefix> names = {};
+  std::function<Guid(bool writes)> endpoint = {};  ///< of an honest participant
   std::function<Bytes()> submessages = {};  ///< of others, to be sent in a message of its own
   testing::KeyThief::Stolen stolen = {};
 };

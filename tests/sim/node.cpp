@@ -85,7 +85,11 @@ void Endpoint::on_alive(const Guid& writer) {
 }
 
 Node::Node(const Surroundings& around, const Subject& subject, std::size_t number, Dice dice)
-    : around_(around), subject_(subject), number_(number), dice_(dice), random_(dice_.next()) {}
+    : around_(around),
+      subject_(subject),
+      address_(address_of(number)),
+      dice_(dice),
+      random_(dice_.next()) {}
 
 void Node::make_engines(const GuidPrefix& name) {
   const Environment environment{clock_, random_, *this};

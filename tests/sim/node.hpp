@@ -65,7 +65,7 @@ class Node final : private Transport, private EventSink {
   const Participant& participant() const { return *participant_; }
   const std::vector<std::unique_ptr<Endpoint>>& endpoints() const { return endpoints_; }
   const Cost& cost() const { return cost_; }
-  Locator address() const { return address_of(number_); }
+  const Locator& address() const { return address_; }
   const std::map<Code, std::uint64_t>& events() const { return events_; }
 
   /// `name`: whose GUID an impostor takes.
@@ -106,7 +106,7 @@ class Node final : private Transport, private EventSink {
 
   const Surroundings& around_;
   const Subject& subject_;
-  const std::size_t number_;
+  const Locator address_;
   Dice dice_;
   ManualClock clock_{pki::kNow};
   SeededRandom random_;

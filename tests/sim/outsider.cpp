@@ -1,5 +1,6 @@
 #include "tests/sim/outsider.hpp"
 
+#include "tests/sim/ambush.hpp"
 #include "tests/sim/forgeries.hpp"
 #include "wire/entity_ids.hpp"
 
@@ -73,6 +74,7 @@ void Outsider::act(MonotonicTime now, std::size_t nodes) {
   if (dice_.chance(temper_.forge)) forge(now, nodes);
   if (further_.chance(temper_.announce)) announce(now, nodes);
   if (temper_.crowd > 0 && further_.chance(temper_.crowd)) crowd(now);
+  if (temper_.ambush > 0 && ambush_.chance(temper_.ambush)) ambush(now);
 }
 
 // To whom they were sent, or to anybody, from where they came, or from anywhere.
@@ -105,6 +107,12 @@ void Outsider::announce(MonotonicTime now, std::size_t nodes) {
 void Outsider::crowd(MonotonicTime now) {
   Forger forger(ledger_, invariants_, recorded_, further_);
   for (auto& [octets, from] : forger.crowd()) inject({from, kGroup, std::move(octets)}, now);
+}
+
+void Outsider::ambush(MonotonicTime now) {
+  auto octets = Ambush(ledger_, invariants_, recorded_, ambush_)(now);
+  const auto from = Locator::udp_v4({192, 0, 2, ambush_.octet()}, 7400);
+  if (!octets.empty()) inject({from, kGroup, std::move(octets)}, now);
 }
 
 std::vector<GuidPrefix> Outsider::names() const {

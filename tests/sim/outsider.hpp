@@ -18,6 +18,7 @@ struct Temper {
   unsigned forge = 0;     ///< a burst of forgeries of one kind
   unsigned announce = 0;  ///< a burst of Forger::announcements
   unsigned crowd = 0;     ///< a burst of Forger::crowd
+  unsigned ambush = 0;    ///< one of Ambush
 };
 
 class Outsider {
@@ -27,7 +28,8 @@ class Outsider {
         invariants_(invariants),
         network_(network),
         dice_(dice),
-        further_(dice.fork("further")) {}
+        further_(dice.fork("further")),
+        ambush_(dice.fork("ambush")) {}
 
   /// What becomes of a datagram.
   void carry(Datagram datagram, MonotonicTime now);
@@ -54,6 +56,7 @@ class Outsider {
   void forge(MonotonicTime now, std::size_t nodes);
   void announce(MonotonicTime now, std::size_t nodes);
   void crowd(MonotonicTime now);
+  void ambush(MonotonicTime now);
   Bytes spliced(const Bytes& octets);
   std::vector<GuidPrefix> names() const;
 
@@ -61,7 +64,7 @@ class Outsider {
   const Invariants& invariants_;
   Network& network_;
   Dice dice_;
-  Dice further_;  ///< for kinds of attacks that were added later
+  Dice further_, ambush_;  ///< for kinds of attacks that were added later
   Temper temper_;
   std::vector<Datagram> recorded_;
   std::map<Locator, MonotonicTime> silenced_;

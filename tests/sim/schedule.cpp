@@ -43,7 +43,7 @@ void add_siblings(Plan& plan) {
   plan.temper = plan.siege = {};
   plan.tampers = plan.false_keys = 0;
   plan.restarts = plan.sleeps = plan.calendars = plan.endpoints = 0;
-  plan.hostile_steps = 6000;
+  plan.hostile_steps = 1500;
   plan.siege_steps = 100;
   plan.siege_restart = true;
 }
@@ -73,6 +73,22 @@ void add_further_attacks(Plan& plan) {
     add_crowd(plan);
 }
 
+/// An insider without any permission is not authenticated, so that it announces no endpoints.
+bool is_member(const Subject& one) { return one.role == Role::insider && !one.publishes.empty(); }
+
+/// These were added after those, and are drawn apart, too.
+void add_latest_attacks(Plan& plan) {
+  auto dice = Dice(plan.seed).fork("latest");
+  const bool ambushes = dice.chance(100), claims = dice.chance(300);
+  const auto often = static_cast<unsigned>(300 + dice.below(700));
+  if (plan.siege.crowd > 0 || plan.cast.back().role == Role::sibling) return;
+  if (ambushes) {
+    plan.temper.ambush = plan.siege.ambush = often;
+    plan.siege_restart = true;
+  }
+  if (claims && std::ranges::any_of(plan.cast, is_member)) plan.claims = often;
+}
+
 class Run {
  public:
   explicit Run(const Plan& plan)
@@ -84,8 +100,7 @@ class Run {
   Outcome operator()() {
     for (const auto& node : world_.nodes()) world_.start(*node);
     if (plan_.meets_first) repeat(300, [] { return false; });
-    world_.malice().tampers = plan_.tampers;
-    world_.malice().false_keys = plan_.false_keys;
+    incite();
     world_.outsider().behave(plan_.temper);
     world_.set_hostile(true);
     for (int i = 0; i < plan_.hostile_steps && !is_over(); ++i) hostile_step();
@@ -113,6 +128,16 @@ class Run {
     return done();
   }
   Node& any_node() { return *dice_.of(world_.nodes()); }
+  /// One that is there if any claims are made.
+  Node& insider() {
+    return **std::ranges::find_if(world_.nodes(),
+                                  [](const auto& node) { return is_member(node->subject()); });
+  }
+  void incite() {
+    world_.malice().tampers = plan_.tampers;
+    world_.malice().false_keys = plan_.false_keys;
+    world_.malice().claims = plan_.claims;
+  }
   void hostile_step() {
     step();
     if (dice_.chance(plan_.writes)) write();
@@ -121,7 +146,7 @@ class Run {
       any_node().sleep_until(world_.now() + milliseconds(dice_.below(40'000)));
     if (dice_.chance(plan_.calendars))
       any_node().set_calendar(seconds(dice_.below(7200)) - seconds(3600));
-    if (dice_.chance(plan_.endpoints)) change_endpoints();
+    if (dice_.chance(plan_.endpoints)) change_endpoints(any_node());
   }
   void write() {
     auto& node = any_node();
@@ -134,8 +159,7 @@ class Run {
     if (dice_.chance(700)) world_.start(node);
   }
   // Honest nodes keep one of each, which the reunion looks for.
-  void change_endpoints() {
-    auto& node = any_node();
+  void change_endpoints(Node& node) {
     if (!node.is_running()) return;
     constexpr std::size_t kKept = 2 * kTopics.size(), kMost = 40;
     if (node.endpoints().size() < kMost && dice_.chance(600))
@@ -245,8 +269,7 @@ class Run {
     repeat(static_cast<int>(seconds(15) / World::kStep), [] { return false; });
     world_.set_hostile(true);
     world_.outsider().behave(plan_.siege);
-    world_.malice().tampers = plan_.tampers;
-    world_.malice().false_keys = plan_.false_keys;
+    incite();
     world_.invariants().set_besieged(true);
     const bool crowded = plan_.siege.crowd > 0;
     if (crowded) repeat(kCrowdGathers, [] { return false; });
@@ -255,7 +278,10 @@ class Run {
       victim.stop(false);
       world_.start(victim);
     }
-    repeat(plan_.siege_steps, [] { return false; });
+    repeat(plan_.siege_steps, [&] {
+      if (plan_.claims > 0 && dice_.chance(plan_.claims / 10)) change_endpoints(insider());
+      return false;
+    });
     if (!is_over())
       reunite(invariant::kNewcomer, crowded ? Invariants::kMaxInCrowd : Invariants::kMaxReunion);
     if (!is_over()) exchange();
@@ -323,6 +349,7 @@ Plan plan_of(std::uint64_t seed, int steps) {
   plan.calendars = some(dice, 4);
   plan.endpoints = some(dice, 30);
   add_further_attacks(plan);
+  add_latest_attacks(plan);
   return plan;
 }
 
@@ -340,15 +367,17 @@ std::string describe(const Plan& plan) {
   add("drop", t.drop), add("duplicate", t.duplicate), add("delay", t.delay);
   add("mangle", t.mangle), add("cut short", t.cut_short), add("splice", t.splice);
   add("bridge", t.bridge), add("muffle", t.muffle), add("silence", t.silence),
-      add("replay", t.replay), add("forge", t.forge), add("announce", t.announce);
+      add("replay", t.replay), add("forge", t.forge), add("announce", t.announce),
+      add("ambush", t.ambush);
   const auto& s = plan.siege;
   add(plan.siege_steps >= kLongSiege ? "long siege" : "siege",
       static_cast<unsigned>(plan.siege_steps));
   add("duplicate", s.duplicate), add("splice", s.splice), add("replay", s.replay),
-      add("forge", s.forge), add("announce", s.announce), add("crowd", s.crowd);
+      add("forge", s.forge), add("announce", s.announce), add("crowd", s.crowd),
+      add("ambush", s.ambush);
   add("tamper", plan.tampers), add("restart", plan.restarts), add("sleep", plan.sleeps);
   add("calendar", plan.calendars), add("endpoints", plan.endpoints);
-  add("false keys", plan.false_keys);
+  add("false keys", plan.false_keys), add("claims", plan.claims);
   if (plan.sparse) out += "; sparse history";
   if (plan.siege_restart) out += "; restart in the siege";
   out += plan.meets_first ? "; meets first" : "; meets late";

@@ -20,6 +20,7 @@ struct Plan {
   bool meets_first = false;  ///< before the network is hostile
   bool sparse = false;       ///< late readers of a writer that has used up a million numbers
   unsigned false_keys = 0;   ///< see Malice
+  unsigned claims = 0;       ///< see Malice
   // In a thousand steps.
   unsigned writes = 0, restarts = 0, sleeps = 0, calendars = 0, endpoints = 0;
 };

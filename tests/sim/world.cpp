@@ -8,7 +8,7 @@ World::World(const Protection& protection, std::span<const Subject> cast, Dice d
              bool has_interfaces)
     : invariants_(ledger_, protection, now_),
       outsider_(ledger_, invariants_, network_, dice.fork("outsider")),
-      malice_{.dice = dice.fork("insider")},
+      malice_{.dice = dice.fork("insider"), .further = dice.fork("claims")},
       around_{protection, now_, ledger_, invariants_, malice_, *this, has_interfaces},
       protection_(protection),
       further_(dice.fork("further")) {
@@ -16,9 +16,11 @@ World::World(const Protection& protection, std::span<const Subject> cast, Dice d
     return Forger(ledger_, invariants_, outsider_.recorded(), malice_.dice)
         .in_the_name_of_another();
   };
+  malice_.endpoint = [this](bool writes) { return endpoint_to_claim(writes); };
   for (const auto& subject : cast)
     nodes_.push_back(std::make_unique<Node>(
         around_, subject, nodes_.size(), dice.fork(subject.name + std::to_string(nodes_.size()))));
+  for (const auto& node : nodes_) by_address_[node->address()] = node.get();
   invariants_.expect_siblings(static_cast<std::size_t>(
       std::ranges::count_if(nodes_, [](const auto& node) { return node->is_sibling(); })));
 }
@@ -35,16 +37,14 @@ void World::set_hostile(bool hostile) {
   hostile_ = hostile;
   if (hostile) return;
   outsider_.behave({});
-  malice_.tampers = malice_.false_keys = 0;
+  malice_.tampers = malice_.false_keys = malice_.claims = 0;
   network_.lose_all();
 }
 
 void World::carry(const Subject& from, Datagram datagram, bool for_honest) {
   note(datagram.octets);
   const auto& to = datagram.to;
-  const bool somewhere = to == kGroup || std::ranges::any_of(nodes_, [&](const auto& node) {
-                           return node->address() == to;
-                         });
+  const bool somewhere = to == kGroup || node_at(to) != nullptr;
   if (for_honest && !somewhere)
     invariants_.fail(invariant::kAstray, from.name + " sent a sample to " + to_string(to));
   if (around_.has_interfaces && from.is_honest() && to.is_loopback())
@@ -60,19 +60,26 @@ void World::carry(const Subject& from, Datagram datagram, bool for_honest) {
     network_.post(std::move(datagram), now_ + Network::kLatency);
 }
 
+Node* World::node_at(const Locator& address) const {
+  const auto at = by_address_.find(address);
+  return at == by_address_.end() ? nullptr : at->second;
+}
+
 // Nothing depends on what siblings say to one another.
 void World::deliver(const Datagram& datagram) {
-  const bool by_sibling = has_siblings() && std::ranges::any_of(nodes_, [&](const auto& node) {
-                            return node->is_sibling() && node->address() == datagram.from;
-                          });
-  for (const auto& node : nodes_) {
-    const bool own = node->address() == datagram.from && datagram.to == kGroup;
-    if (own || (datagram.to != kGroup && datagram.to != node->address())) continue;
-    if (by_sibling && node->is_sibling()) continue;
+  const auto* sender = node_at(datagram.from);
+  const auto deliver_to = [&](Node& node) {
+    if (sender != nullptr && sender->is_sibling() && node.is_sibling()) return;
     ++delivered_;
-    flows_[node->address()].in += datagram.octets.size();
-    node->receive(datagram);
+    flows_[node.address()].in += datagram.octets.size();
+    node.receive(datagram);
+  };
+  if (datagram.to != kGroup) {
+    if (auto* node = node_at(datagram.to)) deliver_to(*node);
+    return;
   }
+  for (const auto& node : nodes_)
+    if (node.get() != sender) deliver_to(*node);
 }
 
 // FNV-1a.
@@ -88,6 +95,15 @@ void World::step() {
   for (const auto& datagram : network_.arrived(now_)) deliver(datagram);
   for (const auto& node : nodes_) node->advance(kStep);
   check_tables();
+}
+
+Guid World::endpoint_to_claim(bool writes) {
+  std::vector<Guid> out;
+  for (const auto& node : nodes_)
+    if (node->subject().role == Role::honest && node->is_running())
+      for (const auto& endpoint : node->endpoints())
+        if (endpoint->end().writes == writes) out.push_back(endpoint->end().guid);
+  return out.empty() ? Guid{} : malice_.further.of(out);
 }
 
 // Without origin authentication, whoever reads can also write: that is the standard's design.

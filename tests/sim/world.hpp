@@ -36,8 +36,12 @@ class World final : private Wire {
  private:
   void carry(const Subject& from, Datagram datagram, bool for_honest) override;
   void deliver(const Datagram& datagram);
+  /// nullptr: none is there.
+  Node* node_at(const Locator& address) const;
   /// An insider forges with a key that it was given.
   void use_stolen_key();
+  /// Of any honest participant that runs.
+  Guid endpoint_to_claim(bool writes);
   /// It sends keys of its own in the name of the key's owner.
   void send_false_keys();
   /// They come last.
@@ -61,6 +65,7 @@ class World final : private Wire {
   const Protection& protection_;
   Dice further_;  ///< for kinds of attacks that were added later
   std::vector<std::unique_ptr<Node>> nodes_;
+  std::map<Locator, Node*> by_address_;
   bool hostile_ = false;
   std::uint64_t fingerprint_ = 0;
   std::uint64_t delivered_ = 0;
