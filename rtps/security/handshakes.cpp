@@ -369,10 +369,16 @@ void Handshakes::note_key_exchange(Peer& peer) {
 // ---- time
 
 // A peer may be removed meanwhile.
+// What is due may remove peers. In a flood of announcements, few of them are due.
 void Handshakes::tick() {
   if (core_.now < next_) return;
   next_ = kNever;
   for (auto at = core_.peers.begin(); at != core_.peers.end();) {
+    if (const auto due = next_of(at->second); core_.now < due) {
+      next_ = std::min(next_, due);
+      ++at;
+      continue;
+    }
     const auto prefix = at->first;
     if (core_.now >= at->second.again_at) try_again(at->second);
     if (at->second.state.handshake() != nullptr) tick(at->second);
@@ -480,12 +486,11 @@ void Handshakes::admit_meanwhile(Peer& peer) {
   core_.host.on_refused(GuidPrefix(peer.prefix()));
 }
 
-void Handshakes::schedule(const Peer& peer) {
-  if (peer.state.is<peer::Refused>()) next_ = std::min(next_, peer.again_at);
+MonotonicTime Handshakes::next_of(const Peer& peer) const {
+  const auto again = peer.state.is<peer::Refused>() ? peer.again_at : kNever;
   const auto* handshake = peer.state.handshake();
-  if (handshake == nullptr) return;
-  next_ =
-      std::min({next_, handshake->next_tick(), next_admission(peer), next_of_association(peer)});
+  if (handshake == nullptr) return again;
+  return std::min({again, handshake->next_tick(), next_admission(peer), next_of_association(peer)});
 }
 
 }  // namespace ddssec::rtps

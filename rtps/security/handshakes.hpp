@@ -136,7 +136,9 @@ class Handshakes {
   /// When the association next has work.
   MonotonicTime next_of_association(const Peer& peer) const;
   /// Moves the next tick forward if this peer has work earlier.
-  void schedule(const Peer& peer);
+  void schedule(const Peer& peer) { next_ = std::min(next_, next_of(peer)); }
+  /// When this peer next has work.
+  MonotonicTime next_of(const Peer& peer) const;
 
   SecurityCore& core_;
   const Admission& admission_;
