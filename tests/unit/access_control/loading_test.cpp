@@ -292,50 +292,5 @@ TEST_F(RemotePermissions, EachLocalParticipantJudgesByItsOwnGovernance) {
   }
 }
 
-using Handles = AccessControlTest;
-
-TEST_F(Handles, OfNobodyAreRefusedEverywhere) {
-  const spi::PermissionsHandle nobody{42};
-  EXPECT_REFUSED(plugin->check_create_participant(nobody, 0), unknown_permissions_handle);
-  EXPECT_REFUSED(plugin->check_remote_datawriter({}, 0, {}), unknown_permissions_handle);
-  EXPECT_REFUSED(plugin->permissions_token(nobody), unknown_permissions_handle);
-  EXPECT_REFUSED(plugin->participant_sec_attributes(nobody), unknown_permissions_handle);
-  EXPECT_CODE(plugin->return_permissions_handle(nobody), unknown_permissions_handle);
-}
-
-TEST_F(Handles, AreReturnedOnce) {
-  const auto handle = local(open_permissions(kTalker));
-  ASSERT_TRUE(handle);
-  EXPECT_TRUE(plugin->return_permissions_handle(*handle));
-  EXPECT_CODE(plugin->return_permissions_handle(*handle), unknown_permissions_handle);
-  EXPECT_REFUSED(remote(open_permissions(kListener)), unknown_local_identity);
-}
-
-TEST_F(Handles, AreBounded) {
-  make({.most_handles = 2});
-  ASSERT_TRUE(local(open_permissions(kTalker)));
-  const auto document = open_permissions(kListener);
-  const auto peer = remote(document);
-  ASSERT_TRUE(peer);
-  EXPECT_REFUSED(remote(document), too_many_permissions_handles);
-  EXPECT_TRUE(plugin->return_permissions_handle(*peer));
-  EXPECT_TRUE(remote(document));
-}
-
-TEST_F(Handles, BelongToOneDomain) {
-  const auto handle = local(open_permissions(kTalker));
-  ASSERT_TRUE(handle);
-  EXPECT_REFUSED(plugin->check_create_participant(*handle, 1), other_domain);
-}
-
-TEST_F(Handles, OfPeersOutliveTheLocalOne) {
-  const auto handle = local(open_permissions(kTalker));
-  const auto peer = remote(open_permissions(kListener));
-  ASSERT_TRUE(handle && peer);
-  EXPECT_TRUE(plugin->return_permissions_handle(*handle));
-  EXPECT_TRUE(plugin->check_remote_participant(*peer, 0));
-  EXPECT_TRUE(plugin->return_permissions_handle(*peer));
-}
-
 }  // namespace
 }  // namespace ddssec::access_control

@@ -1,40 +1,10 @@
+#include "tests/unit/access_control/decisions.hpp"
 #include "tests/unit/access_control/fixture.hpp"
 
 namespace ddssec::access_control {
 namespace {
 
 using spi::EndpointRequest;
-using Partitions = std::vector<std::string_view>;
-
-class Decisions : public AccessControlTest {
- protected:
-  /// "open" has no access control, "written" only write control, the rest both.
-  void SetUp() override {
-    auto& rules = governance_document.domain_rules[0].topic_rules;
-    rules = {{.topic_expression = "open",
-              .enable_read_access_control = false,
-              .enable_write_access_control = false},
-             {.topic_expression = "written", .enable_read_access_control = false},
-             {.topic_expression = "closed*"}};
-  }
-  spi::PermissionsHandle with(std::vector<governance::Rule> rules, bool default_allow = false) {
-    auto content = grant(kTalker, std::move(rules));
-    content.default_allow = default_allow;
-    const auto handle = local(signed_permissions({content}));
-    EXPECT_TRUE(handle) << handle.error().to_sentence();
-    return *handle;
-  }
-  spi::PermissionsHandle peer_with(std::vector<governance::Rule> rules,
-                                   bool default_allow = false) {
-    if (!local_) local_ = with({rule(true)});
-    auto content = grant(kListener, std::move(rules));
-    content.default_allow = default_allow;
-    const auto handle = remote(signed_permissions({content}));
-    EXPECT_TRUE(handle) << handle.error().to_sentence();
-    return *handle;
-  }
-  spi::PermissionsHandle local_;
-};
 
 TEST_F(Decisions, JoiningNeedsAnAllowRuleOfTheDomain) {
   EXPECT_TRUE(plugin->check_create_participant(with({rule(true)}), 0));
@@ -100,84 +70,6 @@ TEST_F(Decisions, PeersAreJudgedByLocalGovernanceAndTheirPermissions) {
                  announced_reader_not_allowed);
   EXPECT_REFUSED(plugin->check_remote_datawriter(peer, 0, {.topic_name = "unheard"}),
                  topic_not_covered);
-}
-
-TEST_F(Decisions, ARefusalSaysThatOnlyThePartitionIsNotAllowed) {
-  auto allowed = publish_rule(true, {"closed"});
-  allowed.publish[0].partitions = {{{"p", 0}}};
-  const Partitions wrong = {"q"};
-  const EndpointRequest request{.topic_name = "closed", .partitions = wrong};
-  const auto peer = peer_with({allowed});
-  for (const auto& refused : {plugin->check_create_datawriter(with({allowed}), 0, request),
-                              plugin->check_remote_datawriter(peer, 0, request)}) {
-    ASSERT_FALSE(refused);
-    EXPECT_NE(refused.error().hint().find("the topic is allowed, but not in partition \"q\""),
-              std::string::npos)
-        << refused.error().hint();
-  }
-}
-
-spi::AccessControl::Match match(const EndpointRequest& local, bool remote_writes = true) {
-  return {.remote_writes = remote_writes,
-          .local = local,
-          .remote = GuidPrefix{{0x81, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}}};
-}
-
-TEST_F(Decisions, ANameThatIsCloseIsProposedToTheLocalParticipantOnly) {
-  const auto allowed = publish_rule(true, {"closed_chatter"});
-  const EndpointRequest request{.topic_name = "closed_chater"};
-  const auto own = plugin->check_create_datawriter(with({allowed}), 0, request);
-  const auto peers = plugin->check_remote_datawriter(peer_with({allowed}), 0, request);
-  ASSERT_FALSE(own);
-  ASSERT_FALSE(peers);
-  EXPECT_NE(own.error().hint().find("is \"closed_chatter\" meant?"), std::string::npos);
-  EXPECT_EQ(peers.error().hint().find("is \"closed_chatter\" meant?"), std::string::npos);
-}
-
-TEST_F(Decisions, ARefusedPeerIsToldApartFromTheLocalParticipant) {
-  const auto peer = peer_with({publish_rule(true, {"closed_out"})});
-  const auto own = with({publish_rule(true, {"closed_out"})});
-  const auto mentions = [](std::string_view text, std::string_view part) {
-    return text.find(part) != text.npos;
-  };
-  const EndpointRequest request{.topic_name = "closed_in"};
-  const auto reader = plugin->check_remote_datareader(peer, 0, request);
-  const auto writer = plugin->check_remote_datawriter(peer, 0, request);
-  const auto topic = plugin->check_remote_topic(peer, 0, "closed_in");
-  ASSERT_FALSE(reader || writer || topic);
-  for (const auto& error : {reader.error(), writer.error(), topic.error()}) {
-    EXPECT_TRUE(mentions(error.details().note, "the peer's own permissions, grant"))
-        << error.details().note;
-    EXPECT_TRUE(mentions(error.hint(), std::string("the permissions of ") + kListener + " decide"))
-        << error.hint();
-    EXPECT_TRUE(mentions(error.hint(), info(error.code()).hint)) << error.hint();
-    EXPECT_EQ(log.events.empty() ? "" : log.events.front().peer_subject, kListener);
-  }
-  const auto ours = plugin->check_create_datawriter(own, 0, {.topic_name = "closed_in"});
-  ASSERT_FALSE(ours);
-  EXPECT_FALSE(mentions(ours.error().details().note, "peer"));
-  EXPECT_EQ(ours.error().hint(), info(Code::publish_not_allowed).hint);
-  // Of a match the announcement may be forged: that hint stays.
-  const auto matched = plugin->check_remote_match(peer, match({.topic_name = "closed_in"}));
-  ASSERT_FALSE(matched);
-  EXPECT_EQ(matched.error().hint(), info(Code::match_not_permitted).hint);
-}
-
-// Anybody can announce an endpoint in a peer's name where discovery is not protected, and any
-// participant where its origin is not authenticated.
-TEST_F(Decisions, AnAnnouncementInAPeersNameDoesNotAccuseThePeer) {
-  const auto peer = peer_with({rule(true)});
-  const auto writer = plugin->check_remote_datawriter(peer, 0, {.topic_name = "closed_in"});
-  const auto reader = plugin->check_remote_datareader(peer, 0, {.topic_name = "closed_in"});
-  ASSERT_FALSE(writer);
-  ASSERT_FALSE(reader);
-  EXPECT_EQ(writer.error().code(), Code::announced_writer_not_allowed);
-  EXPECT_EQ(reader.error().code(), Code::announced_reader_not_allowed);
-  for (const auto& error : {writer.error(), reader.error()})
-    EXPECT_NE(error.hint().find("this does not prove that the peer made the announcement"),
-              std::string::npos)
-        << error.hint();
-  for (const auto& event : log.events) EXPECT_EQ(event.severity, Severity::warning);
 }
 
 // RVD#447: partitions count for peers too.
@@ -293,20 +185,6 @@ TEST_F(Decisions, RelaysAreLetInOnlyIfAsked) {
   // The default does not make a relay.
   const auto denied = peer_with({subscribe_rule(false, {"closed_relay"})}, true);
   EXPECT_REFUSED(plugin->check_remote_datareader(denied, 0, request), announced_reader_not_allowed);
-}
-
-TEST_F(Decisions, RefusalNamesDocumentLineRuleAndValues) {
-  const auto handle = with({publish_rule(false, {"closed_b"}), publish_rule(true, {"closed_*"})});
-  const Partitions partitions = {""};
-  const auto status = plugin->check_create_datawriter(
-      handle, 0, {.topic_name = "closed_b", .partitions = partitions});
-  ASSERT_FALSE(status);
-  const auto& details = status.error().details();
-  EXPECT_EQ(details.document, "dds.sec.access.permissions");
-  EXPECT_EQ(details.line, 25);  // of the file
-  EXPECT_EQ(details.field, "<deny_rule>");
-  EXPECT_EQ(details.expected, "an allow_rule to publish topic \"closed_b\" in partition \"\"");
-  EXPECT_NE(details.note.find(kTalker), std::string::npos);
 }
 
 TEST_F(Decisions, AttributesAreAsTheDocumentSays) {

@@ -1,0 +1,228 @@
+// Permissions of peers that a renewal list extends.
+#include "tests/unit/access_control/listed_peers.hpp"
+
+#include <gmock/gmock.h>
+
+#include "pki/renewal_list.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/unit/access_control/fixture.hpp"
+
+namespace ddssec::access_control {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing::Not;
+
+TEST_F(ListedPeers, TheSameRights_KeepThePeer) {
+  put({document({"t"}, 0s, 12h)});
+  EXPECT_THAT(look(), IsEmpty());
+  ASSERT_EQ(log.events.size(), 1u);
+  const auto& event = log.events.front();
+  EXPECT_EQ(event.error.code(), Code::peer_permissions_listed);
+  EXPECT_EQ(event.severity, Severity::informational);
+  EXPECT_EQ(event.peer_subject, kListener);
+  EXPECT_EQ(event.error.details().found, to_string(kNow + 12h));
+  EXPECT_THAT(pass_the_end(), IsEmpty());
+  EXPECT_EQ(log.events.size(), 1u);
+  EXPECT_TRUE(may_publish("t"));
+  EXPECT_FALSE(may_publish("u"));
+  EXPECT_EQ(plugin->next_expiry(), kNow + 12h);
+}
+
+TEST_F(ListedPeers, WithoutAList_ThePeerEndsInTime) {
+  EXPECT_THAT(look(19s), IsEmpty());
+  EXPECT_THAT(look(1s), ElementsAre(peer_));
+  EXPECT_THAT(codes(), ElementsAre(Code::grant_expired));
+}
+
+TEST_F(ListedPeers, AListOfTheLastSecond_Counts) {
+  look(19s);
+  put({document({"t"}, 0s, 24h)});
+  EXPECT_THAT(look(1s), IsEmpty());
+}
+
+TEST_F(ListedPeers, AListThatIsThereAtTheStart_KeepsThePeer) {
+  (void)plugin->return_permissions_handle(peer_);
+  (void)plugin->return_permissions_handle(own_);
+  put({document({"t"}, 0s, 24h)});
+  own_ = ours({}, "").value();
+  meet(document({"t"}));
+  EXPECT_THAT(look(20s), IsEmpty());
+}
+
+TEST_F(ListedPeers, TheBeginOfTheSameRights_SaysNothing) {
+  put({document({"t"}, -25h, 40s)});
+  EXPECT_THAT(look(20s), IsEmpty());
+  put({document({"t"}, -24h, 60s)});
+  EXPECT_THAT(look(20s), IsEmpty());
+  EXPECT_THAT(look(20s), ElementsAre(peer_));
+}
+
+TEST_F(ListedPeers, TheSameRightsAfterTheEnd_AreTooLate) {
+  put({document({"t"}, 21s, 24h)});
+  EXPECT_THAT(look(20s), ElementsAre(peer_));
+  EXPECT_THAT(pass_the_end(), IsEmpty());
+  EXPECT_FALSE(may_publish("t"));
+}
+
+TEST_F(ListedPeers, AnExtension_EndsWithItsOwnTimeInTheEvent) {
+  put({document({"t"}, 0s, 40s)});
+  EXPECT_THAT(look(39s), IsEmpty());
+  log.events.clear();
+  EXPECT_THAT(look(1s), ElementsAre(peer_));
+  ASSERT_EQ(log.events.size(), 1u);
+  EXPECT_EQ(log.events.front().error.code(), Code::grant_expired);
+  EXPECT_THAT(log.events.front().error.to_sentence(), testing::HasSubstr(to_string(kNow + 40s)));
+}
+
+TEST_F(ListedPeers, AClockThatGoesBack_EndsNoExtension) {
+  put({document({"t"}, 0s, 24h)});
+  look(30s);
+  clock.set(kNow + 1s);
+  EXPECT_THAT(plugin->expire(), IsEmpty());
+  clock.set(kNow - 1s);
+  EXPECT_THAT(plugin->expire(), IsEmpty());
+  EXPECT_TRUE(may_publish("t"));
+}
+
+TEST_F(ListedPeers, AListThatNoLongerHasIt_LeavesAnExtensionUntilItsEnd) {
+  put({document({"t"}, 0s, 60s)});
+  look();
+  put({document({"t"}, 0s, 24h, kTalker)});
+  EXPECT_THAT(look(54s), IsEmpty());
+  EXPECT_THAT(look(1s), ElementsAre(peer_));
+}
+
+// It is signed, and holds until its end. What takes it away is the revocation of the certificate.
+TEST_F(ListedPeers, ALaterEntryWithLessRights_LeavesThePeerUntilTheWideOneEnds) {
+  meet(document({"t", "u"}));
+  const auto wide = document({"t", "u"}, 0s, 60s);
+  put({wide});
+  look();
+  put({wide, document({"t"}, 5s, 24h)});
+  EXPECT_THAT(look(50s), Not(Contains(peer_)));
+  EXPECT_TRUE(may_publish("u"));
+  EXPECT_THAT(look(5s), Contains(peer_));
+}
+
+TEST_F(ListedPeers, AFormerListWithTheSameRights_GivesNoTimeBack) {
+  const auto former = document({"t"}, 0s, 40s);
+  put({former});
+  look();
+  put({document({"t"}, 0s, 60s)});
+  look();
+  put({former});
+  EXPECT_THAT(look(49s), IsEmpty());
+  EXPECT_THAT(look(1s), ElementsAre(peer_));
+}
+
+// ---- what a peer shows within its session
+
+TEST_F(ListedPeers, ShownPermissionsThatBeginBeforeTheExtension_AreTaken) {
+  put({document({"t"}, 0s, 24h)});
+  look();
+  EXPECT_TRUE(show(document({"t"}, -23h, 60s)));
+  EXPECT_THAT(pass_the_end(), IsEmpty());
+}
+
+TEST_F(ListedPeers, ShownPermissionsWithOtherRights_AreNotExtendedByTheFormer) {
+  put({document({"t"}, 0s, 24h)});
+  look();
+  EXPECT_TRUE(show(document({"u"}, -23h, 60s)));
+  EXPECT_TRUE(may_publish("u"));
+  EXPECT_FALSE(may_publish("t"));
+  EXPECT_THAT(pass_the_end(), ElementsAre(peer_));
+}
+
+// ---- lists that cannot be used
+
+TEST_F(ListedPeers, SignedByAnotherCa_IsOneEventAndChangesNothing) {
+  put({document({"t"}, 0s, 12h)});
+  look();
+  log.events.clear();
+  auto out = grant(kListener, {publish_rule(true, {"t"})});
+  out.validity = {kNow + 1s, kNow + 48h};
+  const auto forged = signed_by(authorities().other_ca,
+                                governance::to_xml(governance::Permissions{.grants = {out}}));
+  put({forged});
+  EXPECT_THAT(pass_the_end(), IsEmpty());
+  EXPECT_THAT(codes(), ElementsAre(Code::renewal_list_permissions_refused));
+  EXPECT_EQ(plugin->next_expiry(), kNow + 12h);
+  put({forged, document({"t"}, 0s, 18h)});
+  EXPECT_THAT(pass_the_end(), IsEmpty());
+  EXPECT_EQ(plugin->next_expiry(), kNow + 18h);
+}
+
+// Authentication reports such a list.
+TEST_F(ListedPeers, AListThatCannotBeRead_ChangesNothing) {
+  put({document({"t"}, 0s, 24h)});
+  look();
+  log.events.clear();
+  folder_.replace("renewed.pem", "garbage");
+  EXPECT_THAT(pass_the_end(), IsEmpty());
+  EXPECT_THAT(log.events, IsEmpty());
+}
+
+// ---- ours, which the peer has seen
+
+class OwnListedPermissions : public ListedPeers {
+ protected:
+  /// Ours end first, and are renewed; the peer has seen the former ones.
+  void begin(bool peer_reads_lists, const char* next_topic = "*") {
+    (void)plugin->return_permissions_handle(peer_);
+    (void)plugin->return_permissions_handle(own_);
+    const auto first = open(-24h, 20s);
+    own_ = ours("file:" + folder_.write("permissions.p7s", first), "-").value();
+    meet(open_permissions(kListener), {.presented_permissions = sha256(as_bytes(first)),
+                                       .peer_keeps_session = false,
+                                       .peer_reads_lists = peer_reads_lists});
+    next_ = open(0s, 24h, next_topic);
+    folder_.replace("permissions.p7s", next_);
+    look();
+    log.events.clear();
+  }
+  std::string open(std::chrono::seconds from, std::chrono::seconds until,
+                   const char* topic = "*") const {
+    auto out = grant(kTalker, {publish_rule(true, {topic})});
+    out.validity = {kNow + from, kNow + until};
+    return signed_permissions({out});
+  }
+  std::string next_;
+};
+
+TEST_F(OwnListedPermissions, RenewedPermissionsOnTheList_KeepTheSession) {
+  begin(true);
+  put({next_});
+  EXPECT_THAT(pass_the_end(), IsEmpty());
+}
+
+TEST_F(OwnListedPermissions, AnExtensionOfWhatThePeerHasSeen_KeepsTheSession) {
+  begin(true);
+  put({open(1s, 12h)});
+  EXPECT_THAT(pass_the_end(), IsEmpty()) << "the peer goes by it, too";
+}
+
+// The peer does not go by them.
+TEST_F(OwnListedPermissions, RenewedPermissionsWithOtherRights_EndTheSession) {
+  begin(true, "t");
+  put({next_});
+  EXPECT_THAT(pass_the_end(), ElementsAre(peer_));
+  EXPECT_THAT(codes(), ElementsAre(Code::session_outlived_documents));
+}
+
+TEST_F(OwnListedPermissions, WithoutAList_TheSessionEnds) {
+  begin(true);
+  EXPECT_THAT(pass_the_end(), ElementsAre(peer_));
+  EXPECT_THAT(codes(), ElementsAre(Code::session_outlived_documents));
+}
+
+TEST_F(OwnListedPermissions, APeerOfAnotherProduct_HasNoList) {
+  begin(false);
+  put({next_});
+  EXPECT_THAT(pass_the_end(), ElementsAre(peer_));
+}
+
+}  // namespace
+}  // namespace ddssec::access_control

@@ -1,0 +1,191 @@
+// Which permissions of a renewal list extend those that a peer presented.
+#include "plugins/access_control/listed_permissions.hpp"
+
+#include <gmock/gmock.h>
+
+#include "tests/unit/access_control/fixture.hpp"
+#include "tests/unit/access_control/listed_peers.hpp"
+
+namespace ddssec::access_control {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+TEST_F(ListedPeers, TheSameRightsThatEndEarlier_ChangeNothing) {
+  put({document({"t"}, 0s, 10s)});
+  EXPECT_THAT(look(19s), IsEmpty());
+  EXPECT_THAT(look(1s), ElementsAre(peer_));
+  EXPECT_THAT(codes(), ElementsAre(Code::grant_expired));
+}
+
+TEST_F(ListedPeers, TheSameRightsInTheFuture_CountOnceTheyBegin) {
+  put({document({"t"}, 15s, 24h)});
+  look(10s);
+  EXPECT_THAT(codes(), IsEmpty());
+  EXPECT_THAT(pass_the_end(), IsEmpty());
+  EXPECT_THAT(codes(), ElementsAre(Code::peer_permissions_listed));
+}
+
+TEST_F(ListedPeers, OfSeveral_TheOneThatEndsLastCounts) {
+  put({document({"t"}, 0s, 40s), document({"t"}, -1h, 12h), document({"t"}, 2s, 30s)});
+  look();
+  EXPECT_EQ(plugin->next_expiry(), kNow + 12h);
+}
+
+/// What the list has for a peer that presents "t" and "u".
+class OtherRights : public ListedPeers,
+                    public testing::WithParamInterface<std::vector<std::string>> {
+ protected:
+  OtherRights() {
+    (void)plugin->return_permissions_handle(peer_);
+    meet(presented());
+    log.events.clear();
+  }
+  std::string presented(std::chrono::seconds from = -24h, std::chrono::seconds until = 20s) const {
+    return document({"t", "u"}, from, until);
+  }
+  std::string listed(std::chrono::seconds from, std::chrono::seconds until) const {
+    if (!GetParam().empty()) return document(GetParam(), from, until);
+    auto out = grant(kListener, {});
+    out.validity = {kNow + from, kNow + until};
+    return signed_permissions({out});
+  }
+  void expect_as_presented() {
+    EXPECT_TRUE(may_publish("t"));
+    EXPECT_TRUE(may_publish("u"));
+    EXPECT_FALSE(may_publish("v"));
+    log.events.clear();
+  }
+};
+
+TEST_P(OtherRights, HaveNoEffect) {
+  put({listed(0s, 24h)});
+  EXPECT_THAT(look(), IsEmpty());
+  EXPECT_THAT(codes(), IsEmpty());
+  expect_as_presented();
+  EXPECT_THAT(look(14s), IsEmpty());
+  EXPECT_THAT(look(1s), ElementsAre(peer_)) << "in time";
+  EXPECT_THAT(codes(), ElementsAre(Code::grant_expired));
+  meet(presented(-24h, 24h));
+  EXPECT_THAT(codes(), IsEmpty());
+  expect_as_presented();
+}
+
+TEST_P(OtherRights, ThatHaveEnded_HaveNoEffect) {
+  put({listed(0s, 5s)});
+  look(6s);
+  EXPECT_THAT(codes(), IsEmpty());
+  expect_as_presented();
+  meet(presented());
+  EXPECT_THAT(codes(), IsEmpty());
+  expect_as_presented();
+}
+
+TEST_P(OtherRights, BesideTheSame_KeepThePeerByThese) {
+  put({listed(0s, 48h), presented(-1h, 24h), listed(1s, 72h)});
+  EXPECT_THAT(pass_the_end(), IsEmpty());
+  EXPECT_THAT(codes(), ElementsAre(Code::peer_permissions_listed));
+  expect_as_presented();
+}
+
+TEST_P(OtherRights, RefuseNothingThatThePeerShows) {
+  put({listed(0s, 24h)});
+  look();
+  EXPECT_TRUE(show(presented(-23h, 24h)));
+  expect_as_presented();
+  EXPECT_TRUE(show(document({"v"}, -22h, 24h)));
+  EXPECT_TRUE(may_publish("v"));
+  EXPECT_FALSE(may_publish("t"));
+  EXPECT_THAT(pass_the_end(), IsEmpty());
+}
+
+INSTANTIATE_TEST_SUITE_P(All, OtherRights,
+                         testing::Values(std::vector<std::string>{"t"},
+                                         std::vector<std::string>{"t", "u", "v"},
+                                         std::vector<std::string>{"v"},
+                                         std::vector<std::string>{"*"},
+                                         std::vector<std::string>{}));
+
+// Before, the end of the listed ones locked the participant out for good.
+TEST_F(ListedPeers, MoreRightsForAWhile_LockNoParticipantOut) {
+  const auto own = document({"circle"}, -24h, 1000h);
+  meet(own);
+  put({document({"circle", "square"}, 0s, 30s)});
+  look();
+  EXPECT_TRUE(may_publish("circle"));
+  EXPECT_FALSE(may_publish("square")) << "the peer does not present it";
+  look(30s);
+  log.events.clear();
+  EXPECT_TRUE(may_publish("circle"));
+  meet(own);
+  EXPECT_TRUE(may_publish("circle"));
+  EXPECT_THAT(codes(), IsEmpty());
+}
+
+// Before, rights that were given back had no effect as long as they began before the listed ones.
+TEST_F(ListedPeers, RightsThatAreGivenBack_CountAtOnce) {
+  const auto full = document({"t", "u"}, -24h, 1000h);
+  const auto narrow = document({"t"}, 0s, 60s);
+  put({narrow});
+  look();
+  meet(narrow);
+  EXPECT_FALSE(may_publish("u"));
+  put({narrow, full});
+  look();
+  meet(full);
+  EXPECT_TRUE(may_publish("u"));
+  look(60s);
+  EXPECT_TRUE(may_publish("u"));
+  meet(full);
+  EXPECT_TRUE(may_publish("u"));
+}
+
+TEST_F(ListedPeers, ForAnotherDomain_ChangeNothing) {
+  auto rule = publish_rule(true, {"t"});
+  rule.domains.ranges = {{7, 7}};
+  auto out = grant(kListener, {rule});
+  out.validity = {kNow, kNow + 24h};
+  put({signed_permissions({out})});
+  EXPECT_THAT(look(), IsEmpty());
+  EXPECT_THAT(codes(), IsEmpty());
+  EXPECT_TRUE(may_publish("t"));
+  EXPECT_THAT(look(15s), ElementsAre(peer_));
+}
+
+TEST_F(ListedPeers, ARuleForAnotherDomain_IsNoOtherRight) {
+  auto other = publish_rule(true, {"x"});
+  other.domains.ranges = {{7, 7}};
+  auto out = grant(kListener, {publish_rule(true, {"t"}), other});
+  out.validity = {kNow, kNow + 24h};
+  put({signed_permissions({out})});
+  EXPECT_THAT(pass_the_end(), IsEmpty());
+  EXPECT_TRUE(may_publish("t"));
+}
+
+TEST_F(ListedPeers, WithAnExpression_ChangeNothing) {
+  auto out = grant("CN=*,O=Example", {publish_rule(true, {"t"})});
+  out.subject_is_expression = true;
+  out.validity = {kNow, kNow + 24h};
+  put({signed_permissions({out})});
+  EXPECT_THAT(look(19s), IsEmpty());
+  EXPECT_THAT(look(1s), ElementsAre(peer_));
+}
+
+TEST_F(ListedPeers, AnExpressionThatIsPresented_IsExtendedByTheNameAlone) {
+  (void)plugin->return_permissions_handle(peer_);
+  auto out = grant("CN=*,O=Example", {publish_rule(true, {"t"})});
+  out.subject_is_expression = true;
+  out.validity = {kNow - 24h, kNow + 20s};
+  meet(signed_permissions({out}));
+  put({document({"t"}, 0s, 24h)});
+  EXPECT_THAT(pass_the_end(), IsEmpty());
+}
+
+TEST_F(ListedPeers, OfAnotherSubject_AreOfNoUse) {
+  put({document({"t"}, 0s, 24h, kTalker)});
+  EXPECT_THAT(pass_the_end(), ElementsAre(peer_));
+}
+
+}  // namespace
+}  // namespace ddssec::access_control
